@@ -1,0 +1,1 @@
+//! The cascade of quantised regressors: crop → 68 landmarks.

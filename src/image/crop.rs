@@ -1,0 +1,168 @@
+//! The canonical crop: a small square of luma cut out of a frame by a similarity transform.
+
+use super::Frame;
+use crate::math::Similarity;
+
+/// Largest side of a crop \[px\].
+pub const CROP_MAX: usize = 128;
+
+/// A square grey picture of `side`×`side` pixels, row-major, in fixed memory.
+#[derive(Clone)]
+pub struct Crop {
+    side: usize,
+    luma: [u8; CROP_MAX * CROP_MAX],
+}
+
+impl Default for Crop {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Crop {
+    /// An empty crop.
+    pub const fn new() -> Self {
+        Crop {
+            side: 0,
+            luma: [0; CROP_MAX * CROP_MAX],
+        }
+    }
+
+    /// Width and height \[px\].
+    pub fn side(&self) -> usize {
+        self.side
+    }
+
+    /// The pixels, row-major, `side()` to a row.
+    pub fn luma(&self) -> &[u8] {
+        self.luma.get(..self.side * self.side).unwrap_or(&[])
+    }
+}
+
+/// Bits after the point of a sampling coordinate.
+const FRACTION: u32 = 16;
+
+/// Most samples averaged along one axis of a crop pixel when the frame is finer than the crop.
+const MAX_TAPS: i32 = 4;
+
+/// Fills `crop` (`side` ≤ [`CROP_MAX`]) with the frame's luma: crop pixel (u, v) shows the frame
+/// at `to_frame` × (u, v). Bilinear; where the frame is finer than the crop, each pixel averages up
+/// to 4×4 samples, so the work is bounded by 16 `side`².
+///
+/// Arithmetic is 16.16 fixed point: the same bytes on every machine.
+pub fn warp(frame: &Frame<'_>, to_frame: &Similarity, side: usize, crop: &mut Crop) {
+    let side = side.min(CROP_MAX);
+    crop.side = side;
+    let fixed = |v: f32| {
+        let v = if v.is_finite() { v } else { 0.0 };
+        libm::roundf(v.clamp(-16_000.0, 16_000.0) * (1 << FRACTION) as f32) as i32
+    };
+    let (a, b) = (fixed(to_frame.a) as i64, fixed(to_frame.b) as i64);
+    let (tx, ty) = (fixed(to_frame.tx) as i64, fixed(to_frame.ty) as i64);
+    let scale = libm::sqrtf(to_frame.a * to_frame.a + to_frame.b * to_frame.b);
+    let taps = if scale.is_finite() {
+        (libm::roundf(scale) as i32).clamp(1, MAX_TAPS)
+    } else {
+        1
+    };
+    // Samples sit at the centres of a taps×taps division of the crop pixel.
+    let first = |axis: i64| -axis * (taps as i64 - 1) / (2 * taps as i64);
+    let (sub_a, sub_b) = (a / taps as i64, b / taps as i64);
+    let area = (taps * taps) as u32;
+    for (v, row) in crop
+        .luma
+        .chunks_exact_mut(side.max(1))
+        .take(side)
+        .enumerate()
+    {
+        // Crop (u, v) → frame (a·u − b·v + tx, b·u + a·v + ty).
+        let mut x = tx - b * v as i64 + first(a) - first(b);
+        let mut y = ty + a * v as i64 + first(b) + first(a);
+        for pixel in row {
+            let mut sum = 0;
+            for j in 0..taps as i64 {
+                for i in 0..taps as i64 {
+                    let sx = x + sub_a * i - sub_b * j;
+                    let sy = y + sub_b * i + sub_a * j;
+                    sum += bilinear(frame, sx, sy);
+                }
+            }
+            *pixel = ((sum + area / 2) / area) as u8;
+            x += a;
+            y += b;
+        }
+    }
+}
+
+/// Luma at (x, y) in 16.16 fixed point, 0..=255.
+#[inline]
+fn bilinear(frame: &Frame<'_>, x: i64, y: i64) -> u32 {
+    let (ix, iy) = ((x >> FRACTION) as i32, (y >> FRACTION) as i32);
+    // 8 bits of fraction are below the quantisation of the pixels themselves.
+    let fx = ((x >> (FRACTION - 8)) & 255) as u32;
+    let fy = ((y >> (FRACTION - 8)) & 255) as u32;
+    let l = |dx, dy| frame.luma(ix + dx, iy + dy) as u32;
+    let top = l(0, 0) * (256 - fx) + l(1, 0) * fx;
+    let bottom = l(0, 1) * (256 - fx) + l(1, 1) * fx;
+    (top * (256 - fy) + bottom * fy + (1 << 15)) >> 16
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::FrameLayout;
+
+    #[test]
+    fn identity_copies_and_shift_interpolates() {
+        let bytes: [u8; 16] = core::array::from_fn(|i| (i * 10) as u8);
+        let frame = Frame::new(&FrameLayout::grey(4, 4), &bytes).unwrap();
+        let mut crop = Crop::new();
+        warp(&frame, &Similarity::IDENTITY, 4, &mut crop);
+        assert_eq!(crop.luma(), &bytes);
+        warp(
+            &frame,
+            &Similarity {
+                tx: 0.5,
+                ..Similarity::IDENTITY
+            },
+            2,
+            &mut crop,
+        );
+        assert_eq!(crop.luma(), &[5, 15, 45, 55]);
+    }
+
+    #[test]
+    fn downscale_averages() {
+        let bytes: [u8; 16] = core::array::from_fn(|i| if i % 2 == 0 { 0 } else { 200 });
+        let frame = Frame::new(&FrameLayout::grey(4, 4), &bytes).unwrap();
+        let mut crop = Crop::new();
+        let half = Similarity {
+            a: 2.0,
+            b: 0.0,
+            tx: 0.5,
+            ty: 0.5,
+        };
+        warp(&frame, &half, 2, &mut crop);
+        assert_eq!(crop.luma(), &[100; 4]);
+    }
+
+    #[test]
+    fn wild_transforms_stay_inside() {
+        let frame = Frame::new(&FrameLayout::grey(1, 1), &[7]).unwrap();
+        let mut crop = Crop::new();
+        for v in [f32::NAN, f32::INFINITY, -1e30, 1e30, 16_000.0] {
+            warp(
+                &frame,
+                &Similarity {
+                    a: v,
+                    b: v,
+                    tx: v,
+                    ty: v,
+                },
+                CROP_MAX,
+                &mut crop,
+            );
+            assert!(crop.luma().iter().all(|&l| l == 7));
+        }
+    }
+}

@@ -1,0 +1,62 @@
+//! posewise: one camera frame in; 6-DoF head pose, 68 landmarks and facial animation out.
+//!
+//! No heap, no threads, no OS, no clock: the caller owns every byte, and each step's work is
+//! bounded. The rooms, in the order in which a frame passes through them:
+//!
+//! | layer | room | what happens there |
+//! |---|---|---|
+//! | 0 | [`math`] | fixed-point helpers, similarity transforms, rotations, small solvers |
+//! | 1 | [`image`] | frame views over the caller's bytes, luma, the warp into a canonical crop |
+//! | 1 | [`model`] | the `.posewise` blob: header, sections, zero-copy typed views |
+//! | 2 | [`descriptor`] | local features of a crop |
+//! | 2 | [`shape`] | the 3D face, projection, POSIT, the bounded pose fit |
+//! | 3 | [`detect`] | the multi-view face scan, time-sliced |
+//! | 3 | [`align`] | the cascade of quantised regressors: crop → 68 landmarks |
+//! | 4 | [`track`] | Searching / Tracking / Holding: what lives across frames |
+//! | 5 | `ffi` | the C ABI |
+//!
+//! ```no_run
+//! # fn frame() -> posewise::image::Frame<'static> { unimplemented!() }
+//! use posewise::track::{Config, Model, Tracker};
+//! let model = Model::load(posewise::DEFAULT_MODEL).expect("the embedded model is valid");
+//! let mut tracker = Tracker::new(&Config::default()).expect("the defaults are valid");
+//! let result = tracker.step(&model, &frame(), 33_333).expect("time goes forward");
+//! println!("{:?} yaw {:.1}", result.state, result.yaw_deg);
+//! ```
+#![no_std]
+#![deny(missing_docs)]
+#![deny(unsafe_code)]
+
+pub mod align;
+pub mod descriptor;
+pub mod detect;
+pub mod image;
+pub mod math;
+pub mod model;
+pub mod shape;
+pub mod track;
+
+#[cfg(feature = "ffi")]
+pub mod ffi;
+
+#[cfg(feature = "panic-handler")]
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo) -> ! {
+    // Unreachable by design; a link test shows that no path leads here.
+    loop {}
+}
+
+/// Bytes aligned as a model blob must be ([`model::ALIGN`]).
+#[cfg(feature = "default-model")]
+#[repr(C, align(64))]
+struct Aligned<B: ?Sized>(B);
+
+#[cfg(feature = "default-model")]
+static DEFAULT: &Aligned<[u8]> = &Aligned(*include_bytes!(concat!(
+    env!("CARGO_MANIFEST_DIR"),
+    "/models/default.posewise"
+)));
+
+/// The model that ships with the crate (`models/default.posewise`), 64-byte aligned.
+#[cfg(feature = "default-model")]
+pub static DEFAULT_MODEL: &[u8] = &DEFAULT.0;

@@ -1,0 +1,92 @@
+//! Head rotations: angles ↔ matrix.
+//!
+//! Camera axes: x right, y down, z away from the camera. A head with the identity rotation looks
+//! straight into the camera (nose along −z). `R = Ry(−yaw) · Rx(−pitch) · Rz(roll)`, column
+//! vectors, textbook right-handed rotations about each axis. yaw > 0 turns the face to the image
+//! right, pitch > 0 turns it up, roll > 0 turns it clockwise in the image.
+
+use glam::{Mat3, Vec3};
+
+/// Yaw, pitch and roll of a head \[deg\].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct HeadAngles {
+    /// > 0: the face turns to the image right. −180..180.
+    pub yaw_deg: f32,
+    /// > 0: the face turns up. −90..90.
+    pub pitch_deg: f32,
+    /// > 0: the head tilts clockwise in the image. −180..180.
+    pub roll_deg: f32,
+}
+
+/// Head-to-camera rotation of the angles.
+pub fn head_rotation(angles: HeadAngles) -> Mat3 {
+    let sc = |deg: f32| {
+        let rad = deg.to_radians();
+        (libm::sinf(rad), libm::cosf(rad))
+    };
+    let (sy, cy) = sc(-angles.yaw_deg);
+    let (sp, cp) = sc(-angles.pitch_deg);
+    let (sr, cr) = sc(angles.roll_deg);
+    let yaw = Mat3::from_cols(Vec3::new(cy, 0., -sy), Vec3::Y, Vec3::new(sy, 0., cy));
+    let pitch = Mat3::from_cols(Vec3::X, Vec3::new(0., cp, sp), Vec3::new(0., -sp, cp));
+    let roll = Mat3::from_cols(Vec3::new(cr, sr, 0.), Vec3::new(-sr, cr, 0.), Vec3::Z);
+    yaw * pitch * roll
+}
+
+/// Angles of a head-to-camera rotation; inverse of [`head_rotation`] for |pitch| < 90°.
+pub fn head_angles(rotation: &Mat3) -> HeadAngles {
+    // With the nose direction d = R·(0, 0, −1): yaw = atan2(dx, −dz), pitch = asin(−dy).
+    let z = rotation.z_axis;
+    HeadAngles {
+        yaw_deg: libm::atan2f(-z.x, z.z).to_degrees(),
+        pitch_deg: libm::asinf(z.y.clamp(-1.0, 1.0)).to_degrees(),
+        // The middle row of R is cos(pitch)·(sin roll, cos roll, ·).
+        roll_deg: libm::atan2f(rotation.x_axis.y, rotation.y_axis.y).to_degrees(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn signs_by_hand() {
+        let nose = |yaw_deg, pitch_deg, roll_deg| {
+            head_rotation(HeadAngles {
+                yaw_deg,
+                pitch_deg,
+                roll_deg,
+            }) * Vec3::new(0., 0., -1.)
+        };
+        assert!(
+            nose(30., 0., 0.).x > 0.49,
+            "yaw > 0: nose to the image right"
+        );
+        assert!(nose(0., 30., 0.).y < -0.49, "pitch > 0: nose up");
+        let crown = head_rotation(HeadAngles {
+            roll_deg: 30.,
+            ..Default::default()
+        }) * -Vec3::Y;
+        assert!(crown.x > 0.49, "roll > 0: crown to the image right");
+    }
+
+    #[test]
+    fn angles_round_trip() {
+        for (yaw_deg, pitch_deg, roll_deg) in [
+            (0., 0., 0.),
+            (85., 10., -20.),
+            (-60., -40., 30.),
+            (120., 5., 170.),
+        ] {
+            let angles = HeadAngles {
+                yaw_deg,
+                pitch_deg,
+                roll_deg,
+            };
+            let back = head_angles(&head_rotation(angles));
+            assert!((back.yaw_deg - yaw_deg).abs() < 1e-3, "{back:?}");
+            assert!((back.pitch_deg - pitch_deg).abs() < 1e-3, "{back:?}");
+            assert!((back.roll_deg - roll_deg).abs() < 1e-3, "{back:?}");
+        }
+    }
+}

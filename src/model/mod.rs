@@ -1,0 +1,84 @@
+//! The `.posewise` blob: one read-only file, read in place.
+//!
+//! ```text
+//! 0   magic "POSEWISE"
+//! 8   u32 format version          12  u32 total length [bytes]
+//! 16  u32 CRC-32 of bytes 64..    20  u32 number of sections (≤ MAX_SECTIONS)
+//! 24  zeros up to 64
+//! 64  table: per section  [u8; 4] tag, u32 offset, u32 length, u32 zero
+//! …   sections, each at a multiple of 64 bytes
+//! ```
+//! Little-endian throughout. [`Blob::open`] checks all of that; each room then checks its own
+//! section when it opens it ([`Section`] hands out bounds-checked typed slices), so after
+//! `track::Model::load` no index found in a model can lead out of bounds. Unknown sections are
+//! skipped.
+
+mod blob;
+mod section;
+
+pub use blob::{ALIGN, Blob, FORMAT_VERSION, HEADER_LEN, MAGIC, MAX_SECTIONS, crc32};
+pub use section::Section;
+
+/// The name of a section: four ASCII characters.
+pub type Tag = [u8; 4];
+
+/// Why bytes are not a model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ModelError {
+    /// The bytes do not start at a multiple of [`ALIGN`].
+    Misaligned,
+    /// Shorter than the header or than the length that the header states.
+    Truncated,
+    /// Not a `.posewise` file.
+    Magic,
+    /// Written for another version of the format.
+    Version {
+        /// The version that the file states.
+        found: u32,
+    },
+    /// The checksum does not match: bytes were changed.
+    Checksum,
+    /// The section table points out of the file, overlaps the header, or is too long.
+    Table,
+    /// A section that this build needs is not there.
+    Missing(Tag),
+    /// A section's content breaks a rule of its room.
+    Section {
+        /// Which section.
+        tag: Tag,
+        /// What is wrong.
+        why: &'static str,
+    },
+}
+
+impl core::fmt::Display for ModelError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            ModelError::Misaligned => f.write_str("the model's bytes are not 64-byte aligned"),
+            ModelError::Truncated => f.write_str("the model is truncated"),
+            ModelError::Magic => f.write_str("not a .posewise model"),
+            ModelError::Version { found } => {
+                write!(
+                    f,
+                    "model format version {found}, this build reads {FORMAT_VERSION}"
+                )
+            }
+            ModelError::Checksum => {
+                f.write_str("the model's checksum does not match: it is corrupt")
+            }
+            ModelError::Table => f.write_str("the model's section table is corrupt"),
+            ModelError::Missing(tag) => {
+                write!(f, "the model has no section {}", tag.escape_ascii())
+            }
+            ModelError::Section { tag, why } => {
+                write!(
+                    f,
+                    "the model's section {} is wrong: {why}",
+                    tag.escape_ascii()
+                )
+            }
+        }
+    }
+}
+
+impl core::error::Error for ModelError {}

@@ -1,0 +1,83 @@
+//! What a step answers.
+
+use crate::shape::{ANIMATIONS, LANDMARKS};
+
+/// What the tracker is doing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum State {
+    /// No face; everything in the result below `timestamp_us` is zero.
+    #[default]
+    Searching,
+    /// Fitted on this frame.
+    Tracking,
+    /// Not fitted on this frame: the last fit, `age_us` old.
+    Holding,
+}
+
+/// One landmark in the image.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Landmark {
+    /// Image position \[px\].
+    pub x: f32,
+    /// Image position \[px\].
+    pub y: f32,
+    /// Probability that the landmark lies within a tenth of the inter-ocular distance of the
+    /// truth, 0..1.
+    pub confidence: f32,
+    /// 1 when the 3D face does not hide it from the camera, 0 when it does.
+    pub visibility: f32,
+}
+
+/// The answer to one frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrackResult {
+    /// What the tracker is doing.
+    pub state: State,
+    /// Timestamp of the frame that this answers \[µs\].
+    pub timestamp_us: i64,
+    /// Time since the frame that the fit belongs to \[µs\]; 0 when Tracking.
+    pub age_us: i64,
+    /// Probability that this is a face and that the fit is right, 0..1.
+    pub score: f32,
+    /// Axis-aligned box of the landmarks: x, y, width, height \[px\].
+    pub face_box: [f32; 4],
+    /// Head-to-camera rotation as a unit quaternion x, y, z, w.
+    pub rotation: [f32; 4],
+    /// > 0: the face turns to the image right \[deg\].
+    pub yaw_deg: f32,
+    /// > 0: the face turns up \[deg\].
+    pub pitch_deg: f32,
+    /// > 0: the head tilts clockwise in the image \[deg\].
+    pub roll_deg: f32,
+    /// The head's origin (midway between the eye centres) in the camera frame \[mm\].
+    pub translation_mm: [f32; 3],
+    /// Openness of the subject's left and right eye: 0 shut, 1 open, −1 unknown.
+    pub eye_open: [f32; 2],
+    /// iBUG 68 landmarks; the jaw (0–16) follows the visible contour.
+    pub landmarks: [Landmark; LANDMARKS],
+    /// The landmarks as points of the 3D face, camera frame \[mm\].
+    pub points_mm: [[f32; 3]; LANDMARKS],
+    /// Weights of [`crate::shape::ANIMATION_NAMES`], 0..1.
+    pub animation: [f32; ANIMATIONS],
+}
+
+impl Default for TrackResult {
+    fn default() -> Self {
+        TrackResult {
+            state: State::Searching,
+            timestamp_us: 0,
+            age_us: 0,
+            score: 0.0,
+            face_box: [0.0; 4],
+            rotation: [0.0; 4],
+            yaw_deg: 0.0,
+            pitch_deg: 0.0,
+            roll_deg: 0.0,
+            translation_mm: [0.0; 3],
+            eye_open: [0.0; 2],
+            landmarks: [Landmark::default(); LANDMARKS],
+            points_mm: [[0.0; 3]; LANDMARKS],
+            animation: [0.0; ANIMATIONS],
+        }
+    }
+}

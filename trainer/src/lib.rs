@@ -1,0 +1,3 @@
+//! Trains the models of posewise from photographs and rendered faces.
+
+pub mod pack;
