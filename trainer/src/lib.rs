@@ -1,3 +1,4 @@
 //! Trains the models of posewise from photographs and rendered faces.
 
+pub mod head;
 pub mod pack;
