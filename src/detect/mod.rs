@@ -1,4 +1,29 @@
 //! The multi-view face detector: a time-sliced scan straight over the frame's luma.
+//!
+//! In: a [`Frame`](crate::image::Frame) and the section `DTCT` of the model. Out: at most one
+//! [`Detection`], that of the largest face. A window is judged by soft cascades of boosted trees
+//! whose nodes compare two pixels (Markuš et al., "Object detection with pixel intensity
+//! comparisons organized in decision trees", 2013): no pyramid, no integral image, no copy of the
+//! frame; the comparisons' offsets are scaled and turned with the window. Overlapping hits are
+//! merged ([`cluster`]), and a small regression forest of the same comparisons then moves the
+//! merged window onto the face ([`refine`]).
+//!
+//! Integers up to the merged window. [`Scan`] holds all state in fixed memory, so a sweep over
+//! the frame can be spread over as many steps as the caller likes.
+
+mod cluster;
+mod forest;
+mod model;
+mod near;
+mod refine;
+mod scan;
+mod window;
+
+pub use model::{DetectorModel, ENSEMBLES_MAX, Ensemble, REFINE_OUTPUTS, ROLLS_MAX, Refiner, TAG};
+pub use near::search_near;
+pub use refine::refine;
+pub use scan::{Scan, Swept};
+pub use window::{Window, judge};
 
 /// A face candidate: a square that is turned with the head.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

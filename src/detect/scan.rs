@@ -1,0 +1,177 @@
+//! The sweep over sizes, rolls and places, in slices.
+//!
+//! Sizes go from the frame's shorter side down, each with all rolls (upright first), so the
+//! largest face is met first, and large sizes, which are cheap, are done soon. After each size the
+//! largest confirmed cluster that is complete ends the sweep. Between slices the frame may change:
+//! a sweep over a live stream sees each part of it at another time.
+
+use super::cluster::{Clusters, Hit, turns};
+use super::window::Q4;
+use super::{Detection, DetectorModel, Window, judge, refine};
+use crate::image::Frame;
+
+/// Trees per unit of work beyond the first: most windows are rejected by fewer.
+const TREES_PER_UNIT: usize = 16;
+/// Smallest face that can be asked for \[px\].
+const FACE_MIN_PX: i32 = 16;
+
+/// What a slice of the sweep ended with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Swept {
+    /// The budget is used up; the sweep goes on with the next call.
+    Unfinished,
+    /// A face; the next call starts a new sweep.
+    Found(Detection),
+    /// The whole frame was seen and holds no face; the next call starts a new sweep.
+    Nothing,
+}
+
+/// State of a sweep: plain data of fixed size.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Scan {
+    // What the sweep was started for; another frame size or smallest face starts it anew.
+    width: i32,
+    height: i32,
+    min_px: i32,
+    // Size of this pass [1/16 px]; 0 before the start.
+    size: i32,
+    pass: u16,
+    roll: usize,
+    row: i32,
+    column: i32,
+    clusters: Clusters,
+}
+
+/// Places of window centres along one axis \[1/16 px\].
+#[derive(Clone, Copy)]
+struct Axis {
+    first: i32,
+    step: i32,
+    count: i32,
+}
+
+impl Axis {
+    /// Centred on `length` pixels, keeping `margin` from both edges.
+    fn new(length: i32, margin: i32, step: i32) -> Self {
+        let last = (length - 1) * Q4;
+        let room = (last - 2 * margin).max(0) as u32;
+        let step = step.max(Q4 / 2);
+        let count = (room / step.max(1) as u32) as i32 + 1;
+        Axis {
+            first: (last - (count - 1) * step) / 2,
+            step,
+            count,
+        }
+    }
+}
+
+impl Scan {
+    /// A sweep that has not begun.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Forgets everything: the next slice starts a new sweep.
+    pub fn restart(&mut self) {
+        *self = Self::default();
+    }
+
+    /// Goes on with the sweep for at most about `budget` units of work.
+    ///
+    /// A window costs one unit and one more for every 16 trees that it needs, so a call asks at
+    /// most 16·`budget` trees plus those of one window, and once those of [`refine`]. How the work
+    /// is cut into slices does not change what is found on a still frame. `min_face_px` (at least
+    /// 16) bounds [`Detection::size`] from below, within a step of the grid.
+    pub fn advance(
+        &mut self,
+        model: &DetectorModel<'_>,
+        frame: &Frame<'_>,
+        min_face_px: i32,
+        budget: u32,
+    ) -> Swept {
+        let min_px = min_face_px.max(FACE_MIN_PX);
+        let wanted = (frame.width(), frame.height(), min_px);
+        if self.size == 0 || wanted != (self.width, self.height, self.min_px) {
+            self.begin(wanted);
+        }
+        let mut left = budget.max(1) as i64;
+        while left > 0 {
+            let rolls = model.rolls.get(self.roll..).unwrap_or(&[]);
+            let Some(roll) = rolls.first() else {
+                if let Some(end) = self.end_pass(model, frame) {
+                    return end;
+                }
+                left -= 1;
+                continue;
+            };
+            self.rows(model, frame, *roll as i32, &mut left);
+        }
+        Swept::Unfinished
+    }
+
+    fn begin(&mut self, (width, height, min_px): (i32, i32, i32)) {
+        *self = Scan {
+            width,
+            height,
+            min_px,
+            size: width.min(height).max(min_px) * Q4,
+            ..Self::default()
+        };
+    }
+
+    /// The rest of the places at one size and roll, as far as the work goes.
+    fn rows(&mut self, model: &DetectorModel<'_>, frame: &Frame<'_>, roll: i32, left: &mut i64) {
+        let q8 = |v: i32| ((self.size as i64 * v as i64) >> 8) as i32;
+        let (step, margin) = (q8(model.step_q8), q8(model.margin_q8));
+        let across = Axis::new(self.width, margin, step);
+        let down = Axis::new(self.height, margin, step);
+        let window = Window::new(0, 0, q8(model.side_q8), turns(roll));
+        while self.row < down.count {
+            let y = down.first + self.row * down.step;
+            while self.column < across.count {
+                if *left <= 0 {
+                    return;
+                }
+                let x = across.first + self.column * across.step;
+                self.column += 1;
+                let (score, trees) = judge(model, frame, &window.at(x, y));
+                *left -= 1 + (trees / TREES_PER_UNIT) as i64;
+                if let Some(score) = score {
+                    self.clusters.add(Hit {
+                        x,
+                        y,
+                        size: self.size,
+                        roll,
+                        score,
+                        pass: self.pass,
+                    });
+                }
+            }
+            self.column = 0;
+            self.row += 1;
+        }
+        self.row = 0;
+        self.roll += 1;
+    }
+
+    /// After all rolls of a size: an end of the sweep, or the next size.
+    fn end_pass(&mut self, model: &DetectorModel<'_>, frame: &Frame<'_>) -> Option<Swept> {
+        let next = ((self.size as i64 * model.ratio_q8 as i64) >> 8) as i32;
+        // Half a step below the smallest face, for its hits straddle two sizes.
+        let floor = (self.min_px * Q4 * 15) / 16;
+        let last = next < floor || next >= self.size;
+        let best = self.clusters.best(model.confirm, self.pass, last);
+        if let Some(best) = best {
+            self.restart();
+            return Some(Swept::Found(refine(model, frame, &best)));
+        }
+        if last {
+            self.restart();
+            return Some(Swept::Nothing);
+        }
+        self.roll = 0;
+        self.pass += 1;
+        self.size = next;
+        None
+    }
+}

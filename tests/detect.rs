@@ -1,0 +1,239 @@
+//! The scan on a planted pattern: a tiny hand-made model, no training data.
+
+use posewise::detect::{Detection, DetectorModel, Scan, Swept, TAG, search_near};
+use posewise::image::{Frame, FrameLayout, Rotation};
+use posewise::model::{Blob, FORMAT_VERSION, HEADER_LEN, MAGIC, ModelError, crc32};
+
+/// A section under construction, laid out as `posewise::model::Section` reads it.
+#[derive(Default)]
+struct Writer(Vec<u8>);
+
+impl Writer {
+    fn scalar(&mut self, value: u32) -> &mut Self {
+        self.0.extend(value.to_le_bytes());
+        self
+    }
+
+    fn array(&mut self, bytes: impl IntoIterator<Item = u8>) -> &mut Self {
+        self.0.resize(self.0.len().next_multiple_of(16), 0);
+        self.0.extend(bytes);
+        self.0.resize(self.0.len().next_multiple_of(4), 0);
+        self
+    }
+}
+
+#[repr(C, align(64))]
+struct Aligned([u8; 8192]);
+
+fn with_model<T>(
+    section: &[u8],
+    run: impl FnOnce(Result<DetectorModel<'_>, ModelError>) -> T,
+) -> T {
+    let mut body = vec![0; 64];
+    body[..4].copy_from_slice(&TAG);
+    body[4..8].copy_from_slice(&(HEADER_LEN as u32 + 64).to_le_bytes());
+    body[8..12].copy_from_slice(&(section.len() as u32).to_le_bytes());
+    body.extend(section);
+    let mut bytes = Box::new(Aligned([0; 8192]));
+    bytes.0[..8].copy_from_slice(&MAGIC);
+    let total = (HEADER_LEN + body.len()) as u32;
+    for (i, value) in [FORMAT_VERSION, total, crc32(&body), 1].iter().enumerate() {
+        bytes.0[8 + 4 * i..][..4].copy_from_slice(&value.to_le_bytes());
+    }
+    bytes.0[HEADER_LEN..][..body.len()].copy_from_slice(&body);
+    let blob = Blob::open(&bytes.0).expect("a well-formed blob");
+    run(blob.section(&TAG).and_then(DetectorModel::open))
+}
+
+/// The pattern: dark upper half with a bright left spot, in a bright-below square.
+/// Each tree of depth 1 asks one question about it.
+const QUESTIONS: [[i8; 4]; 6] = [
+    // x1, y1, x2, y2: the first is brighter.
+    [-70, 60, -70, -100],
+    [70, 60, 70, -100],
+    [0, 60, 0, -100],
+    [-70, -40, 70, -40],
+    [-70, -40, 0, -40],
+    [-70, 60, 70, -40],
+];
+
+fn section(mirrored: bool, rolls: &[i16]) -> Vec<u8> {
+    let mut w = Writer::default();
+    w.scalar(213).scalar(31).scalar(256).scalar(64).scalar(3);
+    w.scalar(rolls.len() as u32);
+    w.array(rolls.iter().flat_map(|r| r.to_le_bytes()));
+    let n = QUESTIONS.len();
+    w.scalar(1)
+        .scalar(mirrored as u32)
+        .scalar(1)
+        .scalar(n as u32);
+    w.array(QUESTIONS.iter().flatten().map(|v| *v as u8));
+    w.array(
+        (0..n)
+            .flat_map(|_| [-100i16, 100])
+            .flat_map(|v| v.to_le_bytes()),
+    );
+    w.array((1..=n as i32).flat_map(|t| (100 * t).to_le_bytes()));
+    w.scalar(0).scalar(1).scalar(0).array([]).array([]);
+    w.0
+}
+
+const SIDE: i32 = 160;
+
+/// Uniform, with the pattern at (x, y), turned.
+fn picture(x: f32, y: f32, size: f32, roll: f32) -> Vec<u8> {
+    let (sin, cos) = roll.sin_cos();
+    let pixel = |i: i32| {
+        let (dx, dy) = ((i % SIDE) as f32 - x, (i / SIDE) as f32 - y);
+        let (u, v) = ((cos * dx + sin * dy) / size, (cos * dy - sin * dx) / size);
+        match (u, v) {
+            _ if u.abs() > 0.5 || v.abs() > 0.5 => 90,
+            _ if v > 0.0 => 200,
+            _ if (u + 0.27).abs() < 0.13 && (v + 0.16).abs() < 0.13 => 150,
+            _ => 30,
+        }
+    };
+    (0..SIDE * SIDE).map(pixel).collect()
+}
+
+fn layout() -> FrameLayout {
+    FrameLayout::grey(SIDE as u32, SIDE as u32)
+}
+
+fn sweep(model: &DetectorModel<'_>, frame: &Frame<'_>, budget: u32) -> Option<Detection> {
+    let mut scan = Scan::new();
+    for _ in 0..1_000_000 {
+        match scan.advance(model, frame, 24, budget) {
+            Swept::Unfinished => {}
+            Swept::Found(found) => return Some(found),
+            Swept::Nothing => return None,
+        }
+    }
+    panic!("a sweep ends");
+}
+
+fn close(found: Option<Detection>, x: f32, y: f32, size: f32) {
+    let d = found.expect("the pattern is found");
+    let off = ((d.x - x).powi(2) + (d.y - y).powi(2)).sqrt();
+    assert!(off < 0.2 * size, "{d:?}");
+    assert!((0.7..1.4).contains(&(d.size / size)), "{d:?}");
+    assert!(d.score >= 0.0, "{d:?}");
+}
+
+#[test]
+fn finds_the_pattern_in_slices_of_any_length() {
+    let pixels = picture(90.0, 70.0, 48.0, 0.0);
+    let frame = Frame::new(&layout(), &pixels).unwrap();
+    let blank = vec![90; pixels.len()];
+    let blank = Frame::new(&layout(), &blank).unwrap();
+    with_model(&section(false, &[0]), |model| {
+        let model = model.expect("a valid model");
+        let whole = sweep(&model, &frame, u32::MAX);
+        close(whole, 90.0, 70.0, 48.0);
+        for budget in [0, 1, 7, 100, 1013] {
+            assert_eq!(sweep(&model, &frame, budget), whole, "budget {budget}");
+        }
+        assert_eq!(sweep(&model, &blank, 100), None);
+    });
+}
+
+#[test]
+fn rolls_and_mirrors_and_frame_layouts() {
+    let turned = picture(80.0, 84.0, 60.0, 1.0);
+    let frame = Frame::new(&layout(), &turned).unwrap();
+    let upright = section(false, &[0]);
+    let rolls = section(false, &[0, 10430, -10430]);
+    let missed = with_model(&upright, |model| sweep(&model.unwrap(), &frame, 1000));
+    with_model(&rolls, |model| {
+        let found = sweep(&model.unwrap(), &frame, 1000);
+        assert!(found.map(|d| d.score) > missed.map(|d| d.score));
+        close(found, 80.0, 84.0, 60.0);
+        assert!((found.unwrap().roll - 1.0).abs() < 0.15);
+    });
+    let pixels = picture(90.0, 70.0, 48.0, 0.0);
+    let plain = Frame::new(&layout(), &pixels).unwrap();
+    let mirror = FrameLayout {
+        mirrored: true,
+        ..layout()
+    };
+    let mirror = Frame::new(&mirror, &pixels).unwrap();
+    with_model(&upright, |model| {
+        assert_eq!(sweep(&model.unwrap(), &mirror, 1000), None);
+    });
+    with_model(&section(true, &[0]), |model| {
+        let model = model.unwrap();
+        let a = sweep(&model, &plain, 1000).expect("found");
+        let b = sweep(&model, &mirror, 1000).expect("found mirrored");
+        assert_eq!((a.size, a.y, a.score), (b.size, b.y, b.score));
+        assert!((a.x + b.x - (SIDE - 1) as f32).abs() <= 0.5, "{a:?} {b:?}");
+    });
+    let half = FrameLayout {
+        rotation: Rotation::Half,
+        ..layout()
+    };
+    let reversed: Vec<u8> = pixels.iter().rev().copied().collect();
+    let half = Frame::new(&half, &reversed).unwrap();
+    with_model(&upright, |model| {
+        let model = model.unwrap();
+        assert_eq!(sweep(&model, &half, 50), sweep(&model, &plain, 50));
+    });
+}
+
+#[test]
+fn searches_near_a_place_only() {
+    let pixels = picture(90.0, 70.0, 48.0, 0.0);
+    let frame = Frame::new(&layout(), &pixels).unwrap();
+    with_model(&section(false, &[0]), |model| {
+        let model = model.unwrap();
+        let around = |x, y, size| Detection {
+            x,
+            y,
+            size,
+            ..Detection::default()
+        };
+        close(
+            search_near(&model, &frame, &around(96.0, 64.0, 52.0), 3000),
+            90.0,
+            70.0,
+            48.0,
+        );
+        assert_eq!(
+            search_near(&model, &frame, &around(30.0, 130.0, 52.0), 3000),
+            None
+        );
+        assert_eq!(
+            search_near(&model, &frame, &around(96.0, 64.0, 52.0), 0),
+            None
+        );
+        for bad in [f32::NAN, f32::INFINITY, -1.0, 0.0, 1e30] {
+            assert_eq!(
+                search_near(&model, &frame, &around(bad, bad, bad), 3000),
+                None
+            );
+            search_near(&model, &frame, &around(bad, 70.0, 48.0), 3000);
+        }
+    });
+}
+
+#[test]
+fn broken_sections_are_refused_or_harmless() {
+    let pixels = picture(90.0, 70.0, 48.0, 0.0);
+    let frame = Frame::new(&layout(), &pixels).unwrap();
+    let good = section(true, &[0, 5461]);
+    for len in 0..good.len() {
+        with_model(&good[..len], |model| {
+            // Only the trailing empty arrays and padding may be cut unnoticed.
+            assert!(model.is_err() || len + 32 > good.len(), "cut to {len}");
+        });
+    }
+    for bit in 0..good.len() * 8 {
+        let mut bad = good.clone();
+        bad[bit / 8] ^= 1 << (bit % 8);
+        with_model(&bad, |model| {
+            if let Ok(model) = model {
+                Scan::new().advance(&model, &frame, 40, 300);
+            }
+        });
+    }
+    assert!(size_of::<Scan>() <= 4096);
+}
