@@ -36,7 +36,7 @@ pub mod model;
 pub mod shape;
 pub mod track;
 
-#[cfg(feature = "ffi")]
+#[cfg(any(feature = "ffi", test))]
 pub mod ffi;
 
 #[cfg(feature = "panic-handler")]

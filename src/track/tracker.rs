@@ -25,6 +25,28 @@ impl Default for Config {
     }
 }
 
+impl Config {
+    /// Whether every setting is in its range.
+    ///
+    /// # Errors
+    /// [`ConfigError`] names the first that is not.
+    pub fn check(&self) -> Result<(), ConfigError> {
+        if let Some(Intrinsics { fx, fy, cx, cy }) = self.intrinsics {
+            let finite = [fx, fy, cx, cy].iter().all(|v| v.is_finite());
+            if !(finite && fx > 0.0 && fy > 0.0) {
+                return Err(ConfigError::Intrinsics);
+            }
+        }
+        if !(24..=4096).contains(&self.min_face_px) {
+            return Err(ConfigError::MinFace);
+        }
+        if !(100..=10_000_000).contains(&self.scan_budget) {
+            return Err(ConfigError::ScanBudget);
+        }
+        Ok(())
+    }
+}
+
 /// Why settings are refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ConfigError {
@@ -77,7 +99,7 @@ impl Tracker {
     /// # Errors
     /// [`ConfigError`] names the setting that is out of range.
     pub fn new(config: &Config) -> Result<Self, ConfigError> {
-        check(config)?;
+        config.check()?;
         Ok(Tracker {
             config: *config,
             result: TrackResult::default(),
@@ -132,24 +154,8 @@ impl Tracker {
             intrinsics,
             ..self.config
         };
-        check(&config)?;
+        config.check()?;
         self.config = config;
         Ok(())
     }
-}
-
-fn check(config: &Config) -> Result<(), ConfigError> {
-    if let Some(Intrinsics { fx, fy, cx, cy }) = config.intrinsics {
-        let finite = [fx, fy, cx, cy].iter().all(|v| v.is_finite());
-        if !(finite && fx > 0.0 && fy > 0.0) {
-            return Err(ConfigError::Intrinsics);
-        }
-    }
-    if !(24..=4096).contains(&config.min_face_px) {
-        return Err(ConfigError::MinFace);
-    }
-    if !(100..=10_000_000).contains(&config.scan_budget) {
-        return Err(ConfigError::ScanBudget);
-    }
-    Ok(())
 }

@@ -1,0 +1,434 @@
+//! The functions of `include/posewise.h`, and nothing but translation: C values to the crate's
+//! types, the crate's errors to status codes.
+//!
+//! The header is generated from this file: the comments below are written for the C reader.
+
+// The contract of every pointer stands once, at the head of the header and of memory.rs.
+#![allow(clippy::missing_safety_doc)]
+
+use super::memory::{self, BLOCK_SIZE};
+use super::types::*;
+use crate::image::{Frame, FrameLayout, PixelFormat, Rotation};
+use crate::model::ModelError;
+use crate::shape::{ANIMATION_NAMES, ANIMATIONS, Intrinsics, LANDMARKS};
+use crate::track::{Config, Model, State, StepError, TrackResult};
+use core::ffi::{c_char, c_void};
+
+const _: () = assert!(POSEWISE_LANDMARKS as usize == LANDMARKS);
+const _: () = assert!(POSEWISE_ANIMATIONS as usize == ANIMATIONS);
+const _: () = assert!(POSEWISE_ALIGN as usize == crate::model::ALIGN);
+
+/// POSEWISE_VERSION of the library that is linked.
+#[unsafe(no_mangle)]
+pub extern "C" fn posewise_version() -> u32 {
+    POSEWISE_VERSION
+}
+
+/// POSEWISE_ABI of the library that is linked.
+#[unsafe(no_mangle)]
+pub extern "C" fn posewise_abi() -> u32 {
+    POSEWISE_ABI
+}
+
+/// One English line on a status; static, never NULL.
+#[unsafe(no_mangle)]
+pub extern "C" fn posewise_strerror(status: posewise_status) -> *const c_char {
+    let text = match status {
+        POSEWISE_OK => c"success",
+        POSEWISE_E_ARG => c"a pointer, struct_size, flag or setting is not as described",
+        POSEWISE_E_MEMORY => c"the tracker's memory is too small or not 64-byte aligned",
+        POSEWISE_E_MODEL => c"a section of the model is missing or wrong",
+        POSEWISE_E_FRAME => c"the frame's width, height, stride, rotation and data_len disagree",
+        POSEWISE_E_TIME => c"the timestamp is not after that of the frame before",
+        POSEWISE_E_FORMAT => c"the pixel format is not one that posewise reads",
+        POSEWISE_E_MODEL_ALIGN => c"the model's bytes are not 64-byte aligned",
+        POSEWISE_E_MODEL_TRUNCATED => c"the model is truncated",
+        POSEWISE_E_MODEL_MAGIC => c"not a .posewise model",
+        POSEWISE_E_MODEL_VERSION => c"the model is of a format version that is not read here",
+        POSEWISE_E_MODEL_CHECKSUM => c"the model's checksum does not match: it is corrupt",
+        _ => c"unknown status",
+    };
+    text.as_ptr()
+}
+
+/// Writes the default settings with their real values (0 in a field means the same). As for every
+/// struct, out->struct_size must be set.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn posewise_config_default(out: *mut posewise_config) -> posewise_status {
+    status(|| {
+        let default = Config::default();
+        let config = posewise_config {
+            min_face_px: default.min_face_px,
+            scan_budget: default.scan_budget,
+            ..Default::default()
+        };
+        // SAFETY: the caller's promise.
+        unsafe { memory::write_struct(out, memory::checked_size(out)?, &config) };
+        Ok(())
+    })
+}
+
+/// Bytes of memory that posewise_init() needs for these settings (NULL: defaults), at most
+/// POSEWISE_MEMORY_SIZE; 0 if the settings are wrong.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn posewise_memory_size(config: *const posewise_config) -> usize {
+    // SAFETY: the caller's promise.
+    match unsafe { config_from(config) } {
+        Ok(_) => BLOCK_SIZE,
+        Err(_) => 0,
+    }
+}
+
+/// POSEWISE_ALIGN of the library that is linked.
+#[unsafe(no_mangle)]
+pub extern "C" fn posewise_memory_align() -> usize {
+    POSEWISE_ALIGN as usize
+}
+
+/// The model built into the library, aligned, its length \[bytes\] in *len; NULL and 0 if the library
+/// was built without one.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn posewise_default_model(len: *mut usize) -> *const c_void {
+    if memory::check_pointer(len).is_err() {
+        return core::ptr::null();
+    }
+    #[cfg(feature = "default-model")]
+    let model = crate::DEFAULT_MODEL;
+    #[cfg(not(feature = "default-model"))]
+    let model: &[u8] = &[];
+    // SAFETY: checked above.
+    unsafe { len.write(model.len()) };
+    if model.is_empty() {
+        core::ptr::null()
+    } else {
+        model.as_ptr().cast()
+    }
+}
+
+/// Checks a whole model as posewise_init() does: POSEWISE_OK, or what is wrong with it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn posewise_model_check(
+    model: *const c_void,
+    model_len: usize,
+) -> posewise_status {
+    status(|| {
+        // SAFETY: the caller's promise.
+        unsafe { load(model, model_len) }.map(|_| ())
+    })
+}
+
+/// Checks the model and the settings (NULL: defaults), then builds a tracker at memory. Memory and
+/// model must outlive the tracker; the model is not copied and may be shared. There is nothing to
+/// free: the memory is the caller's to use again at any time.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn posewise_init(
+    out: *mut *mut posewise_tracker,
+    memory: *mut c_void,
+    memory_len: usize,
+    model: *const c_void,
+    model_len: usize,
+    config: *const posewise_config,
+) -> posewise_status {
+    status(|| {
+        memory::check_pointer(out)?;
+        memory::check_pointer(memory.cast::<u8>())?;
+        // SAFETY: the caller's promise.
+        let config = unsafe { config_from(config)? };
+        let start = memory as usize;
+        if !start.is_multiple_of(POSEWISE_ALIGN as usize) || memory_len < BLOCK_SIZE {
+            return Err(POSEWISE_E_MEMORY);
+        }
+        let apart = start.abs_diff(model as usize);
+        if apart
+            < if start < model as usize {
+                BLOCK_SIZE
+            } else {
+                model_len
+            }
+        {
+            return Err(POSEWISE_E_ARG); // the tracker would overwrite its model
+        }
+        // SAFETY: the caller's promise.
+        let model = unsafe { load(model, model_len)? };
+        // SAFETY: aligned and long enough, as just checked.
+        unsafe { memory::place(memory.cast(), model, &config) }.map_err(|_| POSEWISE_E_ARG)?;
+        // SAFETY: checked above.
+        unsafe { out.write(memory.cast()) };
+        Ok(())
+    })
+}
+
+/// One frame in, one answer out. The work is bounded whatever the frame shows; nothing blocks.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn posewise_step(
+    tracker: *mut posewise_tracker,
+    frame: *const posewise_frame,
+    out: *mut posewise_result,
+) -> posewise_status {
+    status(|| {
+        // SAFETY: the caller's promise, here and below.
+        let block = unsafe { memory::block_mut(tracker)? };
+        let given = unsafe { memory::read_struct(frame)? };
+        let size = unsafe { memory::checked_size(out)? };
+        let frame = unsafe { frame_from(&given)? };
+        let result = block
+            .tracker
+            .step(&block.model, &frame, given.timestamp_us)
+            .map_err(|StepError::Time| POSEWISE_E_TIME)?;
+        unsafe { memory::write_struct(out, size, &result_to(result)) };
+        Ok(())
+    })
+}
+
+/// Writes the first min(capacity, POSEWISE_LANDMARKS) landmarks of the last step; all zero while
+/// searching.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn posewise_landmarks(
+    tracker: *const posewise_tracker,
+    out: *mut posewise_landmark,
+    capacity: usize,
+) -> posewise_status {
+    status(|| {
+        // SAFETY: the caller's promise.
+        let result = unsafe { memory::block(tracker)? }.tracker.result();
+        memory::check_pointer(out)?;
+        let points = result.landmarks.iter().zip(&result.points_mm);
+        for (i, (landmark, &[x_mm, y_mm, z_mm])) in points.take(capacity).enumerate() {
+            let landmark = posewise_landmark {
+                x: landmark.x,
+                y: landmark.y,
+                confidence: landmark.confidence,
+                visibility: landmark.visibility,
+                x_mm,
+                y_mm,
+                z_mm,
+            };
+            // SAFETY: i < capacity.
+            unsafe { out.add(i).write(landmark) };
+        }
+        Ok(())
+    })
+}
+
+/// Writes the first min(capacity, POSEWISE_ANIMATIONS) animation weights of the last step, 0..1; all
+/// zero while searching.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn posewise_animation(
+    tracker: *const posewise_tracker,
+    out: *mut f32,
+    capacity: usize,
+) -> posewise_status {
+    status(|| {
+        // SAFETY: the caller's promise.
+        let result = unsafe { memory::block(tracker)? }.tracker.result();
+        memory::check_pointer(out)?;
+        for (i, weight) in result.animation.iter().take(capacity).enumerate() {
+            // SAFETY: i < capacity.
+            unsafe { out.add(i).write(*weight) };
+        }
+        Ok(())
+    })
+}
+
+/// What the animation weight at this index is: ARKit's name of the blendshape ("jawOpen"). Static;
+/// NULL from POSEWISE_ANIMATIONS on.
+#[unsafe(no_mangle)]
+pub extern "C" fn posewise_animation_name(index: u32) -> *const c_char {
+    match NAMES.get(index as usize) {
+        Some(name) => name.as_ptr().cast(),
+        None => core::ptr::null(),
+    }
+}
+
+/// Forgets the face, the person and the clock; model and settings stay.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn posewise_reset(tracker: *mut posewise_tracker) -> posewise_status {
+    status(|| {
+        // SAFETY: the caller's promise.
+        unsafe { memory::block_mut(tracker)? }.tracker.reset();
+        Ok(())
+    })
+}
+
+/// Changes the camera (zoom, another resolution) from the next step on. NULL or all zero: the
+/// default, a 60 degree horizontal field of view.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn posewise_set_intrinsics(
+    tracker: *mut posewise_tracker,
+    intrinsics: *const posewise_intrinsics,
+) -> posewise_status {
+    status(|| {
+        // SAFETY: the caller's promise.
+        let tracker = &mut unsafe { memory::block_mut(tracker)? }.tracker;
+        let intrinsics = if intrinsics.is_null() {
+            None
+        } else {
+            memory::check_pointer(intrinsics)?;
+            // SAFETY: checked above.
+            intrinsics_from(unsafe { &*intrinsics })
+        };
+        tracker
+            .set_intrinsics(intrinsics)
+            .map_err(|_| POSEWISE_E_ARG)
+    })
+}
+
+/// Runs a body that can stop early and gives its status.
+fn status(body: impl FnOnce() -> Result<(), posewise_status>) -> posewise_status {
+    match body() {
+        Ok(()) => POSEWISE_OK,
+        Err(status) => status,
+    }
+}
+
+/// # Safety
+/// As at the head of memory.rs; the model outlives its use.
+unsafe fn load(model: *const c_void, len: usize) -> Result<Model<'static>, posewise_status> {
+    // SAFETY: the caller's promise.
+    let bytes = unsafe { memory::bytes(model.cast(), len, POSEWISE_E_MODEL_TRUNCATED)? };
+    Model::load(bytes).map_err(|error| match error {
+        ModelError::Misaligned => POSEWISE_E_MODEL_ALIGN,
+        ModelError::Truncated => POSEWISE_E_MODEL_TRUNCATED,
+        ModelError::Magic => POSEWISE_E_MODEL_MAGIC,
+        ModelError::Version { .. } => POSEWISE_E_MODEL_VERSION,
+        ModelError::Checksum => POSEWISE_E_MODEL_CHECKSUM,
+        ModelError::Table | ModelError::Missing(_) | ModelError::Section { .. } => POSEWISE_E_MODEL,
+    })
+}
+
+/// Checked settings; defaults where the caller has NULL or 0.
+///
+/// # Safety
+/// As at the head of memory.rs.
+unsafe fn config_from(config: *const posewise_config) -> Result<Config, posewise_status> {
+    let default = Config::default();
+    if config.is_null() {
+        return Ok(default);
+    }
+    // SAFETY: the caller's promise.
+    let given = unsafe { memory::read_struct(config)? };
+    let or = |value, default| if value == 0 { default } else { value };
+    let config = Config {
+        intrinsics: intrinsics_from(&given.intrinsics),
+        min_face_px: or(given.min_face_px, default.min_face_px),
+        scan_budget: or(given.scan_budget, default.scan_budget),
+    };
+    if given.flags != 0 || config.check().is_err() {
+        return Err(POSEWISE_E_ARG);
+    }
+    Ok(config)
+}
+
+/// All zero means the default camera; everything else is for the tracker to check.
+fn intrinsics_from(given: &posewise_intrinsics) -> Option<Intrinsics> {
+    let posewise_intrinsics { fx, fy, cx, cy } = *given;
+    ([fx, fy, cx, cy] != [0.0; 4]).then_some(Intrinsics { fx, fy, cx, cy })
+}
+
+/// # Safety
+/// As at the head of memory.rs; the data are only used during the call.
+unsafe fn frame_from<'a>(given: &posewise_frame) -> Result<Frame<'a>, posewise_status> {
+    if given.flags & !POSEWISE_FRAME_MIRRORED != 0 || given.reserved != 0 {
+        return Err(POSEWISE_E_ARG);
+    }
+    // SAFETY: the caller's promise.
+    let data = unsafe { memory::bytes(given.data, given.data_len, POSEWISE_E_FRAME)? };
+    let rotation = match given.rotation_deg {
+        0 => Rotation::None,
+        90 => Rotation::Cw90,
+        180 => Rotation::Half,
+        270 => Rotation::Cw270,
+        _ => return Err(POSEWISE_E_FRAME),
+    };
+    let layout = FrameLayout {
+        format: PixelFormat::from_fourcc(given.format).ok_or(POSEWISE_E_FORMAT)?,
+        width: given.width,
+        height: given.height,
+        stride: given.stride,
+        rotation,
+        mirrored: given.flags & POSEWISE_FRAME_MIRRORED != 0,
+    };
+    Frame::new(&layout, data).map_err(|_| POSEWISE_E_FRAME)
+}
+
+fn result_to(result: &TrackResult) -> posewise_result {
+    let (state, landmark_count) = match result.state {
+        State::Searching => (POSEWISE_SEARCHING, 0),
+        State::Tracking => (POSEWISE_TRACKING, POSEWISE_LANDMARKS),
+        State::Holding => (POSEWISE_HOLDING, POSEWISE_LANDMARKS),
+    };
+    posewise_result {
+        struct_size: 0, // the caller's stays
+        state,
+        timestamp_us: result.timestamp_us,
+        age_us: result.age_us,
+        landmark_count,
+        score: result.score,
+        face_box: result.face_box,
+        rotation: result.rotation,
+        yaw_deg: result.yaw_deg,
+        pitch_deg: result.pitch_deg,
+        roll_deg: result.roll_deg,
+        translation_mm: result.translation_mm,
+        eye_open: result.eye_open,
+    }
+}
+
+/// Longest animation name and its NUL.
+const NAME_LEN: usize = 24;
+
+/// The animation names with a NUL at the end.
+static NAMES: [[u8; NAME_LEN]; ANIMATIONS] = {
+    let mut names = [[0; NAME_LEN]; ANIMATIONS];
+    let mut i = 0;
+    while i < ANIMATIONS {
+        let name = ANIMATION_NAMES[i].as_bytes();
+        assert!(name.len() < NAME_LEN);
+        let mut j = 0;
+        while j < name.len() {
+            names[i][j] = name[j];
+            j += 1;
+        }
+        i += 1;
+    }
+    names
+};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn formats_are_those_of_the_image_room() {
+        let header = [
+            POSEWISE_FMT_GREY,
+            POSEWISE_FMT_Y10,
+            POSEWISE_FMT_Y16,
+            POSEWISE_FMT_YUYV,
+            POSEWISE_FMT_UYVY,
+            POSEWISE_FMT_NV12,
+            POSEWISE_FMT_NV21,
+            POSEWISE_FMT_YU12,
+            POSEWISE_FMT_RGB3,
+            POSEWISE_FMT_BGR3,
+            POSEWISE_FMT_XB24,
+            POSEWISE_FMT_AB24,
+            POSEWISE_FMT_XR24,
+            POSEWISE_FMT_AR24,
+            POSEWISE_FMT_BX24,
+            POSEWISE_FMT_BA24,
+            POSEWISE_FMT_RX24,
+            POSEWISE_FMT_RA24,
+        ];
+        assert_eq!(header, PixelFormat::FOURCC.map(|(_, code)| code));
+    }
+
+    #[test]
+    fn names_end() {
+        for (i, name) in ANIMATION_NAMES.iter().enumerate() {
+            let c = core::ffi::CStr::from_bytes_until_nul(&NAMES[i]).unwrap();
+            assert_eq!(c.to_str(), Ok(*name));
+        }
+        assert!(posewise_animation_name(POSEWISE_ANIMATIONS).is_null());
+    }
+}

@@ -1,0 +1,267 @@
+//! All pointer work of the C ABI: growing structs in and out, and the tracker's memory block.
+//!
+//! What no function can check is the caller's duty and stands once, at the head of the header:
+//! a non-NULL pointer points to as many readable (outputs: writable) bytes as its struct_size or
+//! length says, nobody else writes them during the call, and the model outlives its trackers.
+
+use super::types::*;
+use crate::track::{Config, ConfigError, Model, Tracker};
+use core::mem::{MaybeUninit, align_of, size_of};
+
+/// Longest struct that a newer header may pass \[bytes\].
+const MAX_STRUCT_SIZE: usize = 4096;
+
+/// A struct that starts with `struct_size` and may grow at its end.
+///
+/// # Safety
+/// The type is `repr(C)`, without padding, starts with a `u32`, and every bit pattern is valid.
+pub(super) unsafe trait Growing: Copy {
+    /// The size in the first header that had the struct; none was ever shorter.
+    const FIRST_SIZE: usize;
+}
+
+// SAFETY: `repr(C)` and free of padding (asserted in types.rs), plain numbers and pointers only.
+unsafe impl Growing for posewise_config {
+    const FIRST_SIZE: usize = 32;
+}
+// SAFETY: as above.
+unsafe impl Growing for posewise_frame {
+    const FIRST_SIZE: usize = 40 + 2 * size_of::<usize>();
+}
+// SAFETY: as above.
+unsafe impl Growing for posewise_result {
+    const FIRST_SIZE: usize = 96;
+}
+
+/// `POSEWISE_E_ARG` unless the pointer is usable as one to `T`.
+pub(super) fn check_pointer<T>(pointer: *const T) -> Result<(), posewise_status> {
+    if pointer.is_null() || !(pointer as usize).is_multiple_of(align_of::<T>()) {
+        return Err(POSEWISE_E_ARG);
+    }
+    Ok(())
+}
+
+/// Checks the pointer and reads the `struct_size` behind it.
+///
+/// # Safety
+/// As at the file's head.
+pub(super) unsafe fn checked_size<T: Growing>(pointer: *const T) -> Result<usize, posewise_status> {
+    check_pointer(pointer)?;
+    // SAFETY: non-NULL and aligned for T, which starts with this u32.
+    let size = unsafe { pointer.cast::<u32>().read() } as usize;
+    if (T::FIRST_SIZE..=MAX_STRUCT_SIZE).contains(&size) {
+        Ok(size)
+    } else {
+        Err(POSEWISE_E_ARG)
+    }
+}
+
+/// Reads a struct of an older, the same or a newer header: what is missing is 0, what is unknown
+/// must be 0.
+///
+/// # Safety
+/// As at the file's head.
+pub(super) unsafe fn read_struct<T: Growing>(from: *const T) -> Result<T, posewise_status> {
+    // SAFETY: the caller's promise is passed on.
+    let size = unsafe { checked_size(from)? };
+    let from = from.cast::<u8>();
+    for unknown in size_of::<T>()..size {
+        // SAFETY: below the size that the caller states.
+        if unsafe { from.add(unknown).read() } != 0 {
+            return Err(POSEWISE_E_ARG);
+        }
+    }
+    let mut value = MaybeUninit::<T>::zeroed();
+    // SAFETY: both sides have min(size, size_of T) bytes, and all-zero is a valid T.
+    unsafe {
+        from.copy_to_nonoverlapping(value.as_mut_ptr().cast(), size.min(size_of::<T>()));
+        Ok(value.assume_init())
+    }
+}
+
+/// Writes as much of `value` as the caller's struct of `size` bytes has room for, keeps its
+/// `struct_size`, and clears the tail that this library does not know.
+///
+/// # Safety
+/// `size` is what [`checked_size`] gave for `to`.
+pub(super) unsafe fn write_struct<T: Growing>(to: *mut T, size: usize, value: &T) {
+    const HEAD: usize = size_of::<u32>();
+    let known = size.min(size_of::<T>());
+    let to = to.cast::<u8>();
+    // SAFETY: `to` has `size` bytes, `value` at least `known`; `size` is at least FIRST_SIZE > HEAD.
+    unsafe {
+        let from = core::ptr::from_ref(value).cast::<u8>();
+        to.add(HEAD)
+            .copy_from_nonoverlapping(from.add(HEAD), known - HEAD);
+        to.add(known).write_bytes(0, size - known);
+    }
+}
+
+/// The caller's bytes, if there can be that many.
+///
+/// # Safety
+/// As at the file's head; the lifetime is the caller's claim.
+pub(super) unsafe fn bytes<'a>(
+    data: *const u8,
+    len: usize,
+    too_long: posewise_status,
+) -> Result<&'a [u8], posewise_status> {
+    check_pointer(data)?;
+    if len > isize::MAX as usize || (data as usize).checked_add(len).is_none() {
+        return Err(too_long);
+    }
+    // SAFETY: non-NULL, `len` readable bytes by the caller's promise, not wrapping around.
+    Ok(unsafe { core::slice::from_raw_parts(data, len) })
+}
+
+/// What lies at the start of the caller's memory.
+#[repr(C, align(64))]
+pub(super) struct Block {
+    magic: u64,
+    pub(super) model: Model<'static>,
+    pub(super) tracker: Tracker,
+}
+
+/// Bytes that a tracker needs.
+pub(super) const BLOCK_SIZE: usize = size_of::<Block>();
+
+/// Tells a block of this build from other memory, and from a block of a build with another layout.
+const MAGIC: u64 = u64::from_le_bytes(*b"posewise")
+    ^ (BLOCK_SIZE as u64)
+    ^ ((POSEWISE_VERSION as u64) << 40)
+    ^ (align_of::<Tracker>() as u64) << 32;
+
+const _: () = assert!(align_of::<Block>() == POSEWISE_ALIGN as usize);
+const _: () = assert!(
+    BLOCK_SIZE <= POSEWISE_MEMORY_SIZE as usize,
+    "raise POSEWISE_MEMORY_SIZE in ffi/types.rs"
+);
+
+/// Builds a tracker at `memory`, which is untouched if the settings are wrong.
+///
+/// # Safety
+/// `memory` is aligned to [`POSEWISE_ALIGN`] and has [`BLOCK_SIZE`] writable bytes.
+pub(super) unsafe fn place(
+    memory: *mut u8,
+    model: Model<'static>,
+    config: &Config,
+) -> Result<(), ConfigError> {
+    let tracker = Tracker::new(config)?;
+    let block = memory.cast::<Block>();
+    // SAFETY: by the caller's promise; the fields are written one by one, so that no second block
+    // has to exist on the stack, and the magic last, when the block is whole.
+    unsafe {
+        (&raw mut (*block).model).write(model);
+        (&raw mut (*block).tracker).write(tracker);
+        (&raw mut (*block).magic).write(MAGIC);
+    }
+    Ok(())
+}
+
+/// `POSEWISE_E_ARG` unless a tracker of this build lies at the pointer.
+///
+/// # Safety
+/// As at the file's head.
+unsafe fn check_block(tracker: *const posewise_tracker) -> Result<*const Block, posewise_status> {
+    let block = tracker.cast::<Block>();
+    check_pointer(block)?;
+    // SAFETY: non-NULL and aligned. Volatile, because the bytes may never have been written.
+    if unsafe { (&raw const (*block).magic).read_volatile() } == MAGIC {
+        Ok(block)
+    } else {
+        Err(POSEWISE_E_ARG)
+    }
+}
+
+/// The block behind a tracker that is only read.
+///
+/// # Safety
+/// As at the file's head.
+pub(super) unsafe fn block<'a>(
+    tracker: *const posewise_tracker,
+) -> Result<&'a Block, posewise_status> {
+    // SAFETY: the magic says that `place` wrote a block here.
+    unsafe { Ok(&*check_block(tracker)?) }
+}
+
+/// The block behind a tracker.
+///
+/// # Safety
+/// As at the file's head.
+pub(super) unsafe fn block_mut<'a>(
+    tracker: *mut posewise_tracker,
+) -> Result<&'a mut Block, posewise_status> {
+    // SAFETY: the magic says that `place` wrote a block here; the caller gave a mutable pointer
+    // and keeps other threads away.
+    unsafe { Ok(&mut *check_block(tracker)?.cast_mut()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `posewise_config` as a later header might have it.
+    #[repr(C)]
+    #[derive(Clone, Copy)]
+    struct Later {
+        config: posewise_config,
+        more: u32,
+        last: u32,
+    }
+    // SAFETY: `repr(C)`, no padding, plain numbers.
+    unsafe impl Growing for Later {
+        const FIRST_SIZE: usize = posewise_config::FIRST_SIZE;
+    }
+
+    fn later(struct_size: u32, more: u32) -> Later {
+        let config = posewise_config {
+            struct_size,
+            min_face_px: 50,
+            ..Default::default()
+        };
+        Later {
+            config,
+            more,
+            last: 0,
+        }
+    }
+
+    #[test]
+    fn short_structs_are_extended_with_zeros() {
+        let old = later(32, 7);
+        // SAFETY: a live struct.
+        let read = unsafe { read_struct(&old) }.unwrap();
+        assert_eq!((read.config.min_face_px, read.more), (50, 0));
+        // SAFETY: a live struct, of which only the first 32 bytes may be written.
+        let mut out = later(32, 9);
+        unsafe { write_struct(&mut out, 32, &later(40, 1)) };
+        assert_eq!((out.config.struct_size, out.more), (32, 9));
+    }
+
+    #[test]
+    fn unknown_tails_are_zero() {
+        for (more, expected) in [(0, true), (1, false)] {
+            let new = later(40, more);
+            // SAFETY: 40 readable bytes.
+            let read = unsafe { read_struct((&raw const new).cast::<posewise_config>()) };
+            assert_eq!(read.is_ok(), expected);
+        }
+        let mut out = later(40, 9);
+        // SAFETY: 40 writable bytes.
+        unsafe { write_struct((&raw mut out).cast(), 40, &later(32, 0).config) };
+        assert_eq!((out.config.struct_size, out.more), (40, 0));
+    }
+
+    #[test]
+    fn impossible_sizes_are_refused() {
+        for size in [0, 4, 31, 4097, u32::MAX] {
+            // SAFETY: nothing beyond `struct_size` is read.
+            assert!(unsafe { read_struct(&later(size, 0)) }.is_err(), "{size}");
+        }
+        // SAFETY: NULL and misaligned pointers are not followed.
+        unsafe {
+            assert!(checked_size::<posewise_config>(core::ptr::null()).is_err());
+            assert!(checked_size::<posewise_config>(core::ptr::without_provenance(2)).is_err());
+        }
+    }
+}

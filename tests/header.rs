@@ -1,0 +1,156 @@
+//! `include/posewise.h` is what cbindgen makes of `src/ffi`, and agrees with Cargo.toml.
+
+#[path = "../src/ffi/types.rs"]
+#[allow(dead_code, missing_docs, non_camel_case_types)]
+mod types;
+
+use std::fmt::Write;
+use std::path::Path;
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// What cbindgen writes, with constants as a C programmer would write them.
+fn generate() -> String {
+    let config = cbindgen::Config::from_file(root().join("cbindgen.toml")).expect("cbindgen.toml");
+    let mut bytes = Vec::new();
+    cbindgen::Builder::new()
+        .with_config(config)
+        .with_src(root().join("src/ffi/types.rs"))
+        .with_src(root().join("src/ffi/api.rs"))
+        .generate()
+        .expect("cbindgen reads src/ffi")
+        .write(&mut bytes);
+    tidy(&String::from_utf8(bytes).expect("UTF-8"))
+}
+
+/// Constants: suffixes, hexadecimal where the digits mean something, the comment on the same line,
+/// families apart. Comments: without rustdoc's escapes. Types: by their typedef.
+fn tidy(header: &str) -> String {
+    let header = header.replace("\\[", "[").replace("\\]", "]");
+    let mut out = String::new();
+    let mut lines = header.lines().peekable();
+    let mut previous_family = None;
+    while let Some(line) = lines.next() {
+        let comment = line.strip_prefix("// ");
+        let define = comment.and(lines.peek()).and_then(|next| constant(next));
+        if let (Some(comment), Some((name, value))) = (comment, define) {
+            lines.next();
+            let family = Some(family(name));
+            if family == previous_family && out.ends_with("\n\n") {
+                out.pop();
+            }
+            previous_family = family;
+            let comment = comment.trim_end_matches('.');
+            writeln!(out, "#define {name:<26} {value:<12} // {comment}").unwrap();
+        } else {
+            if !line.is_empty() {
+                previous_family = None;
+            }
+            let line = match line.starts_with("typedef") {
+                true => line.to_string(),
+                false => line.replace("struct posewise_", "posewise_"),
+            };
+            writeln!(out, "{line}").unwrap();
+        }
+    }
+    out
+}
+
+/// Constants of one family stand together.
+fn family(name: &str) -> &str {
+    match name.split('_').nth(1) {
+        Some("OK") => "E",
+        Some(family @ ("E" | "FMT" | "FRAME" | "SEARCHING")) => family,
+        Some("TRACKING" | "HOLDING") => "SEARCHING",
+        _ => "",
+    }
+}
+
+/// Name and rewritten value of a `#define` line.
+fn constant(line: &str) -> Option<(&str, String)> {
+    let (name, value) = line.strip_prefix("#define ")?.split_once(' ')?;
+    let value = if name.starts_with("POSEWISE_E_") {
+        format!("({value})")
+    } else if name == "POSEWISE_OK" {
+        value.to_string()
+    } else if name.starts_with("POSEWISE_FMT_") || name == "POSEWISE_VERSION" {
+        let value: u32 = value.parse().expect("a number");
+        let digits = if value > 0xFFFFFF { 8 } else { 6 };
+        format!("0x{value:0digits$X}u")
+    } else if value.parse::<u32>().is_ok() {
+        format!("{value}u")
+    } else {
+        value.to_string()
+    };
+    Some((name, value))
+}
+
+#[test]
+fn header_is_fresh() {
+    let path = root().join("include/posewise.h");
+    let fresh = generate();
+    if std::env::var_os("POSEWISE_BLESS").is_some() {
+        std::fs::write(&path, &fresh).expect("include/ is writable");
+    }
+    let committed = std::fs::read_to_string(&path).unwrap_or_default();
+    assert!(
+        committed.replace('\r', "") == fresh,
+        "include/posewise.h is stale; run: POSEWISE_BLESS=1 cargo test --test header"
+    );
+}
+
+#[test]
+fn version_is_that_of_the_crate() {
+    let part = |text: &str| text.parse::<u32>().expect("a number");
+    let version = part(env!("CARGO_PKG_VERSION_MAJOR")) << 16
+        | part(env!("CARGO_PKG_VERSION_MINOR")) << 8
+        | part(env!("CARGO_PKG_VERSION_PATCH"));
+    assert_eq!(
+        types::POSEWISE_VERSION,
+        version,
+        "POSEWISE_VERSION, Cargo.toml"
+    );
+}
+
+#[test]
+fn every_exported_function_is_declared() {
+    let api = std::fs::read_to_string(root().join("src/ffi/api.rs")).expect("api.rs");
+    let header = std::fs::read_to_string(root().join("include/posewise.h")).expect("posewise.h");
+    let exported = api
+        .split("extern \"C\" fn ")
+        .skip(1)
+        .filter_map(|rest| rest.split('(').next());
+    let mut count = 0;
+    for name in exported {
+        assert!(
+            header.contains(&format!("{name}(")),
+            "{name} is not in the header"
+        );
+        count += 1;
+    }
+    assert_eq!(count, api.matches("#[unsafe(no_mangle)]").count());
+}
+
+#[test]
+fn documented_defaults_are_the_defaults() {
+    let header = std::fs::read_to_string(root().join("include/posewise.h")).expect("posewise.h");
+    let config = posewise::track::Config::default();
+    for (field, value) in [
+        ("min_face_px", config.min_face_px),
+        ("scan_budget", config.scan_budget),
+    ] {
+        let field_at = header
+            .find(&format!("uint32_t {field};"))
+            .unwrap_or_else(|| panic!("{field} is a field"));
+        let comment = &header[..field_at];
+        let stated = comment.rsplit("the default, ").next().unwrap_or("");
+        let stated = stated.split('.').next().unwrap_or("");
+        assert_eq!(
+            stated,
+            value.to_string(),
+            "default of {field} in ffi/types.rs"
+        );
+    }
+}
