@@ -1,6 +1,21 @@
 //! The 3D face: mean, identity and animation modes, perspective projection, POSIT and the bounded
 //! pose fit.
 
+mod camera;
+mod face;
+mod fit;
+mod identity;
+mod linear;
+mod posit;
+
+pub use camera::{Intrinsics, Pose};
+pub use face::{Contour, FACE_TAG, FIXED_CONTOUR, FaceModel, JAW, MAX_EXTRA, MAX_POINTS, Shape};
+pub use face::{VIEW_AZIMUTHS, VIEW_BYTES, VIEW_ELEVATIONS, VIEW_STEP_DEG};
+pub use fit::{FaceFit, FaceState, FitOptions, fit};
+pub use identity::IdentityEstimator;
+pub use linear::Observed;
+pub use posit::posit;
+
 /// Landmarks of the iBUG 68 scheme; "left" and "right" are the subject's.
 pub const LANDMARKS: usize = 68;
 
@@ -38,29 +53,8 @@ pub const ANIMATIONS: usize = 24;
 /// Most identity modes a model may have.
 pub const MAX_IDENTITIES: usize = 32;
 
-/// A pinhole camera without distortion \[px\].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Intrinsics {
-    /// Focal length along x.
-    pub fx: f32,
-    /// Focal length along y.
-    pub fy: f32,
-    /// Principal point.
-    pub cx: f32,
-    /// Principal point.
-    pub cy: f32,
-}
+/// Weights of [`ANIMATION_NAMES`], 0..1.
+pub type Animation = [f32; ANIMATIONS];
 
-impl Intrinsics {
-    /// The default: a 60° horizontal field of view, principal point in the middle.
-    pub fn of_frame(width: i32, height: i32) -> Self {
-        // 1 / (2·tan 30°)
-        let f = width as f32 * 0.866_025_4;
-        Intrinsics {
-            fx: f,
-            fy: f,
-            cx: (width - 1) as f32 / 2.0,
-            cy: (height - 1) as f32 / 2.0,
-        }
-    }
-}
+/// Identity weights in standard deviations; those beyond the model's number of modes are unused.
+pub type Identity = [f32; MAX_IDENTITIES];

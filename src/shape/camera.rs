@@ -1,0 +1,226 @@
+//! Rigid pose and perspective projection.
+
+use crate::math::{HeadAngles, head_angles, head_rotation};
+use glam::{Mat3, Vec3};
+
+/// A pinhole camera without distortion \[px\].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Intrinsics {
+    /// Focal length along x.
+    pub fx: f32,
+    /// Focal length along y.
+    pub fy: f32,
+    /// Principal point.
+    pub cx: f32,
+    /// Principal point.
+    pub cy: f32,
+}
+
+/// Nearest depth that a point is projected from \[mm\]; nearer ones are treated as if here.
+pub(super) const NEAREST_MM: f32 = 20.0;
+
+impl Intrinsics {
+    /// The default: a 60° horizontal field of view, principal point in the middle.
+    pub fn of_frame(width: i32, height: i32) -> Self {
+        // 1 / (2·tan 30°)
+        let f = width as f32 * 0.866_025_4;
+        Intrinsics {
+            fx: f,
+            fy: f,
+            cx: (width - 1) as f32 / 2.0,
+            cy: (height - 1) as f32 / 2.0,
+        }
+    }
+
+    /// Whether both focal lengths are positive and everything is finite.
+    pub fn is_valid(&self) -> bool {
+        let Intrinsics { fx, fy, cx, cy } = *self;
+        [fx, fy, cx, cy].iter().all(|v| v.is_finite()) && fx > 0.0 && fy > 0.0
+    }
+
+    /// Image position \[px\] of a point in the camera frame \[mm\].
+    #[inline]
+    pub fn project(&self, point_mm: Vec3) -> [f32; 2] {
+        let z = point_mm.z.max(NEAREST_MM);
+        [
+            self.fx * point_mm.x / z + self.cx,
+            self.fy * point_mm.y / z + self.cy,
+        ]
+    }
+
+    /// Rows of the derivative of [`Intrinsics::project`] \[px/mm\].
+    #[inline]
+    pub(super) fn project_gradient(&self, point_mm: Vec3) -> [Vec3; 2] {
+        let z = point_mm.z.max(NEAREST_MM);
+        [
+            Vec3::new(self.fx / z, 0.0, -self.fx * point_mm.x / (z * z)),
+            Vec3::new(0.0, self.fy / z, -self.fy * point_mm.y / (z * z)),
+        ]
+    }
+}
+
+/// Where a head is: camera = rotation · head + translation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// Head to camera axes, orthonormal.
+    pub rotation: Mat3,
+    /// The head's origin in the camera frame \[mm\].
+    pub translation_mm: Vec3,
+}
+
+impl Default for Pose {
+    /// Half a metre away, looking into the camera.
+    fn default() -> Self {
+        Pose {
+            rotation: Mat3::IDENTITY,
+            translation_mm: Vec3::new(0.0, 0.0, 500.0),
+        }
+    }
+}
+
+impl Pose {
+    /// The pose of these angles and this position.
+    pub fn of_angles(angles: HeadAngles, translation_mm: Vec3) -> Self {
+        Pose {
+            rotation: head_rotation(angles),
+            translation_mm,
+        }
+    }
+
+    /// A point of the head in the camera frame \[mm\].
+    #[inline]
+    pub fn apply(&self, head_mm: Vec3) -> Vec3 {
+        self.rotation * head_mm + self.translation_mm
+    }
+
+    /// Yaw, pitch and roll relative to the camera's axes.
+    pub fn angles(&self) -> HeadAngles {
+        head_angles(&self.rotation)
+    }
+
+    /// The rotation as a unit quaternion x, y, z, w with w ≥ 0.
+    pub fn quaternion(&self) -> [f32; 4] {
+        // Shepperd 1978, written out because glam's SIMD quaternions differ between machines.
+        let [x, y, z] = self.rotation.to_cols_array_2d();
+        let ([m00, m10, m20], [m01, m11, m21], [m02, m12, m22]) = (x, y, z);
+        let trace = m00 + m11 + m22;
+        let q = if trace > m00.max(m11).max(m22) {
+            [m21 - m12, m02 - m20, m10 - m01, 1.0 + trace]
+        } else if m00 > m11.max(m22) {
+            [1.0 + m00 - m11 - m22, m10 + m01, m20 + m02, m21 - m12]
+        } else if m11 > m22 {
+            [m10 + m01, 1.0 - m00 + m11 - m22, m21 + m12, m02 - m20]
+        } else {
+            [m20 + m02, m21 + m12, 1.0 - m00 - m11 + m22, m10 - m01]
+        };
+        let norm = libm::sqrtf(q.iter().map(|c| c * c).sum());
+        let scale = if q[3] < 0.0 { -norm } else { norm };
+        if norm > 0.0 {
+            q.map(|c| c / scale)
+        } else {
+            [0.0, 0.0, 0.0, 1.0]
+        }
+    }
+
+    /// The pose turned by a small rotation vector (camera axes, about the head's origin \[rad\])
+    /// and shifted \[mm\]; the rotation stays orthonormal.
+    pub(super) fn moved(&self, turn: Vec3, shift_mm: Vec3) -> Pose {
+        Pose {
+            rotation: orthonormal(rotation_of(turn) * self.rotation),
+            translation_mm: self.translation_mm + shift_mm,
+        }
+    }
+
+    /// Whether all numbers are finite and the head is before the camera.
+    pub(super) fn is_sound(&self) -> bool {
+        self.rotation.to_cols_array().iter().all(|v| v.is_finite())
+            && self.translation_mm.to_array().iter().all(|v| v.is_finite())
+            && self.translation_mm.z > NEAREST_MM
+    }
+}
+
+/// Rodrigues' formula: rotation vector \[rad\] → matrix.
+fn rotation_of(vector: Vec3) -> Mat3 {
+    let angle_squared = vector.length_squared();
+    let angle = libm::sqrtf(angle_squared);
+    // Series below 1e-3 rad, where the quotients lose digits.
+    let (a, b) = if angle > 1e-3 {
+        (
+            libm::sinf(angle) / angle,
+            (1.0 - libm::cosf(angle)) / angle_squared,
+        )
+    } else {
+        (1.0 - angle_squared / 6.0, 0.5 - angle_squared / 24.0)
+    };
+    let Vec3 { x, y, z } = vector;
+    let cross = Mat3::from_cols(
+        Vec3::new(0.0, z, -y),
+        Vec3::new(-z, 0.0, x),
+        Vec3::new(y, -x, 0.0),
+    );
+    Mat3::IDENTITY + cross * a + cross * cross * b
+}
+
+/// Gram–Schmidt on the columns.
+pub(super) fn orthonormal(m: Mat3) -> Mat3 {
+    let x = normal(m.x_axis);
+    let y = normal(m.y_axis - x * x.dot(m.y_axis));
+    Mat3::from_cols(x, y, x.cross(y))
+}
+
+fn normal(v: Vec3) -> Vec3 {
+    v * (1.0 / libm::sqrtf(v.length_squared()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn projection_signs() {
+        let camera = Intrinsics::of_frame(641, 481);
+        assert_eq!(camera.project(Vec3::new(0.0, 0.0, 500.0)), [320.0, 240.0]);
+        let [x, y] = camera.project(Vec3::new(10.0, 20.0, 500.0));
+        assert!(x > 320.0 && y > 240.0, "x right, y down");
+        // 30° off the axis meets the edge of a 60° field of view.
+        let edge = camera.project(Vec3::new(libm::tanf(30f32.to_radians()), 0.0, 1.0) * 100.0);
+        assert!((edge[0] - 640.5).abs() < 0.1, "{edge:?}");
+        assert!(camera.project(Vec3::ZERO).iter().all(|v| v.is_finite()));
+    }
+
+    #[test]
+    fn gradient_matches_differences() {
+        let camera = Intrinsics::of_frame(640, 480);
+        let at = Vec3::new(40.0, -25.0, 430.0);
+        let rows = camera.project_gradient(at);
+        for (k, axis) in [Vec3::X, Vec3::Y, Vec3::Z].into_iter().enumerate() {
+            let (a, b) = (camera.project(at + axis), camera.project(at - axis));
+            for (row, d) in rows.iter().zip([a[0] - b[0], a[1] - b[1]]) {
+                assert!((row[k] - d / 2.0).abs() < 2e-3);
+            }
+        }
+    }
+
+    #[test]
+    fn quaternions_turn_as_matrices() {
+        for (yaw_deg, pitch_deg, roll_deg) in [
+            (0., 0., 0.),
+            (80., 10., -20.),
+            (-170., 30., 100.),
+            (10., -80., 179.),
+        ] {
+            let angles = HeadAngles {
+                yaw_deg,
+                pitch_deg,
+                roll_deg,
+            };
+            let pose = Pose::of_angles(angles, Vec3::Z);
+            let [x, y, z, w] = pose.quaternion();
+            let u = Vec3::new(x, y, z);
+            let v = Vec3::new(1.0, 2.0, -3.0);
+            // Hamilton: v + 2w(u × v) + 2u × (u × v)
+            let turned = v + 2.0 * w * u.cross(v) + 2.0 * u.cross(u.cross(v));
+            assert!((turned - pose.rotation * v).length() < 1e-4 && w >= 0.0);
+        }
+    }
+}

@@ -1,0 +1,328 @@
+//! The bounded fit of pose and animation to landmarks.
+
+use super::linear::{System, UNKNOWNS};
+use super::posit::{mirrored, posit};
+use super::{ANIMATIONS, Animation, Contour, FaceModel, Identity, Intrinsics, LANDMARKS};
+use super::{MAX_IDENTITIES, Observed, Pose, Shape};
+use crate::math::solve_spd;
+use glam::Vec3;
+
+/// Fewest landmarks that a pose is fitted to.
+const MIN_LANDMARKS: usize = 8;
+
+/// First landmark that is not on the jaw.
+const INNER: usize = 17;
+
+/// Longest shift of one step, as a share of the distance from the camera.
+const MAX_SHIFT: f32 = 0.3;
+/// Longest turn of one step \[rad\].
+const MAX_TURN: f32 = 0.6;
+
+/// One face at one moment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FaceState {
+    /// Where the head is.
+    pub pose: Pose,
+    /// Weights of [`super::ANIMATION_NAMES`], 0..1.
+    pub animation: Animation,
+    /// Identity weights in standard deviations.
+    pub identity: Identity,
+}
+
+impl Default for FaceState {
+    fn default() -> Self {
+        FaceState {
+            pose: Pose::default(),
+            animation: [0.0; ANIMATIONS],
+            identity: [0.0; MAX_IDENTITIES],
+        }
+    }
+}
+
+/// Bounds of the fit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FitOptions {
+    /// Linearisations per start, at most; 1 to 20.
+    pub iterations: usize,
+    /// Factor on the weight of landmarks that the head itself hides at the starting pose.
+    pub hidden_weight: f32,
+}
+
+impl Default for FitOptions {
+    fn default() -> Self {
+        FitOptions {
+            iterations: 6,
+            hidden_weight: 0.5,
+        }
+    }
+}
+
+/// A fitted face.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FaceFit {
+    /// Pose, animation and the identity that was used.
+    pub state: FaceState,
+    /// The 68 landmarks as fixed vertices, camera frame \[mm\].
+    pub points_mm: [Vec3; LANDMARKS],
+    /// The landmarks in the image, the jaw on the visible contour \[px\].
+    pub image_px: [[f32; 2]; LANDMARKS],
+    /// Which landmarks the head itself does not hide.
+    pub visible: [bool; LANDMARKS],
+    /// The points that stand for the jaw landmarks in the image.
+    pub contour: Contour,
+    /// Root of the weighted mean squared distance to the observed landmarks \[px\].
+    pub rms_px: f32,
+    /// Mean robust cost per landmark; the measure by which starts are compared.
+    pub cost: f32,
+    /// Covariance of the pose, animation marginalised: turn \[rad\] about the camera's axes, then
+    /// shift \[mm\].
+    pub covariance: [[f32; 6]; 6],
+}
+
+/// Fits pose and animation of a person to observed landmarks under perspective.
+///
+/// Levenberg–Marquardt with analytic derivatives, a Cauchy loss, a Gaussian prior on animation
+/// weights and bounds 0..1 on them. Starts from `start`, or without one from POSIT and its mirrored
+/// twin, of which the better fit is taken. Work is bounded by `options.iterations`.
+///
+/// `None` when there are too few usable landmarks, the numbers are not finite, or no pose before
+/// the camera explains them.
+pub fn fit(
+    face: &FaceModel<'_>,
+    camera: &Intrinsics,
+    observed: &Observed<'_>,
+    start: Option<&FaceState>,
+    identity: &Identity,
+    options: &FitOptions,
+) -> Option<FaceFit> {
+    if !camera.is_valid() {
+        return None;
+    }
+    let neutral = face.neutral(identity);
+    let from = |pose: Pose, animation: Animation| {
+        let state = FaceState {
+            pose,
+            animation,
+            identity: *identity,
+        };
+        descend(face, camera, observed, &neutral, state, options)
+    };
+    match start {
+        Some(start) => from(start.pose, start.animation),
+        None => {
+            let pose = start_pose(camera, observed, &neutral)?;
+            let first = from(pose, [0.0; ANIMATIONS]);
+            let second = from(mirrored(&pose), [0.0; ANIMATIONS]);
+            match (first, second) {
+                (Some(a), Some(b)) => Some(if b.cost < a.cost { b } else { a }),
+                (a, b) => a.or(b),
+            }
+        }
+    }
+}
+
+/// POSIT on the landmarks that are the same vertices from every side.
+fn start_pose(camera: &Intrinsics, observed: &Observed<'_>, neutral: &Shape) -> Option<Pose> {
+    let points = neutral
+        .landmarks()
+        .iter()
+        .zip(observed.points)
+        .zip(observed.weights);
+    let usable = points
+        .skip(INNER)
+        .map(|((point, seen), weight)| (*point, *seen, *weight))
+        .filter(|(_, seen, weight)| {
+            *weight > 0.0 && weight.is_finite() && seen.iter().all(|v| v.is_finite())
+        });
+    if usable.clone().count() < MIN_LANDMARKS {
+        return None;
+    }
+    posit(camera, usable)
+}
+
+/// A linearisation and where it was made.
+#[derive(Clone, Copy)]
+struct Point {
+    state: FaceState,
+    contour: Contour,
+    system: System,
+}
+
+fn descend(
+    face: &FaceModel<'_>,
+    camera: &Intrinsics,
+    observed: &Observed<'_>,
+    neutral: &Shape,
+    start: FaceState,
+    options: &FitOptions,
+) -> Option<FaceFit> {
+    if !start.pose.is_sound() {
+        return None;
+    }
+    let mut weights = *observed.weights;
+    for (w, visible) in weights
+        .iter_mut()
+        .zip(face.visibility(&start.pose))
+        .skip(INNER)
+    {
+        *w *= if visible { 1.0 } else { options.hidden_weight };
+    }
+    let observed = &Observed {
+        weights: &weights,
+        ..*observed
+    };
+    let linearised = |state: FaceState| {
+        let shape = face.animated(neutral, &state.animation);
+        let contour = shape.contour(face, &state.pose);
+        Point {
+            state,
+            contour,
+            system: System::of(face, camera, observed, &state, &shape, &contour),
+        }
+    };
+    let mut best = linearised(start);
+    if best.system.count < MIN_LANDMARKS || !best.system.cost.is_finite() {
+        return None;
+    }
+    let mut damping = 1e-3f32;
+    for _ in 1..options.iterations.clamp(1, 20) {
+        let Some(state) = stepped(&best, damping) else {
+            damping *= 30.0;
+            continue;
+        };
+        let trial = linearised(state);
+        let gain = best.system.cost - trial.system.cost;
+        if gain > 0.0 {
+            let settled = gain < 1e-3 * best.system.cost;
+            best = trial;
+            damping = (damping * 0.2).max(1e-6);
+            if settled {
+                break;
+            }
+        } else if gain > -1e-4 * best.system.cost {
+            break;
+        } else {
+            damping *= 20.0;
+        }
+    }
+    finished(face, camera, neutral, &best)
+}
+
+/// One damped step, or `None` when the system cannot be solved or the pose leaves all bounds.
+fn stepped(at: &Point, damping: f32) -> Option<FaceState> {
+    let mut matrix = at.system.matrix;
+    let mut step = at.system.rhs;
+    for (i, row) in matrix.iter_mut().enumerate() {
+        if let Some(diagonal) = row.get_mut(i) {
+            *diagonal += *diagonal * damping + 1e-6;
+        }
+    }
+    // Weights at a bound that the descent would cross stay there.
+    for (i, w) in at.state.animation.iter().enumerate() {
+        let push = at.system.rhs.get(i).copied().unwrap_or(0.0);
+        if (*w <= 0.0 && push < 0.0) || (*w >= 1.0 && push > 0.0) {
+            fix(&mut matrix, &mut step, i);
+        }
+    }
+    if !solve_spd(&mut matrix, &mut step) || step.iter().any(|v| !v.is_finite()) {
+        return None;
+    }
+    let mut state = at.state;
+    for (w, d) in state.animation.iter_mut().zip(step) {
+        *w = (*w + d).clamp(0.0, 1.0);
+    }
+    let [.., rx, ry, rz, tx, ty, tz] = step;
+    let depth = state.pose.translation_mm.z;
+    let turn = shortened(Vec3::new(rx, ry, rz), MAX_TURN);
+    let shift = shortened(Vec3::new(tx, ty, tz), MAX_SHIFT * depth);
+    state.pose = state.pose.moved(turn, shift);
+    state.pose.is_sound().then_some(state)
+}
+
+/// Takes one unknown out of a system.
+fn fix(matrix: &mut [[f32; UNKNOWNS]; UNKNOWNS], rhs: &mut [f32; UNKNOWNS], unknown: usize) {
+    for (i, (row, r)) in matrix.iter_mut().zip(rhs).enumerate() {
+        if i == unknown {
+            *row = [0.0; UNKNOWNS];
+            *r = 0.0;
+        }
+        if let Some(entry) = row.get_mut(unknown) {
+            *entry = if i == unknown { 1.0 } else { 0.0 };
+        }
+    }
+}
+
+fn shortened(v: Vec3, longest: f32) -> Vec3 {
+    let length = libm::sqrtf(v.length_squared());
+    if length > longest {
+        v * (longest / length)
+    } else {
+        v
+    }
+}
+
+fn finished(
+    face: &FaceModel<'_>,
+    camera: &Intrinsics,
+    neutral: &Shape,
+    best: &Point,
+) -> Option<FaceFit> {
+    let Point {
+        state,
+        contour,
+        system,
+    } = best;
+    let shape = face.animated(neutral, &state.animation);
+    let points_mm = shape.landmarks().map(|p| state.pose.apply(p));
+    let mut image_px = points_mm.map(|p| camera.project(p));
+    for (px, point) in image_px.iter_mut().zip(contour) {
+        *px = camera.project(state.pose.apply(shape.point(*point as usize)));
+    }
+    let freedom = (2.0 * system.weight - 6.0).max(1.0);
+    Some(FaceFit {
+        state: *state,
+        points_mm,
+        image_px,
+        visible: face.visibility(&state.pose),
+        contour: *contour,
+        rms_px: libm::sqrtf(system.squares_px / system.weight.max(1e-6)),
+        cost: system.cost / system.count.max(1) as f32,
+        covariance: pose_covariance(&system.matrix, system.squares / freedom)?,
+    })
+}
+
+/// Covariance of the last six unknowns: the inverse of the Schur complement, which is the last
+/// block of Cholesky's factor.
+fn pose_covariance(matrix: &[[f32; UNKNOWNS]; UNKNOWNS], variance: f32) -> Option<[[f32; 6]; 6]> {
+    let mut factor = *matrix;
+    if !solve_spd(&mut factor, &mut [0.0; UNKNOWNS]) {
+        return None;
+    }
+    let mut block = [[0.0f32; 6]; 6];
+    for (to, from) in block.iter_mut().zip(factor.iter().skip(ANIMATIONS)) {
+        to.iter_mut()
+            .zip(from.iter().skip(ANIMATIONS))
+            .for_each(|(t, f)| *t = *f);
+    }
+    // L·Lᵀ of the block, then its inverse column by column.
+    let mut complement = [[0.0f32; 6]; 6];
+    for (i, row) in complement.iter_mut().enumerate() {
+        for (j, out) in row.iter_mut().enumerate() {
+            let both = block.iter().enumerate().filter(|(k, _)| *k == i || *k == j);
+            let rows = |n: usize| both.clone().find(|(k, _)| *k == n).map(|(_, r)| *r);
+            let (a, b) = (rows(i).unwrap_or_default(), rows(j).unwrap_or_default());
+            *out = a.iter().zip(b).take(i.min(j) + 1).map(|(a, b)| a * b).sum();
+        }
+    }
+    let mut covariance = [[0.0f32; 6]; 6];
+    for (i, column) in covariance.iter_mut().enumerate() {
+        column
+            .iter_mut()
+            .enumerate()
+            .for_each(|(k, c)| *c = if k == i { variance } else { 0.0 });
+        if !solve_spd(&mut complement.clone(), column) {
+            return None;
+        }
+    }
+    Some(covariance)
+}

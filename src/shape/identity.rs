@@ -1,0 +1,196 @@
+//! Who it is: identity weights out of many frames.
+
+use super::linear::System;
+use super::linear::{Observed, UNKNOWNS, gradient, rows};
+use super::{FaceFit, FaceModel, Identity, Intrinsics, MAX_IDENTITIES};
+use crate::math::solve_spd;
+
+/// What one frame counts: neighbouring frames repeat each other's errors.
+const FRAME_WEIGHT: f32 = 0.2;
+
+/// Frames' worth of information kept; beyond it older frames fade.
+const MEMORY_FRAMES: f32 = 12.0;
+
+/// Running normal equations of the identity weights under the prior N(0, 1). Plain data.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct IdentityEstimator {
+    matrix: [[f32; MAX_IDENTITIES]; MAX_IDENTITIES],
+    rhs: Identity,
+    frames: u32,
+    information: f32,
+}
+
+impl Default for IdentityEstimator {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl IdentityEstimator {
+    /// Knows nobody.
+    pub const fn new() -> Self {
+        IdentityEstimator {
+            matrix: [[0.0; MAX_IDENTITIES]; MAX_IDENTITIES],
+            rhs: [0.0; MAX_IDENTITIES],
+            frames: 0,
+            information: 0.0,
+        }
+    }
+
+    /// Frames that were added.
+    pub fn frames(&self) -> u32 {
+        self.frames
+    }
+
+    /// Adds what a fitted frame says about the identity, its pose and animation marginalised.
+    /// A frame whose system cannot be solved is left out.
+    pub fn add(
+        &mut self,
+        face: &FaceModel<'_>,
+        camera: &Intrinsics,
+        observed: &Observed<'_>,
+        fit: &FaceFit,
+    ) {
+        let state = &fit.state;
+        let shape = face.animated(&face.neutral(&state.identity), &state.animation);
+        let system = System::of(face, camera, observed, state, &shape, &fit.contour);
+        let mut frame = Frame::new();
+        rows(
+            face,
+            camera,
+            observed,
+            state,
+            &shape,
+            &fit.contour,
+            |_, row| {
+                for ((by_camera, by_head), residual) in
+                    row.by_camera.iter().zip(&row.by_head).zip(row.residual)
+                {
+                    let g = gradient(face, &row, *by_camera, *by_head);
+                    let mut identity = [0.0; MAX_IDENTITIES];
+                    for (o, mode) in identity.iter_mut().zip(face.identity_modes(row.point)) {
+                        *o = by_head.dot(mode);
+                    }
+                    frame.add(&identity, &g, row.weight, residual);
+                }
+            },
+        );
+        if !frame.eliminate(&system) {
+            return;
+        }
+        // Absolute target: the step's equations moved to the weights that they were made at.
+        for (rhs, row) in frame.rhs.iter_mut().zip(&frame.matrix) {
+            *rhs += row
+                .iter()
+                .zip(&state.identity)
+                .map(|(a, w)| a * w)
+                .sum::<f32>();
+        }
+        let finite = frame
+            .matrix
+            .iter()
+            .flatten()
+            .chain(&frame.rhs)
+            .all(|v| v.is_finite());
+        if finite {
+            self.merge(&frame);
+        }
+    }
+
+    fn merge(&mut self, frame: &Frame) {
+        let limit = MEMORY_FRAMES * FRAME_WEIGHT;
+        let keep = (limit / (self.information + FRAME_WEIGHT)).min(1.0);
+        let mix = |sum: &mut f32, new: &f32| *sum = (*sum + FRAME_WEIGHT * new) * keep;
+        for (row, new) in self.matrix.iter_mut().zip(&frame.matrix) {
+            row.iter_mut().zip(new).for_each(|(s, n)| mix(s, n));
+        }
+        self.rhs
+            .iter_mut()
+            .zip(&frame.rhs)
+            .for_each(|(s, n)| mix(s, n));
+        self.information = (self.information + FRAME_WEIGHT) * keep;
+        self.frames = self.frames.saturating_add(1);
+    }
+
+    /// The most probable identity so far; zeros when nothing is known.
+    pub fn estimate(&self) -> Identity {
+        let mut matrix = self.matrix;
+        let mut weights = self.rhs;
+        for (i, row) in matrix.iter_mut().enumerate() {
+            if let Some(diagonal) = row.get_mut(i) {
+                *diagonal += 1.0;
+            }
+        }
+        if !solve_spd(&mut matrix, &mut weights) {
+            return [0.0; MAX_IDENTITIES];
+        }
+        weights.map(|w| {
+            if w.is_finite() {
+                w.clamp(-3.0, 3.0)
+            } else {
+                0.0
+            }
+        })
+    }
+}
+
+/// One frame's normal equations: identity block, and its coupling to the other unknowns.
+struct Frame {
+    matrix: [[f32; MAX_IDENTITIES]; MAX_IDENTITIES],
+    coupling: [[f32; UNKNOWNS]; MAX_IDENTITIES],
+    rhs: Identity,
+}
+
+impl Frame {
+    fn new() -> Self {
+        Frame {
+            matrix: [[0.0; MAX_IDENTITIES]; MAX_IDENTITIES],
+            coupling: [[0.0; UNKNOWNS]; MAX_IDENTITIES],
+            rhs: [0.0; MAX_IDENTITIES],
+        }
+    }
+
+    fn add(&mut self, identity: &Identity, g: &[f32; UNKNOWNS], weight: f32, residual: f32) {
+        let blocks = self
+            .matrix
+            .iter_mut()
+            .zip(&mut self.coupling)
+            .zip(&mut self.rhs);
+        for (((own, coupling), rhs), a) in blocks.zip(identity) {
+            let a = weight * a;
+            *rhs += a * residual;
+            own.iter_mut().zip(identity).for_each(|(s, b)| *s += a * b);
+            coupling.iter_mut().zip(g).for_each(|(s, b)| *s += a * b);
+        }
+    }
+
+    /// Schur complement: leaves what the frame says once pose and animation are free.
+    fn eliminate(&mut self, system: &System) -> bool {
+        let mut factor = system.matrix;
+        let mut reduced = system.rhs;
+        if !solve_spd(&mut factor, &mut reduced) {
+            return false;
+        }
+        // coupling · A⁻¹ · rhs, with A⁻¹·rhs already solved.
+        for (rhs, row) in self.rhs.iter_mut().zip(&self.coupling) {
+            *rhs -= row.iter().zip(&reduced).map(|(c, r)| c * r).sum::<f32>();
+        }
+        // Y = L⁻¹ · couplingᵀ, row by row in place; then matrix − Y·Yᵀ.
+        for row in &mut self.coupling {
+            for (i, factor_row) in factor.iter().enumerate() {
+                let known = row.iter().zip(factor_row).take(i);
+                let sum: f32 = known.map(|(y, l)| y * l).sum();
+                let pivot = factor_row.get(i).copied().unwrap_or(1.0);
+                if let Some(y) = row.get_mut(i) {
+                    *y = (*y - sum) / pivot;
+                }
+            }
+        }
+        for (row, a) in self.matrix.iter_mut().zip(&self.coupling) {
+            for (entry, b) in row.iter_mut().zip(&self.coupling) {
+                *entry -= a.iter().zip(b).map(|(a, b)| a * b).sum::<f32>();
+            }
+        }
+        true
+    }
+}
