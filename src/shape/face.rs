@@ -174,8 +174,12 @@ impl<'m> FaceModel<'m> {
     /// A neutral shape with an expression.
     pub fn animated(&self, neutral: &Shape, animation: &Animation) -> Shape {
         let mut shape = *neutral;
-        for (i, out) in shape.points_mm.iter_mut().enumerate() {
-            let modes = self.animation_modes(i).zip(animation);
+        for (i, out) in shape.points_mm.iter_mut().enumerate().take(self.mean.len()) {
+            // Most weights rest at the bound 0.
+            let modes = self
+                .animation_modes(i)
+                .zip(animation)
+                .filter(|(_, w)| **w != 0.0);
             *out = modes.fold(*out, |p, (m, w)| p + m * *w);
         }
         shape
@@ -244,7 +248,7 @@ impl Shape {
     }
 
     /// Point of this number; the origin if there is none.
-    pub(super) fn point(&self, index: usize) -> Vec3 {
+    pub fn at(&self, index: usize) -> Vec3 {
         self.points_mm.get(index).copied().unwrap_or(Vec3::ZERO)
     }
 
@@ -267,7 +271,7 @@ impl Shape {
             };
             let mut farthest = reach(*first);
             for index in range {
-                let r = reach(self.point(index));
+                let r = reach(self.at(index));
                 if r > farthest {
                     farthest = r;
                     *best = index as u8;

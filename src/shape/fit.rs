@@ -276,7 +276,7 @@ fn finished(
     let points_mm = shape.landmarks().map(|p| state.pose.apply(p));
     let mut image_px = points_mm.map(|p| camera.project(p));
     for (px, point) in image_px.iter_mut().zip(contour) {
-        *px = camera.project(state.pose.apply(shape.point(*point as usize)));
+        *px = camera.project(state.pose.apply(shape.at(*point as usize)));
     }
     let freedom = (2.0 * system.weight - 6.0).max(1.0);
     Some(FaceFit {

@@ -1,7 +1,6 @@
 //! Who it is: identity weights out of many frames.
 
-use super::linear::System;
-use super::linear::{Observed, UNKNOWNS, gradient, rows};
+use super::linear::{Observed, System, UNKNOWNS, gradients, rows};
 use super::{FaceFit, FaceModel, Identity, Intrinsics, MAX_IDENTITIES};
 use crate::math::solve_spd;
 
@@ -63,15 +62,14 @@ impl IdentityEstimator {
             &shape,
             &fit.contour,
             |_, row| {
-                for ((by_camera, by_head), residual) in
-                    row.by_camera.iter().zip(&row.by_head).zip(row.residual)
+                let gradients = gradients(face, &row);
+                for ((by_head, g), residual) in row.by_head.iter().zip(&gradients).zip(row.residual)
                 {
-                    let g = gradient(face, &row, *by_camera, *by_head);
                     let mut identity = [0.0; MAX_IDENTITIES];
                     for (o, mode) in identity.iter_mut().zip(face.identity_modes(row.point)) {
                         *o = by_head.dot(mode);
                     }
-                    frame.add(&identity, &g, row.weight, residual);
+                    frame.add(&identity, g, row.weight, residual);
                 }
             },
         );

@@ -66,7 +66,7 @@ pub(super) fn rows(
             continue;
         }
         let point = Shape::image_point(landmark, contour);
-        let arm = pose.rotation * shape.point(point);
+        let arm = pose.rotation * shape.at(point);
         let at = arm + pose.translation_mm;
         let [px, py] = camera.project(at);
         let [gx, gy] = camera.project_gradient(at);
@@ -105,22 +105,22 @@ pub(super) fn rows(
     }
 }
 
-/// Derivative of one whitened residual by the unknowns.
-pub(super) fn gradient(
-    face: &FaceModel<'_>,
-    row: &Row,
-    by_camera: Vec3,
-    by_head: Vec3,
-) -> [f32; UNKNOWNS] {
-    let mut out = [0.0; UNKNOWNS];
-    let (animation, pose) = out.split_at_mut(ANIMATIONS);
-    for (o, mode) in animation.iter_mut().zip(face.animation_modes(row.point)) {
-        *o = by_head.dot(mode);
+/// Derivatives of both whitened residuals by the unknowns.
+pub(super) fn gradients(face: &FaceModel<'_>, row: &Row) -> [[f32; UNKNOWNS]; 2] {
+    let mut out = [[0.0; UNKNOWNS]; 2];
+    let [(first, first_pose), (second, second_pose)] =
+        out.each_mut().map(|o| o.split_at_mut(ANIMATIONS));
+    let modes = face.animation_modes(row.point);
+    for ((a, b), mode) in first.iter_mut().zip(second).zip(modes) {
+        *a = row.by_head[0].dot(mode);
+        *b = row.by_head[1].dot(mode);
     }
-    // A turn ω moves the point by ω × arm.
-    let turn = row.arm.cross(by_camera).to_array();
-    let both = turn.iter().chain(by_camera.as_ref());
-    pose.iter_mut().zip(both).for_each(|(o, v)| *o = *v);
+    for (pose, by_camera) in [first_pose, second_pose].into_iter().zip(row.by_camera) {
+        // A turn ω moves the point by ω × arm.
+        let turn = row.arm.cross(by_camera).to_array();
+        let both = turn.into_iter().chain(by_camera.to_array());
+        pose.iter_mut().zip(both).for_each(|(o, v)| *o = v);
+    }
     out
 }
 
@@ -168,13 +168,15 @@ impl System {
     }
 
     fn add(&mut self, face: &FaceModel<'_>, row: &Row) {
-        let directions = row.by_camera.iter().zip(&row.by_head).zip(row.residual);
-        for ((by_camera, by_head), residual) in directions {
-            let g = gradient(face, row, *by_camera, *by_head);
-            for ((sums, rhs), a) in self.matrix.iter_mut().zip(&mut self.rhs).zip(g) {
+        for (g, residual) in gradients(face, row).iter().zip(row.residual) {
+            for (i, ((sums, rhs), a)) in
+                self.matrix.iter_mut().zip(&mut self.rhs).zip(g).enumerate()
+            {
                 let a = row.weight * a;
                 *rhs += a * residual;
-                sums.iter_mut().zip(g).for_each(|(s, b)| *s += a * b);
+                // Whole vectors of four cover the lower triangle, which is all that is read.
+                let lower = sums.iter_mut().zip(g).take((i | 3) + 1);
+                lower.for_each(|(s, b)| *s += a * b);
             }
             self.squares += row.weight * residual * residual;
         }

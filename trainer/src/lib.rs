@@ -1,4 +1,5 @@
 //! Trains the models of posewise from photographs and rendered faces.
 
+pub mod face_section;
 pub mod head;
 pub mod pack;

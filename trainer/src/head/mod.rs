@@ -10,7 +10,7 @@ use anyhow::{Context, Result, ensure};
 use posewise::shape::{ANIMATION_NAMES, ANIMATIONS, LANDMARKS};
 use std::path::Path;
 
-pub use contour::{JAW, contour_paths};
+pub use contour::{JAW, contour_paths, outward};
 
 /// A morphable head: `mean + Σ identity_k·w_k + Σ expression_j·a_j`.
 #[derive(Clone, Debug)]
