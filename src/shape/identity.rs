@@ -4,11 +4,11 @@ use super::linear::{Observed, System, UNKNOWNS, gradients, rows};
 use super::{FaceFit, FaceModel, Identity, Intrinsics, MAX_IDENTITIES};
 use crate::math::solve_spd;
 
-/// What one frame counts: neighbouring frames repeat each other's errors.
-const FRAME_WEIGHT: f32 = 0.2;
+/// Weight to give a video frame: neighbouring frames repeat each other's errors.
+pub const FRAME_WEIGHT: f32 = 0.2;
 
-/// Frames' worth of information kept; beyond it older frames fade.
-const MEMORY_FRAMES: f32 = 12.0;
+/// Sum of weights kept; beyond it older frames fade.
+const MEMORY: f32 = 2.4;
 
 /// Running normal equations of the identity weights under the prior N(0, 1). Plain data.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,6 +17,7 @@ pub struct IdentityEstimator {
     rhs: Identity,
     frames: u32,
     information: f32,
+    memory: f32,
 }
 
 impl Default for IdentityEstimator {
@@ -26,13 +27,19 @@ impl Default for IdentityEstimator {
 }
 
 impl IdentityEstimator {
-    /// Knows nobody.
+    /// Knows nobody; a video's worth of memory.
     pub const fn new() -> Self {
+        Self::with_memory(MEMORY)
+    }
+
+    /// Knows nobody; frames fade once their weights add up to more than `memory`.
+    pub const fn with_memory(memory: f32) -> Self {
         IdentityEstimator {
             matrix: [[0.0; MAX_IDENTITIES]; MAX_IDENTITIES],
             rhs: [0.0; MAX_IDENTITIES],
             frames: 0,
             information: 0.0,
+            memory,
         }
     }
 
@@ -42,13 +49,15 @@ impl IdentityEstimator {
     }
 
     /// Adds what a fitted frame says about the identity, its pose and animation marginalised.
-    /// A frame whose system cannot be solved is left out.
+    /// A frame whose system cannot be solved is left out. `weight` is 1 for an independent picture,
+    /// [`FRAME_WEIGHT`] for a video frame.
     pub fn add(
         &mut self,
         face: &FaceModel<'_>,
         camera: &Intrinsics,
         observed: &Observed<'_>,
         fit: &FaceFit,
+        weight: f32,
     ) {
         let state = &fit.state;
         let shape = face.animated(&face.neutral(&state.identity), &state.animation);
@@ -90,15 +99,14 @@ impl IdentityEstimator {
             .flatten()
             .chain(&frame.rhs)
             .all(|v| v.is_finite());
-        if finite {
-            self.merge(&frame);
+        if finite && weight > 0.0 {
+            self.merge(&frame, weight);
         }
     }
 
-    fn merge(&mut self, frame: &Frame) {
-        let limit = MEMORY_FRAMES * FRAME_WEIGHT;
-        let keep = (limit / (self.information + FRAME_WEIGHT)).min(1.0);
-        let mix = |sum: &mut f32, new: &f32| *sum = (*sum + FRAME_WEIGHT * new) * keep;
+    fn merge(&mut self, frame: &Frame, weight: f32) {
+        let keep = (self.memory / (self.information + weight)).min(1.0);
+        let mix = |sum: &mut f32, new: &f32| *sum = (*sum + weight * new) * keep;
         for (row, new) in self.matrix.iter_mut().zip(&frame.matrix) {
             row.iter_mut().zip(new).for_each(|(s, n)| mix(s, n));
         }
@@ -106,7 +114,7 @@ impl IdentityEstimator {
             .iter_mut()
             .zip(&frame.rhs)
             .for_each(|(s, n)| mix(s, n));
-        self.information = (self.information + FRAME_WEIGHT) * keep;
+        self.information = (self.information + weight) * keep;
         self.frames = self.frames.saturating_add(1);
     }
 

@@ -12,7 +12,7 @@ pub use camera::{Intrinsics, Pose};
 pub use face::{Contour, FACE_TAG, FIXED_CONTOUR, FaceModel, JAW, MAX_EXTRA, MAX_POINTS, Shape};
 pub use face::{VIEW_AZIMUTHS, VIEW_BYTES, VIEW_ELEVATIONS, VIEW_STEP_DEG};
 pub use fit::{FaceFit, FaceState, FitOptions, fit};
-pub use identity::IdentityEstimator;
+pub use identity::{FRAME_WEIGHT, IdentityEstimator};
 pub use linear::Observed;
 pub use posit::posit;
 

@@ -4,7 +4,9 @@ use crate::head::{Head, outward};
 use crate::pack::SectionWriter;
 use anyhow::{Result, ensure};
 use nalgebra::{DMatrix, SymmetricEigen};
-use posewise::shape::{ANIMATION_NAMES, FACE_TAG, JAW, LANDMARKS, MAX_EXTRA, MAX_IDENTITIES};
+use posewise::shape::{
+    ANIMATION_NAMES, FACE_TAG, Identity, JAW, LANDMARKS, MAX_EXTRA, MAX_IDENTITIES,
+};
 
 mod visibility;
 
@@ -51,7 +53,8 @@ pub fn face_section(head: &Head, offsets_mm: Option<&[[f32; 3]]>) -> Result<Sect
         (0..3).for_each(|k| p[k] += offset[k]);
     }
     let modes: Vec<Mode> = head.identity.iter().map(|m| points.pick(m)).collect();
-    let identity = principal(&modes, IDENTITIES.min(MAX_IDENTITIES));
+    let directions = principal(&modes, IDENTITIES.min(MAX_IDENTITIES));
+    let identity: Vec<Mode> = directions.iter().map(|d| combined(&modes, d)).collect();
     let animation: Vec<Mode> = head
         .animation
         .iter()
@@ -98,9 +101,9 @@ fn write_modes(section: &mut SectionWriter, modes: &[Mode], points: usize) {
     section.array(&scales).array(&quantised);
 }
 
-/// The `count` strongest combinations of modes over the points. The modes are per standard
-/// deviation and independent, so rotations of them are too.
-fn principal(modes: &[Mode], count: usize) -> Vec<Mode> {
+/// Directions in the space of the modes along which the points vary most, strongest first. The
+/// modes are per standard deviation and independent, so rotations of them are too.
+fn principal(modes: &[Mode], count: usize) -> Vec<Vec<f32>> {
     let n = modes.len();
     let weight = |point: usize| {
         if point < LANDMARKS {
@@ -119,22 +122,41 @@ fn principal(modes: &[Mode], count: usize) -> Vec<Mode> {
     let eigen = SymmetricEigen::new(gram);
     let mut order: Vec<usize> = (0..n).collect();
     order.sort_by(|a, b| eigen.eigenvalues[*b].total_cmp(&eigen.eigenvalues[*a]));
-    order
+    let directions = order
         .iter()
         .take(count)
-        .map(|k| {
-            let direction = eigen.eigenvectors.column(*k);
-            let points = modes.first().map_or(0, Vec::len);
-            (0..points)
-                .map(|p| {
-                    std::array::from_fn(|axis| {
-                        let parts = modes.iter().zip(direction.iter());
-                        parts.map(|(m, d)| m[p][axis] * *d as f32).sum()
-                    })
-                })
-                .collect()
-        })
+        .map(|k| eigen.eigenvectors.column(*k));
+    directions
+        .map(|d| d.iter().map(|v| *v as f32).collect())
         .collect()
+}
+
+/// The mode along a direction.
+fn combined(modes: &[Mode], direction: &[f32]) -> Mode {
+    let mut sum = vec![[0.0; 3]; modes.first().map_or(0, Vec::len)];
+    for (mode, d) in modes.iter().zip(direction) {
+        for (s, v) in sum.iter_mut().zip(mode) {
+            (0..3).for_each(|k| s[k] += d * v[k]);
+        }
+    }
+    sum
+}
+
+/// The head's own identity weights of weights in the section's modes.
+pub fn head_identity(head: &Head, weights: &Identity) -> Vec<f32> {
+    let points = Points::of(head);
+    let modes: Vec<Mode> = head.identity.iter().map(|m| points.pick(m)).collect();
+    let directions = principal(&modes, IDENTITIES.min(MAX_IDENTITIES));
+    let mut out = vec![0.0; head.identity.len()];
+    for (direction, w) in directions.iter().zip(weights) {
+        out.iter_mut().zip(direction).for_each(|(o, d)| *o += w * d);
+    }
+    out
+}
+
+/// Vertex of each point of the section: landmarks, then contour candidates.
+pub fn point_vertices(head: &Head) -> Vec<u32> {
+    Points::of(head).vertices
 }
 
 /// Standard deviation of a good alignment's landmarks, as a length on the face \[mm\]: about
@@ -167,7 +189,10 @@ mod tests {
         // Two independent displacements of 68 points along x and y, and their half.
         let mode = |x, y| vec![[x, y, 0.0f32]; LANDMARKS];
         let modes = [mode(1.0, 0.0), mode(0.0, 2.0), mode(0.5, 0.0)];
-        let kept = principal(&modes, 2);
+        let kept: Vec<Mode> = principal(&modes, 2)
+            .iter()
+            .map(|d| combined(&modes, d))
+            .collect();
         let energy = |m: &Mode| m.as_flattened().iter().map(|v| v * v).sum::<f32>();
         assert!((energy(&kept[0]) - 4.0 * 68.0).abs() < 0.1);
         assert!((energy(&kept[1]) - 1.25 * 68.0).abs() < 0.1);
