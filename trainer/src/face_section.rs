@@ -53,8 +53,10 @@ pub fn face_section(head: &Head, offsets_mm: Option<&[[f32; 3]]>) -> Result<Sect
         (0..3).for_each(|k| p[k] += offset[k]);
     }
     let modes: Vec<Mode> = head.identity.iter().map(|m| points.pick(m)).collect();
-    let directions = principal(&modes, IDENTITIES.min(MAX_IDENTITIES));
-    let identity: Vec<Mode> = directions.iter().map(|d| combined(&modes, d)).collect();
+    let identity: Vec<Mode> = identity_directions(head)
+        .iter()
+        .map(|d| combined(&modes, d))
+        .collect();
     let animation: Vec<Mode> = head
         .animation
         .iter()
@@ -142,12 +144,16 @@ fn combined(modes: &[Mode], direction: &[f32]) -> Mode {
     sum
 }
 
-/// The head's own identity weights of weights in the section's modes.
-pub fn head_identity(head: &Head, weights: &Identity) -> Vec<f32> {
+/// The section's identity modes as combinations of the head's, strongest first.
+pub fn identity_directions(head: &Head) -> Vec<Vec<f32>> {
     let points = Points::of(head);
     let modes: Vec<Mode> = head.identity.iter().map(|m| points.pick(m)).collect();
-    let directions = principal(&modes, IDENTITIES.min(MAX_IDENTITIES));
-    let mut out = vec![0.0; head.identity.len()];
+    principal(&modes, IDENTITIES.min(MAX_IDENTITIES))
+}
+
+/// The head's own identity weights of weights in the section's modes.
+pub fn head_identity(directions: &[Vec<f32>], weights: &Identity) -> Vec<f32> {
+    let mut out = vec![0.0; directions.first().map_or(0, Vec::len)];
     for (direction, w) in directions.iter().zip(weights) {
         out.iter_mut().zip(direction).for_each(|(o, d)| *o += w * d);
     }

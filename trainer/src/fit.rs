@@ -7,7 +7,7 @@
 
 pub mod labels;
 
-use crate::face_section::{face_section, head_identity, point_vertices};
+use crate::face_section::{face_section, head_identity, identity_directions, point_vertices};
 use crate::head::Head;
 use crate::pack;
 use anyhow::{Context, Result, ensure};
@@ -204,14 +204,11 @@ pub fn fit_photographs_cached(
     settings: &FitSettings,
     cache: &Path,
 ) -> Result<Fits> {
-    if let Ok(bytes) = std::fs::read(cache) {
-        let kept: Result<Fits, _> = serde_json::from_slice(&bytes);
-        if let Ok(fits) = kept
-            .map_err(|_| ())
-            .and_then(|f| (f.settings == *settings).then_some(f).ok_or(()))
-        {
-            return Ok(fits);
-        }
+    // A cache of other settings or of an older layout is made anew.
+    let kept = std::fs::read(cache).ok();
+    let kept = kept.and_then(|bytes| serde_json::from_slice::<Fits>(&bytes).ok());
+    if let Some(fits) = kept.filter(|fits| fits.settings == *settings) {
+        return Ok(fits);
     }
     let fits = fit_photographs(head, csv, images, settings)?;
     if let Some(folder) = cache.parent() {
@@ -339,7 +336,7 @@ fn collect(
     settings: &FitSettings,
     offsets_mm: Vec<[f32; 3]>,
 ) -> Fits {
-    let vertices = point_vertices(head);
+    let (vertices, directions) = (point_vertices(head), identity_directions(head));
     let mut noise = vec![0.0f32; LANDMARKS];
     let (mut fits, mut dropped) = (Vec::new(), Vec::new());
     for photo in photos {
@@ -366,7 +363,7 @@ fn collect(
             focal_px: photo.camera.fx,
             rotation: fit.state.pose.rotation.transpose().to_cols_array_2d(),
             translation_mm: fit.state.pose.translation_mm.into(),
-            identity: head_identity(head, &fit.state.identity),
+            identity: head_identity(&directions, &fit.state.identity),
             animation: fit.state.animation.to_vec(),
             labels: photo.label.points.to_vec(),
             fitted: fit.image_px.to_vec(),
