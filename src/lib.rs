@@ -39,13 +39,6 @@ pub mod track;
 #[cfg(any(feature = "ffi", test))]
 pub mod ffi;
 
-#[cfg(feature = "panic-handler")]
-#[panic_handler]
-fn panic(_: &core::panic::PanicInfo) -> ! {
-    // Unreachable by design; a link test shows that no path leads here.
-    loop {}
-}
-
 /// Bytes aligned as a model blob must be ([`model::ALIGN`]).
 #[cfg(feature = "default-model")]
 #[repr(C, align(64))]

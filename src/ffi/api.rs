@@ -113,7 +113,7 @@ pub unsafe extern "C" fn posewise_model_check(
 ) -> posewise_status {
     status(|| {
         // SAFETY: the caller's promise.
-        unsafe { load(model, model_len) }.map(|_| ())
+        load(unsafe { model_bytes(model, model_len)? }).map(|_| ())
     })
 }
 
@@ -138,18 +138,13 @@ pub unsafe extern "C" fn posewise_init(
         if !start.is_multiple_of(POSEWISE_ALIGN as usize) || memory_len < BLOCK_SIZE {
             return Err(POSEWISE_E_MEMORY);
         }
-        let apart = start.abs_diff(model as usize);
-        if apart
-            < if start < model as usize {
-                BLOCK_SIZE
-            } else {
-                model_len
-            }
-        {
+        // SAFETY: the caller's promise.
+        let model = unsafe { model_bytes(model, model_len)? };
+        let blob = model.as_ptr() as usize;
+        if start < blob.saturating_add(model.len()) && blob < start.saturating_add(BLOCK_SIZE) {
             return Err(POSEWISE_E_ARG); // the tracker would overwrite its model
         }
-        // SAFETY: the caller's promise.
-        let model = unsafe { load(model, model_len)? };
+        let model = load(model)?;
         // SAFETY: aligned and long enough, as just checked.
         unsafe { memory::place(memory.cast(), model, &config) }.map_err(|_| POSEWISE_E_ARG)?;
         // SAFETY: checked above.
@@ -283,9 +278,12 @@ fn status(body: impl FnOnce() -> Result<(), posewise_status>) -> posewise_status
 
 /// # Safety
 /// As at the head of memory.rs; the model outlives its use.
-unsafe fn load(model: *const c_void, len: usize) -> Result<Model<'static>, posewise_status> {
+unsafe fn model_bytes(model: *const c_void, len: usize) -> Result<&'static [u8], posewise_status> {
     // SAFETY: the caller's promise.
-    let bytes = unsafe { memory::bytes(model.cast(), len, POSEWISE_E_MODEL_TRUNCATED)? };
+    unsafe { memory::bytes(model.cast(), len, POSEWISE_E_MODEL_TRUNCATED) }
+}
+
+fn load(bytes: &'static [u8]) -> Result<Model<'static>, posewise_status> {
     Model::load(bytes).map_err(|error| match error {
         ModelError::Misaligned => POSEWISE_E_MODEL_ALIGN,
         ModelError::Truncated => POSEWISE_E_MODEL_TRUNCATED,

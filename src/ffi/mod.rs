@@ -8,5 +8,7 @@
 
 pub mod api;
 mod memory;
+#[cfg(feature = "panic-handler")]
+mod panic;
 #[allow(missing_docs)] // one comment stands for a pair of fields, as in the header
 pub mod types;

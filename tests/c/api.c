@@ -1,0 +1,520 @@
+/* api.c MODEL FRAMES WIDTH HEIGHT - every function with everything that can be wrong with a call.
+ * Compiled as C99, also with sanitizers. Prints each check that fails; silent success. */
+#include "check.h"
+
+#include <limits.h>
+#include <math.h>
+
+static guarded model;
+static clip frames;
+
+/* All that a tracker tells after a step. */
+typedef struct {
+    posewise_result result;
+    posewise_landmark landmarks[POSEWISE_LANDMARKS];
+    float animation[POSEWISE_ANIMATIONS];
+} answer;
+
+static posewise_status step(posewise_tracker *t, const posewise_frame *f, answer *a) {
+    posewise_status status;
+    memset(a, 0x77, sizeof *a);
+    a->result.struct_size = sizeof a->result;
+    status = posewise_step(t, f, &a->result);
+    if (status == POSEWISE_OK) {
+        CHECK_STATUS(posewise_landmarks(t, a->landmarks, POSEWISE_LANDMARKS), POSEWISE_OK);
+        CHECK_STATUS(posewise_animation(t, a->animation, POSEWISE_ANIMATIONS), POSEWISE_OK);
+        CHECK(a->result.struct_size == sizeof a->result);
+        CHECK(a->result.timestamp_us == f->timestamp_us);
+        CHECK(a->result.state <= POSEWISE_HOLDING);
+    }
+    return status;
+}
+
+static posewise_tracker *init(guarded memory, const posewise_config *config) {
+    posewise_tracker *t = NULL;
+    CHECK_STATUS(posewise_init(&t, memory.start, memory.len, model.start, model.len, config),
+                 POSEWISE_OK);
+    CHECK((uint8_t *)t == memory.start);
+    return t;
+}
+
+static guarded tracker_memory(uint8_t fill) {
+    return guarded_new(posewise_memory_size(NULL), fill);
+}
+
+static void test_constants(void) {
+    posewise_status s, other;
+    uint32_t i;
+    CHECK(posewise_version() == POSEWISE_VERSION);
+    CHECK(posewise_abi() == POSEWISE_ABI);
+    CHECK(posewise_memory_align() == POSEWISE_ALIGN);
+    CHECK(posewise_memory_size(NULL) > 0);
+    CHECK(posewise_memory_size(NULL) <= POSEWISE_MEMORY_SIZE);
+    for (s = -11; s <= 0; s++) {
+        CHECK(strcmp(posewise_strerror(s), "unknown status") != 0);
+        for (other = -11; other < s; other++)
+            CHECK(strcmp(posewise_strerror(s), posewise_strerror(other)) != 0);
+    }
+    CHECK(strcmp(posewise_strerror(1), "unknown status") == 0);
+    CHECK(strcmp(posewise_strerror(INT32_MIN), "unknown status") == 0);
+    for (i = 0; i < POSEWISE_ANIMATIONS; i++)
+        CHECK(posewise_animation_name(i) != NULL && strlen(posewise_animation_name(i)) > 3);
+    CHECK(posewise_animation_name(POSEWISE_ANIMATIONS) == NULL);
+    CHECK(posewise_animation_name(UINT32_MAX) == NULL);
+}
+
+static void test_default_model(void) {
+    size_t len = 1;
+    const void *built_in = posewise_default_model(&len);
+    CHECK((built_in == NULL) == (len == 0));
+    CHECK((uintptr_t)built_in % POSEWISE_ALIGN == 0);
+    if (built_in != NULL)
+        CHECK_STATUS(posewise_model_check(built_in, len), POSEWISE_OK);
+    CHECK(posewise_default_model(NULL) == NULL);
+}
+
+/* posewise_memory_size() refuses the settings, and so does posewise_init(). */
+static void config_refused(const posewise_config *config) {
+    guarded memory = tracker_memory(0xA5);
+    posewise_tracker *t = (posewise_tracker *)(void *)&failures;
+    CHECK(posewise_memory_size(config) == 0);
+    CHECK_STATUS(posewise_init(&t, memory.start, memory.len, model.start, model.len, config),
+                 POSEWISE_E_ARG);
+    CHECK(t == (posewise_tracker *)(void *)&failures);
+    CHECK(filled(memory.start, memory.len, 0xA5));
+    guarded_free(memory);
+}
+
+static void test_config(void) {
+    static const uint32_t sizes[] = {0, 1, 4, sizeof(posewise_config) - 1, 4097, UINT32_MAX};
+    static const float wrong_focal[] = {-1.0f, NAN, INFINITY, -INFINITY};
+    const posewise_config zero = {.struct_size = sizeof zero};
+    posewise_config c = zero;
+    struct {
+        posewise_config known;
+        uint32_t unknown[2];
+    } later;
+    size_t i;
+    CHECK_STATUS(posewise_config_default(NULL), POSEWISE_E_ARG);
+    CHECK_STATUS(posewise_config_default((posewise_config *)(void *)((char *)&later + 1)),
+                 POSEWISE_E_ARG);
+    c.struct_size = 3;
+    CHECK_STATUS(posewise_config_default(&c), POSEWISE_E_ARG);
+    c = zero;
+    CHECK_STATUS(posewise_config_default(&c), POSEWISE_OK);
+    CHECK(c.struct_size == sizeof c && c.min_face_px > 0 && c.scan_budget > 0);
+    CHECK(posewise_memory_size(&c) == posewise_memory_size(NULL));
+    CHECK(posewise_memory_size(&zero) == posewise_memory_size(NULL));
+    for (i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        c = zero;
+        c.struct_size = sizes[i];
+        config_refused(&c);
+    }
+    config_refused((const posewise_config *)(const void *)((const char *)&later + 2));
+    c = zero, c.flags = 1, config_refused(&c);
+    c = zero, c.min_face_px = 23, config_refused(&c);
+    c = zero, c.min_face_px = 4097, config_refused(&c);
+    c = zero, c.scan_budget = 99, config_refused(&c);
+    c = zero, c.scan_budget = 10000001, config_refused(&c);
+    for (i = 0; i < sizeof wrong_focal / sizeof *wrong_focal; i++) {
+        c = zero, c.intrinsics.fx = wrong_focal[i], c.intrinsics.fy = 500, config_refused(&c);
+        c = zero, c.intrinsics.fy = wrong_focal[i], c.intrinsics.fx = 500, config_refused(&c);
+    }
+    c = zero, c.intrinsics.fx = 500, config_refused(&c);
+    c = zero, c.intrinsics.fx = c.intrinsics.fy = 500, c.intrinsics.cx = NAN, config_refused(&c);
+    c = zero, c.intrinsics.fx = c.intrinsics.fy = 500, c.intrinsics.cy = INFINITY, config_refused(&c);
+    c = zero, c.intrinsics.cx = 320, config_refused(&c);
+    memset(&later, 0, sizeof later);
+    later.known.struct_size = sizeof later;
+    CHECK(posewise_memory_size(&later.known) > 0);
+    later.unknown[1] = 1;
+    config_refused(&later.known);
+    memset(later.unknown, 0xFF, sizeof later.unknown);
+    CHECK_STATUS(posewise_config_default(&later.known), POSEWISE_OK);
+    CHECK(later.known.struct_size == sizeof later);
+    CHECK(later.unknown[0] == 0 && later.unknown[1] == 0);
+}
+
+static void model_refused(const void *bytes, size_t len, posewise_status expected) {
+    guarded memory = tracker_memory(0xA5);
+    posewise_tracker *t = NULL;
+    CHECK_STATUS(posewise_model_check(bytes, len), expected);
+    CHECK_STATUS(posewise_init(&t, memory.start, memory.len, bytes, len, NULL), expected);
+    CHECK(t == NULL);
+    CHECK(filled(memory.start, memory.len, 0xA5));
+    guarded_free(memory);
+}
+
+static void test_model(void) {
+    const size_t stride = model.len / 97 + 1;
+    guarded copy = guarded_new(model.len + 1, 0);
+    size_t i;
+    memcpy(copy.start, model.start, model.len);
+    CHECK_STATUS(posewise_model_check(model.start, model.len), POSEWISE_OK);
+    CHECK_STATUS(posewise_model_check(copy.start, model.len + 1), POSEWISE_OK); /* a longer buffer */
+    model_refused(NULL, model.len, POSEWISE_E_ARG);
+    model_refused(NULL, 0, POSEWISE_E_ARG);
+    model_refused(model.start, SIZE_MAX, POSEWISE_E_MODEL_TRUNCATED);
+    model_refused(model.start, 0, POSEWISE_E_MODEL_TRUNCATED);
+    memmove(copy.start + 1, copy.start, model.len);
+    model_refused(copy.start + 1, model.len, POSEWISE_E_MODEL_ALIGN);
+    memcpy(copy.start, model.start, model.len);
+    for (i = 0; i < 64; i++)
+        model_refused(model.start, i, POSEWISE_E_MODEL_TRUNCATED);
+    for (i = 64; i < model.len; i += stride)
+        model_refused(model.start, i, POSEWISE_E_MODEL_TRUNCATED);
+    model_refused(model.start, model.len - 1, POSEWISE_E_MODEL_TRUNCATED);
+    for (i = 0; i < 8; i++) {
+        copy.start[i] ^= 0x20;
+        model_refused(copy.start, model.len, POSEWISE_E_MODEL_MAGIC);
+        copy.start[i] ^= 0x20;
+    }
+    for (i = 8; i < 12; i++) {
+        copy.start[i] ^= 0x40;
+        model_refused(copy.start, model.len, POSEWISE_E_MODEL_VERSION);
+        copy.start[i] ^= 0x40;
+    }
+    /* Single bits: each is found, wherever it is. */
+    for (i = 0; i < model.len; i += i < 256 ? 1 : stride) {
+        const uint8_t bit = (uint8_t)(1u << i % 8);
+        copy.start[i] ^= bit;
+        CHECK(posewise_model_check(copy.start, model.len) < 0);
+        copy.start[i] ^= bit;
+    }
+    CHECK_STATUS(posewise_model_check(copy.start, model.len), POSEWISE_OK);
+    guarded_free(copy);
+}
+
+static void test_init(void) {
+    const size_t need = posewise_memory_size(NULL);
+    guarded memory = guarded_new(need + 64, 0xA5);
+    posewise_tracker *t = NULL;
+    size_t i;
+    CHECK_STATUS(posewise_init(NULL, memory.start, need, model.start, model.len, NULL),
+                 POSEWISE_E_ARG);
+    CHECK_STATUS(posewise_init((posewise_tracker **)(void *)((char *)&t + 1), memory.start, need,
+                               model.start, model.len, NULL),
+                 POSEWISE_E_ARG);
+    CHECK_STATUS(posewise_init(&t, NULL, need, model.start, model.len, NULL), POSEWISE_E_ARG);
+    for (i = 1; i < 64; i++)
+        CHECK_STATUS(posewise_init(&t, memory.start + i, need, model.start, model.len, NULL),
+                     POSEWISE_E_MEMORY);
+    for (i = 0; i < need; i += need / 50 + 1)
+        CHECK_STATUS(posewise_init(&t, memory.start, i, model.start, model.len, NULL),
+                     POSEWISE_E_MEMORY);
+    CHECK_STATUS(posewise_init(&t, memory.start, need - 1, model.start, model.len, NULL),
+                 POSEWISE_E_MEMORY);
+    /* A tracker upon its own model. */
+    CHECK_STATUS(posewise_init(&t, model.start, need, model.start, model.len, NULL), POSEWISE_E_ARG);
+    CHECK_STATUS(posewise_init(&t, memory.start, need, memory.start + 64, need - 64, NULL),
+                 POSEWISE_E_ARG);
+    CHECK(t == NULL);
+    CHECK(filled(memory.start, memory.len, 0xA5));
+    CHECK_STATUS(posewise_init(&t, memory.start, need, model.start, model.len, NULL), POSEWISE_OK);
+    CHECK(filled(memory.start + need, 64, 0xA5));
+    guarded_free(memory);
+}
+
+/* Every function on something that is no tracker. */
+static void no_tracker(posewise_tracker *t) {
+    const posewise_frame f = clip_frame(&frames, 0);
+    answer a, before;
+    memset(&a, 0x77, sizeof a);
+    a.result.struct_size = sizeof a.result;
+    before = a;
+    CHECK_STATUS(posewise_step(t, &f, &a.result), POSEWISE_E_ARG);
+    CHECK_STATUS(posewise_landmarks(t, a.landmarks, POSEWISE_LANDMARKS), POSEWISE_E_ARG);
+    CHECK_STATUS(posewise_animation(t, a.animation, POSEWISE_ANIMATIONS), POSEWISE_E_ARG);
+    CHECK_STATUS(posewise_reset(t), POSEWISE_E_ARG);
+    CHECK_STATUS(posewise_set_intrinsics(t, NULL), POSEWISE_E_ARG);
+    CHECK(memcmp(&a, &before, sizeof a) == 0);
+}
+
+static void test_wrong_order(void) {
+    static const uint8_t fills[] = {0x00, 0xFF, 0xA5};
+    guarded memory;
+    size_t i;
+    for (i = 0; i < sizeof fills; i++) {
+        memory = tracker_memory(fills[i]);
+        no_tracker((posewise_tracker *)(void *)memory.start);
+        CHECK(filled(memory.start, memory.len, fills[i]));
+        guarded_free(memory);
+    }
+    memory = tracker_memory(0);
+    init(memory, NULL);
+    no_tracker(NULL);
+    no_tracker((posewise_tracker *)(void *)(memory.start + 1));
+    no_tracker((posewise_tracker *)(void *)(memory.start + 64));
+    guarded_free(memory);
+}
+
+static void test_step_pointers(void) {
+    guarded memory = tracker_memory(0);
+    posewise_tracker *t = init(memory, NULL);
+    posewise_frame f = clip_frame(&frames, 0);
+    struct {
+        posewise_result known;
+        uint8_t unknown[16];
+    } later;
+    posewise_result r = {.struct_size = sizeof r};
+    CHECK_STATUS(posewise_step(t, NULL, &r), POSEWISE_E_ARG);
+    CHECK_STATUS(posewise_step(t, &f, NULL), POSEWISE_E_ARG);
+    CHECK_STATUS(posewise_step(t, (const posewise_frame *)(const void *)((char *)&f + 1), &r),
+                 POSEWISE_E_ARG);
+    CHECK_STATUS(posewise_step(t, &f, (posewise_result *)(void *)((char *)&later + 1)),
+                 POSEWISE_E_ARG);
+    f.struct_size = sizeof f - 1;
+    CHECK_STATUS(posewise_step(t, &f, &r), POSEWISE_E_ARG);
+    f.struct_size = sizeof f;
+    r.struct_size = sizeof r - 1;
+    CHECK_STATUS(posewise_step(t, &f, &r), POSEWISE_E_ARG);
+    r.struct_size = 0;
+    CHECK_STATUS(posewise_step(t, &f, &r), POSEWISE_E_ARG);
+    /* A newer caller's result: the tail that we do not know comes back as 0. */
+    memset(&later, 0xEE, sizeof later);
+    later.known.struct_size = sizeof later;
+    CHECK_STATUS(posewise_step(t, &f, &later.known), POSEWISE_OK);
+    CHECK(later.known.struct_size == sizeof later);
+    CHECK(filled(later.unknown, sizeof later.unknown, 0));
+    guarded_free(memory);
+}
+
+static void test_outputs(void) {
+    guarded memory = tracker_memory(0);
+    posewise_tracker *t = init(memory, NULL);
+    const posewise_frame f = clip_frame(&frames, 0);
+    posewise_landmark l[POSEWISE_LANDMARKS + 4];
+    float w[POSEWISE_ANIMATIONS + 4];
+    answer a;
+    size_t i;
+    CHECK_STATUS(step(t, &f, &a), POSEWISE_OK);
+    CHECK_STATUS(posewise_landmarks(t, NULL, 68), POSEWISE_E_ARG);
+    CHECK_STATUS(posewise_animation(t, NULL, 24), POSEWISE_E_ARG);
+    CHECK_STATUS(posewise_landmarks(t, (posewise_landmark *)(void *)((char *)l + 2), 1),
+                 POSEWISE_E_ARG);
+    CHECK_STATUS(posewise_animation(t, (float *)(void *)((char *)w + 2), 1), POSEWISE_E_ARG);
+    for (i = 0; i <= POSEWISE_LANDMARKS + 4; i++) {
+        const size_t n = i < POSEWISE_LANDMARKS ? i : POSEWISE_LANDMARKS;
+        memset(l, 0x33, sizeof l);
+        CHECK_STATUS(posewise_landmarks(t, l, i), POSEWISE_OK);
+        CHECK(memcmp(l, a.landmarks, n * sizeof *l) == 0);
+        CHECK(filled((uint8_t *)(l + n), sizeof l - n * sizeof *l, 0x33));
+    }
+    for (i = 0; i <= POSEWISE_ANIMATIONS + 4; i++) {
+        const size_t n = i < POSEWISE_ANIMATIONS ? i : POSEWISE_ANIMATIONS;
+        memset(w, 0x33, sizeof w);
+        CHECK_STATUS(posewise_animation(t, w, i), POSEWISE_OK);
+        CHECK(memcmp(w, a.animation, n * sizeof *w) == 0);
+        CHECK(filled((uint8_t *)(w + n), sizeof w - n * sizeof *w, 0x33));
+    }
+    guarded_free(memory);
+}
+
+/* A step that must fail leaves tracker and output alone. */
+static void frame_refused(posewise_tracker *t, const posewise_frame *f, posewise_status expected) {
+    answer a, before;
+    memset(&before, 0x77, sizeof before);
+    before.result.struct_size = sizeof before.result;
+    CHECK_STATUS(step(t, f, &a), expected);
+    CHECK(memcmp(&a, &before, sizeof a) == 0);
+}
+
+static void bad_frames(posewise_tracker *t, const posewise_frame *good) {
+    posewise_frame f;
+#define BAD(change, status) (f = *good, change, frame_refused(t, &f, status))
+    BAD(f.data = NULL, POSEWISE_E_ARG);
+    BAD(f.flags = 2, POSEWISE_E_ARG);
+    BAD(f.flags = UINT32_MAX, POSEWISE_E_ARG);
+    BAD(f.reserved = 1, POSEWISE_E_ARG);
+    BAD(f.width = 0, POSEWISE_E_FRAME);
+    BAD(f.height = 0, POSEWISE_E_FRAME);
+    BAD(f.width = 16385, POSEWISE_E_FRAME);
+    BAD(f.height = 16385, POSEWISE_E_FRAME);
+    BAD(f.width = UINT32_MAX, POSEWISE_E_FRAME);
+    BAD((f.height = UINT32_MAX, f.stride = UINT32_MAX), POSEWISE_E_FRAME);
+    BAD(f.stride = f.width - 1, POSEWISE_E_FRAME);
+    BAD(f.stride = 0, POSEWISE_E_FRAME);
+    BAD(f.stride = UINT32_MAX, POSEWISE_E_FRAME);
+    BAD(f.data_len = 0, POSEWISE_E_FRAME);
+    BAD(f.data_len -= 1, POSEWISE_E_FRAME);
+    BAD(f.data_len = SIZE_MAX, POSEWISE_E_FRAME);
+    BAD(f.rotation_deg = 1, POSEWISE_E_FRAME);
+    BAD(f.rotation_deg = 360, POSEWISE_E_FRAME);
+    BAD(f.format = 0, POSEWISE_E_FORMAT);
+    BAD(f.format = 0x47504A4D, POSEWISE_E_FORMAT); /* MJPG */
+    BAD(f.format = POSEWISE_FMT_YUYV, POSEWISE_E_FRAME);
+    BAD(f.format = POSEWISE_FMT_RGB3, POSEWISE_E_FRAME);
+#undef BAD
+}
+
+static void test_bad_frames_change_nothing(void) {
+    guarded left = tracker_memory(0), right = tracker_memory(0);
+    posewise_tracker *disturbed = init(left, NULL), *calm = init(right, NULL);
+    posewise_intrinsics nan_camera = {NAN, 500, 0, 0};
+    posewise_frame f;
+    answer a, b;
+    size_t i;
+    for (i = 0; i < frames.count && i < 20; i++) {
+        f = clip_frame(&frames, i);
+        bad_frames(disturbed, &f);
+        CHECK_STATUS(posewise_set_intrinsics(disturbed, &nan_camera), POSEWISE_E_ARG);
+        CHECK_STATUS(step(disturbed, &f, &a), POSEWISE_OK);
+        CHECK_STATUS(step(calm, &f, &b), POSEWISE_OK);
+        CHECK(memcmp(&a, &b, sizeof a) == 0);
+        frame_refused(disturbed, &f, POSEWISE_E_TIME);
+        f.timestamp_us -= 1000;
+        frame_refused(disturbed, &f, POSEWISE_E_TIME);
+        f.timestamp_us = INT64_MIN;
+        frame_refused(disturbed, &f, POSEWISE_E_TIME);
+    }
+    guarded_free(left);
+    guarded_free(right);
+}
+
+static void test_formats(void) {
+    static const struct {
+        uint32_t format, bytes;
+    } formats[] = {
+        {POSEWISE_FMT_GREY, 1}, {POSEWISE_FMT_Y10, 2},  {POSEWISE_FMT_Y16, 2},
+        {POSEWISE_FMT_YUYV, 2}, {POSEWISE_FMT_UYVY, 2}, {POSEWISE_FMT_NV12, 1},
+        {POSEWISE_FMT_NV21, 1}, {POSEWISE_FMT_YU12, 1}, {POSEWISE_FMT_RGB3, 3},
+        {POSEWISE_FMT_BGR3, 3}, {POSEWISE_FMT_XB24, 4}, {POSEWISE_FMT_AB24, 4},
+        {POSEWISE_FMT_XR24, 4}, {POSEWISE_FMT_AR24, 4}, {POSEWISE_FMT_BX24, 4},
+        {POSEWISE_FMT_BA24, 4}, {POSEWISE_FMT_RX24, 4}, {POSEWISE_FMT_RA24, 4},
+    };
+    guarded memory = tracker_memory(0);
+    posewise_tracker *t = init(memory, NULL);
+    posewise_frame f = clip_frame(&frames, 0);
+    answer a;
+    size_t i;
+    for (i = 0; i < sizeof formats / sizeof *formats; i++) {
+        /* Memory that ends with the last row: a read beyond it is the sanitizer's to find. */
+        const size_t len = (size_t)formats[i].bytes * 40 + 39 * 200;
+        uint8_t *data = malloc(len);
+        uint32_t turn;
+        if (data == NULL)
+            exit(2);
+        memset(data, (int)i * 13, len);
+        f.format = formats[i].format;
+        f.width = f.height = 40;
+        f.stride = 200;
+        f.data = data;
+        f.data_len = len;
+        for (turn = 0; turn < 8; turn++) {
+            f.rotation_deg = turn % 4 * 90;
+            f.flags = turn / 4 * POSEWISE_FRAME_MIRRORED;
+            f.timestamp_us++;
+            CHECK_STATUS(step(t, &f, &a), POSEWISE_OK);
+        }
+        f.data_len--;
+        f.timestamp_us++;
+        frame_refused(t, &f, POSEWISE_E_FRAME);
+        free(data);
+    }
+    guarded_free(memory);
+}
+
+static void test_extreme_times(void) {
+    static const int64_t times[] = {INT64_MIN, INT64_MIN + 1, -1, 0, 1, INT64_MAX - 1, INT64_MAX};
+    guarded memory = tracker_memory(0);
+    posewise_tracker *t = init(memory, NULL);
+    posewise_frame f = clip_frame(&frames, 0);
+    answer a;
+    size_t i, round;
+    for (round = 0; round < 2; round++) {
+        for (i = 0; i < sizeof times / sizeof *times; i++) {
+            f.timestamp_us = times[i];
+            CHECK_STATUS(step(t, &f, &a), POSEWISE_OK);
+            CHECK(a.result.age_us >= 0);
+        }
+        frame_refused(t, &f, POSEWISE_E_TIME);
+        CHECK_STATUS(posewise_reset(t), POSEWISE_OK);
+    }
+    guarded_free(memory);
+}
+
+static void test_intrinsics(void) {
+    guarded memory = tracker_memory(0);
+    posewise_tracker *t = init(memory, NULL);
+    const posewise_intrinsics zero = {0, 0, 0, 0}, good = {900, 900, 320, 240};
+    static const posewise_intrinsics bad[] = {
+        {NAN, 1, 1, 1},  {1, NAN, 1, 1},      {1, 1, NAN, 1},       {1, 1, 1, NAN},
+        {0, 900, 0, 0},  {900, 0, 0, 0},      {-900, 900, 0, 0},    {900, -900, 0, 0},
+        {0, 0, 320, 240}, {INFINITY, 1, 0, 0}, {1, 1, -INFINITY, 0},
+    };
+    size_t i;
+    CHECK_STATUS(posewise_set_intrinsics(t, &good), POSEWISE_OK);
+    CHECK_STATUS(posewise_set_intrinsics(t, &zero), POSEWISE_OK);
+    CHECK_STATUS(posewise_set_intrinsics(t, NULL), POSEWISE_OK);
+    for (i = 0; i < sizeof bad / sizeof *bad; i++)
+        CHECK_STATUS(posewise_set_intrinsics(t, &bad[i]), POSEWISE_E_ARG);
+    CHECK_STATUS(posewise_set_intrinsics(
+                     t, (const posewise_intrinsics *)(const void *)((const char *)bad + 1)),
+                 POSEWISE_E_ARG);
+    guarded_free(memory);
+}
+
+/* Memory full of zeros or ones, a reset, a copy elsewhere: the same answers bit for bit. */
+static void test_same_answers(void) {
+    guarded zeros = tracker_memory(0x00), ones = tracker_memory(0xFF), moved = tracker_memory(0xA5);
+    posewise_tracker *a = init(zeros, NULL), *b = init(ones, NULL), *c;
+    answer *answers = calloc(frames.count, sizeof *answers), again;
+    posewise_frame f;
+    size_t i, tracked = 0;
+    if (answers == NULL)
+        exit(2);
+    for (i = 0; i < frames.count; i++) {
+        f = clip_frame(&frames, i);
+        CHECK_STATUS(step(a, &f, &answers[i]), POSEWISE_OK);
+        CHECK_STATUS(step(b, &f, &again), POSEWISE_OK);
+        CHECK(memcmp(&again, &answers[i], sizeof again) == 0);
+        tracked += again.result.state == POSEWISE_TRACKING;
+        CHECK((again.result.landmark_count == 0) == (again.result.state == POSEWISE_SEARCHING));
+    }
+    CHECK_STATUS(posewise_reset(b), POSEWISE_OK);
+    for (i = 0; i < frames.count / 2; i++) {
+        f = clip_frame(&frames, i);
+        CHECK_STATUS(step(b, &f, &again), POSEWISE_OK);
+        CHECK(memcmp(&again, &answers[i], sizeof again) == 0);
+    }
+    memcpy(moved.start, ones.start, posewise_memory_size(NULL));
+    memset(ones.start, 0xDD, ones.len);
+    c = (posewise_tracker *)(void *)moved.start;
+    for (; i < frames.count; i++) {
+        f = clip_frame(&frames, i);
+        CHECK_STATUS(step(c, &f, &again), POSEWISE_OK);
+        CHECK(memcmp(&again, &answers[i], sizeof again) == 0);
+    }
+    printf("# %zu frames, %zu tracked\n", frames.count, tracked);
+    free(answers);
+    guarded_free(zeros);
+    guarded_free(ones);
+    guarded_free(moved);
+}
+
+int main(int argc, char **argv) {
+    guarded before;
+    if (argc != 5)
+        return 2;
+    model = guarded_file(argv[1]);
+    frames = clip_read(argv[2], argv[3], argv[4]);
+    before = guarded_file(argv[1]);
+    test_constants();
+    test_default_model();
+    test_config();
+    test_model();
+    test_init();
+    test_wrong_order();
+    test_step_pointers();
+    test_outputs();
+    test_bad_frames_change_nothing();
+    test_formats();
+    test_extreme_times();
+    test_intrinsics();
+    test_same_answers();
+    CHECK(memcmp(model.start, before.start, model.len) == 0);
+    guarded_free(before);
+    guarded_free(model);
+    guarded_free(frames.bytes);
+    return failures != 0;
+}

@@ -1,0 +1,56 @@
+/* layout.c - prints size and offsets of every struct, for comparison with Rust's. */
+#include "posewise.h"
+
+#include <stdio.h>
+
+#define SIZE(type) printf(#type " %u\n", (unsigned)sizeof(type))
+#define FIELD(type, field) printf(#type "." #field " %u\n", (unsigned)offsetof(type, field))
+
+int main(void) {
+    SIZE(posewise_intrinsics);
+    FIELD(posewise_intrinsics, fx);
+    FIELD(posewise_intrinsics, fy);
+    FIELD(posewise_intrinsics, cx);
+    FIELD(posewise_intrinsics, cy);
+    SIZE(posewise_config);
+    FIELD(posewise_config, struct_size);
+    FIELD(posewise_config, flags);
+    FIELD(posewise_config, min_face_px);
+    FIELD(posewise_config, scan_budget);
+    FIELD(posewise_config, intrinsics);
+    SIZE(posewise_frame);
+    FIELD(posewise_frame, struct_size);
+    FIELD(posewise_frame, format);
+    FIELD(posewise_frame, timestamp_us);
+    FIELD(posewise_frame, width);
+    FIELD(posewise_frame, height);
+    FIELD(posewise_frame, stride);
+    FIELD(posewise_frame, rotation_deg);
+    FIELD(posewise_frame, flags);
+    FIELD(posewise_frame, reserved);
+    FIELD(posewise_frame, data_len);
+    FIELD(posewise_frame, data);
+    SIZE(posewise_result);
+    FIELD(posewise_result, struct_size);
+    FIELD(posewise_result, state);
+    FIELD(posewise_result, timestamp_us);
+    FIELD(posewise_result, age_us);
+    FIELD(posewise_result, landmark_count);
+    FIELD(posewise_result, score);
+    FIELD(posewise_result, face_box);
+    FIELD(posewise_result, rotation);
+    FIELD(posewise_result, yaw_deg);
+    FIELD(posewise_result, pitch_deg);
+    FIELD(posewise_result, roll_deg);
+    FIELD(posewise_result, translation_mm);
+    FIELD(posewise_result, eye_open);
+    SIZE(posewise_landmark);
+    FIELD(posewise_landmark, x);
+    FIELD(posewise_landmark, y);
+    FIELD(posewise_landmark, confidence);
+    FIELD(posewise_landmark, visibility);
+    FIELD(posewise_landmark, x_mm);
+    FIELD(posewise_landmark, y_mm);
+    FIELD(posewise_landmark, z_mm);
+    return 0;
+}

@@ -1,0 +1,100 @@
+//! What several tests need: paths, the demo clip.
+#![allow(dead_code)] // each test uses its part
+
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+/// The repository.
+pub fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// A folder of this test's own.
+pub fn scratch(name: &str) -> PathBuf {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    std::fs::create_dir_all(&path).expect("target/ is writable");
+    path
+}
+
+/// A video in memory: 8-bit luma, one frame after the other.
+pub struct Clip {
+    /// As the y4m file has it, chroma and all.
+    pub y4m: Vec<u8>,
+    pub width: usize,
+    pub height: usize,
+    /// Microseconds from frame to frame.
+    pub frame_us: f64,
+    pub luma: Vec<Vec<u8>>,
+}
+
+/// The clip that ships with the repository, if it is there.
+pub fn demo() -> Option<Clip> {
+    let packed = std::fs::read(root().join("tests/data/demo.y4m.gz")).ok()?;
+    let mut y4m = Vec::new();
+    flate2::read::MultiGzDecoder::new(&packed[..])
+        .read_to_end(&mut y4m)
+        .expect("demo.y4m.gz is whole");
+    Some(parse(y4m))
+}
+
+/// A bright disc that wanders over a gradient: no face, but something to read.
+pub fn disc() -> Clip {
+    let (width, height, count) = (160, 120, 12);
+    let mut y4m = format!("YUV4MPEG2 W{width} H{height} F30:1 Ip A1:1 C420jpeg\n").into_bytes();
+    for frame in 0..count {
+        y4m.extend_from_slice(b"FRAME\n");
+        let centre = (40.0 + 6.0 * frame as f32, 60.0);
+        y4m.extend((0..width * height).map(|i| {
+            let (x, y) = ((i % width) as f32, (i / width) as f32);
+            match (x - centre.0).hypot(y - centre.1) < 30.0 {
+                true => 220,
+                false => (x + y) as u8 / 2,
+            }
+        }));
+        y4m.extend(std::iter::repeat_n(128, width * height / 2));
+    }
+    parse(y4m)
+}
+
+/// Splits a y4m file of 4:2:0 or mono into frames of luma.
+fn parse(y4m: Vec<u8>) -> Clip {
+    let line_end = |at: usize| at + y4m[at..].iter().position(|b| *b == b'\n').expect("a line");
+    let header_end = line_end(0);
+    let header = std::str::from_utf8(&y4m[..header_end]).expect("ASCII");
+    assert!(header.starts_with("YUV4MPEG2 "), "{header}");
+    let word = |key| {
+        header
+            .split(' ')
+            .skip(1)
+            .find_map(|w: &str| w.strip_prefix(key))
+    };
+    let number = |key| {
+        word(key)
+            .and_then(|w| w.parse::<usize>().ok())
+            .expect("a number")
+    };
+    let (width, height) = (number('W'), number('H'));
+    let (num, den) = word('F')
+        .and_then(|f| f.split_once(':'))
+        .expect("a frame rate");
+    let rate: f64 = num.parse::<f64>().expect("a rate") / den.parse::<f64>().expect("a rate");
+    let chroma = match word('C').unwrap_or("420") {
+        "mono" => 0,
+        colour if colour.starts_with("420") => 2 * width.div_ceil(2) * height.div_ceil(2),
+        colour => panic!("{colour} is not read here"),
+    };
+    let mut luma = Vec::new();
+    let mut at = header_end + 1;
+    while at < y4m.len() {
+        let start = line_end(at) + 1;
+        luma.push(y4m[start..start + width * height].to_vec());
+        at = start + width * height + chroma;
+    }
+    Clip {
+        width,
+        height,
+        frame_us: 1e6 / rate,
+        luma,
+        y4m,
+    }
+}

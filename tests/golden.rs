@@ -1,0 +1,90 @@
+//! Golden replay: the same frames give the same bits, on every machine and after every change that
+//! is not meant to alter results. `POSEWISE_BLESS=1 cargo test --test golden` accepts new results.
+
+mod common;
+
+use common::root;
+use posewise::image::{Frame, FrameLayout};
+use posewise::track::{Config, Model, State, TrackResult, Tracker};
+
+/// FNV-1a, 64 bits.
+struct Hash(u64);
+
+impl Hash {
+    fn bytes(&mut self, bytes: &[u8]) {
+        for byte in bytes {
+            self.0 = (self.0 ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01B3);
+        }
+    }
+
+    fn float(&mut self, value: f32) {
+        assert!(value.is_finite(), "results are finite");
+        self.bytes(&value.to_bits().to_le_bytes());
+    }
+
+    fn result(&mut self, result: &TrackResult) {
+        // Every field by name: a new one does not compile until it is hashed.
+        let TrackResult {
+            state,
+            timestamp_us,
+            age_us,
+            score,
+            face_box,
+            rotation,
+            yaw_deg,
+            pitch_deg,
+            roll_deg,
+            translation_mm,
+            eye_open,
+            landmarks,
+            points_mm,
+            animation,
+        } = result;
+        self.bytes(&[*state as u8]);
+        self.bytes(&timestamp_us.to_le_bytes());
+        self.bytes(&age_us.to_le_bytes());
+        let points = landmarks.iter();
+        [score, yaw_deg, pitch_deg, roll_deg]
+            .into_iter()
+            .chain(face_box)
+            .chain(rotation)
+            .chain(translation_mm)
+            .chain(eye_open)
+            .chain(points.flat_map(|p| [&p.x, &p.y, &p.confidence, &p.visibility]))
+            .chain(points_mm.iter().flatten())
+            .chain(animation)
+            .for_each(|value| self.float(*value));
+    }
+}
+
+#[test]
+fn demo_clip_gives_the_same_bits() {
+    let Some(clip) = common::demo() else {
+        eprintln!("skipped: there is no tests/data/demo.y4m.gz");
+        return;
+    };
+    let model = Model::load(posewise::DEFAULT_MODEL).expect("the default model is valid");
+    let mut tracker = Box::new(Tracker::new(&Config::default()).expect("defaults"));
+    let layout = FrameLayout::grey(clip.width as u32, clip.height as u32);
+    let mut hash = Hash(0xCBF2_9CE4_8422_2325);
+    let mut tracked = 0;
+    for (i, luma) in clip.luma.iter().enumerate() {
+        let frame = Frame::new(&layout, luma).expect("a frame");
+        let timestamp_us = (i as f64 * clip.frame_us) as i64;
+        let result = tracker
+            .step(&model, &frame, timestamp_us)
+            .expect("in order");
+        tracked += usize::from(result.state == State::Tracking);
+        hash.result(result);
+    }
+    let found = format!("{:016x} {tracked}/{} tracked\n", hash.0, clip.luma.len());
+    let path = root().join("tests/data/demo.hash");
+    if std::env::var_os("POSEWISE_BLESS").is_some() {
+        std::fs::write(&path, &found).expect("tests/data is writable");
+    }
+    let expected = std::fs::read_to_string(&path).unwrap_or_default();
+    assert_eq!(
+        found, expected,
+        "results changed (left: now); if that is meant: POSEWISE_BLESS=1 cargo test --test golden"
+    );
+}
