@@ -19,6 +19,9 @@ pub struct Intrinsics {
 /// Nearest depth that a point is projected from \[mm\]; nearer ones are treated as if here.
 pub(super) const NEAREST_MM: f32 = 20.0;
 
+/// Greatest distance of a head \[mm\]: at 100 m it is smaller than a pixel.
+pub(super) const FARTHEST_MM: f32 = 100_000.0;
+
 impl Intrinsics {
     /// The default: a 60° horizontal field of view, principal point in the middle.
     pub fn of_frame(width: i32, height: i32) -> Self {
@@ -131,11 +134,12 @@ impl Pose {
         }
     }
 
-    /// Whether all numbers are finite and the head is before the camera.
+    /// Whether all numbers are finite and the head is before the camera, not at infinity.
     pub(super) fn is_sound(&self) -> bool {
         self.rotation.to_cols_array().iter().all(|v| v.is_finite())
             && self.translation_mm.to_array().iter().all(|v| v.is_finite())
             && self.translation_mm.z > NEAREST_MM
+            && self.translation_mm.z < FARTHEST_MM
     }
 }
 

@@ -5,12 +5,14 @@
 
 mod contour;
 mod npz;
+mod wfm;
 
 use anyhow::{Context, Result, ensure};
 use posewise::shape::{ANIMATION_NAMES, ANIMATIONS, LANDMARKS};
 use std::path::Path;
 
 pub use contour::{JAW, contour_paths, outward};
+pub use wfm::{Unit, Wfm};
 
 /// A morphable head: `mean + Σ identity_k·w_k + Σ expression_j·a_j`.
 #[derive(Clone, Debug)]
