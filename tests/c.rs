@@ -313,6 +313,26 @@ fn makefile_builds_the_example() {
     assert!(target.join("ffi-examples/y4m").exists());
 }
 
+#[test]
+fn program_of_the_readme_runs() {
+    let readme = std::fs::read_to_string(root().join("README.md")).expect("README.md");
+    let code = readme
+        .split("```c\n")
+        .nth(1)
+        .and_then(|rest| rest.split("```").next());
+    let (source, program) = (scratch("c").join("readme.c"), scratch("c").join("readme"));
+    std::fs::write(&source, code.expect("a program in C")).expect("target/ is writable");
+    let mut compile = Command::new(cc());
+    compile
+        .arg("-std=c11")
+        .args(STRICT)
+        .arg("-I")
+        .arg(root().join("include"));
+    compile.arg(&source).arg(library()).arg("-Wl,--gc-sections");
+    succeed(compile.arg("-o").arg(&program));
+    succeed(&mut Command::new(&program));
+}
+
 /// Names in a linked program that belong to the panic machinery.
 fn panics(program: &Path) -> Vec<String> {
     let names = succeed(Command::new("nm").arg(program));

@@ -261,8 +261,9 @@ impl<'a> Frame<'a> {
     /// Luma at the upright pixel (x, y); outside the frame, that of the nearest pixel.
     #[inline]
     pub fn luma(&self, x: i32, y: i32) -> u8 {
-        let x = x.clamp(0, self.width - 1) as isize;
-        let y = y.clamp(0, self.height - 1) as isize;
+        // Not `clamp`, which panics where the compiler cannot see that the size is at least 1.
+        let x = x.min(self.width - 1).max(0) as isize;
+        let y = y.min(self.height - 1).max(0) as isize;
         self.read((self.origin + x * self.step_x + y * self.step_y) as usize)
     }
 

@@ -7,8 +7,8 @@ pub fn solve_spd<const N: usize>(matrix: &mut [[f32; N]; N], rhs: &mut [f32; N])
     for j in 0..N {
         for i in j..N {
             let mut sum = matrix[i][j];
-            for k in 0..j {
-                sum -= matrix[i][k] * matrix[j][k];
+            for (a, b) in matrix[i].iter().zip(&matrix[j]).take(j) {
+                sum -= a * b;
             }
             if i > j {
                 matrix[i][j] = sum / matrix[j][j];

@@ -61,7 +61,7 @@ impl<'m> Blob<'m> {
         let blob = Blob { bytes, table };
         for entry in table.chunks_exact(ENTRY_LEN) {
             let offset = u32_at(entry, 4).ok_or(ModelError::Table)? as usize;
-            if offset % ALIGN != 0 || offset < HEADER_LEN + table.len() {
+            if !offset.is_multiple_of(ALIGN) || offset < HEADER_LEN + table.len() {
                 return Err(ModelError::Table);
             }
             blob.content(entry).ok_or(ModelError::Table)?;
