@@ -300,7 +300,13 @@ fn example_explains_bad_input() {
 }
 
 #[test]
-fn makefile_builds_the_example() {
+fn static_memory_is_enough() {
+    let program = program("ffi-examples/static_memory.c", "static_memory", &[]);
+    succeed(&mut Command::new(program));
+}
+
+#[test]
+fn makefile_builds_the_examples() {
     if !exists("make") {
         eprintln!("skipped: no make");
         return;
@@ -310,7 +316,9 @@ fn makefile_builds_the_example() {
     make.arg("-C").arg(root().join("ffi-examples"));
     make.arg(format!("TARGET_DIR={}", target.display()));
     succeed(make.arg("CFLAGS=-O2 -Werror"));
-    assert!(target.join("ffi-examples/y4m").exists());
+    for example in ["y4m", "static_memory"] {
+        assert!(target.join("ffi-examples").join(example).exists(), "{example}");
+    }
 }
 
 #[test]

@@ -146,13 +146,13 @@ pub(super) unsafe fn place(
     model: Model<'static>,
     config: &Config,
 ) -> Result<(), ConfigError> {
-    let tracker = Tracker::new(config)?;
     let block = memory.cast::<Block>();
-    // SAFETY: by the caller's promise; the fields are written one by one, so that no second block
-    // has to exist on the stack, and the magic last, when the block is whole.
+    // SAFETY: by the caller's promise; `MaybeUninit` may hold whatever was there.
+    let slot = unsafe { &mut *(&raw mut (*block).tracker).cast::<MaybeUninit<Tracker>>() };
+    Tracker::init_in(slot, config)?;
+    // SAFETY: by the caller's promise; the magic comes last, when the block is whole.
     unsafe {
         (&raw mut (*block).model).write(model);
-        (&raw mut (*block).tracker).write(tracker);
         (&raw mut (*block).magic).write(MAGIC);
     }
     Ok(())

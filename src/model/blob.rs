@@ -59,12 +59,19 @@ impl<'m> Blob<'m> {
         }
         let table = body.get(..count * ENTRY_LEN).ok_or(ModelError::Table)?;
         let blob = Blob { bytes, table };
+        let mut first = bytes.len();
         for entry in table.chunks_exact(ENTRY_LEN) {
             let offset = u32_at(entry, 4).ok_or(ModelError::Table)? as usize;
             if !offset.is_multiple_of(ALIGN) || offset < HEADER_LEN + table.len() {
                 return Err(ModelError::Table);
             }
             blob.content(entry).ok_or(ModelError::Table)?;
+            first = first.min(offset);
+        }
+        // The checksum does not cover the number of sections: an entry too few would show here.
+        let gap = bytes.get(HEADER_LEN + table.len()..first);
+        if gap.is_none_or(|gap| gap.iter().any(|b| *b != 0)) {
+            return Err(ModelError::Table);
         }
         Ok(blob)
     }

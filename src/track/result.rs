@@ -28,6 +28,16 @@ pub struct Landmark {
     pub visibility: f32,
 }
 
+impl Landmark {
+    /// Nothing seen, all zero.
+    pub const EMPTY: Landmark = Landmark {
+        x: 0.0,
+        y: 0.0,
+        confidence: 0.0,
+        visibility: 0.0,
+    };
+}
+
 /// The answer to one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrackResult {
@@ -61,23 +71,28 @@ pub struct TrackResult {
     pub animation: [f32; ANIMATIONS],
 }
 
+impl TrackResult {
+    /// Nothing seen, all zero.
+    pub const EMPTY: TrackResult = TrackResult {
+        state: State::Searching,
+        timestamp_us: 0,
+        age_us: 0,
+        score: 0.0,
+        face_box: [0.0; 4],
+        rotation: [0.0; 4],
+        yaw_deg: 0.0,
+        pitch_deg: 0.0,
+        roll_deg: 0.0,
+        translation_mm: [0.0; 3],
+        eye_open: [0.0; 2],
+        landmarks: [Landmark::EMPTY; LANDMARKS],
+        points_mm: [[0.0; 3]; LANDMARKS],
+        animation: [0.0; ANIMATIONS],
+    };
+}
+
 impl Default for TrackResult {
     fn default() -> Self {
-        TrackResult {
-            state: State::Searching,
-            timestamp_us: 0,
-            age_us: 0,
-            score: 0.0,
-            face_box: [0.0; 4],
-            rotation: [0.0; 4],
-            yaw_deg: 0.0,
-            pitch_deg: 0.0,
-            roll_deg: 0.0,
-            translation_mm: [0.0; 3],
-            eye_open: [0.0; 2],
-            landmarks: [Landmark::default(); LANDMARKS],
-            points_mm: [[0.0; 3]; LANDMARKS],
-            animation: [0.0; ANIMATIONS],
-        }
+        Self::EMPTY
     }
 }

@@ -3,6 +3,7 @@
 use super::{Model, TrackResult};
 use crate::image::Frame;
 use crate::shape::Intrinsics;
+use core::mem::MaybeUninit;
 
 /// A tracker's settings.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -94,6 +95,18 @@ pub struct Tracker {
 }
 
 impl Tracker {
+    /// Has seen nothing. All zero bytes, so that building one in place is a memset and needs no
+    /// copy on the stack.
+    const EMPTY: Tracker = Tracker {
+        config: Config {
+            intrinsics: None,
+            min_face_px: 0,
+            scan_budget: 0,
+        },
+        result: TrackResult::EMPTY,
+        last_timestamp_us: None,
+    };
+
     /// A tracker that has seen nothing.
     ///
     /// # Errors
@@ -102,9 +115,22 @@ impl Tracker {
         config.check()?;
         Ok(Tracker {
             config: *config,
-            result: TrackResult::default(),
-            last_timestamp_us: None,
+            ..Self::EMPTY
         })
+    }
+
+    /// As [`Tracker::new`], in place: for small stacks. On failure the slot is untouched.
+    ///
+    /// # Errors
+    /// As [`Tracker::new`].
+    pub fn init_in<'t>(
+        slot: &'t mut MaybeUninit<Tracker>,
+        config: &Config,
+    ) -> Result<&'t mut Tracker, ConfigError> {
+        config.check()?;
+        let tracker = slot.write(Self::EMPTY);
+        tracker.config = *config;
+        Ok(tracker)
     }
 
     /// One frame in, one answer out; bounded work. Timestamps \[µs\] of any monotonic clock must
