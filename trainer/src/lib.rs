@@ -4,3 +4,4 @@ pub mod face_section;
 pub mod fit;
 pub mod head;
 pub mod pack;
+pub mod render;

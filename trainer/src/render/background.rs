@@ -1,0 +1,73 @@
+//! What is behind a head: pieces of photographs, or procedural rooms, skies and textures.
+//! All in linear light.
+
+use super::noise::{fractal, smoothstep};
+use glam::{Vec2, Vec3};
+use image::GrayImage;
+use rand::Rng;
+use rand_chacha::ChaCha8Rng;
+
+/// Linear light of a stored grey value.
+pub fn linear(grey: u8) -> f32 {
+    (grey as f32 / 255.0).powf(2.2)
+}
+
+/// A random piece of a photograph, mirrored at random.
+pub fn from_photo(rng: &mut ChaCha8Rng, photo: &GrayImage, width: usize, height: usize) -> Vec<f32> {
+    let table: Vec<f32> = (0..=255).map(linear).collect();
+    let (pw, ph) = (photo.width() as f32, photo.height() as f32);
+    // From the whole picture down to its native resolution or a little enlarged.
+    let fit = (pw / width as f32).min(ph / height as f32);
+    let step = rng.random_range(0.5f32.min(fit)..=fit.max(0.51));
+    let left = rng.random_range(0.0..=(pw - step * width as f32).max(0.0));
+    let top = rng.random_range(0.0..=(ph - step * height as f32).max(0.0));
+    let mirror = rng.random_bool(0.5);
+    let pixel = |x: f32, y: f32| {
+        let at = |v: f32, len: u32| (v.max(0.0) as u32).min(len - 1);
+        table[photo.get_pixel(at(x, photo.width()), at(y, photo.height())).0[0] as usize]
+    };
+    let mut out = Vec::with_capacity(width * height);
+    for y in 0..height {
+        for x in 0..width {
+            let x = if mirror { width - 1 - x } else { x };
+            let (u, v) = (left + step * x as f32, top + step * y as f32);
+            let (fx, fy) = (u.fract(), v.fract());
+            let upper = pixel(u, v) * (1.0 - fx) + pixel(u + 1.0, v) * fx;
+            let lower = pixel(u, v + 1.0) * (1.0 - fx) + pixel(u + 1.0, v + 1.0) * fx;
+            out.push(upper * (1.0 - fy) + lower * fy);
+        }
+    }
+    out
+}
+
+/// A procedural background: a gradient, soft clouds and a few panels with straight edges.
+pub fn procedural(rng: &mut ChaCha8Rng, width: usize, height: usize) -> Vec<f32> {
+    let seed: u32 = rng.random();
+    let size = width.max(height) as f32;
+    let base = rng.random_range(0.02..0.7f32);
+    let tilt = Vec2::new(rng.random_range(-0.5..0.5), rng.random_range(-0.5..0.5));
+    let clouds = rng.random_range(0.0..0.8f32);
+    let grain = rng.random_range(1.5..9.0) / size;
+    let panels: Vec<(Vec2, Vec2, Vec2, f32)> = (0..rng.random_range(0..7))
+        .map(|_| {
+            let middle = Vec2::new(rng.random_range(0.0..1.0), rng.random_range(0.0..1.0)) * size;
+            let half = Vec2::new(rng.random_range(0.03..0.4), rng.random_range(0.03..0.4)) * size;
+            let lean = if rng.random_bool(0.7) { 0.0 } else { rng.random_range(-0.7..0.7f32) };
+            (middle, half, Vec2::from_angle(lean), rng.random_range(0.02..0.8))
+        })
+        .collect();
+    (0..width * height)
+        .map(|i| {
+            let p = Vec2::new((i % width) as f32, (i / width) as f32);
+            let q = p / size - 0.5;
+            let mut value = base * (1.0 + tilt.dot(q) * 2.0);
+            for (middle, half, lean, tone) in &panels {
+                let local = lean.rotate(p - *middle).abs();
+                let inside = (half.x - local.x).min(half.y - local.y);
+                value += (tone - value) * smoothstep(-0.7, 0.7, inside);
+            }
+            let cloud = fractal(Vec3::new(p.x, p.y, 0.0) * grain, 4, seed);
+            (value * (1.0 + clouds * cloud)).clamp(0.0, 1.0)
+        })
+        .collect()
+}

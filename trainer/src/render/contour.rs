@@ -1,0 +1,191 @@
+//! The 68 points of a posed head: projections of the fixed vertices, whether each is seen, and
+//! the 2D points in the photographs' convention, where the jaw follows the visible outline.
+//!
+//! As in landmark marching (Zhu et al., CVPR 2015) each jaw point has a path over the cheek; of
+//! the path's points the one that lies outermost in the image is on the outline.
+
+use super::draw::{Drawn, Posed, SUPER, View};
+use super::mesh::{Material, Mesh};
+use super::skin::is_ear;
+use glam::{Vec2, Vec3};
+use posewise::shape::LANDMARKS;
+
+/// Jaw landmarks.
+const JAW: usize = 17;
+
+/// A point on an edge of the mesh.
+#[derive(Clone, Copy, Debug)]
+struct Crossing {
+    ends: [u32; 2],
+    share: f32,
+}
+
+/// A path from a jaw landmark inwards, and the outward direction in the frontal view.
+struct Path {
+    points: Vec<Crossing>,
+    outward: Vec2,
+}
+
+/// Finds the 68 points.
+pub struct Landmarker {
+    vertices: [u32; LANDMARKS],
+    paths: Vec<Path>,
+}
+
+/// The 68 points of a picture.
+#[derive(Clone, Debug)]
+pub struct Points {
+    /// Photographs' convention \[px\].
+    pub contour: [Vec2; LANDMARKS],
+    /// Projections of the fixed vertices \[px\].
+    pub fixed: [Vec2; LANDMARKS],
+    /// Whether the `contour` points are seen.
+    pub contour_seen: [bool; LANDMARKS],
+    /// Whether the `fixed` points are seen.
+    pub fixed_seen: [bool; LANDMARKS],
+    /// Fixed vertices \[mm, camera axes\].
+    pub solid: [Vec3; LANDMARKS],
+}
+
+/// How far behind the drawn surface a landmark may lie and still count as seen \[mm\].
+const SEEN_SLACK_MM: f32 = 5.0;
+
+impl Landmarker {
+    /// Cuts the mean head along the paths.
+    pub fn new(mesh: &Mesh) -> Landmarker {
+        let at = |i: usize| mesh.mean[mesh.landmarks[i] as usize];
+        let paths = (0..JAW)
+            .map(|i| {
+                let end = path_end(i, &at);
+                let outward = (at(i) - end).truncate().normalize_or_zero();
+                // The uppermost points only slide sideways, the chin only up and down.
+                let outward = match i {
+                    0..=3 | 13..=16 => Vec2::new(outward.x.signum(), 0.0),
+                    8 => Vec2::Y,
+                    _ => outward,
+                };
+                Path {
+                    points: cut(mesh, at(i), end),
+                    outward,
+                }
+            })
+            .collect();
+        Landmarker {
+            vertices: mesh.landmarks,
+            paths,
+        }
+    }
+
+    /// The outline point (camera axes) of jaw landmark `i` in a picture whose face is rolled.
+    fn outermost(&self, i: usize, head: &Posed, view: &View, roll_deg: f32) -> (Vec3, Vec3) {
+        let vertex = self.vertices[i] as usize;
+        let mut best = (head.vertices[vertex], head.normals[vertex]);
+        let d = Vec2::from_angle(roll_deg.to_radians()).rotate(self.paths[i].outward);
+        let mut reach = view.project(best.0).dot(d);
+        for c in &self.paths[i].points {
+            let [a, b] = c.ends.map(|v| v as usize);
+            let p = head.vertices[a].lerp(head.vertices[b], c.share);
+            let r = view.project(p).dot(d);
+            if r > reach {
+                reach = r;
+                best = (p, head.normals[a].lerp(head.normals[b], c.share));
+            }
+        }
+        best
+    }
+
+    /// All points of a drawn head.
+    pub fn points(&self, head: &Posed, view: &View, drawn: &Drawn, roll_deg: f32) -> Points {
+        let fixed = self.vertices.map(|v| {
+            let v = v as usize;
+            (head.vertices[v], head.normals[v])
+        });
+        let contour: [(Vec3, Vec3); LANDMARKS] = std::array::from_fn(|i| match i {
+            0..JAW => self.outermost(i, head, view, roll_deg),
+            _ => fixed[i],
+        });
+        let seen = |i: usize, (p, n): (Vec3, Vec3)| {
+            // The outline's own normal is square to the view; lids and lips fold where they close.
+            let facing = match i {
+                0..JAW => true,
+                36..48 | 60..LANDMARKS => n.dot(p.normalize()) < 0.6,
+                _ => n.dot(p.normalize()) < 0.1,
+            };
+            facing && is_drawn(p, view, drawn)
+        };
+        Points {
+            contour: contour.map(|(p, _)| view.project(p)),
+            fixed: fixed.map(|(p, _)| view.project(p)),
+            contour_seen: std::array::from_fn(|i| seen(i, contour[i])),
+            fixed_seen: std::array::from_fn(|i| {
+                let square = fixed[i].1.dot(fixed[i].0.normalize()) < 0.25;
+                seen(i, fixed[i]) && (i >= JAW || square)
+            }),
+            solid: fixed.map(|(p, _)| p),
+        }
+    }
+}
+
+/// Whether nothing nearer was drawn over a point.
+fn is_drawn(p: Vec3, view: &View, drawn: &Drawn) -> bool {
+    let q = view.to_samples(p);
+    // Outside the picture nothing hides it.
+    let Some(inv_z) = drawn.target.nearest_around(q.x, q.y) else {
+        return true;
+    };
+    // A pixel further in, the surface may have come nearer.
+    let slope_mm = 1.5 * p.z / (view.camera.fx * SUPER as f32);
+    inv_z == 0.0 || 1.0 / inv_z > p.z - SEEN_SLACK_MM - slope_mm
+}
+
+/// Where the outline of jaw landmark `i` can slide to at most.
+fn path_end(i: usize, at: &impl Fn(usize) -> Vec3) -> Vec3 {
+    let start = at(i);
+    let right = i < 8;
+    let pick = |r: usize, l: usize| at(if right { r } else { l });
+    // Sideways at the landmark's own height, so far in as the given feature.
+    let level = |inner: Vec3| Vec3::new(inner.x, start.y, inner.z + 12.0);
+    match if i > 8 { 16 - i } else { i } {
+        0 => level(pick(36, 45)),
+        1 => level(pick(41, 46)),
+        2 => level(pick(31, 35) * Vec3::new(1.8, 1.0, 1.0)),
+        3 => level(pick(48, 54)),
+        4 => pick(48, 54) + Vec3::new(0.0, 6.0, 4.0),
+        5 => pick(59, 55) + Vec3::new(0.0, 6.0, 2.0),
+        6 => pick(58, 56) + Vec3::new(0.0, 6.0, 2.0),
+        7 => pick(58, 56) + Vec3::new(0.0, 6.0, 2.0),
+        _ => at(57) + Vec3::new(0.0, 6.0, 2.0),
+    }
+}
+
+/// Where the mesh's edges cross the plane through a path's ends and the skin's normal.
+fn cut(mesh: &Mesh, start: Vec3, end: Vec3) -> Vec<Crossing> {
+    let along = end - start;
+    // The cheek faces half sideways, half forwards.
+    let out = Vec3::new(start.x.signum() * f32::from(start.x != 0.0), 0.0, -1.0);
+    let normal = along.cross(out).normalize_or_zero();
+    let run = mesh.run(Material::Skin);
+    let mut points: Vec<(f32, Crossing)> = Vec::new();
+    for (t, uv) in mesh.triangles[run.clone()].iter().zip(&mesh.corner_uv[run]) {
+        if uv[0].x > 1.0 || is_ear(uv[0]) {
+            continue;
+        }
+        for k in 0..3 {
+            let (va, vb) = (t[k], t[(k + 1) % 3]);
+            let (a, b) = (mesh.mean[va as usize] - start, mesh.mean[vb as usize] - start);
+            let (da, db) = (a.dot(normal), b.dot(normal));
+            // Each edge belongs to two triangles; take it once.
+            if va > vb || (da > 0.0) == (db > 0.0) {
+                continue;
+            }
+            let share = da / (da - db);
+            let p = a.lerp(b, share);
+            let way = p.dot(along) / along.length_squared();
+            if (0.0..=1.0).contains(&way) && p.z < 2.0 {
+                points.push((way, Crossing { ends: [va, vb], share }));
+            }
+        }
+    }
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    points.into_iter().map(|(_, c)| c).collect()
+}

@@ -1,0 +1,312 @@
+//! Draws random samples: a person, an expression, a pose, lights, surroundings, a camera.
+
+use super::contour::{Landmarker, Points};
+use super::draw::{Eyes, Posed, Prop, Scene, View, draw};
+use super::effects::Camera;
+use super::expression::{Expression, random_gaze};
+use super::noise::normal;
+use super::light::Lights;
+use super::mesh::{IDENTITIES, Mesh};
+use super::people::{Person, Persons};
+use super::{background, props};
+use glam::{Mat3, Vec2, Vec3};
+use image::GrayImage;
+use posewise::math::{HeadAngles, head_rotation};
+use posewise::shape::{ANIMATIONS, Intrinsics, LANDMARKS};
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// What samples are drawn.
+#[derive(Clone, Debug)]
+pub struct SampleSpec {
+    /// Longer side of the box round the 68 points \[px\].
+    pub face_px: (f32, f32),
+    /// Space round that box on each side, in its longer side.
+    pub margin: f32,
+    /// Largest |yaw| \[deg\].
+    pub yaw_deg: f32,
+    /// Share of the samples within two thirds of that; they are uniform inside each band.
+    pub inner_share: f32,
+    /// Largest |pitch| \[deg\].
+    pub pitch_deg: f32,
+    /// Largest |roll| \[deg\].
+    pub roll_deg: f32,
+    /// Share of samples with a hand or a lump in front.
+    pub occluders: f64,
+    /// Share of samples with glasses.
+    pub glasses: f64,
+    /// Share of near-infrared samples.
+    pub infrared: f64,
+    /// Share of samples before a photograph (the rest: procedural backgrounds).
+    pub photo_backgrounds: f64,
+    /// Whose skins are used.
+    pub persons: Persons,
+}
+
+impl Default for SampleSpec {
+    fn default() -> Self {
+        SampleSpec {
+            face_px: (40.0, 110.0),
+            margin: 0.6,
+            yaw_deg: 90.0,
+            inner_share: 0.75,
+            pitch_deg: 35.0,
+            roll_deg: 35.0,
+            occluders: 0.15,
+            glasses: 0.15,
+            infrared: 0.12,
+            photo_backgrounds: 0.75,
+            persons: Persons::All,
+        }
+    }
+}
+
+/// A rendered face with its truth.
+#[derive(Clone, Debug)]
+pub struct Sample {
+    /// 8-bit luma, row-major.
+    pub luma: Vec<u8>,
+    /// Pixels per row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// The 68 points; the jaw follows the visible outline.
+    pub landmarks: [Vec2; LANDMARKS],
+    /// Whether each is seen: neither turned away nor covered.
+    pub visible: [bool; LANDMARKS],
+    /// The 68 fixed vertices \[mm, camera axes\].
+    pub points3d: [Vec3; LANDMARKS],
+    /// Head pose.
+    pub angles: HeadAngles,
+    /// The head's origin in camera axes \[mm\].
+    pub position: Vec3,
+    /// The camera.
+    pub camera: Intrinsics,
+    /// Weights of `posewise::shape::ANIMATION_NAMES`.
+    pub animation: [f32; ANIMATIONS],
+    /// Who it is; procedural people count down from `u32::MAX`.
+    pub person: u32,
+}
+
+/// Draws samples; one for all threads.
+pub struct Renderer {
+    /// The head.
+    pub mesh: Mesh,
+    /// Finds the 68 points.
+    pub landmarker: Landmarker,
+    people: super::people::People,
+    backgrounds: Vec<GrayImage>,
+}
+
+impl Renderer {
+    /// A renderer of these people before these backgrounds.
+    pub fn new(mesh: Mesh, people: super::people::People, backgrounds: Vec<GrayImage>) -> Renderer {
+        Renderer {
+            landmarker: Landmarker::new(&mesh),
+            mesh,
+            people,
+            backgrounds,
+        }
+    }
+
+    /// Sample `index` of a seed; the same every time.
+    pub fn sample(&self, seed: u64, index: u64, spec: &SampleSpec) -> Sample {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        rng.set_stream(index);
+        let rng = &mut rng;
+        let person = self.people.pick(rng, &self.mesh, spec.persons);
+        let identity = self.identity(rng, &person);
+        let expression = Expression::random(rng);
+        let head = self.mesh.vertices(&identity, &expression.weights(&self.mesh));
+        let angles = random_angles(rng, spec);
+        let pose = Pose::random(rng, angles);
+        let posed = Posed::new(&self.mesh, &head, &person.painted.push_mm, pose.rotation, pose.at);
+        let (view, face_px) = self.frame(rng, &posed, spec);
+        let infrared = rng.random_bool(spec.infrared);
+        let lights = Lights::random(rng, infrared);
+        let props = self.props(rng, spec, &head, &posed, &pose, &person);
+        let scene = Scene {
+            mesh: &self.mesh,
+            head: &posed,
+            painted: &person.painted,
+            eyes: Eyes {
+                gaze: random_gaze(rng, &expression),
+                iris: person.iris,
+                pupil: rng.random_range(0.25..0.6),
+            },
+            props: &props,
+            lights: &lights,
+        };
+        let mut behind = self.background(rng, &view, spec);
+        let level = rng.random_range(0.3..1.6);
+        behind.iter_mut().for_each(|b| *b *= level);
+        let drawn = draw(&scene, &view, &behind);
+        let points = self.landmarker.points(&posed, &view, &drawn, angles.roll_deg);
+        let camera = Camera::random(rng, face_px, face_light(&drawn.light, &view, &points));
+        let mut light = drawn.light;
+        let luma = camera.develop(rng, &mut light, view.width);
+        Sample {
+            luma,
+            width: view.width,
+            height: view.height,
+            landmarks: points.contour,
+            visible: points.contour_seen,
+            points3d: points.solid,
+            angles,
+            position: pose.at,
+            camera: view.camera,
+            animation: expression.animation(),
+            person: person.id,
+        }
+    }
+
+    fn identity(&self, rng: &mut ChaCha8Rng, person: &Person) -> Vec<f32> {
+        // A procedural skin fits anybody; a photographed one mostly its owner.
+        let spread = if person.identity.is_empty() { 0.85 } else { 0.25 };
+        (0..IDENTITIES)
+            .map(|k| {
+                let own = person.identity.get(k).copied().unwrap_or(0.0);
+                own + spread * normal(rng).clamp(-2.3, 2.3)
+            })
+            .collect()
+    }
+
+    /// A camera that frames the 68 points with the wanted margin, and the box's longer side.
+    fn frame(&self, rng: &mut ChaCha8Rng, posed: &Posed, spec: &SampleSpec) -> (View, f32) {
+        let face_px = rng.random_range(spec.face_px.0..=spec.face_px.1);
+        let unit = View {
+            width: 1,
+            height: 1,
+            camera: Intrinsics {
+                fx: 1.0,
+                fy: 1.0,
+                cx: 0.0,
+                cy: 0.0,
+            },
+        };
+        let points = self.mesh.landmarks.map(|v| unit.project(posed.vertices[v as usize]));
+        let low = points.iter().fold(Vec2::MAX, |m, p| m.min(*p));
+        let high = points.iter().fold(Vec2::MIN, |m, p| m.max(*p));
+        let focal = face_px / (high - low).max_element().max(1e-6);
+        let side = (face_px * (1.0 + 2.0 * spec.margin)).round();
+        let jitter = Vec2::new(rng.random_range(-0.5..0.5), rng.random_range(-0.5..0.5));
+        let centre = Vec2::splat((side - 1.0) / 2.0) + jitter - (low + high) * 0.5 * focal;
+        let view = View {
+            width: side as usize,
+            height: side as usize,
+            camera: Intrinsics {
+                fx: focal,
+                fy: focal,
+                cx: centre.x,
+                cy: centre.y,
+            },
+        };
+        (view, face_px)
+    }
+
+    fn background(&self, rng: &mut ChaCha8Rng, view: &View, spec: &SampleSpec) -> Vec<f32> {
+        let photo = rng.random_bool(spec.photo_backgrounds);
+        match self.backgrounds.len() {
+            n if n > 0 && photo => {
+                let pick = &self.backgrounds[rng.random_range(0..n)];
+                background::from_photo(rng, pick, view.width, view.height)
+            }
+            _ => background::procedural(rng, view.width, view.height),
+        }
+    }
+
+    fn props(
+        &self,
+        rng: &mut ChaCha8Rng,
+        spec: &SampleSpec,
+        head: &[Vec3],
+        posed: &Posed,
+        pose: &Pose,
+        person: &Person,
+    ) -> Vec<Prop> {
+        let mut all =
+            vec![props::torso(pose.angles, pose.rotation, pose.at, person.cloth, rng.random())];
+        if rng.random_bool(spec.glasses) {
+            let mut worn = self.glasses(rng, head);
+            props::wear(&mut worn, pose.rotation, pose.at);
+            all.extend(worn);
+        }
+        if rng.random_bool(spec.occluders) {
+            let over = self.mesh.landmarks[rng.random_range(0..LANDMARKS)] as usize;
+            let point = posed.vertices[over];
+            let gap = rng.random_range(25.0..70.0);
+            let over = point - point.normalize() * gap;
+            let hand = rng.random_bool(0.65);
+            let albedo = person.skin * rng.random_range(0.6..1.3);
+            all.push(match hand {
+                true => props::hand(rng, over, albedo),
+                false => props::lump(rng, over),
+            });
+        }
+        all
+    }
+
+    /// Spectacles that sit on a head (head axes).
+    pub fn glasses(&self, rng: &mut ChaCha8Rng, head: &[Vec3]) -> Vec<Prop> {
+        let at = |i: usize| head[self.mesh.landmarks[i] as usize];
+        let eyes = [at(36).lerp(at(39), 0.5), at(42).lerp(at(45), 0.5)];
+        // The temples of spectacles reach back to the ears.
+        let ears = [at(0), at(16)].map(|p| p + Vec3::new(p.x.signum() * 2.0, 2.0, 42.0));
+        let (worn, _) = props::glasses(rng, at(27), eyes, ears);
+        worn
+    }
+}
+
+/// Where a head is.
+pub struct Pose {
+    /// Its angles against the camera's axes.
+    pub angles: HeadAngles,
+    /// Head to camera.
+    pub rotation: Mat3,
+    /// Its origin \[mm, camera axes\].
+    pub at: Vec3,
+}
+
+impl Pose {
+    fn random(rng: &mut ChaCha8Rng, angles: HeadAngles) -> Pose {
+        let far = 320.0 * (1500.0f32 / 320.0).powf(rng.random_range(0.0..1.0));
+        // Off the optical axis as faces are in a frame of about 60°.
+        let aside = Vec2::new(rng.random_range(-0.28..0.28), rng.random_range(-0.2..0.2));
+        Pose {
+            angles,
+            rotation: head_rotation(angles),
+            at: (aside * far).extend(far),
+        }
+    }
+}
+
+fn random_angles(rng: &mut ChaCha8Rng, spec: &SampleSpec) -> HeadAngles {
+    let inner = spec.yaw_deg * 2.0 / 3.0;
+    let yaw = if rng.random_bool(spec.inner_share as f64) {
+        rng.random_range(0.0..=inner)
+    } else {
+        rng.random_range(inner..=spec.yaw_deg)
+    };
+    // Pitch and roll crowd round zero: the mean of two uniforms.
+    let peaked = |rng: &mut ChaCha8Rng, most: f32| {
+        let (a, b): (f32, f32) = (rng.random_range(-1.0..1.0), rng.random_range(-1.0..1.0));
+        most * if rng.random_bool(0.5) { a } else { 0.5 * (a + b) }
+    };
+    HeadAngles {
+        yaw_deg: if rng.random_bool(0.5) { yaw } else { -yaw },
+        pitch_deg: peaked(rng, spec.pitch_deg),
+        roll_deg: peaked(rng, spec.roll_deg),
+    }
+}
+
+/// Mean linear light where the inner landmarks are.
+fn face_light(light: &[f32], view: &View, points: &Points) -> f32 {
+    let at = |p: &Vec2| {
+        let (x, y) = (p.x.round() as i64, p.y.round() as i64);
+        let inside = (0..view.width as i64).contains(&x) && (0..view.height as i64).contains(&y);
+        inside.then(|| light[y as usize * view.width + x as usize])
+    };
+    let values: Vec<f32> = points.fixed[17..60].iter().filter_map(at).collect();
+    values.iter().sum::<f32>() / values.len().max(1) as f32
+}
+
