@@ -1,5 +1,6 @@
 //! Trains the models of posewise from photographs and rendered faces.
 
+pub mod demo_clip;
 pub mod face_section;
 pub mod fit;
 pub mod head;

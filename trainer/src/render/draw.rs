@@ -322,12 +322,12 @@ impl<'a> Shader<'a> {
         let edge = |r: f32, soft: f32| super::noise::smoothstep(r - soft, r + soft, angle);
         let ring = 1.0 - 0.6 * edge(0.82, 0.15);
         let iris = eyes.iris * ring * (0.8 + 0.4 * edge(0.6, 0.3));
-        let white = 0.62 - 0.12 * edge(2.2, 1.2);
+        let white = 0.5 - 0.1 * edge(2.2, 1.2);
         let pupil = 0.004 + (iris - 0.004) * edge(eyes.pupil, 0.08);
         let albedo = pupil + (white - pupil) * edge(1.0, 0.09);
         let lights = self.scene.lights;
         let half = (lights.key - p.normalize()).normalize_or_zero();
-        let catch = super::noise::smoothstep(0.975, 0.992, out.dot(half));
-        albedo * diffuse + 0.8 * catch * lights.key_power * diffuse.min(1.0)
+        let catch = super::noise::smoothstep(0.986, 0.996, out.dot(half));
+        albedo * diffuse + 0.5 * catch * lights.key_power * diffuse.min(1.0)
     }
 }

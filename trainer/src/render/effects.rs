@@ -32,7 +32,7 @@ impl Camera {
         let (s, c) = rng.random_range(0.0..std::f32::consts::TAU).sin_cos();
         let gamma = 1.0 / rng.random_range(1.7..2.6f32);
         // Expose the face anywhere from dim to bright.
-        let grey = rng.random_range(0.16..0.72f32);
+        let grey = rng.random_range(0.2..0.72f32).max(rng.random_range(0.2..0.6));
         Camera {
             blur_px: blur.max(0.25),
             motion_px: (motion * c, motion * s),

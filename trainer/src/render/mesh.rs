@@ -11,6 +11,10 @@ use std::ops::Range;
 /// Identity modes that renders use; the rest move vertices by less than half a millimetre.
 pub const IDENTITIES: usize = 40;
 
+/// Below this height \[mm\] the head's mesh ends in a plate that turns with the head; a torso takes
+/// its place.
+const CHEST_MM: f32 = 172.0;
+
 /// What a triangle is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Material {
@@ -85,7 +89,10 @@ impl Mesh {
         for (name, material) in PARTS {
             let part = head.part(name).with_context(|| format!("no part {name}"))?;
             let start = triangles.len();
-            for (n, _) in (0..).zip(&head.triangle_part).filter(|(_, p)| **p == part) {
+            let below = |[x, y, _]: [f32; 3]| y > CHEST_MM || (y > 110.0 && x.abs() > 70.0);
+            let chest = |t: &[u32; 3]| t.iter().all(|v| below(head.mean[*v as usize]));
+            let of = (0..).zip(&head.triangle_part).filter(|(_, p)| **p == part);
+            for (n, _) in of.filter(|(n, _): &(usize, _)| !chest(&head.triangles[*n])) {
                 triangles.push(head.triangles[n]);
                 corner_uv.push(head.triangle_uv[n].map(uv));
             }

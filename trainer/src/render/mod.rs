@@ -8,6 +8,7 @@
 //! ```
 
 pub mod background;
+pub mod cache;
 pub mod contour;
 pub mod draw;
 pub mod effects;
@@ -24,3 +25,73 @@ pub mod texture;
 
 pub use people::{People, Persons};
 pub use sample::{Renderer, Sample, SampleSpec};
+
+use crate::head::Head;
+use anyhow::{Context, Result};
+use image::GrayImage;
+use std::path::{Path, PathBuf};
+
+/// Settings of `posewise-train render`.
+#[derive(Clone, Debug, clap::Args)]
+pub struct Args {
+    /// The shared data: `facekit.npz`, `backgrounds/`.
+    #[arg(long, default_value = "../shared/data")]
+    pub data: PathBuf,
+    /// Folder for what is made once.
+    #[arg(long, default_value = "cache")]
+    pub cache: PathBuf,
+    /// Samples in all; an interrupted run goes on where it stopped.
+    #[arg(long, default_value_t = 20_000)]
+    pub count: u64,
+    /// Seed of everything random.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Different procedural people.
+    #[arg(long, default_value_t = 256)]
+    pub people: usize,
+    /// Render procedural people and backgrounds only: no photograph is used.
+    #[arg(long)]
+    pub clean: bool,
+}
+
+/// A renderer as `args` ask for.
+pub fn renderer(args: &Args) -> Result<Renderer> {
+    let head = Head::load(&args.data.join("facekit.npz"))?;
+    let mesh = mesh::Mesh::new(&head)?;
+    let backgrounds = match args.clean {
+        true => Vec::new(),
+        false => backgrounds(&args.data.join("backgrounds"))?,
+    };
+    let people = People::new(&mesh, args.people, Vec::new(), args.seed);
+    Ok(Renderer::new(mesh, people, backgrounds))
+}
+
+/// The spec that goes with `args`.
+pub fn spec(args: &Args) -> SampleSpec {
+    SampleSpec {
+        persons: if args.clean { Persons::Procedural } else { Persons::All },
+        ..SampleSpec::default()
+    }
+}
+
+/// Where the samples of `args` are kept.
+pub fn cache_path(args: &Args) -> PathBuf {
+    let kind = if args.clean { "clean" } else { "renders" };
+    args.cache.join(format!("{kind}-{}.bin", args.seed))
+}
+
+/// Renders the samples into the cache and returns its path.
+pub fn run(args: &Args) -> Result<PathBuf> {
+    let path = cache_path(args);
+    cache::write(&path, &renderer(args)?, args.seed, args.count, &spec(args))?;
+    Ok(path)
+}
+
+/// All pictures of a folder in the order of their names, as luma.
+pub fn backgrounds(folder: &Path) -> Result<Vec<GrayImage>> {
+    let list = std::fs::read_dir(folder).with_context(|| format!("no {}", folder.display()))?;
+    let mut paths: Vec<PathBuf> = list.map(|f| Ok(f?.path())).collect::<Result<_>>()?;
+    paths.retain(|p| p.extension().is_some_and(|e| e == "jpg" || e == "png"));
+    paths.sort();
+    paths.iter().map(|p| Ok(image::open(p)?.to_luma8())).collect()
+}
