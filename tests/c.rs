@@ -42,6 +42,16 @@ fn succeed(command: &mut Command) -> String {
     stdout
 }
 
+/// The C++ compiler, if there is one.
+fn cxx() -> Option<String> {
+    let cxx = std::env::var("CXX").unwrap_or("c++".into());
+    if exists(&cxx) {
+        return Some(cxx);
+    }
+    eprintln!("skipped for C++: no {cxx}");
+    None
+}
+
 fn exists(program: &str) -> bool {
     Command::new(program).arg("--version").output().is_ok()
 }
@@ -118,11 +128,34 @@ fn header_stands_alone_in_c99_and_cpp11() {
         succeed(command.arg(root().join("tests/c/alone.c")));
     };
     check(&cc(), &["-std=c99", "-Wstrict-prototypes"]);
-    let cxx = std::env::var("CXX").unwrap_or("c++".into());
-    if exists(&cxx) {
+    if let Some(cxx) = cxx() {
         check(&cxx, &["-x", "c++", "-std=c++11"]);
-    } else {
-        eprintln!("skipped for C++: no {cxx}");
+    }
+}
+
+#[test]
+fn cpp_wrapper_does_what_the_header_says() {
+    let Some(cxx) = cxx() else { return };
+    for source in ["tests/c/wrapper.cpp", "ffi-examples/head_pose.cpp"] {
+        let program = scratch("c").join(Path::new(source).file_stem().expect("a name"));
+        let mut compile = Command::new(&cxx);
+        compile
+            .args(["-std=c++17", "-O1", "-Wconversion", "-fno-exceptions"])
+            .args(STRICT);
+        compile.arg("-I").arg(root().join("include"));
+        compile
+            .arg(root().join(source))
+            .arg(library())
+            .arg("-Wl,--gc-sections");
+        succeed(compile.arg("-o").arg(&program));
+        let [_, frames, width, height] = arguments();
+        let mut run = Command::new(&program);
+        if source.starts_with("tests") {
+            run.arg(frames);
+        } else {
+            run.stdin(std::fs::File::open(frames).expect("written above"));
+        }
+        print!("{}", succeed(run.args([width, height])));
     }
 }
 
@@ -317,7 +350,10 @@ fn makefile_builds_the_examples() {
     make.arg(format!("TARGET_DIR={}", target.display()));
     succeed(make.arg("CFLAGS=-O2 -Werror"));
     for example in ["y4m", "static_memory"] {
-        assert!(target.join("ffi-examples").join(example).exists(), "{example}");
+        assert!(
+            target.join("ffi-examples").join(example).exists(),
+            "{example}"
+        );
     }
 }
 

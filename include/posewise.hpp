@@ -1,0 +1,162 @@
+// posewise.hpp - posewise.h for C++17: a tracker that owns its memory and borrows its model.
+//
+// Header only; no exceptions needed, none thrown: what can fail returns a posewise_status, and a
+// tracker that could not be built is false. Units, ranges and frames are those of posewise.h.
+#ifndef POSEWISE_HPP
+#define POSEWISE_HPP
+
+#include "posewise.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <new>
+#include <utility>
+
+namespace posewise {
+
+using Landmarks = std::array<posewise_landmark, POSEWISE_LANDMARKS>;
+using Animation = std::array<float, POSEWISE_ANIMATIONS>;
+
+// Structs with struct_size set and all else at its default.
+inline posewise_config config() {
+    posewise_config c{};
+    c.struct_size = sizeof c;
+    return c;
+}
+
+inline posewise_frame frame() {
+    posewise_frame f{};
+    f.struct_size = sizeof f;
+    return f;
+}
+
+inline posewise_result result() {
+    posewise_result r{};
+    r.struct_size = sizeof r;
+    return r;
+}
+
+// A grey picture without padding between rows.
+inline posewise_frame grey(const std::uint8_t *data, std::uint32_t width, std::uint32_t height,
+                           std::int64_t timestamp_us) {
+    posewise_frame f = frame();
+    f.format = POSEWISE_FMT_GREY;
+    f.timestamp_us = timestamp_us;
+    f.width = width;
+    f.height = height;
+    f.stride = width;
+    f.data_len = static_cast<std::size_t>(width) * height;
+    f.data = data;
+    return f;
+}
+
+// A model in memory: POSEWISE_ALIGN-aligned bytes that outlive every tracker.
+struct Model {
+    const void *data = nullptr;
+    std::size_t size = 0;
+
+    // The one built into the library; empty if there is none.
+    static Model built_in() {
+        Model m;
+        m.data = posewise_default_model(&m.size);
+        return m;
+    }
+
+    posewise_status check() const { return posewise_model_check(data, size); }
+};
+
+// One face before one camera. Movable; copy() gives a second tracker that goes on independently.
+class Tracker {
+public:
+    // No tracker.
+    Tracker() = default;
+
+    explicit Tracker(Model model, const posewise_config &config = posewise::config()) {
+        size_ = posewise_memory_size(&config);
+        if (size_ == 0) {
+            status_ = POSEWISE_E_ARG;
+            return;
+        }
+        memory_ = allocate(size_);
+        status_ = memory_ ? posewise_init(&tracker_, memory_.get(), size_, model.data, model.size,
+                                          &config)
+                          : POSEWISE_E_MEMORY;
+    }
+
+    Tracker(Tracker &&other) noexcept { swap(other); }
+    Tracker &operator=(Tracker &&other) noexcept {
+        Tracker taken(std::move(other));
+        swap(taken);
+        return *this;
+    }
+
+    // Whether there is a tracker; if not, status() and why() tell what was wrong.
+    explicit operator bool() const { return tracker_ != nullptr; }
+    posewise_status status() const { return status_; }
+    const char *why() const { return posewise_strerror(status_); }
+
+    posewise_status step(const posewise_frame &frame, posewise_result &out) {
+        return posewise_step(tracker_, &frame, &out);
+    }
+
+    posewise_status landmarks(Landmarks &out) const {
+        return posewise_landmarks(tracker_, out.data(), out.size());
+    }
+
+    posewise_status animation(Animation &out) const {
+        return posewise_animation(tracker_, out.data(), out.size());
+    }
+
+    posewise_status set_intrinsics(const posewise_intrinsics &camera) {
+        return posewise_set_intrinsics(tracker_, &camera);
+    }
+
+    posewise_status reset() { return posewise_reset(tracker_); }
+
+    Tracker copy() const {
+        Tracker other;
+        if (tracker_ == nullptr || !(other.memory_ = allocate(size_))) {
+            other.status_ = tracker_ == nullptr ? status_ : POSEWISE_E_MEMORY;
+            return other;
+        }
+        std::memcpy(other.memory_.get(), memory_.get(), size_);
+        other.tracker_ = static_cast<posewise_tracker *>(other.memory_.get());
+        other.size_ = size_;
+        other.status_ = POSEWISE_OK;
+        return other;
+    }
+
+    // For calls that this class does not have.
+    posewise_tracker *get() const { return tracker_; }
+
+private:
+    static constexpr std::align_val_t alignment{POSEWISE_ALIGN};
+
+    struct Free {
+        void operator()(void *memory) const { ::operator delete(memory, alignment); }
+    };
+    using Memory = std::unique_ptr<void, Free>;
+
+    static Memory allocate(std::size_t size) {
+        return Memory(::operator new(size, alignment, std::nothrow));
+    }
+
+    void swap(Tracker &other) noexcept {
+        std::swap(memory_, other.memory_);
+        std::swap(tracker_, other.tracker_);
+        std::swap(size_, other.size_);
+        std::swap(status_, other.status_);
+    }
+
+    Memory memory_;
+    posewise_tracker *tracker_ = nullptr;
+    std::size_t size_ = 0;
+    posewise_status status_ = POSEWISE_E_ARG;
+};
+
+} // namespace posewise
+
+#endif

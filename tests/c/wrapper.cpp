@@ -1,0 +1,61 @@
+// wrapper.cpp FRAMES WIDTH HEIGHT - posewise.hpp does what posewise.h says.
+#include "posewise.hpp"
+
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <vector>
+
+static int failures;
+#define CHECK(holds)                                              \
+    do {                                                          \
+        if (!(holds)) {                                           \
+            std::printf("%s:%d: %s\n", __FILE__, __LINE__, #holds); \
+            failures++;                                           \
+        }                                                         \
+    } while (0)
+
+int main(int argc, char **argv) {
+    if (argc != 4)
+        return 2;
+    std::ifstream file(argv[1], std::ios::binary);
+    const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};
+    const auto width = static_cast<std::uint32_t>(std::strtoul(argv[2], nullptr, 10));
+    const auto height = static_cast<std::uint32_t>(std::strtoul(argv[3], nullptr, 10));
+    const std::size_t len = static_cast<std::size_t>(width) * height;
+    const auto *frames = reinterpret_cast<const std::uint8_t *>(bytes.data());
+
+    const posewise::Model model = posewise::Model::built_in();
+    CHECK(model.check() == POSEWISE_OK);
+    CHECK(posewise::Model{}.check() == POSEWISE_E_ARG);
+    CHECK(!posewise::Tracker(posewise::Model{}));
+    posewise_config wrong = posewise::config();
+    wrong.min_face_px = 1;
+    CHECK(posewise::Tracker(model, wrong).status() == POSEWISE_E_ARG);
+
+    posewise::Tracker none;
+    posewise_result a = posewise::result(), b = posewise::result();
+    posewise::Landmarks points;
+    posewise::Animation weights;
+    CHECK(!none && none.step(posewise::frame(), a) == POSEWISE_E_ARG && !none.copy());
+    posewise::Tracker first(model), second;
+    CHECK(first);
+    for (std::size_t i = 0; (i + 1) * len <= bytes.size(); i++) {
+        const auto frame =
+            posewise::grey(frames + i * len, width, height, static_cast<std::int64_t>(i) * 33333);
+        CHECK(first.step(frame, a) == POSEWISE_OK);
+        CHECK(first.landmarks(points) == POSEWISE_OK && first.animation(weights) == POSEWISE_OK);
+        if (second) {
+            CHECK(second.step(frame, b) == POSEWISE_OK);
+            CHECK(std::memcmp(&a, &b, sizeof a) == 0);
+        }
+        if (i == 5)
+            second = first.copy();
+    }
+    CHECK(second);
+    posewise::Tracker moved(std::move(first));
+    CHECK(moved && !first && moved.reset() == POSEWISE_OK);
+    CHECK(moved.set_intrinsics({800, 800, 320, 240}) == POSEWISE_OK);
+    return failures;
+}
