@@ -1,1 +1,68 @@
-fn main() {}
+//! The `posewise` command: feeds files, pipes and cameras to the tracker, and measures it.
+//!
+//! | file | what it does |
+//! |---|---|
+//! | `cli` | the grammar |
+//! | `source/` | INPUT → a stream of [`picture::Picture`]s |
+//! | `track` | `posewise track`: the loop, and its outputs `csv`, `jsonl`, `overlay/`, `plot` |
+//! | `demo`, `demo_clip` | `posewise demo` |
+//! | `eval/` | `posewise eval landmarks`, `posewise eval pose` |
+//! | `bench`, `stack` | `posewise bench` |
+//! | `model_file`, `model_info` | reading models, `posewise model info` |
+
+mod bench;
+mod cli;
+mod csv;
+mod demo;
+mod demo_clip;
+mod eval;
+mod jsonl;
+mod model_file;
+mod model_info;
+mod output;
+mod overlay;
+mod picture;
+mod plot;
+mod source;
+mod stack;
+mod text;
+mod track;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use cli::{Cli, Command, EvalCommand, ModelCommand};
+
+/// The tracker is plain data and may be moved by value; debug builds keep several copies.
+const STACK_BYTES: usize = 64 << 20;
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let run = || match cli.command {
+        Command::Track(args) => track::run(&args),
+        Command::Demo(args) => demo::run(&args),
+        Command::Eval(EvalCommand::Landmarks(args)) => eval::landmarks::run(&args),
+        Command::Eval(EvalCommand::Pose(args)) => eval::pose::run(&args),
+        Command::Bench(args) => bench::run(&args),
+        Command::Model(ModelCommand::Info { file }) => model_info::run(&file),
+        Command::Columns => output::print(&csv::documentation()),
+    };
+    let outcome = std::thread::Builder::new()
+        .stack_size(STACK_BYTES)
+        .spawn(run)
+        .map(|thread| thread.join());
+    match outcome {
+        Ok(Ok(Ok(()))) => ExitCode::SUCCESS,
+        Ok(Ok(Err(error))) if output::is_broken_pipe(&error) => ExitCode::SUCCESS,
+        Ok(Ok(Err(error))) => {
+            eprintln!("posewise: {error:#}");
+            ExitCode::FAILURE
+        }
+        Ok(Err(_)) => ExitCode::FAILURE,
+        Err(error) => {
+            eprintln!("posewise: cannot start a thread: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,174 @@
+//! The command line's grammar.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+/// Head pose, 68 landmarks and facial animation from camera frames.
+#[derive(Parser)]
+#[command(name = "posewise", version, about)]
+pub struct Cli {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+#[derive(Subcommand)]
+pub enum Command {
+    /// Track the face in a video, pictures, a pipe or a camera
+    Track(TrackArgs),
+    /// Track the clip that ships with posewise; writes posewise-demo.png and posewise-demo.csv here
+    Demo(DemoArgs),
+    /// Measure accuracy against labelled data
+    #[command(subcommand)]
+    Eval(EvalCommand),
+    /// Measure time, memory and stack of a step
+    Bench(BenchArgs),
+    /// Look into model files
+    #[command(subcommand)]
+    Model(ModelCommand),
+    /// Print the columns of `track --csv` with their units, as a Markdown table
+    Columns,
+}
+
+/// Settings of the tracker and the camera.
+#[derive(Args, Clone, Default)]
+pub struct TrackerArgs {
+    /// Model file; without it the embedded model
+    #[arg(long, value_name = "FILE")]
+    pub model: Option<PathBuf>,
+    /// Focal length [px]; without it that of a 60° horizontal field of view
+    #[arg(long, value_name = "PX")]
+    pub focal: Option<f32>,
+    /// Narrowest face searched for [px]
+    #[arg(long, value_name = "PX")]
+    pub min_face: Option<u32>,
+    /// Windows tested per frame while searching
+    #[arg(long, value_name = "N")]
+    pub scan_budget: Option<u32>,
+}
+
+#[derive(Args)]
+pub struct TrackArgs {
+    /// A video file, a folder or glob of pictures, `-` for y4m on standard input, or /dev/videoN
+    #[arg(allow_hyphen_values = true)]
+    pub input: String,
+    /// Write one row per frame (OpenFace 2's columns first); `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+    /// Write one JSON object per frame; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    pub jsonl: Option<PathBuf>,
+    /// Draw the result: a video (.mp4 and others through ffmpeg, .y4m) or a folder for PNGs
+    #[arg(long, value_name = "FILE")]
+    pub overlay: Option<PathBuf>,
+    /// Plot angles and confidence over time (.svg or .png)
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
+    #[command(flatten)]
+    pub tracker: TrackerArgs,
+    /// Turn the frames clockwise to make them upright [deg]
+    #[arg(long, value_name = "DEG", default_value = "0", value_parser = ["0", "90", "180", "270"])]
+    pub rotate: String,
+    /// The frames are mirrored left to right (a selfie preview)
+    #[arg(long)]
+    pub mirror: bool,
+    /// Frame rate of a folder or glob of pictures
+    #[arg(long, value_name = "N", default_value_t = 30.0)]
+    pub fps: f64,
+    /// Stop after this many frames
+    #[arg(long, value_name = "N")]
+    pub frames: Option<u64>,
+    /// No progress bar, no summary
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+#[derive(Args)]
+pub struct DemoArgs {
+    /// Model file; without it the embedded model
+    #[arg(long, value_name = "FILE")]
+    pub model: Option<PathBuf>,
+}
+
+#[derive(Subcommand)]
+pub enum EvalCommand {
+    /// 68 landmarks on labelled stills
+    Landmarks(LandmarksArgs),
+    /// Head pose and landmarks against per-frame truth
+    Pose(PoseArgs),
+}
+
+/// Where the first fit starts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Start {
+    /// The tracker's own detector finds the face
+    Detector,
+    /// The labelled box is given
+    Box,
+}
+
+#[derive(Args)]
+pub struct LandmarksArgs {
+    /// Labels: image,x0,y0,…,x67,y67 [px], iBUG 68 order
+    #[arg(long, value_name = "FILE")]
+    pub csv: PathBuf,
+    /// Folder of the pictures that the labels name
+    #[arg(long, value_name = "DIR")]
+    pub images: PathBuf,
+    /// Where the first fit starts
+    #[arg(long, value_enum, default_value = "detector")]
+    pub start: Start,
+    /// Write the numbers as JSON
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Write one row per picture: found, errors, yaw band
+    #[arg(long, value_name = "FILE")]
+    pub per_image: Option<PathBuf>,
+    /// Model file; without it the embedded model
+    #[arg(long, value_name = "FILE")]
+    pub model: Option<PathBuf>,
+    /// Narrowest face searched for [px]
+    #[arg(long, value_name = "PX", default_value_t = 30)]
+    pub min_face: u32,
+    /// Steps on the same picture after the one that found the face
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub steps: u32,
+    /// Threads; 0 for all cores
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub threads: usize,
+}
+
+#[derive(Args)]
+pub struct PoseArgs {
+    /// Per-frame truth; repeat for several clips
+    #[arg(long, value_name = "FILE", required = true)]
+    pub truth: Vec<PathBuf>,
+    /// What `posewise track --csv` wrote for the clip; as many as there are truths, in their order
+    #[arg(long, value_name = "FILE", required = true)]
+    pub csv: Vec<PathBuf>,
+    /// Write the numbers as JSON
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+}
+
+#[derive(Args)]
+pub struct BenchArgs {
+    /// Write the numbers as JSON
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Model file; without it the embedded model
+    #[arg(long, value_name = "FILE")]
+    pub model: Option<PathBuf>,
+    /// Clip to track; without it the one that ships with posewise
+    #[arg(long, value_name = "INPUT")]
+    pub input: Option<String>,
+}
+
+#[derive(Subcommand)]
+pub enum ModelCommand {
+    /// Print header, sections and data sheet of a model
+    Info {
+        /// A .posewise file
+        file: PathBuf,
+    },
+}

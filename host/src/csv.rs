@@ -1,0 +1,393 @@
+//! The table that `posewise track --csv` writes: one row per frame.
+//!
+//! OpenFace 2's columns, names and units come first, so that scripts for its tables read ours;
+//! then what OpenFace does not have. [`COLUMNS`] is the only list: names, units, documentation
+//! and values all come from it, and a test compares docs/command-line.md with it.
+
+use std::io::Write;
+
+use anyhow::{Context, Result, anyhow};
+use glam::{Mat3, Quat};
+use posewise::shape::{ANIMATION_NAMES, LANDMARKS};
+use posewise::track::{State, TrackResult};
+
+/// What one row is made of.
+#[derive(Clone, Copy)]
+pub struct Row<'a> {
+    /// Number of the frame, from 1 as in OpenFace.
+    pub frame: u64,
+    /// The tracker's answer.
+    pub result: &'a TrackResult,
+}
+
+/// The names of a group of columns.
+pub enum Names {
+    /// One column.
+    One(&'static str),
+    /// `name_0` … `name_67`.
+    PerLandmark(&'static str),
+    /// ARKit's blendshape names.
+    Animations,
+}
+
+/// One value of a row.
+pub enum Cell {
+    /// A number and its decimals.
+    Number(f64, usize),
+    /// A word.
+    Word(&'static str),
+}
+
+/// A group of columns.
+pub struct Column {
+    /// Names.
+    pub names: Names,
+    /// Unit, for the docs.
+    pub unit: &'static str,
+    /// Meaning, for the docs.
+    pub meaning: &'static str,
+    /// The value of the group's n-th column.
+    pub value: fn(&Row<'_>, usize) -> Cell,
+}
+
+const fn one(
+    name: &'static str,
+    unit: &'static str,
+    meaning: &'static str,
+    value: fn(&Row<'_>, usize) -> Cell,
+) -> Column {
+    Column {
+        names: Names::One(name),
+        unit,
+        meaning,
+        value,
+    }
+}
+
+const fn per_landmark(
+    name: &'static str,
+    unit: &'static str,
+    meaning: &'static str,
+    value: fn(&Row<'_>, usize) -> Cell,
+) -> Column {
+    Column {
+        names: Names::PerLandmark(name),
+        unit,
+        meaning,
+        value,
+    }
+}
+
+fn num(value: f32, decimals: usize) -> Cell {
+    Cell::Number(f64::from(value), decimals)
+}
+
+fn landmark(row: &Row<'_>, i: usize) -> posewise::track::Landmark {
+    row.result.landmarks.get(i).copied().unwrap_or_default()
+}
+
+fn point(row: &Row<'_>, i: usize, axis: usize) -> Cell {
+    let point = row.result.points_mm.get(i).copied().unwrap_or_default();
+    num(point[axis], 2)
+}
+
+/// Every column, in order.
+pub const COLUMNS: &[Column] = &[
+    one("frame", "", "number of the frame, from 1", |r, _| {
+        Cell::Number(r.frame as f64, 0)
+    }),
+    one("face_id", "", "always 0: one face is tracked", |_, _| {
+        Cell::Number(0.0, 0)
+    }),
+    one("timestamp", "s", "time of the frame", |r, _| {
+        Cell::Number(r.result.timestamp_us as f64 / 1e6, 6)
+    }),
+    one(
+        "confidence",
+        "0..1",
+        "probability that this is a face and that the fit is right",
+        |r, _| num(r.result.score, 4),
+    ),
+    one(
+        "success",
+        "0 or 1",
+        "1 when the face was fitted on this frame (state tracking)",
+        |r, _| Cell::Number(f64::from(r.result.state == State::Tracking), 0),
+    ),
+    one(
+        "pose_Tx",
+        "mm",
+        "head position, + to the image right",
+        |r, _| num(r.result.translation_mm[0], 2),
+    ),
+    one("pose_Ty", "mm", "head position, + down", |r, _| {
+        num(r.result.translation_mm[1], 2)
+    }),
+    one(
+        "pose_Tz",
+        "mm",
+        "head position, + away from the camera",
+        |r, _| num(r.result.translation_mm[2], 2),
+    ),
+    one(
+        "pose_Rx",
+        "rad",
+        "OpenFace's pitch, + is nose down",
+        |r, _| num(openface_angles(r.result)[0], 5),
+    ),
+    one(
+        "pose_Ry",
+        "rad",
+        "OpenFace's yaw, + is nose to the image left",
+        |r, _| num(openface_angles(r.result)[1], 5),
+    ),
+    one(
+        "pose_Rz",
+        "rad",
+        "OpenFace's roll, + is clockwise in the image",
+        |r, _| num(openface_angles(r.result)[2], 5),
+    ),
+    per_landmark("x", "px", "landmark in the image, + right", |r, i| {
+        num(landmark(r, i).x, 3)
+    }),
+    per_landmark("y", "px", "landmark in the image, + down", |r, i| {
+        num(landmark(r, i).y, 3)
+    }),
+    per_landmark(
+        "X",
+        "mm",
+        "landmark of the 3D face, camera frame",
+        |r, i| point(r, i, 0),
+    ),
+    per_landmark(
+        "Y",
+        "mm",
+        "landmark of the 3D face, camera frame",
+        |r, i| point(r, i, 1),
+    ),
+    per_landmark(
+        "Z",
+        "mm",
+        "landmark of the 3D face, camera frame",
+        |r, i| point(r, i, 2),
+    ),
+    one(
+        "state",
+        "word",
+        "`searching`, `tracking` or `holding`",
+        |r, _| Cell::Word(state_name(r.result.state)),
+    ),
+    one(
+        "yaw_deg",
+        "deg",
+        "+ turns the face to the image right",
+        |r, _| num(r.result.yaw_deg, 3),
+    ),
+    one("pitch_deg", "deg", "+ turns the face up", |r, _| {
+        num(r.result.pitch_deg, 3)
+    }),
+    one(
+        "roll_deg",
+        "deg",
+        "+ tilts the head clockwise in the image",
+        |r, _| num(r.result.roll_deg, 3),
+    ),
+    per_landmark(
+        "c",
+        "0..1",
+        "confidence: probability that the landmark is within a tenth of the inter-ocular distance",
+        |r, i| num(landmark(r, i).confidence, 3),
+    ),
+    per_landmark(
+        "vis",
+        "0..1",
+        "visibility: 0 where the 3D face hides the landmark from the camera",
+        |r, i| num(landmark(r, i).visibility, 2),
+    ),
+    one(
+        "eye_open_left",
+        "0..1, −1",
+        "openness of the subject's left eye, −1 unknown",
+        |r, _| num(r.result.eye_open[0], 3),
+    ),
+    one(
+        "eye_open_right",
+        "0..1, −1",
+        "openness of the subject's right eye, −1 unknown",
+        |r, _| num(r.result.eye_open[1], 3),
+    ),
+    Column {
+        names: Names::Animations,
+        unit: "0..1",
+        meaning: "animation weights under ARKit's blendshape names",
+        value: |r, i| num(r.result.animation.get(i).copied().unwrap_or(0.0), 3),
+    },
+    one("box_x", "px", "left edge of the landmarks' box", |r, _| {
+        num(r.result.face_box[0], 2)
+    }),
+    one("box_y", "px", "upper edge of the landmarks' box", |r, _| {
+        num(r.result.face_box[1], 2)
+    }),
+    one("box_w", "px", "width of the landmarks' box", |r, _| {
+        num(r.result.face_box[2], 2)
+    }),
+    one("box_h", "px", "height of the landmarks' box", |r, _| {
+        num(r.result.face_box[3], 2)
+    }),
+    one(
+        "age_us",
+        "µs",
+        "time since the frame that the fit belongs to; 0 when tracking",
+        |r, _| Cell::Number(r.result.age_us as f64, 0),
+    ),
+];
+
+/// The word for a state.
+pub fn state_name(state: State) -> &'static str {
+    match state {
+        State::Searching => "searching",
+        State::Tracking => "tracking",
+        State::Holding => "holding",
+    }
+}
+
+/// OpenFace 2's angles \[rad\]: the same camera axes (x right, y down, z away) and a head that
+/// looks straight into the camera at zero, but `R = Rx·Ry·Rz` with textbook rotations, so Rx > 0
+/// is nose down, Ry > 0 nose to the image left, Rz > 0 clockwise. While searching, zeros.
+pub fn openface_angles(result: &TrackResult) -> [f32; 3] {
+    let rotation = Quat::from_array(result.rotation);
+    if rotation.length_squared() < 0.25 {
+        return [0.0; 3];
+    }
+    let r = Mat3::from_quat(rotation.normalize());
+    [
+        (-r.z_axis.y).atan2(r.z_axis.z),
+        r.z_axis.x.clamp(-1.0, 1.0).asin(),
+        (-r.y_axis.x).atan2(r.x_axis.x),
+    ]
+}
+
+/// All column names, in order.
+pub fn names() -> Vec<String> {
+    COLUMNS
+        .iter()
+        .flat_map(|column| match column.names {
+            Names::One(name) => vec![name.to_string()],
+            Names::PerLandmark(name) => (0..LANDMARKS).map(|i| format!("{name}_{i}")).collect(),
+            Names::Animations => ANIMATION_NAMES.map(String::from).to_vec(),
+        })
+        .collect()
+}
+
+/// All values of one row, in order.
+pub fn values(row: &Row<'_>) -> Vec<String> {
+    let text = |cell: Cell| match cell {
+        Cell::Number(value, decimals) => format!("{value:.decimals$}"),
+        Cell::Word(word) => word.to_string(),
+    };
+    COLUMNS
+        .iter()
+        .flat_map(|column| {
+            let count = match column.names {
+                Names::One(_) => 1,
+                Names::PerLandmark(_) => LANDMARKS,
+                Names::Animations => ANIMATION_NAMES.len(),
+            };
+            (0..count).map(move |i| text((column.value)(row, i)))
+        })
+        .collect()
+}
+
+/// The columns as a Markdown table: what `posewise columns` prints and the docs contain.
+pub fn documentation() -> String {
+    let mut out = String::from("| column | unit | meaning |\n|---|---|---|\n");
+    for column in COLUMNS {
+        let name = match column.names {
+            Names::One(name) => format!("`{name}`"),
+            Names::PerLandmark(name) => format!("`{name}_0` … `{name}_67`"),
+            Names::Animations => ANIMATION_NAMES.map(|n| format!("`{n}`")).join(", "),
+        };
+        out += &format!("| {name} | {} | {} |\n", column.unit, column.meaning);
+    }
+    out
+}
+
+/// Writes the table.
+pub struct CsvWriter<W: Write> {
+    out: csv::Writer<W>,
+}
+
+impl<W: Write> CsvWriter<W> {
+    /// Writes the header.
+    pub fn new(out: W) -> Result<Self> {
+        let mut out = csv::Writer::from_writer(out);
+        out.write_record(names()).context("cannot write the CSV")?;
+        Ok(CsvWriter { out })
+    }
+
+    /// Writes one row.
+    pub fn write(&mut self, row: &Row<'_>) -> Result<()> {
+        self.out
+            .write_record(values(row))
+            .context("cannot write the CSV")
+    }
+
+    /// Where everything was written to.
+    pub fn into_inner(self) -> Result<W> {
+        let inner = self.out.into_inner();
+        inner.map_err(|e| anyhow!("cannot write the CSV: {}", e.error()))
+    }
+
+    /// Hands everything on to the file.
+    pub fn flush(&mut self) -> Result<()> {
+        self.out.flush().context("cannot write the CSV")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use posewise::math::{HeadAngles, head_rotation};
+
+    #[test]
+    fn docs_list_the_columns() {
+        let docs = include_str!("../../docs/command-line.md");
+        let table = documentation();
+        assert!(
+            docs.contains(&table),
+            "docs/command-line.md must contain this table:\n{table}"
+        );
+    }
+
+    #[test]
+    fn rows_are_as_long_as_the_header() {
+        let result = TrackResult::default();
+        let row = Row {
+            frame: 1,
+            result: &result,
+        };
+        assert_eq!(names().len(), values(&row).len());
+        assert_eq!(names().len(), 22 + 7 * LANDMARKS + ANIMATION_NAMES.len());
+    }
+
+    #[test]
+    fn openface_signs_by_hand() {
+        let angles = |yaw_deg, pitch_deg, roll_deg| {
+            let rotation = head_rotation(HeadAngles {
+                yaw_deg,
+                pitch_deg,
+                roll_deg,
+            });
+            let rotation = Quat::from_mat3(&Mat3::from_cols_array(&rotation.to_cols_array()));
+            openface_angles(&TrackResult {
+                rotation: rotation.to_array(),
+                ..Default::default()
+            })
+            .map(|a| a.to_degrees().round() as i32)
+        };
+        assert_eq!(angles(30., 0., 0.), [0, -30, 0], "nose to the image right");
+        assert_eq!(angles(0., 20., 0.), [-20, 0, 0], "nose up");
+        assert_eq!(angles(0., 0., 10.), [0, 0, 10], "clockwise");
+        assert_eq!(openface_angles(&TrackResult::default()), [0.0; 3]);
+    }
+}

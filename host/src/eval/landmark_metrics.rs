@@ -1,0 +1,252 @@
+//! Errors of 68 landmarks on stills.
+//!
+//! NME of a face = mean distance between found and labelled landmarks over the distance of the
+//! labelled outer eye corners (36, 45). Means and medians run over the faces found; the failure
+//! rate and the AUC run over all pictures, a face not found counting as an infinite error.
+
+use serde_json::{Map, Value, json};
+
+use super::{mean, median};
+
+/// Labelled or found landmarks \[px\].
+pub type Points = [[f64; 2]; 68];
+
+/// NME above which a face counts as failed.
+pub const FAILURE_NME: f64 = 0.10;
+/// NME at which the area under the cumulative error curve ends.
+pub const AUC_NME: f64 = 0.08;
+/// Overlap of found and labelled box from which on it is the same face.
+pub const SAME_FACE_IOU: f64 = 0.3;
+
+/// Parts of the iBUG 68 scheme: first landmark, one past the last.
+pub const PARTS: [(&str, usize, usize); 5] = [
+    ("jaw", 0, 17),
+    ("brows", 17, 27),
+    ("nose", 27, 36),
+    ("eyes", 36, 48),
+    ("mouth", 48, 68),
+];
+
+/// How far the head is turned, told from the labels alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum YawBand {
+    /// Asymmetry below 0.25.
+    Frontal,
+    /// 0.25 to 0.55.
+    Turned,
+    /// Above 0.55.
+    FarTurned,
+}
+
+impl YawBand {
+    /// All bands with their names in reports.
+    pub const ALL: [(YawBand, &'static str); 3] = [
+        (YawBand::Frontal, "frontal"),
+        (YawBand::Turned, "turned"),
+        (YawBand::FarTurned, "far_turned"),
+    ];
+}
+
+/// The outcome of one picture.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// Yaw band of the labels.
+    pub band: YawBand,
+    /// Distances per landmark over the inter-ocular distance; `None` when the labelled face was
+    /// not found.
+    pub errors: Option<[f64; 68]>,
+}
+
+impl Outcome {
+    /// Compares what was found (if anything) with the labels.
+    pub fn new(label: &Points, found: Option<&Points>) -> Self {
+        let same = found.filter(|f| iou(&bounds(label), &bounds(f)) >= SAME_FACE_IOU);
+        Outcome {
+            band: yaw_band(label),
+            errors: same.map(|f| errors(label, f)),
+        }
+    }
+
+    /// Mean error of landmarks `from..to`.
+    pub fn nme(&self, from: usize, to: usize) -> Option<f64> {
+        mean(self.errors.as_ref()?.get(from..to)?)
+    }
+
+    /// Whether the face counts as failed.
+    pub fn failed(&self) -> bool {
+        // A NaN is a failure too.
+        !self.nme(0, 68).is_some_and(|e| e <= FAILURE_NME)
+    }
+}
+
+fn errors(label: &Points, found: &Points) -> [f64; 68] {
+    let iod = distance(label[36], label[45]).max(1e-9);
+    std::array::from_fn(|i| distance(label[i], found[i]) / iod)
+}
+
+fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
+/// Box of points: left, top, right, bottom.
+pub fn bounds(points: &Points) -> [f64; 4] {
+    points.iter().fold(
+        [f64::MAX, f64::MAX, f64::MIN, f64::MIN],
+        |[l, t, r, b], [x, y]| [l.min(*x), t.min(*y), r.max(*x), b.max(*y)],
+    )
+}
+
+fn iou(a: &[f64; 4], b: &[f64; 4]) -> f64 {
+    let overlap = |i: usize| (a[i + 2].min(b[i + 2]) - a[i].max(b[i])).max(0.0);
+    let area = |c: &[f64; 4]| (c[2] - c[0]).max(0.0) * (c[3] - c[1]).max(0.0);
+    let both = overlap(0) * overlap(1);
+    both / (area(a) + area(b) - both).max(1e-9)
+}
+
+/// |dl − dr| / (dl + dr), dl and dr the distances along the eye line from the nose tip (30) to the
+/// outer eye corners 36 and 45: 0 frontal, 1 when the tip is level with a corner or past it.
+pub fn asymmetry(label: &Points) -> f64 {
+    let (right, left, tip) = (label[36], label[45], label[30]);
+    let iod = distance(right, left).max(1e-9);
+    let along = [(left[0] - right[0]) / iod, (left[1] - right[1]) / iod];
+    let to_right = (tip[0] - right[0]) * along[0] + (tip[1] - right[1]) * along[1];
+    // dl + dr = iod as long as the tip lies between the corners.
+    ((2.0 * to_right - iod) / iod).abs().min(1.0)
+}
+
+fn yaw_band(label: &Points) -> YawBand {
+    match asymmetry(label) {
+        a if a < 0.25 => YawBand::Frontal,
+        a if a <= 0.55 => YawBand::Turned,
+        _ => YawBand::FarTurned,
+    }
+}
+
+/// The numbers of a set of pictures.
+#[derive(Clone, Debug)]
+pub struct Summary {
+    /// Number of pictures.
+    pub images: usize,
+    /// Share found.
+    pub found: f64,
+    /// Share failed.
+    pub failure: f64,
+    /// Mean and median NME, 68 landmarks.
+    pub nme68: (Option<f64>, Option<f64>),
+    /// Mean and median NME, 51 inner landmarks.
+    pub nme51: (Option<f64>, Option<f64>),
+    /// Area under the cumulative error curve to [`AUC_NME`], over that: 68 and 51 landmarks.
+    pub auc: (f64, f64),
+    /// Mean NME of each of [`PARTS`].
+    pub parts: [Option<f64>; 5],
+}
+
+/// Sums up.
+pub fn summarize<'a>(outcomes: impl Iterator<Item = &'a Outcome>) -> Summary {
+    let all: Vec<&Outcome> = outcomes.collect();
+    let share = |count: usize| count as f64 / all.len().max(1) as f64;
+    let nme = |from, to| -> Vec<f64> { all.iter().filter_map(|o| o.nme(from, to)).collect() };
+    // ∫ CED from 0 to τ over τ is the mean of max(0, 1 − e/τ).
+    let auc = |errors: &[f64]| {
+        let sum: f64 = errors.iter().map(|e| (1.0 - e / AUC_NME).max(0.0)).sum();
+        sum.max(0.0) / all.len().max(1) as f64
+    };
+    let (all68, inner51) = (nme(0, 68), nme(17, 68));
+    Summary {
+        images: all.len(),
+        found: share(all68.len()),
+        failure: share(all.iter().filter(|o| o.failed()).count()),
+        nme68: (mean(&all68), median(&all68)),
+        nme51: (mean(&inner51), median(&inner51)),
+        auc: (auc(&all68), auc(&inner51)),
+        parts: PARTS.map(|(_, from, to)| mean(&nme(from, to))),
+    }
+}
+
+impl Summary {
+    /// The numbers as JSON; fractions, `null` where nothing was found.
+    pub fn json(&self) -> Value {
+        let parts: Map<String, Value> = PARTS
+            .iter()
+            .zip(self.parts)
+            .map(|((name, ..), value)| (name.to_string(), json!(value)))
+            .collect();
+        json!({
+            "images": self.images,
+            "found": self.found,
+            "nme68_mean": self.nme68.0,
+            "nme68_median": self.nme68.1,
+            "nme51_mean": self.nme51.0,
+            "nme51_median": self.nme51.1,
+            "failure": self.failure,
+            "auc68": self.auc.0,
+            "auc51": self.auc.1,
+            "parts": parts,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Eye corners 100 px apart, the nose tip at `tip_x`, all others on a small grid.
+    fn label(tip_x: f64) -> Points {
+        let mut p: Points =
+            std::array::from_fn(|i| [(i % 10) as f64 * 10.0, (i / 10) as f64 * 15.0]);
+        p[36] = [0.0, 40.0];
+        p[45] = [100.0, 40.0];
+        p[30] = [tip_x, 70.0];
+        p
+    }
+
+    fn shifted(p: &Points, range: std::ops::Range<usize>, dx: f64) -> Points {
+        let mut out = *p;
+        out[range].iter_mut().for_each(|q| q[0] += dx);
+        out
+    }
+
+    #[test]
+    fn bands_by_hand() {
+        assert_eq!(asymmetry(&label(50.0)), 0.0);
+        assert!((asymmetry(&label(70.0)) - 0.4).abs() < 1e-12);
+        assert!((asymmetry(&label(30.0)) - 0.4).abs() < 1e-12);
+        assert_eq!(asymmetry(&label(130.0)), 1.0);
+        assert_eq!(yaw_band(&label(60.0)), YawBand::Frontal);
+        assert_eq!(yaw_band(&label(70.0)), YawBand::Turned);
+        assert_eq!(yaw_band(&label(10.0)), YawBand::FarTurned);
+    }
+
+    #[test]
+    fn errors_by_hand() {
+        let l = label(50.0);
+        // Jaw 17 px off, everything else exact: 17 · 0.17 / 68 = 0.0425 over all, 0 inside.
+        let outcome = Outcome::new(&l, Some(&shifted(&l, 0..17, 17.0)));
+        assert!((outcome.nme(0, 68).unwrap() - 0.0425).abs() < 1e-12);
+        assert_eq!(outcome.nme(17, 68), Some(0.0));
+        assert!((outcome.nme(0, 17).unwrap() - 0.17).abs() < 1e-12);
+        assert!(!outcome.failed());
+        assert!(Outcome::new(&l, Some(&shifted(&l, 0..68, 11.0))).failed());
+        let elsewhere = Outcome::new(&l, Some(&shifted(&l, 0..68, 90.0)));
+        assert!(
+            elsewhere.errors.is_none() && elsewhere.failed(),
+            "another face"
+        );
+        assert!(Outcome::new(&l, None).failed());
+    }
+
+    #[test]
+    fn summary_by_hand() {
+        let l = label(50.0);
+        let at = |dx| Outcome::new(&l, Some(&shifted(&l, 0..68, dx)));
+        let outcomes = [at(2.0), at(4.0), at(12.0), Outcome::new(&l, None)];
+        let s = summarize(outcomes.iter());
+        let near = |a: Option<f64>, b: f64| (a.unwrap() - b).abs() < 1e-9;
+        assert_eq!((s.images, s.found, s.failure), (4, 0.75, 0.5));
+        assert!(near(s.nme68.0, 0.06) && near(s.nme68.1, 0.04));
+        // (0.75 + 0.5 + 0 + 0) / 4
+        assert!(near(Some(s.auc.0), 0.3125));
+        assert!(s.parts.iter().all(|p| near(*p, 0.06)));
+        assert_eq!(summarize([].iter()).nme68, (None, None));
+    }
+}

@@ -1,0 +1,222 @@
+//! `posewise eval landmarks`: each labelled picture is a still for a fresh tracker.
+//!
+//! The picture is shown again and again, 33 ms apart, until the tracker tracks (at most
+//! [`MAX_SEARCH_STEPS`] times, a budget that covers a whole scan many times over), then `--steps`
+//! times more, as a camera's next frames would be. The last fit counts.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use anyhow::{Context, Result, anyhow, bail};
+use indicatif::{ParallelProgressIterator, ProgressBar};
+use posewise::detect::Detection;
+use posewise::track::{Config, Model, State, Tracker};
+use rayon::prelude::*;
+use serde_json::{Map, Value, json};
+
+use super::landmark_metrics::{Outcome, PARTS, Points, Summary, YawBand, bounds, summarize};
+use super::table::Table;
+use crate::cli::{LandmarksArgs, Start};
+use crate::model_file::ModelFile;
+use crate::output;
+use crate::picture::Picture;
+use crate::source::read_rgb;
+
+const STEP_US: i64 = 33_333;
+const MAX_SEARCH_STEPS: u32 = 64;
+/// Windows per step: stills are not in a hurry.
+const SCAN_BUDGET: u32 = 10_000_000;
+/// Trackers live on the threads' stacks in debug builds.
+const THREAD_STACK: usize = 32 << 20;
+
+/// One labelled picture.
+struct Label {
+    image: String,
+    points: Points,
+}
+
+/// Runs the command.
+pub fn run(args: &LandmarksArgs) -> Result<()> {
+    let labels = read_labels(&args.csv)?;
+    if !args.images.is_dir() {
+        bail!("no such folder: {}", args.images.display());
+    }
+    let file = ModelFile::read(args.model.as_deref())?;
+    let model = file.model()?;
+    let config = Config {
+        min_face_px: args.min_face,
+        scan_budget: SCAN_BUDGET,
+        ..Config::default()
+    };
+    Tracker::new(&config).map_err(|e| anyhow!("{e}"))?;
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(args.threads)
+        .stack_size(THREAD_STACK)
+        .build()
+        .context("cannot start threads")?;
+    let progress = ProgressBar::new(labels.len() as u64);
+    let outcomes: Vec<Outcome> = pool.install(|| {
+        labels
+            .par_iter()
+            .progress_with(progress)
+            .map(|label| {
+                let picture = Picture::from_rgb(read_rgb(&args.images.join(&label.image))?);
+                let start = (args.start == Start::Box).then(|| detection_of(&label.points));
+                let found = fit_still(&model, &config, picture, start, args.steps)
+                    .with_context(|| label.image.clone())?;
+                Ok(Outcome::new(&label.points, found.as_ref()))
+            })
+            .collect::<Result<_>>()
+    })?;
+    let total = summarize(outcomes.iter());
+    let bands = YawBand::ALL
+        .map(|(band, name)| (name, summarize(outcomes.iter().filter(|o| o.band == band))));
+    output::print(&report(&total, &bands))?;
+    if let Some(path) = &args.per_image {
+        write_per_image(path, &labels, &outcomes)?;
+    }
+    if let Some(path) = &args.json {
+        output::write_json(path, &to_json(args, &total, &bands))?;
+    }
+    Ok(())
+}
+
+fn read_labels(path: &Path) -> Result<Vec<Label>> {
+    let table = Table::read(path)?;
+    let image = table.column("image")?;
+    let (xs, ys) = (table.columns68("x")?, table.columns68("y")?);
+    (0..table.len())
+        .map(|row| {
+            let mut points = [[0.0; 2]; 68];
+            for (i, p) in points.iter_mut().enumerate() {
+                *p = [table.number(row, xs[i])?, table.number(row, ys[i])?];
+            }
+            Ok(Label {
+                image: table.text(row, image).to_string(),
+                points,
+            })
+        })
+        .collect()
+}
+
+/// Shows the picture to a fresh tracker; the landmarks of the last fit.
+fn fit_still(
+    model: &Model<'_>,
+    config: &Config,
+    mut picture: Picture,
+    start: Option<Detection>,
+    more_steps: u32,
+) -> Result<Option<Points>> {
+    let mut tracker = Box::new(Tracker::new(config).map_err(|e| anyhow!("{e}"))?);
+    if let Some(detection) = start {
+        start_at(&mut tracker, &detection)?;
+    }
+    let mut found = None;
+    let mut left = MAX_SEARCH_STEPS;
+    while left > 0 {
+        left -= 1;
+        picture.timestamp_us += STEP_US;
+        let frame = picture.frame()?;
+        let result = tracker
+            .step(model, &frame, picture.timestamp_us)
+            .map_err(|e| anyhow!("{e}"))?;
+        if result.state == State::Tracking {
+            if found.is_none() {
+                left = more_steps;
+            }
+            found = Some(result.landmarks.map(|l| [f64::from(l.x), f64::from(l.y)]));
+        }
+    }
+    Ok(found)
+}
+
+/// Hands the tracker a face instead of letting it search.
+fn start_at(_tracker: &mut Tracker, _at: &Detection) -> Result<()> {
+    bail!("--start box: this build's tracker cannot be started at a given box")
+}
+
+/// The upright square around the labels.
+fn detection_of(label: &Points) -> Detection {
+    let [left, top, right, bottom] = bounds(label);
+    Detection {
+        x: ((left + right) / 2.0) as f32,
+        y: ((top + bottom) / 2.0) as f32,
+        size: (right - left).max(bottom - top) as f32,
+        score: 1.0,
+        ..Detection::default()
+    }
+}
+
+fn percent(value: Option<f64>) -> String {
+    value.map_or("–".into(), |v| format!("{:.2}", 100.0 * v))
+}
+
+fn report(total: &Summary, bands: &[(&str, Summary)]) -> String {
+    let mut out = format!(
+        "{:<12}{:>7}{:>8}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}\n",
+        "[%]", "images", "found", "nme68", "median", "nme51", "median", "failure", "auc68", "auc51"
+    );
+    let rows = std::iter::once(("all", total)).chain(bands.iter().map(|(n, s)| (*n, s)));
+    for (name, s) in rows {
+        let share = |v: f64| percent((s.images > 0).then_some(v));
+        // Writing to a String cannot fail.
+        let _ = writeln!(
+            out,
+            "{name:<12}{:>7}{:>8}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}",
+            s.images,
+            share(s.found),
+            percent(s.nme68.0),
+            percent(s.nme68.1),
+            percent(s.nme51.0),
+            percent(s.nme51.1),
+            share(s.failure),
+            share(s.auc.0),
+            share(s.auc.1),
+        );
+    }
+    for ((name, ..), value) in PARTS.iter().zip(total.parts) {
+        let _ = write!(out, "{name} {}  ", percent(value));
+    }
+    out.truncate(out.trim_end().len());
+    out + "\n"
+}
+
+fn to_json(args: &LandmarksArgs, total: &Summary, bands: &[(&str, Summary)]) -> Value {
+    let mut value = total.json();
+    let bands: Map<String, Value> = bands
+        .iter()
+        .map(|(name, s)| (name.to_string(), s.json()))
+        .collect();
+    if let Value::Object(map) = &mut value {
+        map.insert("yaw_bands".into(), bands.into());
+        let start = match args.start {
+            Start::Detector => "detector",
+            Start::Box => "box",
+        };
+        map.insert("start".into(), json!(start));
+        map.insert("steps_after_found".into(), json!(args.steps));
+        map.insert("min_face_px".into(), json!(args.min_face));
+    }
+    value
+}
+
+fn write_per_image(path: &Path, labels: &[Label], outcomes: &[Outcome]) -> Result<()> {
+    let mut out = csv::Writer::from_writer(output::create(path)?);
+    let context = || format!("cannot write {}", path.display());
+    out.write_record(["image", "band", "found", "failed", "nme68", "nme51"])
+        .with_context(context)?;
+    for (label, outcome) in labels.iter().zip(outcomes) {
+        let band = YawBand::ALL.iter().find(|(b, _)| *b == outcome.band);
+        let number = |v: Option<f64>| v.map_or(String::new(), |v| format!("{v:.5}"));
+        out.write_record([
+            label.image.as_str(),
+            band.map_or("", |(_, name)| name),
+            if outcome.errors.is_some() { "1" } else { "0" },
+            if outcome.failed() { "1" } else { "0" },
+            &number(outcome.nme(0, 68)),
+            &number(outcome.nme(17, 68)),
+        ])
+        .with_context(context)?;
+    }
+    out.flush().with_context(context)
+}

@@ -1,0 +1,196 @@
+//! `posewise eval pose`: what `track --csv` wrote against per-frame truth.
+
+use std::collections::HashMap;
+use std::fmt::Write as _;
+
+use anyhow::{Result, bail};
+use serde_json::{Map, Value};
+
+use super::pose_metrics::{BANDS, FrameOutcome, Summary, Tracked, Truth};
+use super::pose_metrics::{summarize, summarize_band};
+use super::table::Table;
+use crate::cli::PoseArgs;
+use crate::output;
+
+/// Runs the command.
+pub fn run(args: &PoseArgs) -> Result<()> {
+    if args.truth.len() != args.csv.len() {
+        bail!(
+            "{} --truth files but {} --csv files: give one CSV per truth",
+            args.truth.len(),
+            args.csv.len()
+        );
+    }
+    let mut out = String::new();
+    let mut clips = Vec::new();
+    let mut all = Vec::new();
+    for (truth, csv) in args.truth.iter().zip(&args.csv) {
+        let outcomes = compare(&Table::read(truth)?, &Table::read(csv)?)?;
+        if args.truth.len() > 1 {
+            report(&mut out, &truth.display().to_string(), &outcomes);
+        }
+        clips.push((truth.display().to_string(), to_json(&outcomes)));
+        all.extend(outcomes);
+    }
+    report(&mut out, "all", &all);
+    output::print(&out)?;
+    if let Some(path) = &args.json {
+        let mut value = to_json(&all);
+        if let (Value::Object(map), true) = (&mut value, clips.len() > 1) {
+            let clips: Map<String, Value> = clips.into_iter().collect();
+            map.insert("clips".into(), clips.into());
+        }
+        output::write_json(path, &value)?;
+    }
+    Ok(())
+}
+
+/// Compares the demo's results with its truth; used by `posewise demo`.
+pub fn summarize_tables(truth: &Table, csv: &Table) -> Result<Summary> {
+    Ok(summarize(compare(truth, csv)?.iter()))
+}
+
+/// Frame by frame: the truth counts frames from 0, the tracker's table from 1.
+fn compare(truth: &Table, csv: &Table) -> Result<Vec<FrameOutcome>> {
+    let tracked = read_tracked(csv)?;
+    let outcomes: Vec<FrameOutcome> = read_truth(truth)?
+        .iter()
+        .map(|(frame, truth)| {
+            let tracked = tracked.get(&(frame + 1));
+            FrameOutcome::new(truth, tracked.and_then(Option::as_ref))
+        })
+        .collect();
+    Ok(outcomes)
+}
+
+fn read_truth(table: &Table) -> Result<Vec<(i64, Truth)>> {
+    let column = |name: &str| table.column(name);
+    let frame = column("frame")?;
+    let angles = [column("yaw")?, column("pitch")?, column("roll")?];
+    let eye_mid = [
+        column("eye_mid_x")?,
+        column("eye_mid_y")?,
+        column("eye_mid_z")?,
+    ];
+    let in_frame = column("in_frame").ok();
+    let (xs, ys) = (table.columns68("x")?, table.columns68("y")?);
+    let hidden = table.columns68("v")?;
+    let covered = table.columns68("o").ok();
+    (0..table.len())
+        .map(|row| {
+            let number = |column: usize| table.number(row, column);
+            let three = |columns: [usize; 3]| -> Result<[f64; 3]> {
+                let [a, b, c] = columns;
+                Ok([number(a)?, number(b)?, number(c)?])
+            };
+            let mut points = [[0.0; 2]; 68];
+            let mut visible = [false; 68];
+            for i in 0..68 {
+                points[i] = [number(xs[i])?, number(ys[i])?];
+                let is_covered = covered.map_or(Ok(0.0), |c| number(c[i]))? > 0.5;
+                visible[i] = number(hidden[i])? > 0.5 && !is_covered;
+            }
+            let truth = Truth {
+                angles: three(angles)?,
+                eye_mid: three(eye_mid)?,
+                in_frame: in_frame.map_or(Ok(1.0), number)?,
+                points,
+                visible,
+            };
+            Ok((number(frame)? as i64, truth))
+        })
+        .collect()
+}
+
+/// By frame number; `None` for frames without success.
+fn read_tracked(table: &Table) -> Result<HashMap<i64, Option<Tracked>>> {
+    let column = |name: &str| table.column(name);
+    let (frame, success) = (column("frame")?, column("success")?);
+    let angles = [
+        column("yaw_deg")?,
+        column("pitch_deg")?,
+        column("roll_deg")?,
+    ];
+    let translation = [column("pose_Tx")?, column("pose_Ty")?, column("pose_Tz")?];
+    let (xs, ys) = (table.columns68("x_")?, table.columns68("y_")?);
+    (0..table.len())
+        .map(|row| {
+            let number = |column: usize| table.number(row, column);
+            let frame = number(frame)? as i64;
+            if number(success)? < 0.5 {
+                return Ok((frame, None));
+            }
+            let mut tracked = Tracked {
+                angles: [0.0; 3],
+                translation: [0.0; 3],
+                points: [[0.0; 2]; 68],
+            };
+            for i in 0..3 {
+                tracked.angles[i] = number(angles[i])?;
+                tracked.translation[i] = number(translation[i])?;
+            }
+            for (i, p) in tracked.points.iter_mut().enumerate() {
+                *p = [number(xs[i])?, number(ys[i])?];
+            }
+            Ok((frame, Some(tracked)))
+        })
+        .collect()
+}
+
+fn to_json(outcomes: &[FrameOutcome]) -> Value {
+    let mut value = summarize(outcomes.iter()).json();
+    let bands: Map<String, Value> = BANDS
+        .iter()
+        .map(|(name, from, to)| {
+            let band = summarize_band(outcomes, *from, *to);
+            (name.to_string(), band.json())
+        })
+        .collect();
+    if let Value::Object(map) = &mut value {
+        map.insert("yaw_bands".into(), bands.into());
+    }
+    value
+}
+
+fn report(out: &mut String, title: &str, outcomes: &[FrameOutcome]) {
+    // Writing to a String cannot fail.
+    let _ = writeln!(
+        out,
+        "{title}\n{:<8}{:>7}{:>8}{:>8}{:>8}{:>8}{:>8}{:>9}{:>9}{:>9}",
+        "|yaw|",
+        "frames",
+        "P_s %",
+        "yaw °",
+        "pitch °",
+        "roll °",
+        "mean °",
+        "t mm",
+        "depth mm",
+        "lmk %"
+    );
+    let total = summarize(outcomes.iter());
+    let bands = BANDS.map(|(name, from, to)| (name, summarize_band(outcomes, from, to)));
+    for (name, s) in std::iter::once(("all", &total)).chain(bands.iter().map(|(n, s)| (*n, s))) {
+        let cell = |v: Option<f64>| v.map_or("–".into(), |v| format!("{v:.2}"));
+        let axis = |i: usize| cell(s.angles.map(|a| a[i]));
+        let _ = writeln!(
+            out,
+            "{name:<8}{:>7}{:>8}{:>8}{:>8}{:>8}{:>8}{:>9}{:>9}{:>9}",
+            s.counted,
+            cell(s.success().map(|v| 100.0 * v)),
+            axis(0),
+            axis(1),
+            axis(2),
+            cell(s.mean_angle()),
+            cell(s.translation.map(|t| t.0)),
+            cell(s.translation.map(|t| t.1)),
+            cell(s.landmarks.map(|v| 100.0 * v)),
+        );
+    }
+    let _ = writeln!(
+        out,
+        "lost within ±60°: {}; more than 30° off: {}; sign flips beyond ±60°: {}; \
+         tracked without a face: {}",
+        total.lost_within_60, total.wrong, total.sign_flips, total.false_tracks
+    );
+}

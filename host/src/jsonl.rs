@@ -1,0 +1,59 @@
+//! One JSON object per frame: what `--jsonl` writes. The same quantities as the CSV's, grouped.
+
+use std::io::Write;
+
+use anyhow::{Context, Result};
+use posewise::shape::ANIMATION_NAMES;
+use serde_json::{Map, Value, json};
+
+use crate::csv::{Row, state_name};
+
+/// Shortest decimal form of an f32, so that 0.1 is not written as 0.10000000149011612.
+fn number(value: f32) -> Value {
+    value
+        .to_string()
+        .parse::<f64>()
+        .map_or(Value::Null, Value::from)
+}
+
+fn numbers(values: &[f32]) -> Value {
+    values.iter().copied().map(number).collect()
+}
+
+/// The object of one frame.
+pub fn object(row: &Row<'_>) -> Value {
+    let r = row.result;
+    let animation: Map<String, Value> = ANIMATION_NAMES
+        .iter()
+        .zip(r.animation)
+        .map(|(name, weight)| (name.to_string(), number(weight)))
+        .collect();
+    let landmarks: Vec<Value> = r
+        .landmarks
+        .iter()
+        .map(|l| numbers(&[l.x, l.y, l.confidence, l.visibility]))
+        .collect();
+    let points: Vec<Value> = r.points_mm.iter().map(|p| numbers(p)).collect();
+    json!({
+        "frame": row.frame,
+        "timestamp_us": r.timestamp_us,
+        "age_us": r.age_us,
+        "state": state_name(r.state),
+        "score": number(r.score),
+        "box": numbers(&r.face_box),
+        "rotation": numbers(&r.rotation),
+        "yaw_deg": number(r.yaw_deg),
+        "pitch_deg": number(r.pitch_deg),
+        "roll_deg": number(r.roll_deg),
+        "translation_mm": numbers(&r.translation_mm),
+        "eye_open": numbers(&r.eye_open),
+        "animation": animation,
+        "landmarks": landmarks,
+        "points_mm": points,
+    })
+}
+
+/// Writes one frame's line.
+pub fn write(out: &mut impl Write, row: &Row<'_>) -> Result<()> {
+    writeln!(out, "{}", object(row)).context("cannot write the JSON lines")
+}

@@ -1,0 +1,279 @@
+//! `posewise track`: source → tracker → CSV, JSON lines, overlay, plot.
+
+use std::io::Write;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result, anyhow, bail};
+use indicatif::{ProgressBar, ProgressStyle};
+use posewise::image::Rotation;
+use posewise::shape::Intrinsics;
+use posewise::track::{Config, Model, State, TrackResult, Tracker};
+
+use crate::cli::{TrackArgs, TrackerArgs};
+use crate::csv::{CsvWriter, Row};
+use crate::model_file::ModelFile;
+use crate::overlay::{Overlay, Painter};
+use crate::picture::Picture;
+use crate::plot::{self, Sample};
+use crate::source::Source;
+use crate::{jsonl, output, source};
+
+/// A tracker that follows the frame's size with its camera.
+pub struct Session<'m> {
+    model: &'m Model<'m>,
+    tracker: Box<Tracker>,
+    focal: Option<f32>,
+    size: (i32, i32),
+    /// Time spent in steps.
+    pub busy: Duration,
+}
+
+impl<'m> Session<'m> {
+    /// A fresh tracker with these settings.
+    pub fn new(model: &'m Model<'m>, args: &TrackerArgs) -> Result<Self> {
+        if args.focal.is_some_and(|f| !(f.is_finite() && f > 0.0)) {
+            bail!("--focal must be positive");
+        }
+        let mut config = Config::default();
+        config.min_face_px = args.min_face.unwrap_or(config.min_face_px);
+        config.scan_budget = args.scan_budget.unwrap_or(config.scan_budget);
+        Ok(Session {
+            model,
+            tracker: Box::new(Tracker::new(&config).map_err(|e| anyhow!("{e}"))?),
+            focal: args.focal,
+            size: (0, 0),
+            busy: Duration::ZERO,
+        })
+    }
+
+    /// The camera that the tracker assumes for the current frame.
+    pub fn intrinsics(&self) -> Intrinsics {
+        let default = Intrinsics::of_frame(self.size.0, self.size.1);
+        match self.focal {
+            Some(f) => Intrinsics {
+                fx: f,
+                fy: f,
+                ..default
+            },
+            None => default,
+        }
+    }
+
+    /// One frame.
+    pub fn step(&mut self, picture: &Picture) -> Result<&TrackResult> {
+        let frame = picture.frame()?;
+        let size = (frame.width(), frame.height());
+        if size != self.size {
+            self.size = size;
+            // Without a focal length the tracker has the same default.
+            let camera = self.focal.map(|_| self.intrinsics());
+            self.tracker
+                .set_intrinsics(camera)
+                .map_err(|e| anyhow!("{e}"))?;
+        }
+        let start = Instant::now();
+        let stepped = self.tracker.step(self.model, &frame, picture.timestamp_us);
+        self.busy += start.elapsed();
+        stepped.map_err(|e| anyhow!("{e}"))
+    }
+}
+
+/// What happened over a run.
+#[derive(Default)]
+pub struct Counts {
+    /// Frames seen.
+    pub frames: u64,
+    /// Frames fitted.
+    pub tracked: u64,
+    /// Frames bridged with the last fit.
+    pub held: u64,
+}
+
+impl Counts {
+    fn add(&mut self, state: State) {
+        self.frames += 1;
+        self.tracked += u64::from(state == State::Tracking);
+        self.held += u64::from(state == State::Holding);
+    }
+
+    /// Share of a count among all frames \[%\].
+    pub fn percent(&self, count: u64) -> f64 {
+        100.0 * count as f64 / self.frames.max(1) as f64
+    }
+}
+
+struct Outputs {
+    csv: Option<CsvWriter<Box<dyn Write>>>,
+    jsonl: Option<Box<dyn Write>>,
+    overlay: Option<Overlay>,
+    painter: Painter,
+    samples: Vec<Sample>,
+    live: bool,
+}
+
+impl Outputs {
+    fn open(args: &TrackArgs, source: &dyn Source) -> Result<Self> {
+        Ok(Outputs {
+            csv: args
+                .csv
+                .as_deref()
+                .map(|path| CsvWriter::new(output::create(path)?))
+                .transpose()?,
+            jsonl: args.jsonl.as_deref().map(output::create).transpose()?,
+            overlay: args
+                .overlay
+                .as_deref()
+                .map(|path| Overlay::create(path, source.fps()))
+                .transpose()?,
+            painter: Painter::default(),
+            samples: Vec::new(),
+            live: source.is_live(),
+        })
+    }
+
+    fn write(
+        &mut self,
+        args: &TrackArgs,
+        frame: u64,
+        picture: &Picture,
+        camera: &Intrinsics,
+        result: &TrackResult,
+    ) -> Result<()> {
+        let row = Row { frame, result };
+        if let Some(csv) = &mut self.csv {
+            csv.write(&row)?;
+        }
+        if let Some(out) = &mut self.jsonl {
+            jsonl::write(out, &row)?;
+        }
+        if let Some(overlay) = &mut self.overlay {
+            let mut image = picture.upright_rgb()?;
+            self.painter.paint(&mut image, frame, result, camera);
+            overlay.write(&image)?;
+        }
+        if args.plot.is_some() {
+            self.samples.push(Sample::of(result));
+        }
+        if self.live {
+            self.flush()?;
+        }
+        Ok(())
+    }
+
+    fn flush(&mut self) -> Result<()> {
+        if let Some(csv) = &mut self.csv {
+            csv.flush()?;
+        }
+        if let Some(out) = &mut self.jsonl {
+            out.flush().context("cannot write the JSON lines")?;
+        }
+        Ok(())
+    }
+
+    /// Whether results go to standard output, where a summary would be in the way.
+    fn on_stdout(args: &TrackArgs) -> bool {
+        let dash = Some(std::path::Path::new("-"));
+        args.csv.as_deref() == dash || args.jsonl.as_deref() == dash
+    }
+}
+
+/// Runs the command.
+pub fn run(args: &TrackArgs) -> Result<()> {
+    if !(args.fps.is_finite() && args.fps > 0.0 && args.fps <= 1e5) {
+        bail!("--fps must be positive");
+    }
+    if let Some(path) = &args.plot {
+        plot::check_name(path)?;
+    }
+    let file = ModelFile::read(args.tracker.model.as_deref())?;
+    let model = file.model()?;
+    let mut session = Session::new(&model, &args.tracker)?;
+    let mut source = source::open(&args.input, args.fps)?;
+    let mut outputs = Outputs::open(args, source.as_ref())?;
+    let progress = progress_bar(source.as_ref(), args.quiet);
+    let mut counts = Counts::default();
+    let ended = follow(args, source.as_mut(), &mut session, &mut outputs, |state| {
+        counts.add(state);
+        progress.inc(1);
+    });
+    progress.finish_and_clear();
+    // What was tracked before an input broke off is kept.
+    outputs.flush()?;
+    if let Some(overlay) = outputs.overlay.take() {
+        overlay.finish()?;
+    }
+    if let (Some(path), false) = (&args.plot, outputs.samples.is_empty()) {
+        plot::write(path, &outputs.samples)?;
+    }
+    ended?;
+    if let Some(warning) = source.warning() {
+        eprintln!("posewise: warning: {warning}");
+    }
+    if !args.quiet {
+        let text = summary(&counts, session.busy);
+        if Outputs::on_stdout(args) {
+            eprint!("{text}");
+        } else {
+            output::print(&text)?;
+        }
+    }
+    Ok(())
+}
+
+fn follow(
+    args: &TrackArgs,
+    source: &mut dyn Source,
+    session: &mut Session<'_>,
+    outputs: &mut Outputs,
+    mut count: impl FnMut(State),
+) -> Result<()> {
+    let rotation = match args.rotate.as_str() {
+        "90" => Rotation::Cw90,
+        "180" => Rotation::Half,
+        "270" => Rotation::Cw270,
+        _ => Rotation::None,
+    };
+    let limit = args.frames.unwrap_or(u64::MAX);
+    for frame in 1..=limit {
+        let Some(mut picture) = source.next()? else {
+            break;
+        };
+        picture.layout.rotation = rotation;
+        picture.layout.mirrored = args.mirror;
+        let result = *session.step(&picture)?;
+        let camera = session.intrinsics();
+        outputs.write(args, frame, &picture, &camera, &result)?;
+        count(result.state);
+    }
+    Ok(())
+}
+
+fn progress_bar(source: &dyn Source, quiet: bool) -> ProgressBar {
+    if quiet {
+        return ProgressBar::hidden();
+    }
+    let (bar, template) = match source.total() {
+        Some(total) => (
+            ProgressBar::new(total),
+            "{bar:40} {pos}/{len} frames {per_sec} eta {eta}",
+        ),
+        None => (ProgressBar::no_length(), "{spinner} {pos} frames {per_sec}"),
+    };
+    if let Ok(style) = ProgressStyle::with_template(template) {
+        bar.set_style(style);
+    }
+    bar
+}
+
+fn summary(counts: &Counts, busy: Duration) -> String {
+    let mean_ms = busy.as_secs_f64() * 1e3 / counts.frames.max(1) as f64;
+    format!(
+        "frames   {}\ntracked  {} ({:.1} %)\nheld     {} ({:.1} %)\nstep     {:.3} ms on average\n",
+        counts.frames,
+        counts.tracked,
+        counts.percent(counts.tracked),
+        counts.held,
+        counts.percent(counts.held),
+        mean_ms
+    )
+}

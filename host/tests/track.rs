@@ -1,0 +1,256 @@
+//! `posewise track` from the outside: inputs, outputs, bad inputs.
+
+mod common;
+
+use common::{arg, fails_with, gradient_clip, has_program, posewise};
+use std::io::Write;
+
+#[test]
+fn y4m_file_gzip_and_pipe_agree() {
+    let dir = tempfile::tempdir().unwrap();
+    let clip = gradient_clip(64, 48, 5);
+    let plain = dir.path().join("clip.y4m");
+    std::fs::write(&plain, &clip).unwrap();
+    let zipped = dir.path().join("clip.y4m.gz");
+    let file = std::fs::File::create(&zipped).unwrap();
+    let mut gz = flate2::write::GzEncoder::new(file, flate2::Compression::fast());
+    gz.write_all(&clip).unwrap();
+    gz.finish().unwrap();
+
+    let csv = |input: &str, stdin: Vec<u8>| {
+        let run = posewise()
+            .args(["track", input, "--csv", "-", "--quiet"])
+            .write_stdin(stdin)
+            .assert()
+            .success();
+        String::from_utf8(run.get_output().stdout.clone()).unwrap()
+    };
+    let table = csv(arg(&plain), Vec::new());
+    assert_eq!(table.lines().count(), 6);
+    let row: Vec<&str> = table.lines().nth(2).unwrap().split(',').collect();
+    assert_eq!(row[..3], ["2", "0", "0.040000"]);
+    assert_eq!(csv(arg(&zipped), Vec::new()), table);
+    assert_eq!(csv("-", clip), table);
+    assert_eq!(csv("-", std::fs::read(&zipped).unwrap()), table);
+}
+
+#[test]
+fn pictures_in_order_of_name_and_all_outputs() {
+    let dir = tempfile::tempdir().unwrap();
+    for name in ["b.png", "a.jpg", "c.ppm"] {
+        image::RgbImage::from_pixel(40, 30, image::Rgb([90; 3]))
+            .save(dir.path().join(name))
+            .unwrap();
+    }
+    std::fs::write(dir.path().join("notes.txt"), "no picture").unwrap();
+    let out = |name: &str| dir.path().join("out").join(name);
+    std::fs::create_dir(dir.path().join("out")).unwrap();
+    let run = posewise()
+        .args(["track", arg(dir.path()), "--fps", "10", "--rotate", "90"])
+        .args(["--csv", arg(&out("t.csv")), "--jsonl", arg(&out("t.jsonl"))])
+        .args(["--overlay", arg(&out("png")), "--plot", arg(&out("t.svg"))])
+        .assert()
+        .success();
+    let said = String::from_utf8_lossy(&run.get_output().stdout).into_owned();
+    assert!(said.contains("frames   3"), "{said}");
+    let lines = std::fs::read_to_string(out("t.jsonl")).unwrap();
+    let last: serde_json::Value = serde_json::from_str(lines.lines().last().unwrap()).unwrap();
+    assert_eq!(
+        (&last["frame"], &last["timestamp_us"]),
+        (&3.into(), &200_000.into())
+    );
+    assert_eq!(last["landmarks"].as_array().unwrap().len(), 68);
+    let overlay = image::open(out("png").join("000003.png")).unwrap();
+    assert_eq!(
+        (overlay.width(), overlay.height()),
+        (30, 40),
+        "turned upright"
+    );
+    assert!(
+        std::fs::read_to_string(out("t.svg"))
+            .unwrap()
+            .contains("<svg")
+    );
+
+    let pattern = format!("{}/[ab].*", arg(dir.path()));
+    let run = posewise().args(["track", &pattern]).assert().success();
+    let said = String::from_utf8_lossy(&run.get_output().stdout).into_owned();
+    assert!(said.contains("frames   2"), "{said}");
+}
+
+#[test]
+fn bad_inputs_are_named() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = |name: &str, bytes: &[u8]| {
+        let path = dir.path().join(name);
+        std::fs::write(&path, bytes).unwrap();
+        path.to_str().unwrap().to_string()
+    };
+    let none = Vec::new;
+    fails_with(
+        &["track", "nowhere.mp4"],
+        none(),
+        &["no such file", "nowhere.mp4"],
+    );
+    fails_with(
+        &["track", "-"],
+        b"not a video".to_vec(),
+        &["standard input", "not a y4m"],
+    );
+    fails_with(&["track", "-"], none(), &["standard input", "empty"]);
+    let clip = gradient_clip(32, 32, 2);
+    fails_with(
+        &["track", "-"],
+        clip[..clip.len() - 9].to_vec(),
+        &["ends inside frame 2"],
+    );
+    fails_with(
+        &["track", &file("empty.mp4", b"")],
+        none(),
+        &["empty.mp4", "is empty"],
+    );
+    fails_with(
+        &["track", &file("bad.y4m", b"RIFF")],
+        none(),
+        &["bad.y4m", "not a y4m"],
+    );
+    fails_with(
+        &["track", &file("bad.gz.y4m", b"\x1f\x8bjunk")],
+        none(),
+        &["bad.gz.y4m"],
+    );
+    fails_with(
+        &["track", &file("bad.png", b"no picture")],
+        none(),
+        &["decode", "bad.png"],
+    );
+    let empty = dir.path().join("empty");
+    std::fs::create_dir(&empty).unwrap();
+    fails_with(&["track", arg(&empty)], none(), &["has no pictures"]);
+    fails_with(
+        &["track", &format!("{}/*.png", arg(&empty))],
+        none(),
+        &["has no pictures"],
+    );
+    if cfg!(target_os = "linux") {
+        fails_with(
+            &["track", "/dev/video999"],
+            none(),
+            &["camera", "/dev/video999"],
+        );
+    }
+    let good = file("good.y4m", &clip);
+    fails_with(&["track", &good, "--focal", "nan"], none(), &["--focal"]);
+    fails_with(&["track", &good, "--focal", "0"], none(), &["--focal"]);
+    fails_with(
+        &["track", &good, "--min-face", "2"],
+        none(),
+        &["min_face_px"],
+    );
+    fails_with(
+        &["track", &good, "--scan-budget", "0"],
+        none(),
+        &["scan_budget"],
+    );
+    fails_with(
+        &["track", &good, "--plot", "x.gif"],
+        none(),
+        &[".svg or .png"],
+    );
+    fails_with(
+        &["track", &good, "--csv", "/no/such/dir/x.csv"],
+        none(),
+        &["cannot write"],
+    );
+    fails_with(
+        &["track", &good, "--overlay", "/no/such/dir/x.y4m"],
+        none(),
+        &["cannot write"],
+    );
+    posewise()
+        .args(["track", &good, "--rotate", "45"])
+        .assert()
+        .code(2);
+    posewise().args(["track"]).assert().code(2);
+}
+
+#[test]
+fn what_was_tracked_before_the_input_broke_is_kept() {
+    let dir = tempfile::tempdir().unwrap();
+    let csv = dir.path().join("t.csv");
+    let clip = gradient_clip(32, 32, 4);
+    let cut = clip[..clip.len() - 100].to_vec();
+    fails_with(
+        &["track", "-", "--csv", arg(&csv)],
+        cut,
+        &["ends inside frame 4"],
+    );
+    assert_eq!(std::fs::read_to_string(csv).unwrap().lines().count(), 4);
+}
+
+#[test]
+fn a_closed_pipe_is_no_failure() {
+    let mut child = std::process::Command::new(assert_cmd::cargo::cargo_bin("posewise"))
+        .args(["track", "-", "--csv", "-", "--quiet"])
+        .stdin(std::process::Stdio::piped())
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let mut stdin = child.stdin.take().unwrap();
+    // The command may end before it has read everything.
+    let _ = stdin.write_all(&gradient_clip(32, 32, 300));
+    drop(stdin);
+    let output = child.wait_with_output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    assert!(!said.contains("panicked"), "{said}");
+}
+
+#[test]
+fn videos_go_through_ffmpeg_both_ways() {
+    if !has_program("ffmpeg") {
+        return;
+    }
+    let dir = tempfile::tempdir().unwrap();
+    let clip = dir.path().join("clip.y4m");
+    std::fs::write(&clip, gradient_clip(65, 49, 10)).unwrap();
+    let video = dir.path().join("overlay.mp4");
+    posewise()
+        .args(["track", arg(&clip), "--overlay", arg(&video)])
+        .assert()
+        .success();
+    let run = posewise().args(["track", arg(&video)]).assert().success();
+    let said = String::from_utf8_lossy(&run.get_output().stdout).into_owned();
+    assert!(said.contains("frames   10"), "{said}");
+
+    let bytes = std::fs::read(&video).unwrap();
+    let cut = dir.path().join("cut.mp4");
+    std::fs::write(&cut, &bytes[..bytes.len() / 2]).unwrap();
+    fails_with(&["track", arg(&cut)], Vec::new(), &["cut.mp4"]);
+    let foreign = dir.path().join("foreign.mp4");
+    std::fs::write(&foreign, b"this is no video").unwrap();
+    fails_with(
+        &["track", arg(&foreign)],
+        Vec::new(),
+        &["cannot decode", "foreign.mp4"],
+    );
+    let unknown = dir.path().join("overlay.nonsense");
+    let args = ["track", arg(&clip), "--overlay", arg(&unknown)];
+    fails_with(&args, Vec::new(), &["overlay.nonsense", "ffmpeg"]);
+}
+
+#[test]
+fn a_missing_ffmpeg_is_said() {
+    let dir = tempfile::tempdir().unwrap();
+    let video = dir.path().join("clip.mp4");
+    std::fs::write(&video, b"whatever").unwrap();
+    let run = posewise()
+        .args(["track", arg(&video)])
+        .env("PATH", dir.path())
+        .assert()
+        .code(1);
+    let said = String::from_utf8_lossy(&run.get_output().stderr).into_owned();
+    assert!(said.contains("`ffmpeg` is needed"), "{said}");
+}
