@@ -30,7 +30,7 @@ pub fn run(args: &DemoArgs) -> Result<()> {
     let mut source = demo_clip::open()?;
     let truth = demo_clip::truth()?;
     let settings = TrackerArgs {
-        focal: truth.as_ref().and_then(focal_of),
+        focal: focal_of(&truth),
         ..TrackerArgs::default()
     };
     let mut session = Session::new(&model, &settings)?;
@@ -52,15 +52,10 @@ pub fn run(args: &DemoArgs) -> Result<()> {
     let sheet = contact_sheet(&frames, &session)?;
     let saved = sheet.save(Path::new(PICTURE));
     saved.with_context(|| format!("cannot write {PICTURE}"))?;
-    let errors = match &truth {
-        Some(truth) => {
-            let tracked = Table::parse(TABLE, csv.as_slice())?;
-            Some(pose::summarize_tables(truth, &tracked)?)
-        }
-        None => None,
-    };
+    let tracked = Table::parse(TABLE, csv.as_slice())?;
+    let errors = pose::summarize_tables(&truth, &tracked)?;
     let model_bytes = model.blob().total_len();
-    output::print(&report(&frames, &step_ms, errors.as_ref(), model_bytes))
+    output::print(&report(&frames, &step_ms, &errors, model_bytes))
 }
 
 fn focal_of(truth: &Table) -> Option<f32> {
@@ -99,7 +94,7 @@ fn contact_sheet(frames: &[(Picture, TrackResult)], session: &Session<'_>) -> Re
 fn report(
     frames: &[(Picture, TrackResult)],
     step_ms: &[f64],
-    errors: Option<&Summary>,
+    errors: &Summary,
     model_bytes: usize,
 ) -> String {
     let is = |state: State| frames.iter().filter(|(_, r)| r.state == state).count();
@@ -117,19 +112,19 @@ fn report(
     }
     line("tracked", format!("{tracked} ({:.1} %)", share(tracked)));
     line("held", format!("{held} ({:.1} %)", share(held)));
-    if let Some([yaw, pitch, roll]) = errors.and_then(|e| e.angles) {
+    if let Some([yaw, pitch, roll]) = errors.angles {
         line(
             "angle error",
             format!("yaw {yaw:.2}°, pitch {pitch:.2}°, roll {roll:.2}° (mean absolute)"),
         );
     }
-    if let Some((all, depth)) = errors.and_then(|e| e.translation) {
+    if let Some((all, depth)) = errors.translation {
         line(
             "position error",
             format!("{all:.1} mm, {depth:.1} mm of it in depth"),
         );
     }
-    if let Some(e) = errors.and_then(|e| e.landmarks) {
+    if let Some(e) = errors.landmarks {
         line("landmark error", format!("{:.2} % of the face", 100.0 * e));
     }
     line(

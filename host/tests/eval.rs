@@ -123,7 +123,10 @@ fn bad_pose_tables_are_named() {
         &["--truth", &truth, "--csv", "none.csv"],
         &["cannot open none.csv"],
     );
-    pose(&["--truth", &csv, "--csv", &truth], &["truth.csv has no column success"]);
+    pose(
+        &["--truth", &csv, "--csv", &truth],
+        &["truth.csv has no column success"],
+    );
     pose(
         &["--truth", &truth, "--truth", &truth, "--csv", &csv],
         &["2 --truth files but 1 --csv files"],

@@ -1,0 +1,55 @@
+//! `posewise demo` and `posewise bench` on the clip that ships with posewise.
+
+mod common;
+
+use common::{arg, fails_with, posewise};
+
+#[test]
+fn demo_writes_picture_and_table() {
+    let dir = tempfile::tempdir().unwrap();
+    let run = posewise()
+        .arg("demo")
+        .current_dir(dir.path())
+        .assert()
+        .success();
+    let said = String::from_utf8_lossy(&run.get_output().stdout).into_owned();
+    for word in ["frames", "tracked", "step", "model", "tracker memory"] {
+        assert!(said.contains(word), "{said}");
+    }
+    let table = std::fs::read_to_string(dir.path().join("posewise-demo.csv")).unwrap();
+    assert_eq!(table.lines().count(), 121);
+    let sheet = image::open(dir.path().join("posewise-demo.png")).unwrap();
+    assert_eq!((sheet.width(), sheet.height()), (3 * 320, 2 * 240));
+}
+
+#[test]
+fn bench_measures_and_names_bad_inputs() {
+    let dir = tempfile::tempdir().unwrap();
+    let json = dir.path().join("bench.json");
+    posewise()
+        .args(["bench", "--json", arg(&json)])
+        .assert()
+        .success();
+    let json: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(json).unwrap()).unwrap();
+    assert_eq!(json["frame"], serde_json::json!([320, 240]));
+    assert!(json["searching"]["median_ns"].as_u64().is_some());
+    assert!(json["model_bytes"].as_u64().unwrap() >= 64);
+    assert!(json["tracker_bytes"].as_u64().unwrap() > 1000);
+    if cfg!(unix) {
+        assert!(json["peak_stack_bytes"].as_u64().is_some());
+    }
+    fails_with(
+        &["bench", "--input", "none.mp4"],
+        Vec::new(),
+        &["no such file", "none.mp4"],
+    );
+    let args = [
+        "bench",
+        "--json",
+        "/no/such/dir/b.json",
+        "--input",
+        "none.mp4",
+    ];
+    fails_with(&args, Vec::new(), &["none.mp4"]);
+}
