@@ -1,120 +1,15 @@
-//! The static library and the header as a C program meets them.
-//!
-//! Builds the library as it ships (`--profile dist`) in a folder of its own under target/, so that
-//! the cargo that runs this test and the one that this test runs do not wait for each other.
+//! The static library and the header as C and C++ programs meet them.
 
 mod common;
 #[path = "../src/ffi/types.rs"]
 #[allow(dead_code, missing_docs, non_camel_case_types)]
 mod types;
 
-use common::{Clip, root, scratch};
+use common::c::{STRICT, arguments, cc, clip, cxx, example, exists, library, program, succeed};
+use common::{root, scratch};
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output, Stdio};
-use std::sync::OnceLock;
-
-/// Peak stack of one call \[bytes\]; twice what a Cortex-M board should spare, but no more.
-const STACK_LIMIT: usize = 64 * 1024;
-
-/// `POSEWISE_MEMORY_SIZE` may exceed the true need by this factor, no more: it is what a C program
-/// sets aside. Below the floor it does not matter.
-const MEMORY_SLACK: f64 = 1.15;
-const MEMORY_FLOOR: usize = 64 * 1024;
-
-const STRICT: [&str; 4] = ["-Wall", "-Wextra", "-Wpedantic", "-Werror"];
-
-fn cc() -> String {
-    std::env::var("CC").unwrap_or("cc".into())
-}
-
-fn output(command: &mut Command) -> Output {
-    command
-        .output()
-        .unwrap_or_else(|error| panic!("{command:?}: {error}"))
-}
-
-fn succeed(command: &mut Command) -> String {
-    let output = output(command);
-    let stdout = String::from_utf8_lossy(&output.stdout).into_owned();
-    let stderr = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{command:?}\n{stdout}{stderr}");
-    stdout
-}
-
-/// The C++ compiler, if there is one.
-fn cxx() -> Option<String> {
-    let cxx = std::env::var("CXX").unwrap_or("c++".into());
-    if exists(&cxx) {
-        return Some(cxx);
-    }
-    eprintln!("skipped for C++: no {cxx}");
-    None
-}
-
-fn exists(program: &str) -> bool {
-    Command::new(program).arg("--version").output().is_ok()
-}
-
-/// The static library, built once.
-fn library() -> &'static Path {
-    static LIBRARY: OnceLock<PathBuf> = OnceLock::new();
-    LIBRARY.get_or_init(|| {
-        let target = scratch("dist");
-        let mut cargo = Command::new(env!("CARGO"));
-        cargo.current_dir(root());
-        cargo.args(["rustc", "--quiet", "--profile", "dist", "--lib"]);
-        cargo.args([
-            "--features",
-            "ffi,panic-handler",
-            "--crate-type",
-            "staticlib",
-        ]);
-        succeed(cargo.arg("--target-dir").arg(&target));
-        target.join("dist/libposewise.a")
-    })
-}
-
-/// Compiles one C file against the library.
-fn program(source: &str, name: &str, flags: &[&str]) -> PathBuf {
-    let program = scratch("c").join(name);
-    let mut command = Command::new(cc());
-    command
-        .args(["-std=c99", "-O1", "-g"])
-        .args(STRICT)
-        .args(flags);
-    command.arg("-I").arg(root().join("include"));
-    command.arg(root().join(source)).arg(library());
-    command
-        .args(["-Wl,--gc-sections", "-lm", "-o"])
-        .arg(&program);
-    succeed(&mut command);
-    program
-}
-
-/// The demo clip, or the disc where it is not there yet.
-fn clip() -> &'static Clip {
-    static CLIP: OnceLock<Clip> = OnceLock::new();
-    CLIP.get_or_init(|| common::demo().unwrap_or_else(common::disc))
-}
-
-/// Arguments of the C tests: model, raw frames, width, height.
-fn arguments() -> &'static [String; 4] {
-    static ARGUMENTS: OnceLock<[String; 4]> = OnceLock::new();
-    ARGUMENTS.get_or_init(|| {
-        let clip = clip();
-        // Enough to find the face, track it and be done under sanitizers.
-        let frames: Vec<u8> = clip.luma.iter().take(60).flatten().copied().collect();
-        let path = scratch("c").join("frames.raw");
-        std::fs::write(&path, frames).expect("target/ is writable");
-        [
-            root().join("models/default.posewise").display().to_string(),
-            path.display().to_string(),
-            clip.width.to_string(),
-            clip.height.to_string(),
-        ]
-    })
-}
 
 #[test]
 fn header_stands_alone_in_c99_and_cpp11() {
@@ -220,30 +115,6 @@ fn every_wrong_call_is_answered_under_sanitizers() {
     );
 }
 
-#[test]
-fn stack_and_memory_are_bounded() {
-    let stack = program("tests/c/stack.c", "stack", &["-pthread"]);
-    let printed = succeed(Command::new(stack).args(arguments()));
-    println!("{printed}");
-    let figure = |name: &str| -> usize {
-        let line = printed.lines().find_map(|line| line.strip_prefix(name));
-        line.and_then(|n| n.trim().parse().ok()).expect("a figure")
-    };
-    for call in ["init", "step"] {
-        let used = figure(call);
-        assert!(
-            used <= STACK_LIMIT,
-            "posewise_{call} uses {used} bytes of stack"
-        );
-    }
-    let (need, stated) = (figure("memory"), types::POSEWISE_MEMORY_SIZE as usize);
-    assert!(need <= stated);
-    assert!(
-        need < MEMORY_FLOOR || stated as f64 <= need as f64 * MEMORY_SLACK,
-        "POSEWISE_MEMORY_SIZE is {stated}, a tracker needs {need}: lower it in ffi/types.rs"
-    );
-}
-
 /// Feeds a video to the y4m example.
 fn y4m(program: &Path, arguments: &[&Path], video: &[u8]) -> Output {
     let mut command = Command::new(program);
@@ -256,11 +127,6 @@ fn y4m(program: &Path, arguments: &[&Path], video: &[u8]) -> Output {
         scope.spawn(move || stdin.write_all(video).ok());
         child.wait_with_output().expect("the example ends")
     })
-}
-
-fn example() -> &'static Path {
-    static EXAMPLE: OnceLock<PathBuf> = OnceLock::new();
-    EXAMPLE.get_or_init(|| program("ffi-examples/y4m.c", "y4m", &[]))
 }
 
 #[test]
@@ -375,100 +241,4 @@ fn program_of_the_readme_runs() {
     compile.arg(&source).arg(library()).arg("-Wl,--gc-sections");
     succeed(compile.arg("-o").arg(&program));
     succeed(&mut Command::new(&program));
-}
-
-/// Names in a linked program that belong to the panic machinery.
-fn panics(program: &Path) -> Vec<String> {
-    let names = succeed(Command::new("nm").arg(program));
-    let names = names.lines().filter(|line| line.contains("panicking"));
-    names.map(String::from).collect()
-}
-
-#[test]
-fn nothing_panics() {
-    if !exists("nm") {
-        eprintln!("skipped: no nm");
-        return;
-    }
-    // The control shows that a panic would be seen.
-    let folder = scratch("control");
-    let (rust, c) = (folder.join("control.rs"), folder.join("control.c"));
-    let (library, program) = (folder.join("libcontrol.a"), folder.join("control"));
-    std::fs::write(&rust, CONTROL_RUST).expect("target/ is writable");
-    std::fs::write(&c, CONTROL_C).expect("target/ is writable");
-    let mut rustc = Command::new(std::env::var("RUSTC").unwrap_or("rustc".into()));
-    rustc.args(["--edition=2024", "--crate-type=staticlib", "-Cpanic=abort"]);
-    rustc
-        .args(["-Copt-level=3", "-Clto=fat", "-o"])
-        .arg(&library);
-    succeed(rustc.arg(&rust));
-    let mut link = Command::new(cc());
-    link.arg(&c).arg(&library).arg("-Wl,--gc-sections");
-    succeed(link.arg("-o").arg(&program));
-    assert!(!panics(&program).is_empty(), "the control panics");
-
-    let panics = panics(example());
-    assert!(
-        panics.is_empty(),
-        "the library can panic:\n{}",
-        panics.join("\n")
-    );
-}
-
-const CONTROL_RUST: &str = r#"#![no_std]
-#[panic_handler]
-fn panic(_: &core::panic::PanicInfo) -> ! { loop {} }
-#[unsafe(no_mangle)]
-pub extern "C" fn control(n: usize) -> u8 {
-    static VALUES: [u8; 4] = [1, 2, 3, 4];
-    VALUES[n]
-}
-"#;
-
-const CONTROL_C: &str = "#include <stddef.h>
-unsigned char control(size_t);
-int main(int argc, char **argv) { return control((size_t)argc) + (argv == 0); }
-";
-
-#[test]
-fn nothing_is_asked_of_the_system() {
-    if !exists("nm") {
-        eprintln!("skipped: no nm");
-        return;
-    }
-    // One relocatable object of everything reachable from the header's functions.
-    let whole = scratch("c").join("whole.o");
-    let mut link = Command::new(cc());
-    link.args(["-r", "-nostdlib", "-Wl,--gc-sections"]);
-    for name in exported() {
-        link.arg(format!("-Wl,-u,{name},--gc-keep-exported"));
-    }
-    succeed(link.arg(library()).arg("-o").arg(&whole));
-    let undefined = succeed(Command::new("nm").arg("-u").arg(&whole));
-    let names = undefined
-        .lines()
-        .map(|line| line.trim().trim_start_matches("U "));
-    // What every C compiler, freestanding too, may ask for.
-    let allowed = [
-        "memcpy",
-        "memmove",
-        "memset",
-        "memcmp",
-        "bcmp",
-        "_GLOBAL_OFFSET_TABLE_",
-    ];
-    let unexpected: Vec<_> = names.filter(|name| !allowed.contains(name)).collect();
-    assert!(unexpected.is_empty(), "{unexpected:?}");
-}
-
-/// The functions that the header declares.
-fn exported() -> Vec<String> {
-    let header = std::fs::read_to_string(root().join("include/posewise.h")).expect("posewise.h");
-    let lines = header.lines().filter(|line| !line.starts_with("//"));
-    let names = lines.filter_map(|line| {
-        let before = line.split_once('(')?.0;
-        let name = before.rsplit([' ', '*']).next()?;
-        (before.contains(' ') && name.starts_with("posewise_")).then(|| name.to_string())
-    });
-    names.collect()
 }

@@ -1,12 +1,13 @@
 //! The C ABI: `include/posewise.h`, which is generated from [`types`] and [`api`].
 //!
 //! C structs and bytes come in, are checked, and become the crate's own types; results go out the
-//! same way. All pointer work is in `memory`.
+//! same way (`convert`). All pointer work is in `memory`.
 
 // C names, and the only place besides the model's typed views where DESIGN allows `unsafe`.
 #![allow(non_camel_case_types, unsafe_code)]
 
 pub mod api;
+mod convert;
 mod memory;
 #[cfg(feature = "panic-handler")]
 mod panic;

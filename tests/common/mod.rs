@@ -1,6 +1,8 @@
 //! What several tests need: paths, the demo clip.
 #![allow(dead_code)] // each test uses its part
 
+pub mod c;
+
 use std::io::Read;
 use std::path::{Path, PathBuf};
 

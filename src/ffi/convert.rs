@@ -1,0 +1,140 @@
+//! C values to the crate's types and back; the crate's errors to status codes.
+
+use super::memory;
+use super::types::*;
+use crate::image::{Frame, FrameLayout, PixelFormat, Rotation};
+use crate::model::ModelError;
+use crate::shape::Intrinsics;
+use crate::track::{Config, Model, State, TrackResult};
+use core::ffi::c_void;
+
+/// # Safety
+/// As at the head of memory.rs; the model outlives its use.
+pub(super) unsafe fn model_bytes(
+    model: *const c_void,
+    len: usize,
+) -> Result<&'static [u8], posewise_status> {
+    // SAFETY: the caller's promise.
+    unsafe { memory::bytes(model.cast(), len, POSEWISE_E_MODEL_TRUNCATED) }
+}
+
+pub(super) fn load(bytes: &'static [u8]) -> Result<Model<'static>, posewise_status> {
+    Model::load(bytes).map_err(|error| match error {
+        ModelError::Misaligned => POSEWISE_E_MODEL_ALIGN,
+        ModelError::Truncated => POSEWISE_E_MODEL_TRUNCATED,
+        ModelError::Magic => POSEWISE_E_MODEL_MAGIC,
+        ModelError::Version { .. } => POSEWISE_E_MODEL_VERSION,
+        ModelError::Checksum => POSEWISE_E_MODEL_CHECKSUM,
+        ModelError::Table | ModelError::Missing(_) | ModelError::Section { .. } => POSEWISE_E_MODEL,
+    })
+}
+
+/// Checked settings; defaults where the caller has NULL or 0.
+///
+/// # Safety
+/// As at the head of memory.rs.
+pub(super) unsafe fn config_from(
+    config: *const posewise_config,
+) -> Result<Config, posewise_status> {
+    let default = Config::default();
+    if config.is_null() {
+        return Ok(default);
+    }
+    // SAFETY: the caller's promise.
+    let given = unsafe { memory::read_struct(config)? };
+    let or = |value, default| if value == 0 { default } else { value };
+    let config = Config {
+        intrinsics: intrinsics_from(&given.intrinsics),
+        min_face_px: or(given.min_face_px, default.min_face_px),
+        scan_budget: or(given.scan_budget, default.scan_budget),
+    };
+    if given.flags != 0 || config.check().is_err() {
+        return Err(POSEWISE_E_ARG);
+    }
+    Ok(config)
+}
+
+/// All zero means the default camera; everything else is for the tracker to check.
+pub(super) fn intrinsics_from(given: &posewise_intrinsics) -> Option<Intrinsics> {
+    let posewise_intrinsics { fx, fy, cx, cy } = *given;
+    ([fx, fy, cx, cy] != [0.0; 4]).then_some(Intrinsics { fx, fy, cx, cy })
+}
+
+/// # Safety
+/// As at the head of memory.rs; the data are only used during the call.
+pub(super) unsafe fn frame_from<'a>(given: &posewise_frame) -> Result<Frame<'a>, posewise_status> {
+    if given.flags & !POSEWISE_FRAME_MIRRORED != 0 || given.reserved != 0 {
+        return Err(POSEWISE_E_ARG);
+    }
+    // SAFETY: the caller's promise.
+    let data = unsafe { memory::bytes(given.data, given.data_len, POSEWISE_E_FRAME)? };
+    let rotation = match given.rotation_deg {
+        0 => Rotation::None,
+        90 => Rotation::Cw90,
+        180 => Rotation::Half,
+        270 => Rotation::Cw270,
+        _ => return Err(POSEWISE_E_FRAME),
+    };
+    let layout = FrameLayout {
+        format: PixelFormat::from_fourcc(given.format).ok_or(POSEWISE_E_FORMAT)?,
+        width: given.width,
+        height: given.height,
+        stride: given.stride,
+        rotation,
+        mirrored: given.flags & POSEWISE_FRAME_MIRRORED != 0,
+    };
+    Frame::new(&layout, data).map_err(|_| POSEWISE_E_FRAME)
+}
+
+pub(super) fn result_to(result: &TrackResult) -> posewise_result {
+    let (state, landmark_count) = match result.state {
+        State::Searching => (POSEWISE_SEARCHING, 0),
+        State::Tracking => (POSEWISE_TRACKING, POSEWISE_LANDMARKS),
+        State::Holding => (POSEWISE_HOLDING, POSEWISE_LANDMARKS),
+    };
+    posewise_result {
+        struct_size: 0, // the caller's stays
+        state,
+        timestamp_us: result.timestamp_us,
+        age_us: result.age_us,
+        landmark_count,
+        score: result.score,
+        face_box: result.face_box,
+        rotation: result.rotation,
+        yaw_deg: result.yaw_deg,
+        pitch_deg: result.pitch_deg,
+        roll_deg: result.roll_deg,
+        translation_mm: result.translation_mm,
+        eye_open: result.eye_open,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn formats_are_those_of_the_image_room() {
+        let header = [
+            POSEWISE_FMT_GREY,
+            POSEWISE_FMT_Y10,
+            POSEWISE_FMT_Y16,
+            POSEWISE_FMT_YUYV,
+            POSEWISE_FMT_UYVY,
+            POSEWISE_FMT_NV12,
+            POSEWISE_FMT_NV21,
+            POSEWISE_FMT_YU12,
+            POSEWISE_FMT_RGB3,
+            POSEWISE_FMT_BGR3,
+            POSEWISE_FMT_XB24,
+            POSEWISE_FMT_AB24,
+            POSEWISE_FMT_XR24,
+            POSEWISE_FMT_AR24,
+            POSEWISE_FMT_BX24,
+            POSEWISE_FMT_BA24,
+            POSEWISE_FMT_RX24,
+            POSEWISE_FMT_RA24,
+        ];
+        assert_eq!(header, PixelFormat::FOURCC.map(|(_, code)| code));
+    }
+}

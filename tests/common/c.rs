@@ -1,0 +1,112 @@
+//! Compiling C against the static library as it ships (`--profile dist`), which is built in a folder
+//! of its own under target/, so that the cargo that runs the tests and the one that they run do not
+//! wait for each other.
+
+use super::{Clip, root, scratch};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::OnceLock;
+
+/// Warnings that must not come up.
+pub const STRICT: [&str; 4] = ["-Wall", "-Wextra", "-Wpedantic", "-Werror"];
+
+/// The C compiler.
+pub fn cc() -> String {
+    std::env::var("CC").unwrap_or("cc".into())
+}
+
+fn output(command: &mut Command) -> Output {
+    command
+        .output()
+        .unwrap_or_else(|error| panic!("{command:?}: {error}"))
+}
+
+/// Standard output of a command that must succeed.
+pub fn succeed(command: &mut Command) -> String {
+    let output = output(command);
+    let stdout = String::from_utf8_lossy(&output.stdout).into_owned();
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{command:?}\n{stdout}{stderr}");
+    stdout
+}
+
+/// The C++ compiler, if there is one.
+pub fn cxx() -> Option<String> {
+    let cxx = std::env::var("CXX").unwrap_or("c++".into());
+    if exists(&cxx) {
+        return Some(cxx);
+    }
+    eprintln!("skipped for C++: no {cxx}");
+    None
+}
+
+/// Whether a program can be started.
+pub fn exists(program: &str) -> bool {
+    Command::new(program).arg("--version").output().is_ok()
+}
+
+/// The static library, built once.
+pub fn library() -> &'static Path {
+    static LIBRARY: OnceLock<PathBuf> = OnceLock::new();
+    LIBRARY.get_or_init(|| {
+        let target = scratch("dist");
+        let mut cargo = Command::new(env!("CARGO"));
+        cargo.current_dir(root());
+        cargo.args(["rustc", "--quiet", "--profile", "dist", "--lib"]);
+        cargo.args([
+            "--features",
+            "ffi,panic-handler",
+            "--crate-type",
+            "staticlib",
+        ]);
+        succeed(cargo.arg("--target-dir").arg(&target));
+        target.join("dist/libposewise.a")
+    })
+}
+
+/// Compiles one C file against the library.
+pub fn program(source: &str, name: &str, flags: &[&str]) -> PathBuf {
+    let program = scratch("c").join(name);
+    let mut command = Command::new(cc());
+    command
+        .args(["-std=c99", "-O1", "-g"])
+        .args(STRICT)
+        .args(flags);
+    command.arg("-I").arg(root().join("include"));
+    command.arg(root().join(source)).arg(library());
+    command
+        .args(["-Wl,--gc-sections", "-lm", "-o"])
+        .arg(&program);
+    succeed(&mut command);
+    program
+}
+
+/// The demo clip, or the disc where it is not there yet.
+pub fn clip() -> &'static Clip {
+    static CLIP: OnceLock<Clip> = OnceLock::new();
+    CLIP.get_or_init(|| super::demo().unwrap_or_else(super::disc))
+}
+
+/// Arguments of the C tests: model, raw frames, width, height.
+pub fn arguments() -> &'static [String; 4] {
+    static ARGUMENTS: OnceLock<[String; 4]> = OnceLock::new();
+    ARGUMENTS.get_or_init(|| {
+        let clip = clip();
+        // Enough to find the face, track it and be done under sanitizers.
+        let frames: Vec<u8> = clip.luma.iter().take(60).flatten().copied().collect();
+        let path = scratch("c").join("frames.raw");
+        std::fs::write(&path, frames).expect("target/ is writable");
+        [
+            root().join("models/default.posewise").display().to_string(),
+            path.display().to_string(),
+            clip.width.to_string(),
+            clip.height.to_string(),
+        ]
+    })
+}
+
+/// The y4m example.
+pub fn example() -> &'static Path {
+    static EXAMPLE: OnceLock<PathBuf> = OnceLock::new();
+    EXAMPLE.get_or_init(|| program("ffi-examples/y4m.c", "y4m", &[]))
+}

@@ -1,0 +1,140 @@
+//! What a program gets when it links the static library: no panics, no heap, no stray symbols, a
+//! bounded stack.
+
+mod common;
+#[path = "../src/ffi/types.rs"]
+#[allow(dead_code, missing_docs, non_camel_case_types)]
+mod types;
+
+use common::c::{arguments, cc, example, exists, library, program, succeed};
+use common::{root, scratch};
+use std::path::Path;
+use std::process::Command;
+
+/// Peak stack of one call \[bytes\]; twice what a Cortex-M board should spare, but no more.
+const STACK_LIMIT: usize = 64 * 1024;
+
+/// `POSEWISE_MEMORY_SIZE` may exceed the true need by this factor, no more: it is what a C program
+/// sets aside. Below the floor it does not matter.
+const MEMORY_SLACK: f64 = 1.15;
+const MEMORY_FLOOR: usize = 64 * 1024;
+
+#[test]
+fn stack_and_memory_are_bounded() {
+    let stack = program("tests/c/stack.c", "stack", &["-pthread"]);
+    let printed = succeed(Command::new(stack).args(arguments()));
+    println!("{printed}");
+    let figure = |name: &str| -> usize {
+        let line = printed.lines().find_map(|line| line.strip_prefix(name));
+        line.and_then(|n| n.trim().parse().ok()).expect("a figure")
+    };
+    for call in ["init", "step"] {
+        let used = figure(call);
+        assert!(
+            used <= STACK_LIMIT,
+            "posewise_{call} uses {used} bytes of stack"
+        );
+    }
+    let (need, stated) = (figure("memory"), types::POSEWISE_MEMORY_SIZE as usize);
+    assert!(need <= stated);
+    assert!(
+        need < MEMORY_FLOOR || stated as f64 <= need as f64 * MEMORY_SLACK,
+        "POSEWISE_MEMORY_SIZE is {stated}, a tracker needs {need}: lower it in ffi/types.rs"
+    );
+}
+
+/// Names in a linked program that belong to the panic machinery.
+fn panics(program: &Path) -> Vec<String> {
+    let names = succeed(Command::new("nm").arg(program));
+    let names = names.lines().filter(|line| line.contains("panicking"));
+    names.map(String::from).collect()
+}
+
+#[test]
+fn nothing_panics() {
+    if !exists("nm") {
+        eprintln!("skipped: no nm");
+        return;
+    }
+    // The control shows that a panic would be seen.
+    let folder = scratch("control");
+    let (rust, c) = (folder.join("control.rs"), folder.join("control.c"));
+    let (library, program) = (folder.join("libcontrol.a"), folder.join("control"));
+    std::fs::write(&rust, CONTROL_RUST).expect("target/ is writable");
+    std::fs::write(&c, CONTROL_C).expect("target/ is writable");
+    let mut rustc = Command::new(std::env::var("RUSTC").unwrap_or("rustc".into()));
+    rustc.args(["--edition=2024", "--crate-type=staticlib", "-Cpanic=abort"]);
+    rustc
+        .args(["-Copt-level=3", "-Clto=fat", "-o"])
+        .arg(&library);
+    succeed(rustc.arg(&rust));
+    let mut link = Command::new(cc());
+    link.arg(&c).arg(&library).arg("-Wl,--gc-sections");
+    succeed(link.arg("-o").arg(&program));
+    assert!(!panics(&program).is_empty(), "the control panics");
+
+    let panics = panics(example());
+    assert!(
+        panics.is_empty(),
+        "the library can panic:\n{}",
+        panics.join("\n")
+    );
+}
+
+const CONTROL_RUST: &str = r#"#![no_std]
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo) -> ! { loop {} }
+#[unsafe(no_mangle)]
+pub extern "C" fn control(n: usize) -> u8 {
+    static VALUES: [u8; 4] = [1, 2, 3, 4];
+    VALUES[n]
+}
+"#;
+
+const CONTROL_C: &str = "#include <stddef.h>
+unsigned char control(size_t);
+int main(int argc, char **argv) { return control((size_t)argc) + (argv == 0); }
+";
+
+#[test]
+fn nothing_is_asked_of_the_system() {
+    if !exists("nm") {
+        eprintln!("skipped: no nm");
+        return;
+    }
+    // One relocatable object of everything reachable from the header's functions.
+    let whole = scratch("c").join("whole.o");
+    let mut link = Command::new(cc());
+    link.args(["-r", "-nostdlib", "-Wl,--gc-sections"]);
+    for name in exported() {
+        link.arg(format!("-Wl,-u,{name},--gc-keep-exported"));
+    }
+    succeed(link.arg(library()).arg("-o").arg(&whole));
+    let undefined = succeed(Command::new("nm").arg("-u").arg(&whole));
+    let names = undefined
+        .lines()
+        .map(|line| line.trim().trim_start_matches("U "));
+    // What every C compiler, freestanding too, may ask for.
+    let allowed = [
+        "memcpy",
+        "memmove",
+        "memset",
+        "memcmp",
+        "bcmp",
+        "_GLOBAL_OFFSET_TABLE_",
+    ];
+    let unexpected: Vec<_> = names.filter(|name| !allowed.contains(name)).collect();
+    assert!(unexpected.is_empty(), "{unexpected:?}");
+}
+
+/// The functions that the header declares.
+fn exported() -> Vec<String> {
+    let header = std::fs::read_to_string(root().join("include/posewise.h")).expect("posewise.h");
+    let lines = header.lines().filter(|line| !line.starts_with("//"));
+    let names = lines.filter_map(|line| {
+        let before = line.split_once('(')?.0;
+        let name = before.rsplit([' ', '*']).next()?;
+        (before.contains(' ') && name.starts_with("posewise_")).then(|| name.to_string())
+    });
+    names.collect()
+}
