@@ -70,7 +70,11 @@ fn moment(t: f32) -> Moment {
             pitch_deg: 20.0 * swing(t, 3.6, 5.0) + 3.0 * (0.9 * t).sin(),
             roll_deg: 20.0 * swing(t, 4.4, 5.9) + 4.0 * (0.8 * t + 0.5).sin(),
         },
-        at: Vec3::new(12.0 * (0.7 * t).sin(), -4.0 + 4.0 * (1.1 * t).cos(), 520.0 - 150.0 * near),
+        at: Vec3::new(
+            12.0 * (0.7 * t).sin(),
+            -4.0 + 4.0 * (1.1 * t).cos(),
+            520.0 - 150.0 * near,
+        ),
         blink: blinks.into_iter().fold(0.04, f32::max),
         jaw: talk * (0.16 + 0.14 * (11.0 * t).sin() + 0.08 * (6.3 * t).sin()).max(0.0)
             + 0.55 * bump(t, 4.2, 5.0),
@@ -109,12 +113,12 @@ impl Set {
             iris: 0.07,
             cloth: 0.12,
         };
-        let person = People::new(&mesh, 1, Vec::new(), SEED).make(&mesh, u32::MAX, &looks);
+        let person = People::new(&mesh, 1, SEED).make(&mesh, u32::MAX, &looks);
         let mut rng = ChaCha8Rng::seed_from_u64(SEED);
         let mut behind = background::procedural(&mut rng, WIDTH, HEIGHT);
         behind.iter_mut().for_each(|b| *b = 0.05 + 0.5 * *b);
         Ok(Set {
-            landmarker: Landmarker::new(&mesh),
+            landmarker: Landmarker::new(&mesh, &[]),
             mesh,
             person,
             identity: vec![-0.4, 0.5, 0.3, -0.6, 0.4, 0.2, -0.3, 0.5],
@@ -156,18 +160,26 @@ impl Set {
             face.add(name, weight);
         }
         face.follow_gaze(1.0 - moment.blink);
-        let head = self.mesh.vertices(&self.identity, &face.weights(&self.mesh));
+        let head = self
+            .mesh
+            .vertices(&self.identity, &face.weights(&self.mesh));
         let rotation = head_rotation(moment.angles);
         let push = &self.person.painted.push_mm;
         let posed = Posed::new(&self.mesh, &head, push, rotation, moment.at);
-        let torso: [Prop; 1] =
-            [props::torso(moment.angles, rotation, moment.at, self.person.cloth, 9)];
+        let torso: [Prop; 1] = [props::torso(
+            moment.angles,
+            rotation,
+            moment.at,
+            self.person.cloth,
+            9,
+        )];
         let scene = Scene {
             mesh: &self.mesh,
             head: &posed,
             painted: &self.person.painted,
             eyes: Eyes {
                 gaze: gaze_directions(&face, 0.05),
+                white: 0.45,
                 iris: self.person.iris,
                 pupil: 0.38,
             },
@@ -202,7 +214,11 @@ impl Set {
         let m = &frame.moment;
         let mut row = format!("{number},{:.5}", number as f32 / FPS as f32);
         let a = m.angles;
-        write!(row, ",{:.4},{:.4},{:.4}", a.yaw_deg, a.pitch_deg, a.roll_deg)?;
+        write!(
+            row,
+            ",{:.4},{:.4},{:.4}",
+            a.yaw_deg, a.pitch_deg, a.roll_deg
+        )?;
         // The head's origin is midway between the eyeballs.
         write!(row, ",{:.3},{:.3},{:.3}", m.at.x, m.at.y, m.at.z)?;
         for r in frame.rotation.transpose().to_cols_array() {
@@ -210,9 +226,17 @@ impl Set {
         }
         let c = self.view.camera;
         write!(row, ",{:.3},{:.3},{:.1},{:.1}", c.fx, c.fy, c.cx, c.cy)?;
-        write!(row, ",{:.4},{:.4},{:.4},{:.4}", m.blink, m.blink, m.jaw, m.smile)?;
+        write!(
+            row,
+            ",{:.4},{:.4},{:.4},{:.4}",
+            m.blink, m.blink, m.jaw, m.smile
+        )?;
         let [ear_r, ear_l, mar] = ratios(&frame.points.solid);
-        write!(row, ",{ear_r:.4},{ear_l:.4},{mar:.4},{}", u8::from(m.blink > 0.8))?;
+        write!(
+            row,
+            ",{ear_r:.4},{ear_l:.4},{mar:.4},{}",
+            u8::from(m.blink > 0.8)
+        )?;
         for p in frame.points.fixed {
             write!(row, ",{:.3},{:.3}", p.x, p.y)?;
         }
@@ -253,7 +277,10 @@ fn columns() -> String {
 pub fn write(facekit: &Path, folder: &Path) -> Result<()> {
     let set = Set::new(&Head::load(facekit)?)?;
     std::fs::create_dir_all(folder)?;
-    let mut clip = GzEncoder::new(File::create(folder.join("demo.y4m.gz"))?, Compression::best());
+    let mut clip = GzEncoder::new(
+        File::create(folder.join("demo.y4m.gz"))?,
+        Compression::best(),
+    );
     writeln!(clip, "YUV4MPEG2 W{WIDTH} H{HEIGHT} F{FPS}:1 Ip A1:1 Cmono")?;
     let mut truth = columns();
     for number in 0..FRAMES {

@@ -13,7 +13,12 @@ pub fn linear(grey: u8) -> f32 {
 }
 
 /// A random piece of a photograph, mirrored at random.
-pub fn from_photo(rng: &mut ChaCha8Rng, photo: &GrayImage, width: usize, height: usize) -> Vec<f32> {
+pub fn from_photo(
+    rng: &mut ChaCha8Rng,
+    photo: &GrayImage,
+    width: usize,
+    height: usize,
+) -> Vec<f32> {
     let table: Vec<f32> = (0..=255).map(linear).collect();
     let (pw, ph) = (photo.width() as f32, photo.height() as f32);
     // From the whole picture down to its native resolution or a little enlarged.
@@ -24,7 +29,9 @@ pub fn from_photo(rng: &mut ChaCha8Rng, photo: &GrayImage, width: usize, height:
     let mirror = rng.random_bool(0.5);
     let pixel = |x: f32, y: f32| {
         let at = |v: f32, len: u32| (v.max(0.0) as u32).min(len - 1);
-        table[photo.get_pixel(at(x, photo.width()), at(y, photo.height())).0[0] as usize]
+        table[photo
+            .get_pixel(at(x, photo.width()), at(y, photo.height()))
+            .0[0] as usize]
     };
     let mut out = Vec::with_capacity(width * height);
     for y in 0..height {
@@ -52,8 +59,17 @@ pub fn procedural(rng: &mut ChaCha8Rng, width: usize, height: usize) -> Vec<f32>
         .map(|_| {
             let middle = Vec2::new(rng.random_range(0.0..1.0), rng.random_range(0.0..1.0)) * size;
             let half = Vec2::new(rng.random_range(0.03..0.4), rng.random_range(0.03..0.4)) * size;
-            let lean = if rng.random_bool(0.7) { 0.0 } else { rng.random_range(-0.7..0.7f32) };
-            (middle, half, Vec2::from_angle(lean), rng.random_range(0.02..0.8))
+            let lean = if rng.random_bool(0.7) {
+                0.0
+            } else {
+                rng.random_range(-0.7..0.7f32)
+            };
+            (
+                middle,
+                half,
+                Vec2::from_angle(lean),
+                rng.random_range(0.02..0.8),
+            )
         })
         .collect();
     (0..width * height)

@@ -27,7 +27,9 @@ const BATCH: u64 = 256;
 /// Changes when the spec does (FNV-1a of its text).
 fn fingerprint(spec: &SampleSpec) -> u64 {
     let text = format!("{spec:?}");
-    text.bytes().fold(0xcbf2_9ce4_8422_2325, |h, b| (h ^ b as u64).wrapping_mul(0x100_0000_01b3))
+    text.bytes().fold(0xcbf2_9ce4_8422_2325, |h, b| {
+        (h ^ b as u64).wrapping_mul(0x100_0000_01b3)
+    })
 }
 
 fn header(seed: u64, spec: &SampleSpec) -> [u8; HEADER as usize] {
@@ -40,8 +42,14 @@ fn header(seed: u64, spec: &SampleSpec) -> [u8; HEADER as usize] {
 
 fn encode(sample: &Sample) -> Vec<u8> {
     let mut floats = Vec::with_capacity(FLOATS);
-    sample.landmarks.iter().for_each(|p| floats.extend(p.to_array()));
-    sample.points3d.iter().for_each(|p| floats.extend(p.to_array()));
+    sample
+        .landmarks
+        .iter()
+        .for_each(|p| floats.extend(p.to_array()));
+    sample
+        .points3d
+        .iter()
+        .for_each(|p| floats.extend(p.to_array()));
     let HeadAngles {
         yaw_deg,
         pitch_deg,
@@ -163,7 +171,9 @@ pub fn write(
         file.write_all(&wanted)?;
     }
     let style = ProgressStyle::with_template("render {bar:40} {pos}/{len} {per_sec} eta {eta}")?;
-    let bar = ProgressBar::new(count.max(start)).with_style(style).with_position(start);
+    let bar = ProgressBar::new(count.max(start))
+        .with_style(style)
+        .with_position(start);
     let mut next = start;
     while next < count {
         let stop = (next + BATCH).min(count);
@@ -194,8 +204,13 @@ pub fn open(path: &Path, limit: usize) -> Result<Samples> {
     let file = File::open(path).with_context(|| format!("cannot read {}", path.display()))?;
     let mut file = BufReader::new(file);
     let mut found = [0; HEADER as usize];
-    file.read_exact(&mut found).context("the cache has no header")?;
-    ensure!(found.starts_with(MAGIC), "{} is not a cache of renders", path.display());
+    file.read_exact(&mut found)
+        .context("the cache has no header")?;
+    ensure!(
+        found.starts_with(MAGIC),
+        "{} is not a cache of renders",
+        path.display()
+    );
     Ok(Samples { file, left: limit })
 }
 

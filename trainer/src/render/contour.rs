@@ -29,6 +29,8 @@ struct Path {
 /// Finds the 68 points.
 pub struct Landmarker {
     vertices: [u32; LANDMARKS],
+    /// From the vertices to where labels sit \[mm, head axes\].
+    offsets: [Vec3; LANDMARKS],
     paths: Vec<Path>,
 }
 
@@ -51,8 +53,9 @@ pub struct Points {
 const SEEN_SLACK_MM: f32 = 5.0;
 
 impl Landmarker {
-    /// Cuts the mean head along the paths.
-    pub fn new(mesh: &Mesh) -> Landmarker {
+    /// Cuts the mean head along the paths. `offsets_mm` (head axes) move the `contour` points of
+    /// the inner landmarks to where photographs' labels sit; those missing are 0.
+    pub fn new(mesh: &Mesh, offsets_mm: &[[f32; 3]]) -> Landmarker {
         let at = |i: usize| mesh.mean[mesh.landmarks[i] as usize];
         let paths = (0..JAW)
             .map(|i| {
@@ -72,6 +75,12 @@ impl Landmarker {
             .collect();
         Landmarker {
             vertices: mesh.landmarks,
+            offsets: std::array::from_fn(|i| {
+                offsets_mm
+                    .get(i)
+                    .map(|o| Vec3::from(*o))
+                    .unwrap_or_default()
+            }),
             paths,
         }
     }
@@ -102,7 +111,7 @@ impl Landmarker {
         });
         let contour: [(Vec3, Vec3); LANDMARKS] = std::array::from_fn(|i| match i {
             0..JAW => self.outermost(i, head, view, roll_deg),
-            _ => fixed[i],
+            _ => (fixed[i].0 + head.rotation * self.offsets[i], fixed[i].1),
         });
         let seen = |i: usize, (p, n): (Vec3, Vec3)| {
             // The outline's own normal is square to the view; lids and lips fold where they close.
@@ -116,7 +125,10 @@ impl Landmarker {
         Points {
             contour: contour.map(|(p, _)| view.project(p)),
             fixed: fixed.map(|(p, _)| view.project(p)),
-            contour_seen: std::array::from_fn(|i| seen(i, contour[i])),
+            contour_seen: std::array::from_fn(|i| match i {
+                0..JAW => seen(i, contour[i]),
+                _ => seen(i, fixed[i]),
+            }),
             fixed_seen: std::array::from_fn(|i| {
                 let square = fixed[i].1.dot(fixed[i].0.normalize()) < 0.25;
                 seen(i, fixed[i]) && (i >= JAW || square)
@@ -172,7 +184,10 @@ fn cut(mesh: &Mesh, start: Vec3, end: Vec3) -> Vec<Crossing> {
         }
         for k in 0..3 {
             let (va, vb) = (t[k], t[(k + 1) % 3]);
-            let (a, b) = (mesh.mean[va as usize] - start, mesh.mean[vb as usize] - start);
+            let (a, b) = (
+                mesh.mean[va as usize] - start,
+                mesh.mean[vb as usize] - start,
+            );
             let (da, db) = (a.dot(normal), b.dot(normal));
             // Each edge belongs to two triangles; take it once.
             if va > vb || (da > 0.0) == (db > 0.0) {
@@ -182,7 +197,13 @@ fn cut(mesh: &Mesh, start: Vec3, end: Vec3) -> Vec<Crossing> {
             let p = a.lerp(b, share);
             let way = p.dot(along) / along.length_squared();
             if (0.0..=1.0).contains(&way) && p.z < 2.0 {
-                points.push((way, Crossing { ends: [va, vb], share }));
+                points.push((
+                    way,
+                    Crossing {
+                        ends: [va, vb],
+                        share,
+                    },
+                ));
             }
         }
     }

@@ -13,6 +13,9 @@ pub const SUPER: usize = 2;
 /// Nothing nearer than this is drawn \[mm\].
 const NEAR_MM: f32 = 40.0;
 
+/// Through props more opaque than this nothing is seen.
+pub const HIDES: f32 = 0.7;
+
 /// Half the angle that an iris covers, seen from the eyeball's centre \[rad\].
 const IRIS_RAD: f32 = 0.385;
 
@@ -54,6 +57,8 @@ impl View {
 pub struct Eyes {
     /// Unit gaze of the image left's and the image right's eye, head axes.
     pub gaze: [Vec3; 2],
+    /// Albedo of the sclera.
+    pub white: f32,
     /// Iris albedo.
     pub iris: f32,
     /// Pupil radius over iris radius.
@@ -100,7 +105,7 @@ pub struct Prop {
     pub albedo: Vec<f32>,
     /// Strength of reflections.
     pub gloss: f32,
-    /// Below 1: light passes (lenses); such props hide nothing in the depth buffer.
+    /// Below 1: light passes (lenses). What is behind counts as seen up to [`HIDES`].
     pub opacity: f32,
 }
 
@@ -114,7 +119,9 @@ impl Prop {
         }
         // Sheets are seen from both sides.
         let facing = |n: Vec3, v: &Vec3| if n.dot(*v) > 0.0 { -n } else { n };
-        (sums.iter().zip(&self.vertices)).map(|(n, v)| facing(n.normalize_or_zero(), v)).collect()
+        (sums.iter().zip(&self.vertices))
+            .map(|(n, v)| facing(n.normalize_or_zero(), v))
+            .collect()
     }
 }
 
@@ -148,10 +155,18 @@ type Lit = (f32, f32);
 /// Draws a scene over a background of linear light.
 pub fn draw(scene: &Scene, view: &View, background: &[f32]) -> Drawn {
     let mut target = Target::new(view.width * SUPER, view.height * SUPER);
-    let seen: Vec<Projected> = scene.head.vertices.iter().map(|v| view.to_samples(*v)).collect();
+    let seen: Vec<Projected> = scene
+        .head
+        .vertices
+        .iter()
+        .map(|v| view.to_samples(*v))
+        .collect();
     target.draw(&seen, &scene.mesh.triangles, 0, Cull::Back);
-    let props: Vec<DrawnProp> =
-        scene.props.iter().map(|p| DrawnProp::new(p, view, scene.lights)).collect();
+    let props: Vec<DrawnProp> = scene
+        .props
+        .iter()
+        .map(|p| DrawnProp::new(p, view, scene.lights))
+        .collect();
     let mut base = scene.mesh.triangles.len() as u32;
     let mut bases = Vec::new();
     for (prop, drawn) in scene.props.iter().zip(&props) {
@@ -171,12 +186,21 @@ pub fn draw(scene: &Scene, view: &View, background: &[f32]) -> Drawn {
         let prop = bases.partition_point(|b| *b <= id);
         *out = match prop.checked_sub(1) {
             None => shader.head(id as usize, x, y),
-            Some(k) => props[k].shade(&scene.props[k], (id - bases[k]) as usize, x, y).0,
+            Some(k) => {
+                props[k]
+                    .shade(&scene.props[k], (id - bases[k]) as usize, x, y)
+                    .0
+            }
         };
     }
     let mut light = resolve(&samples, &target, background, view.width);
-    for (prop, drawn) in scene.props.iter().zip(&props).filter(|(p, _)| p.opacity < 1.0) {
-        drawn.overlay(prop, &target, &mut light, view.width);
+    for (prop, drawn) in scene
+        .props
+        .iter()
+        .zip(&props)
+        .filter(|(p, _)| p.opacity < 1.0)
+    {
+        drawn.overlay(prop, &mut target, &mut light, view.width);
     }
     Drawn { light, target }
 }
@@ -210,7 +234,12 @@ impl DrawnProp {
         };
         DrawnProp {
             seen: prop.vertices.iter().map(|v| view.to_samples(*v)).collect(),
-            lit: prop.normals().into_iter().zip(&prop.vertices).map(lit).collect(),
+            lit: prop
+                .normals()
+                .into_iter()
+                .zip(&prop.vertices)
+                .map(lit)
+                .collect(),
         }
     }
 
@@ -228,7 +257,7 @@ impl DrawnProp {
     }
 
     /// Blends a see-through prop over the picture.
-    fn overlay(&self, prop: &Prop, target: &Target, light: &mut [f32], width: usize) {
+    fn overlay(&self, prop: &Prop, target: &mut Target, light: &mut [f32], width: usize) {
         let mut own = Target::new(target.width, target.height);
         own.draw(&self.seen, &prop.triangles, 0, Cull::None);
         for (at, &id) in own.id.iter().enumerate().filter(|(_, id)| **id != EMPTY) {
@@ -239,6 +268,9 @@ impl DrawnProp {
             let (value, _) = self.shade(prop, id as usize, x as f32, y as f32);
             let pixel = &mut light[y / SUPER * width + x / SUPER];
             *pixel += (value - *pixel * prop.opacity) / (SUPER * SUPER) as f32;
+            if prop.opacity > HIDES {
+                target.inv_z[at] = own.inv_z[at];
+            }
         }
     }
 }
@@ -258,13 +290,19 @@ impl<'a> Shader<'a> {
     fn new(scene: &'a Scene<'a>, view: &View, seen: Vec<Projected>) -> Self {
         let head = scene.head;
         let reach = Reach::new(scene.lights.key, head.rotation);
-        let lit = (head.normals.iter().zip(&head.vertices).zip(&scene.mesh.reached))
-            .zip(&scene.mesh.open)
-            .map(|(((n, v), reached), open)| {
-                let to_camera = -*v * v.length_recip();
-                scene.lights.reflect(*n, to_camera, *open, reach.lit(*reached))
-            })
-            .collect();
+        let lit = (head
+            .normals
+            .iter()
+            .zip(&head.vertices)
+            .zip(&scene.mesh.reached))
+        .zip(&scene.mesh.open)
+        .map(|(((n, v), reached), open)| {
+            let to_camera = -*v * v.length_recip();
+            scene
+                .lights
+                .reflect(*n, to_camera, *open, reach.lit(*reached))
+        })
+        .collect();
         let centre = |eye: &Vec<u32>| {
             let points = || eye.iter().map(|v| head.vertices[*v as usize]);
             // The middle of the box, not of the vertices, which crowd at the cornea.
@@ -279,7 +317,12 @@ impl<'a> Shader<'a> {
         Shader {
             level: scene.painted.texture.level(samples_per_mm / texels_per_mm),
             eye_centres: std::array::from_fn(|k| centre(&scene.mesh.eyes[k])),
-            material: scene.mesh.materials.iter().map(|(m, r)| (r.end, *m)).collect(),
+            material: scene
+                .mesh
+                .materials
+                .iter()
+                .map(|(m, r)| (r.end, *m))
+                .collect(),
             scene,
             seen,
             lit,
@@ -322,12 +365,12 @@ impl<'a> Shader<'a> {
         let edge = |r: f32, soft: f32| super::noise::smoothstep(r - soft, r + soft, angle);
         let ring = 1.0 - 0.6 * edge(0.82, 0.15);
         let iris = eyes.iris * ring * (0.8 + 0.4 * edge(0.6, 0.3));
-        let white = 0.5 - 0.1 * edge(2.2, 1.2);
+        let white = eyes.white * (1.0 - 0.2 * edge(2.2, 1.2));
         let pupil = 0.004 + (iris - 0.004) * edge(eyes.pupil, 0.08);
         let albedo = pupil + (white - pupil) * edge(1.0, 0.09);
         let lights = self.scene.lights;
         let half = (lights.key - p.normalize()).normalize_or_zero();
         let catch = super::noise::smoothstep(0.986, 0.996, out.dot(half));
-        albedo * diffuse + 0.5 * catch * lights.key_power * diffuse.min(1.0)
+        albedo * diffuse + 0.4 * catch * lights.key_power * diffuse.min(1.0)
     }
 }

@@ -28,17 +28,27 @@ impl Camera {
     /// A random camera for a face so many pixels wide and of this mean linear light.
     pub fn random(rng: &mut ChaCha8Rng, face_px: f32, face_light: f32) -> Camera {
         let blur = rng.random_range(0.0..1.0f32).powi(2) * 0.018 * face_px;
-        let motion = if rng.random_bool(0.2) { rng.random_range(0.0..0.09) * face_px } else { 0.0 };
+        let motion = if rng.random_bool(0.2) {
+            rng.random_range(0.0..0.09) * face_px
+        } else {
+            0.0
+        };
         let (s, c) = rng.random_range(0.0..std::f32::consts::TAU).sin_cos();
         let gamma = 1.0 / rng.random_range(1.7..2.6f32);
         // Expose the face anywhere from dim to bright.
-        let grey = rng.random_range(0.2..0.72f32).max(rng.random_range(0.2..0.6));
+        let grey = rng
+            .random_range(0.2..0.72f32)
+            .max(rng.random_range(0.2..0.6));
         Camera {
             blur_px: blur.max(0.25),
             motion_px: (motion * c, motion * s),
             exposure: grey.powf(1.0 / gamma) / face_light.max(0.004),
             gamma,
-            haze: if rng.random_bool(0.3) { rng.random_range(0.0..0.2) } else { 0.0 },
+            haze: if rng.random_bool(0.3) {
+                rng.random_range(0.0..0.2)
+            } else {
+                0.0
+            },
             noise: rng.random_range(0.0..1.0f32).powi(2) * 11.0,
             jpeg: rng.random_bool(0.4).then(|| rng.random_range(25..92)),
         }
@@ -53,7 +63,11 @@ impl Camera {
             .map(|l| {
                 let v = (l * self.exposure).max(0.0).powf(self.gamma);
                 // A soft shoulder instead of hard clipping.
-                let v = if v > 0.8 { 0.8 + 0.2 * (1.0 - (-(v - 0.8) * 5.0).exp()) } else { v };
+                let v = if v > 0.8 {
+                    0.8 + 0.2 * (1.0 - (-(v - 0.8) * 5.0).exp())
+                } else {
+                    v
+                };
                 let v = self.haze + (1.0 - self.haze) * v;
                 // The sum of four uniforms is near enough to a Gaussian.
                 let n: f32 = (0..4).map(|_| rng.random_range(-0.866..0.866f32)).sum();
@@ -73,8 +87,9 @@ fn blur(light: &mut Vec<f32>, width: usize, sigma: f32) {
         return;
     }
     let radius = (2.5 * sigma).ceil() as i32;
-    let mut kernel: Vec<f32> =
-        (-radius..=radius).map(|k| (-0.5 * (k as f32 / sigma).powi(2)).exp()).collect();
+    let mut kernel: Vec<f32> = (-radius..=radius)
+        .map(|k| (-0.5 * (k as f32 / sigma).powi(2)).exp())
+        .collect();
     let sum: f32 = kernel.iter().sum();
     kernel.iter_mut().for_each(|k| *k /= sum);
     let height = light.len() / width;

@@ -33,7 +33,10 @@ impl Expression {
         let mut face = Expression::default();
         face.mouth(rng);
         face.brows(rng);
-        face.gaze = (rng.random_range(-0.5..0.5f32), rng.random_range(-0.3..0.35f32));
+        face.gaze = (
+            rng.random_range(-0.5..0.5f32),
+            rng.random_range(-0.3..0.35f32),
+        );
         if rng.random_bool(0.5) {
             face.gaze = (0.3 * face.gaze.0, 0.3 * face.gaze.1);
         }
@@ -43,10 +46,18 @@ impl Expression {
 
     fn mouth(&mut self, rng: &mut ChaCha8Rng) {
         let mut some = |chance: f64, most: f32| {
-            if rng.random_bool(chance) { rng.random_range(0.0..most) } else { 0.0 }
+            if rng.random_bool(chance) {
+                rng.random_range(0.0..most)
+            } else {
+                0.0
+            }
         };
         let yawn = some(0.06, 1.0);
-        let open = if yawn > 0.0 { 0.6 + 0.35 * yawn } else { some(0.45, 0.55) };
+        let open = if yawn > 0.0 {
+            0.6 + 0.35 * yawn
+        } else {
+            some(0.45, 0.55)
+        };
         self.add("jawOpen", open);
         self.add("jawLeft", some(0.08, 0.5));
         self.add("jawRight", some(0.08, 0.5));
@@ -63,21 +74,41 @@ impl Expression {
         self.pair(["mouthSmileLeft", "mouthSmileRight"], smile, lean);
         self.pair(["cheekSquintLeft", "cheekSquintRight"], 0.6 * smile, lean);
         self.pair(["mouthFrownLeft", "mouthFrownRight"], some(0.15, 0.8), lean);
-        self.pair(["mouthStretchLeft", "mouthStretchRight"], some(0.12, 0.7), lean);
-        self.pair(["mouthUpperUpLeft", "mouthUpperUpRight"], some(0.2, 0.7), lean);
-        self.pair(["mouthLowerDownLeft", "mouthLowerDownRight"], some(0.2, 0.7), lean);
+        self.pair(
+            ["mouthStretchLeft", "mouthStretchRight"],
+            some(0.12, 0.7),
+            lean,
+        );
+        self.pair(
+            ["mouthUpperUpLeft", "mouthUpperUpRight"],
+            some(0.2, 0.7),
+            lean,
+        );
+        self.pair(
+            ["mouthLowerDownLeft", "mouthLowerDownRight"],
+            some(0.2, 0.7),
+            lean,
+        );
         self.pair(["mouthPressLeft", "mouthPressRight"], some(0.1, 0.7), lean);
         self.pair(["noseSneerLeft", "noseSneerRight"], some(0.1, 0.8), lean);
     }
 
     fn brows(&mut self, rng: &mut ChaCha8Rng) {
         let mut some = |chance: f64, most: f32| {
-            if rng.random_bool(chance) { rng.random_range(0.0..most) } else { 0.0 }
+            if rng.random_bool(chance) {
+                rng.random_range(0.0..most)
+            } else {
+                0.0
+            }
         };
         let lean = some(0.3, 0.6) - some(0.3, 0.6);
         self.pair(["browDownLeft", "browDownRight"], some(0.3, 0.9), lean);
         self.add("browInnerUp", some(0.3, 0.9));
-        self.pair(["browOuterUpLeft", "browOuterUpRight"], some(0.3, 0.9), lean);
+        self.pair(
+            ["browOuterUpLeft", "browOuterUpRight"],
+            some(0.3, 0.9),
+            lean,
+        );
     }
 
     fn lids(&mut self, rng: &mut ChaCha8Rng) {
@@ -89,7 +120,11 @@ impl Expression {
         let wink = rng.random_bool(0.05);
         self.add("eyeBlinkLeft", blink);
         self.add("eyeBlinkRight", if wink { 0.0 } else { blink });
-        let squint = if rng.random_bool(0.2) { rng.random_range(0.0..0.8) } else { 0.0 };
+        let squint = if rng.random_bool(0.2) {
+            rng.random_range(0.0..0.8)
+        } else {
+            0.0
+        };
         self.pair(["eyeSquintLeft", "eyeSquintRight"], squint, 0.0);
         if blink < 0.2 && rng.random_bool(0.2) {
             let wide = rng.random_range(0.0..0.9);
@@ -117,13 +152,19 @@ impl Expression {
 
     /// Places in `mesh.shapes` and weights.
     pub fn weights(&self, mesh: &Mesh) -> Vec<(usize, f32)> {
-        (self.named.iter()).filter_map(|(n, w)| Some((mesh.shape(n)?, *w))).collect()
+        (self.named.iter())
+            .filter_map(|(n, w)| Some((mesh.shape(n)?, *w)))
+            .collect()
     }
 
     /// Weights in the order of `posewise::shape::ANIMATION_NAMES`.
     pub fn animation(&self) -> [f32; ANIMATIONS] {
         ANIMATION_NAMES.map(|name| {
-            self.named.iter().filter(|(n, _)| *n == name).map(|(_, w)| w).sum()
+            self.named
+                .iter()
+                .filter(|(n, _)| *n == name)
+                .map(|(_, w)| w)
+                .sum()
         })
     }
 }

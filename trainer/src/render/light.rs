@@ -65,7 +65,11 @@ impl Lights {
             fill_power: rng.random_range(0.0..0.3),
             sheen: rng.random_range(0.0..0.12),
             sheen_exponent: rng.random_range(6.0..30.0),
-            infrared: if infrared { rng.random_range(0.4..0.9) } else { 0.0 },
+            infrared: if infrared {
+                rng.random_range(0.4..0.9)
+            } else {
+                0.0
+            },
         }
     }
 
@@ -101,8 +105,11 @@ impl Reach {
         const NEAR: usize = 7;
         let local = head_to_camera.transpose() * key;
         let weight = |d: Vec3| d.dot(local).max(0.0).powi(16) + 1e-9;
-        let mut near: Vec<(usize, f32)> =
-            directions().iter().map(|d| weight(*d)).enumerate().collect();
+        let mut near: Vec<(usize, f32)> = directions()
+            .iter()
+            .map(|d| weight(*d))
+            .enumerate()
+            .collect();
         near.sort_by(|a, b| b.1.total_cmp(&a.1));
         near.truncate(NEAR);
         let sum: f32 = near.iter().map(|n| n.1).sum();

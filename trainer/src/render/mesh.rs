@@ -3,7 +3,7 @@
 
 use super::raster::{Cull, Projected, Target};
 use crate::head::Head;
-use anyhow::{Context, Result};
+use anyhow::{Result, ensure};
 use glam::{Vec2, Vec3};
 use posewise::shape::LANDMARKS;
 use std::ops::Range;
@@ -87,7 +87,11 @@ impl Mesh {
         let mut corner_uv = Vec::new();
         let mut materials: Vec<(Material, Range<usize>)> = Vec::new();
         for (name, material) in PARTS {
-            let part = head.part(name).with_context(|| format!("no part {name}"))?;
+            // Only the face is needed; a head without teeth is drawn without.
+            let Some(part) = head.part(name) else {
+                ensure!(name != "face", "the head has no face");
+                continue;
+            };
             let start = triangles.len();
             let below = |[x, y, _]: [f32; 3]| y > CHEST_MM || (y > 110.0 && x.abs() > 70.0);
             let chest = |t: &[u32; 3]| t.iter().all(|v| below(head.mean[*v as usize]));
@@ -102,14 +106,21 @@ impl Mesh {
             }
         }
         let vertices = |v: &[[f32; 3]]| v.iter().map(|v| Vec3::from(*v)).collect::<Vec<_>>();
-        let eye = |name: &str| -> Result<Vec<u32>> {
-            let part = head.part(name).context("no eyes")?;
-            let of = (0..).zip(&head.vertex_part).filter(|(_, p)| **p == part);
-            Ok(of.map(|(v, _)| v).collect())
+        let eye = |name: &str| -> Vec<u32> {
+            let part = head.part(name);
+            let of = (0..)
+                .zip(&head.vertex_part)
+                .filter(|(_, p)| Some(**p) == part);
+            of.map(|(v, _)| v).collect()
         };
         let mut mesh = Mesh {
             mean: vertices(&head.mean),
-            identity: head.identity.iter().take(IDENTITIES).map(|m| vertices(m)).collect(),
+            identity: head
+                .identity
+                .iter()
+                .take(IDENTITIES)
+                .map(|m| vertices(m))
+                .collect(),
             shapes: head
                 .expressions
                 .iter()
@@ -125,7 +136,7 @@ impl Mesh {
             corner_uv,
             materials,
             landmarks: head.landmarks,
-            eyes: [eye("sclera_R")?, eye("sclera_L")?],
+            eyes: [eye("sclera_R"), eye("sclera_L")],
             reached: Vec::new(),
             open: Vec::new(),
             animation: head.animation.to_vec(),
@@ -177,7 +188,10 @@ impl Mesh {
         (normals.iter().zip(&self.reached))
             .map(|(n, reached)| {
                 let facing = around.map(|d| n.dot(d).max(0.0));
-                let seen = facing.iter().enumerate().filter(|(d, _)| reached >> d & 1 == 1);
+                let seen = facing
+                    .iter()
+                    .enumerate()
+                    .filter(|(d, _)| reached >> d & 1 == 1);
                 seen.map(|(_, f)| f).sum::<f32>() / facing.iter().sum::<f32>().max(1e-3)
             })
             .collect()
@@ -213,7 +227,11 @@ impl Mesh {
             for (r, p) in reached.iter_mut().zip(&seen) {
                 let (px, py) = (p.x.round() as usize, p.y.round() as usize);
                 let inside = px < SIDE && py < SIDE;
-                let near = if inside { target.inv_z[py * SIDE + px] } else { 0.0 };
+                let near = if inside {
+                    target.inv_z[py * SIDE + px]
+                } else {
+                    0.0
+                };
                 *r |= u64::from(p.inv_z + SLACK_MM >= near) << bit;
             }
         }

@@ -17,6 +17,7 @@ pub mod light;
 pub mod mesh;
 pub mod noise;
 pub mod people;
+pub mod photo;
 pub mod props;
 pub mod raster;
 pub mod sample;
@@ -26,6 +27,7 @@ pub mod texture;
 pub use people::{People, Persons};
 pub use sample::{Renderer, Sample, SampleSpec};
 
+use crate::fit::{FitSettings, fit_photographs_cached};
 use crate::head::Head;
 use anyhow::{Context, Result};
 use image::GrayImage;
@@ -34,7 +36,7 @@ use std::path::{Path, PathBuf};
 /// Settings of `posewise-train render`.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Args {
-    /// The shared data: `facekit.npz`, `backgrounds/`.
+    /// The shared data: `facekit.npz`, `backgrounds/`, `faces68/`.
     #[arg(long, default_value = "../shared/data")]
     pub data: PathBuf,
     /// Folder for what is made once.
@@ -49,6 +51,9 @@ pub struct Args {
     /// Different procedural people.
     #[arg(long, default_value_t = 256)]
     pub people: usize,
+    /// Pictures of each photographed person.
+    #[arg(long, default_value_t = 3)]
+    pub pictures: usize,
     /// Render procedural people and backgrounds only: no photograph is used.
     #[arg(long)]
     pub clean: bool,
@@ -62,14 +67,27 @@ pub fn renderer(args: &Args) -> Result<Renderer> {
         true => Vec::new(),
         false => backgrounds(&args.data.join("backgrounds"))?,
     };
-    let people = People::new(&mesh, args.people, Vec::new(), args.seed);
-    Ok(Renderer::new(mesh, people, backgrounds))
+    let mut people = People::new(&mesh, args.people, args.seed);
+    let mut offsets_mm = Vec::new();
+    if !args.clean {
+        let faces = args.data.join("faces68");
+        let (csv, images) = (faces.join("train.csv"), faces.join("train"));
+        let kept = args.cache.join("fits.json");
+        let fits = fit_photographs_cached(&head, &csv, &images, &FitSettings::default(), &kept)?;
+        people.add_photographs(&head, &mesh, &fits.fits, &images, args.pictures)?;
+        offsets_mm = fits.offsets_mm;
+    }
+    Ok(Renderer::new(mesh, people, backgrounds, &offsets_mm))
 }
 
 /// The spec that goes with `args`.
 pub fn spec(args: &Args) -> SampleSpec {
     SampleSpec {
-        persons: if args.clean { Persons::Procedural } else { Persons::All },
+        persons: if args.clean {
+            Persons::Procedural
+        } else {
+            Persons::All
+        },
         ..SampleSpec::default()
     }
 }
@@ -93,5 +111,8 @@ pub fn backgrounds(folder: &Path) -> Result<Vec<GrayImage>> {
     let mut paths: Vec<PathBuf> = list.map(|f| Ok(f?.path())).collect::<Result<_>>()?;
     paths.retain(|p| p.extension().is_some_and(|e| e == "jpg" || e == "png"));
     paths.sort();
-    paths.iter().map(|p| Ok(image::open(p)?.to_luma8())).collect()
+    paths
+        .iter()
+        .map(|p| Ok(image::open(p)?.to_luma8()))
+        .collect()
 }

@@ -1,15 +1,25 @@
 //! Who can be rendered: procedural people, made when first needed, and photographed ones.
 
 use super::mesh::Mesh;
+use super::photo::Photographer;
 use super::skin::{Features, Looks, Painted, paint};
 use super::texture::TexelMap;
+use crate::fit::PhotoFit;
+use crate::head::Head;
+use anyhow::{Context, Result};
+use indicatif::{ParallelProgressIterator, ProgressBar, ProgressStyle};
+use posewise::math::head_angles;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
 /// A textured person.
 pub struct Person {
-    /// Procedural people count down from `u32::MAX`.
+    /// Photographed people are counted up in the order of their names, so all pictures of one
+    /// share it; procedural people count down from `u32::MAX`.
     pub id: u32,
     /// Skin and hair.
     pub painted: Painted,
@@ -45,15 +55,48 @@ pub struct People {
 
 impl People {
     /// So many procedural people of a seed, and photographed ones.
-    pub fn new(mesh: &Mesh, procedural: usize, photographed: Vec<Person>, seed: u64) -> People {
+    pub fn new(mesh: &Mesh, procedural: usize, seed: u64) -> People {
         let map = TexelMap::new(mesh);
         People {
             features: Features::new(mesh, &map),
             map,
             seed,
             procedural: (0..procedural.max(1)).map(|_| OnceLock::new()).collect(),
-            photographed: photographed.into_iter().map(Arc::new).collect(),
+            photographed: Vec::new(),
         }
+    }
+
+    /// Adds people from fitted photographs in `images`: of each person at most `per_person`
+    /// pictures, those that show most of the face.
+    pub fn add_photographs(
+        &mut self,
+        head: &Head,
+        mesh: &Mesh,
+        fits: &[PhotoFit],
+        images: &Path,
+        per_person: usize,
+    ) -> Result<()> {
+        let photographer = Photographer {
+            head,
+            mesh,
+            map: &self.map,
+            features: &self.features,
+        };
+        let chosen = choose(fits, per_person);
+        let style = ProgressStyle::with_template("skins  {bar:40} {pos}/{len} eta {eta}")?;
+        let bar = ProgressBar::new(chosen.len() as u64).with_style(style);
+        let made: Vec<Option<Person>> = chosen
+            .into_par_iter()
+            .progress_with(bar)
+            .map(|(id, fit)| {
+                let path = images.join(&fit.image);
+                let photo = image::open(&path).with_context(|| path.display().to_string())?;
+                Ok(photographer.person(id, fit, &photo.to_luma8(), self.seed))
+            })
+            .collect::<Result<_>>()?;
+        self.photographed
+            .extend(made.into_iter().flatten().map(Arc::new));
+        Ok(())
     }
 
     /// A random person.
@@ -91,4 +134,23 @@ impl People {
             cloth: looks.cloth,
         }
     }
+}
+
+/// The best pictures of each person, with the person's number.
+fn choose(fits: &[PhotoFit], per_person: usize) -> Vec<(u32, &PhotoFit)> {
+    let mut by_name: BTreeMap<&str, Vec<&PhotoFit>> = BTreeMap::new();
+    for fit in fits {
+        by_name.entry(&fit.person).or_default().push(fit);
+    }
+    // Turned heads show less; a bad fit smears.
+    let cost = |fit: &PhotoFit| {
+        let turned = head_angles(&fit.pose().rotation).yaw_deg.abs() / 90.0;
+        turned + 8.0 * fit.error
+    };
+    let mut chosen = Vec::new();
+    for (id, mut of) in (0..).zip(by_name.into_values()) {
+        of.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
+        chosen.extend(of.into_iter().take(per_person).map(|fit| (id, fit)));
+    }
+    chosen
 }

@@ -59,7 +59,9 @@ impl Prop {
     }
 
     fn transform(&mut self, rotation: Mat3, at: Vec3) {
-        self.vertices.iter_mut().for_each(|v| *v = rotation * *v + at);
+        self.vertices
+            .iter_mut()
+            .for_each(|v| *v = rotation * *v + at);
     }
 }
 
@@ -103,24 +105,36 @@ pub fn torso(angles: HeadAngles, rotation: Mat3, at: Vec3, albedo: f32, seed: u3
 }
 
 /// Spectacles for a head whose pupils are at the given places (head axes); frames and lenses.
-pub fn glasses(rng: &mut ChaCha8Rng, bridge: Vec3, eyes: [Vec3; 2], ears: [Vec3; 2]) -> (Vec<Prop>, bool) {
+pub fn glasses(rng: &mut ChaCha8Rng, bridge: Vec3, eyes: [Vec3; 2], ears: [Vec3; 2]) -> Vec<Prop> {
     let half = Vec2::new(rng.random_range(23.0..30.0), rng.random_range(13.0..25.0));
     let power = rng.random_range(2.0..4.5f32);
     let thick = rng.random_range(0.5..2.4f32);
-    let colour = if rng.random_bool(0.75) { 0.02 } else { rng.random_range(0.05..0.6) };
+    let colour = if rng.random_bool(0.75) {
+        0.02
+    } else {
+        rng.random_range(0.05..0.6)
+    };
     let dark = rng.random_bool(0.35);
     let front = bridge.z - rng.random_range(-2.0..4.0);
     let down = rng.random_range(0.0..6.0);
     let mut frame = Prop::opaque(0.5);
     let mut lens = Prop {
-        gloss: rng.random_range(0.0..0.9),
-        opacity: if dark { rng.random_range(0.75..0.97) } else { rng.random_range(0.02..0.15) },
+        gloss: rng.random_range(0.0..1.0f32).powi(2) * 0.5,
+        opacity: if dark {
+            rng.random_range(0.75..0.97)
+        } else {
+            rng.random_range(0.02..0.15)
+        },
         ..Prop::default()
     };
     let mut inner = [Vec3::ZERO; 2];
     for k in 0..2 {
         let side = if k == 0 { -1.0 } else { 1.0 };
-        let centre = Vec3::new(side * eyes[k].x.abs().max(half.x + 7.0), eyes[k].y + down, front);
+        let centre = Vec3::new(
+            side * eyes[k].x.abs().max(half.x + 7.0),
+            eyes[k].y + down,
+            front,
+        );
         let rim: Vec<Vec3> = (0..28)
             .map(|i| {
                 let (s, c) = (i as f32 / 28.0 * std::f32::consts::TAU).sin_cos();
@@ -135,14 +149,30 @@ pub fn glasses(rng: &mut ChaCha8Rng, bridge: Vec3, eyes: [Vec3; 2], ears: [Vec3;
         let hub = vec![centre + Vec3::new(0.0, 0.0, 0.0022 * centre.x * centre.x); rim.len()];
         lens.skin(&[rim, hub], if dark { 0.015 } else { 0.3 }, false);
         let x_out = centre.x + side * half.x;
-        let hinge = Vec3::new(x_out, centre.y - 0.4 * half.y, front + 0.0022 * x_out * x_out);
+        let hinge = Vec3::new(
+            x_out,
+            centre.y - 0.4 * half.y,
+            front + 0.0022 * x_out * x_out,
+        );
         let ear = ears[k] + Vec3::new(side * 3.0, -6.0, 0.0);
-        frame.tube(&[(hinge, thick), (hinge.lerp(ear, 0.5) + Vec3::X * side * 3.0, thick), (ear, thick)], colour, false);
+        frame.tube(
+            &[
+                (hinge, thick),
+                (hinge.lerp(ear, 0.5) + Vec3::X * side * 3.0, thick),
+                (ear, thick),
+            ],
+            colour,
+            false,
+        );
         inner[k] = centre - Vec3::new(side * half.x, 0.3 * half.y, 0.0);
     }
     let mid = inner[0].lerp(inner[1], 0.5) - Vec3::new(0.0, 2.5, 1.0);
-    frame.tube(&[(inner[0], thick), (mid, thick), (inner[1], thick)], colour, false);
-    (vec![frame, lens], dark)
+    frame.tube(
+        &[(inner[0], thick), (mid, thick), (inner[1], thick)],
+        colour,
+        false,
+    );
+    vec![frame, lens]
 }
 
 /// Puts props built in head axes before the camera.
@@ -162,15 +192,31 @@ pub fn hand(rng: &mut ChaCha8Rng, over: Vec3, albedo: f32) -> Prop {
         let root = Vec3::new(across * 19.0, -45.0, 0.0);
         let joint = |t: f32, bend: f32| {
             let reach = t * long;
-            root + Vec3::new(s * reach, -c * reach * (1.0 - 0.3 * bend), bend * reach * 0.6)
+            root + Vec3::new(
+                s * reach,
+                -c * reach * (1.0 - 0.3 * bend),
+                bend * reach * 0.6,
+            )
         };
-        let bones = [(0.0, 0.0), (0.45, 0.4 * curl), (0.8, 0.9 * curl), (1.0, 1.4 * curl)];
+        let bones = [
+            (0.0, 0.0),
+            (0.45, 0.4 * curl),
+            (0.8, 0.9 * curl),
+            (1.0, 1.4 * curl),
+        ];
         let radii = [10.5, 9.5, 8.5, 5.0];
-        let points: Vec<(Vec3, f32)> =
-            bones.iter().zip(radii).map(|((t, b), r)| (joint(*t, *b), r)).collect();
+        let points: Vec<(Vec3, f32)> = bones
+            .iter()
+            .zip(radii)
+            .map(|((t, b), r)| (joint(*t, *b), r))
+            .collect();
         prop.tube(&points, albedo, false);
         // The palm: one thick ray per finger.
-        prop.tube(&[(root, 12.0), (Vec3::new(across * 14.0, 45.0, 0.0), 15.0)], albedo, false);
+        prop.tube(
+            &[(root, 12.0), (Vec3::new(across * 14.0, 45.0, 0.0), 15.0)],
+            albedo,
+            false,
+        );
     }
     let thumb = [
         (Vec3::new(-25.0, 35.0, 4.0), 15.0),
@@ -179,9 +225,27 @@ pub fn hand(rng: &mut ChaCha8Rng, over: Vec3, albedo: f32) -> Prop {
         (Vec3::new(-64.0, -44.0, 0.0), 6.0),
     ];
     prop.tube(&thumb, albedo, false);
-    let sleeve = if rng.random_bool(0.5) { rng.random_range(0.03..0.6) } else { albedo };
-    prop.tube(&[(Vec3::new(0.0, 40.0, 0.0), 27.0), (Vec3::new(0.0, 75.0, 0.0), 26.0)], albedo, false);
-    prop.tube(&[(Vec3::new(0.0, 70.0, 0.0), 33.0), (Vec3::new(0.0, 320.0, 60.0), 46.0)], sleeve, false);
+    let sleeve = if rng.random_bool(0.5) {
+        rng.random_range(0.03..0.6)
+    } else {
+        albedo
+    };
+    prop.tube(
+        &[
+            (Vec3::new(0.0, 40.0, 0.0), 27.0),
+            (Vec3::new(0.0, 75.0, 0.0), 26.0),
+        ],
+        albedo,
+        false,
+    );
+    prop.tube(
+        &[
+            (Vec3::new(0.0, 70.0, 0.0), 33.0),
+            (Vec3::new(0.0, 320.0, 60.0), 46.0),
+        ],
+        sleeve,
+        false,
+    );
     let scale = rng.random_range(0.8..1.15);
     let mirror = if rng.random_bool(0.5) { -scale } else { scale };
     let lean = head_rotation(HeadAngles {
@@ -197,7 +261,11 @@ pub fn hand(rng: &mut ChaCha8Rng, over: Vec3, albedo: f32) -> Prop {
 /// A lump or a slab: a cup, a phone, a scarf's fold.
 pub fn lump(rng: &mut ChaCha8Rng, over: Vec3) -> Prop {
     let mut prop = Prop::opaque(rng.random_range(0.0..0.4));
-    let half = Vec3::new(rng.random_range(18.0..60.0), rng.random_range(18.0..60.0), 12.0);
+    let half = Vec3::new(
+        rng.random_range(18.0..60.0),
+        rng.random_range(18.0..60.0),
+        12.0,
+    );
     let power = if rng.random_bool(0.5) { 0.25 } else { 1.0 };
     let seed = rng.random();
     let albedo = rng.random_range(0.02..0.7);

@@ -50,13 +50,7 @@ impl Target {
     }
 
     /// Draws triangles; their ids are `base + position in the list`.
-    pub fn draw(
-        &mut self,
-        vertices: &[Projected],
-        triangles: &[[u32; 3]],
-        base: u32,
-        cull: Cull,
-    ) {
+    pub fn draw(&mut self, vertices: &[Projected], triangles: &[[u32; 3]], base: u32, cull: Cull) {
         for (n, t) in triangles.iter().enumerate() {
             let corner = t.map(|i| vertices[i as usize]);
             if corner.iter().any(|c| c.inv_z <= 0.0) {

@@ -4,9 +4,9 @@ use super::contour::{Landmarker, Points};
 use super::draw::{Eyes, Posed, Prop, Scene, View, draw};
 use super::effects::Camera;
 use super::expression::{Expression, random_gaze};
-use super::noise::normal;
 use super::light::Lights;
 use super::mesh::{IDENTITIES, Mesh};
+use super::noise::normal;
 use super::people::{Person, Persons};
 use super::{background, props};
 use glam::{Mat3, Vec2, Vec3};
@@ -99,10 +99,16 @@ pub struct Renderer {
 }
 
 impl Renderer {
-    /// A renderer of these people before these backgrounds.
-    pub fn new(mesh: Mesh, people: super::people::People, backgrounds: Vec<GrayImage>) -> Renderer {
+    /// A renderer of these people before these backgrounds. `offsets_mm` (head axes) says where
+    /// photographs' labels sit against the head's vertices; empty: on them.
+    pub fn new(
+        mesh: Mesh,
+        people: super::people::People,
+        backgrounds: Vec<GrayImage>,
+        offsets_mm: &[[f32; 3]],
+    ) -> Renderer {
         Renderer {
-            landmarker: Landmarker::new(&mesh),
+            landmarker: Landmarker::new(&mesh, offsets_mm),
             mesh,
             people,
             backgrounds,
@@ -117,10 +123,18 @@ impl Renderer {
         let person = self.people.pick(rng, &self.mesh, spec.persons);
         let identity = self.identity(rng, &person);
         let expression = Expression::random(rng);
-        let head = self.mesh.vertices(&identity, &expression.weights(&self.mesh));
+        let head = self
+            .mesh
+            .vertices(&identity, &expression.weights(&self.mesh));
         let angles = random_angles(rng, spec);
         let pose = Pose::random(rng, angles);
-        let posed = Posed::new(&self.mesh, &head, &person.painted.push_mm, pose.rotation, pose.at);
+        let posed = Posed::new(
+            &self.mesh,
+            &head,
+            &person.painted.push_mm,
+            pose.rotation,
+            pose.at,
+        );
         let (view, face_px) = self.frame(rng, &posed, spec);
         let infrared = rng.random_bool(spec.infrared);
         let lights = Lights::random(rng, infrared);
@@ -131,6 +145,8 @@ impl Renderer {
             painted: &person.painted,
             eyes: Eyes {
                 gaze: random_gaze(rng, &expression),
+                // Shaded and seen through a wet film it is hardly brighter than pale skin.
+                white: rng.random_range(0.2..0.32) + 0.4 * person.skin,
                 iris: person.iris,
                 pupil: rng.random_range(0.25..0.6),
             },
@@ -141,7 +157,9 @@ impl Renderer {
         let level = rng.random_range(0.3..1.6);
         behind.iter_mut().for_each(|b| *b *= level);
         let drawn = draw(&scene, &view, &behind);
-        let points = self.landmarker.points(&posed, &view, &drawn, angles.roll_deg);
+        let points = self
+            .landmarker
+            .points(&posed, &view, &drawn, angles.roll_deg);
         let camera = Camera::random(rng, face_px, face_light(&drawn.light, &view, &points));
         let mut light = drawn.light;
         let luma = camera.develop(rng, &mut light, view.width);
@@ -162,7 +180,11 @@ impl Renderer {
 
     fn identity(&self, rng: &mut ChaCha8Rng, person: &Person) -> Vec<f32> {
         // A procedural skin fits anybody; a photographed one mostly its owner.
-        let spread = if person.identity.is_empty() { 0.85 } else { 0.25 };
+        let spread = if person.identity.is_empty() {
+            0.85
+        } else {
+            0.25
+        };
         (0..IDENTITIES)
             .map(|k| {
                 let own = person.identity.get(k).copied().unwrap_or(0.0);
@@ -184,7 +206,10 @@ impl Renderer {
                 cy: 0.0,
             },
         };
-        let points = self.mesh.landmarks.map(|v| unit.project(posed.vertices[v as usize]));
+        let points = self
+            .mesh
+            .landmarks
+            .map(|v| unit.project(posed.vertices[v as usize]));
         let low = points.iter().fold(Vec2::MAX, |m, p| m.min(*p));
         let high = points.iter().fold(Vec2::MIN, |m, p| m.max(*p));
         let focal = face_px / (high - low).max_element().max(1e-6);
@@ -224,8 +249,13 @@ impl Renderer {
         pose: &Pose,
         person: &Person,
     ) -> Vec<Prop> {
-        let mut all =
-            vec![props::torso(pose.angles, pose.rotation, pose.at, person.cloth, rng.random())];
+        let mut all = vec![props::torso(
+            pose.angles,
+            pose.rotation,
+            pose.at,
+            person.cloth,
+            rng.random(),
+        )];
         if rng.random_bool(spec.glasses) {
             let mut worn = self.glasses(rng, head);
             props::wear(&mut worn, pose.rotation, pose.at);
@@ -252,8 +282,7 @@ impl Renderer {
         let eyes = [at(36).lerp(at(39), 0.5), at(42).lerp(at(45), 0.5)];
         // The temples of spectacles reach back to the ears.
         let ears = [at(0), at(16)].map(|p| p + Vec3::new(p.x.signum() * 2.0, 2.0, 42.0));
-        let (worn, _) = props::glasses(rng, at(27), eyes, ears);
-        worn
+        props::glasses(rng, at(27), eyes, ears)
     }
 }
 
@@ -290,7 +319,11 @@ fn random_angles(rng: &mut ChaCha8Rng, spec: &SampleSpec) -> HeadAngles {
     // Pitch and roll crowd round zero: the mean of two uniforms.
     let peaked = |rng: &mut ChaCha8Rng, most: f32| {
         let (a, b): (f32, f32) = (rng.random_range(-1.0..1.0), rng.random_range(-1.0..1.0));
-        most * if rng.random_bool(0.5) { a } else { 0.5 * (a + b) }
+        most * if rng.random_bool(0.5) {
+            a
+        } else {
+            0.5 * (a + b)
+        }
     };
     HeadAngles {
         yaw_deg: if rng.random_bool(0.5) { yaw } else { -yaw },
@@ -309,4 +342,3 @@ fn face_light(light: &[f32], view: &View, points: &Points) -> f32 {
     let values: Vec<f32> = points.fixed[17..60].iter().filter_map(at).collect();
     values.iter().sum::<f32>() / values.len().max(1) as f32
 }
-

@@ -61,10 +61,14 @@ impl Looks {
             lips: rng.random_range(0.45..0.95),
             beard,
             blotches: rng.random_range(0.3..1.2),
-            hair_mm: if rng.random_bool(0.12) { 0.0 } else { rng.random_range(2.0..22.0) },
+            hair_mm: if rng.random_bool(0.12) {
+                0.0
+            } else {
+                rng.random_range(2.0..22.0)
+            },
             hairline_mm: rng.random_range(48.0..80.0),
             lashes: rng.random_range(0.2..1.0),
-            iris: rng.random_range(0.02..0.3),
+            iris: rng.random_range(0.02..0.2),
             cloth: rng.random_range(0.03..0.7),
         }
     }
@@ -104,12 +108,17 @@ pub fn is_ear(uv: Vec2) -> bool {
     uv.x < 1.0 && (uv.x < 0.12 || uv.x > 0.88) && (0.38..0.70).contains(&uv.y)
 }
 
+/// Labels run a little above the middle of the brows.
+const BROW_SHIFT_MM: Vec2 = Vec2::new(0.0, 1.5);
+
 /// Features that are drawn along the landmarks of the mean head.
 pub struct Features {
     /// Frontal view (x, y) \[mm\] of each landmark.
     front: Vec<Vec2>,
     /// Texel coordinates of each landmark.
     texel: Vec<Vec2>,
+    /// From the brow landmarks to the middle of the painted brows \[mm\].
+    brow_shift: Vec2,
 }
 
 /// Shares of what covers a texel.
@@ -123,9 +132,13 @@ pub struct Cover {
 impl Features {
     /// The features of a mesh.
     pub fn new(mesh: &Mesh, map: &TexelMap) -> Features {
-        let front = mesh.landmarks.iter().map(|v| mesh.mean[*v as usize].truncate());
+        let front = mesh
+            .landmarks
+            .iter()
+            .map(|v| mesh.mean[*v as usize].truncate());
         Features {
             front: front.collect(),
+            brow_shift: BROW_SHIFT_MM,
             texel: map.landmarks.clone(),
         }
     }
@@ -153,13 +166,25 @@ impl Features {
         let mut nearest = f32::INFINITY;
         for (k, &a) in corners.iter().enumerate() {
             let b = corners[(k + 1) % corners.len()];
-            if (a.y > at.y) != (b.y > at.y) && at.x < a.x + (at.y - a.y) / (b.y - a.y) * (b.x - a.x) {
+            if (a.y > at.y) != (b.y > at.y) && at.x < a.x + (at.y - a.y) / (b.y - a.y) * (b.x - a.x)
+            {
                 odd = !odd;
             }
             let t = ((at - a).dot(b - a) / (b - a).length_squared().max(1e-9)).clamp(0.0, 1.0);
             nearest = nearest.min((at - a.lerp(b, t)).length());
         }
         if odd { nearest } else { -nearest }
+    }
+
+    /// Distances \[mm\] in the frontal view to the nearest lid margin and inner lip line.
+    pub fn margins(&self, p: Vec3) -> (f32, f32) {
+        let front = p.truncate();
+        let least = |lines: &[&[usize]]| {
+            let distances = lines.iter().map(|l| self.along(front, l, Vec2::ZERO).0);
+            distances.fold(f32::INFINITY, f32::min)
+        };
+        let lid = least(&[&[36, 37, 38, 39, 40, 41, 36], &[42, 43, 44, 45, 46, 47, 42]]);
+        (lid, least(&[&[60, 61, 62, 63, 64, 65, 66, 67, 60]]))
     }
 
     fn cover(&self, looks: &Looks, at: Vec2, p: Vec3) -> Cover {
@@ -175,7 +200,7 @@ impl Features {
         }
         let front = p.truncate();
         for brow in [[17usize, 18, 19, 20, 21], [26, 25, 24, 23, 22]] {
-            let (d, t) = self.along(front, &brow, Vec2::new(0.0, 1.5));
+            let (d, t) = self.along(front, &brow, self.brow_shift);
             // Thin at the temple, full towards the nose.
             let half = looks.brow.1 * (0.35 + 0.75 * smoothstep(0.0, 0.6, t));
             let hairs = noise(Vec3::new(p.x * 0.9, p.y * 0.6, 0.0), looks.seed ^ 21);
@@ -207,25 +232,32 @@ impl Features {
         let near_mouth = smoothstep(40.0, 26.0, p.x.abs());
         let under_lip = p.y < 118.0;
         let grow = jaw.max(moustache * near_mouth);
-        if under_lip { grow } else { grow * smoothstep(140.0, 118.0, p.y) }
+        if under_lip {
+            grow
+        } else {
+            grow * smoothstep(140.0, 118.0, p.y)
+        }
     }
 }
 
 /// Paints a person.
 pub fn paint(mesh: &Mesh, map: &TexelMap, features: &Features, looks: &Looks) -> Painted {
-    let albedo: Vec<f32> = map
-        .texels
+    Painted {
+        texture: Texture::new(map, &paint_albedo(mesh, map, features, looks)),
+        push_mm: push(mesh, looks),
+    }
+}
+
+/// Linear albedo of a person's texels, 0 in the gaps.
+pub fn paint_albedo(mesh: &Mesh, map: &TexelMap, features: &Features, looks: &Looks) -> Vec<f32> {
+    map.texels
         .iter()
         .enumerate()
         .map(|(i, texel)| match texel {
             None => 0.0,
             Some(texel) => texel_albedo(mesh, features, looks, i, texel),
         })
-        .collect();
-    Painted {
-        texture: Texture::new(map, &albedo),
-        push_mm: push(mesh, looks),
-    }
+        .collect()
 }
 
 fn texel_albedo(mesh: &Mesh, features: &Features, looks: &Looks, i: usize, texel: &Texel) -> f32 {
@@ -264,10 +296,14 @@ fn bare_skin(looks: &Looks, p: Vec3) -> f32 {
     looks.skin * shade * (1.0 - 0.10 * cheek - 0.08 * nose - 0.22 * socket)
 }
 
-fn push(mesh: &Mesh, looks: &Looks) -> Vec<f32> {
+/// How far each vertex's hair stands off \[mm\].
+pub fn push(mesh: &Mesh, looks: &Looks) -> Vec<f32> {
     let mut ear = vec![false; mesh.mean.len()];
     let mut skin = vec![false; mesh.mean.len()];
-    for (t, uv) in mesh.triangles[mesh.run(super::mesh::Material::Skin)].iter().zip(&mesh.corner_uv) {
+    for (t, uv) in mesh.triangles[mesh.run(super::mesh::Material::Skin)]
+        .iter()
+        .zip(&mesh.corner_uv)
+    {
         for (v, uv) in t.iter().zip(uv) {
             ear[*v as usize] |= is_ear(*uv);
             skin[*v as usize] = true;

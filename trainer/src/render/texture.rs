@@ -49,8 +49,9 @@ impl TexelMap {
                 }
             })
             .collect();
-        let corners: Vec<[u32; 3]> =
-            (0..run.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+        let corners: Vec<[u32; 3]> = (0..run.len() as u32)
+            .map(|t| [3 * t, 3 * t + 1, 3 * t + 2])
+            .collect();
         let mut target = Target::new(2 * TILE, TILE);
         target.draw(&flat, &corners, 0, Cull::None);
         let texels = (0..target.id.len())
@@ -68,7 +69,9 @@ impl TexelMap {
             })
             .collect();
         let landmark = |v: u32| {
-            let skin = mesh.triangles[run.clone()].iter().zip(&mesh.corner_uv[run.clone()]);
+            let skin = mesh.triangles[run.clone()]
+                .iter()
+                .zip(&mesh.corner_uv[run.clone()]);
             let mut corners = skin.flat_map(|(t, uv)| t.iter().zip(uv));
             let found = corners.find(|(c, uv)| **c == v && uv.x < 1.0);
             to_texel(found.map(|(_, uv)| *uv).unwrap_or_default())
@@ -127,7 +130,10 @@ impl Texture {
         let (x, y) = (uv.x * n - 0.5, (1.0 - uv.y) * n - 0.5);
         let x0 = (x.max(0.0) as usize).min(2 * tile - 2);
         let y0 = (y.max(0.0) as usize).min(tile - 2);
-        let (fx, fy) = ((x - x0 as f32).clamp(0.0, 1.0), (y - y0 as f32).clamp(0.0, 1.0));
+        let (fx, fy) = (
+            (x - x0 as f32).clamp(0.0, 1.0),
+            (y - y0 as f32).clamp(0.0, 1.0),
+        );
         let at = y0 * 2 * tile + x0;
         let row = |at: usize| values[at] as f32 * (1.0 - fx) + values[at + 1] as f32 * fx;
         let v = (row(at) * (1.0 - fy) + row(at + 2 * tile) * fy) / 255.0;
