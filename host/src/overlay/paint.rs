@@ -142,7 +142,7 @@ fn label(image: &mut RgbImage, frame: u64, result: &TrackResult) {
     let mut words = format!("{frame} {}", state_name(result.state));
     if result.state != State::Searching {
         words += &format!(
-            " yaw {:+.0}° pitch {:+.0}° roll {:+.0}° z {:.0}mm {:.2}",
+            " y{:+.0}° p{:+.0}° r{:+.0}° {:.0}mm {:.2}",
             result.yaw_deg,
             result.pitch_deg,
             result.roll_deg,

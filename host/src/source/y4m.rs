@@ -225,7 +225,6 @@ mod tests {
                 .write_frame(&y4m::Frame::new([&luma, &[i; 6], &[128; 6]], None))
                 .unwrap();
         }
-        drop(encoder);
         let pictures = all(&bytes).unwrap();
         assert_eq!(pictures.len(), 3);
         assert_eq!(pictures[2].timestamp_us, 80_000);
