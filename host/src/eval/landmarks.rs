@@ -23,7 +23,8 @@ use crate::picture::Picture;
 use crate::source::read_rgb;
 
 const STEP_US: i64 = 33_333;
-const MAX_SEARCH_STEPS: u32 = 64;
+/// With [`SCAN_BUDGET`] a step sweeps any usual picture once; more sweeps find nothing new.
+const MAX_SEARCH_STEPS: u32 = 8;
 /// Windows per step: stills are not in a hurry.
 const SCAN_BUDGET: u32 = 10_000_000;
 /// Trackers live on the threads' stacks in debug builds.
