@@ -68,13 +68,19 @@ fn section(mirrored: bool, rolls: &[i16]) -> Vec<u8> {
         .scalar(1)
         .scalar(n as u32);
     w.array(QUESTIONS.iter().flatten().map(|v| *v as u8));
+    w.array([10; QUESTIONS.len()]);
     w.array(
         (0..n)
             .flat_map(|_| [-100i16, 100])
             .flat_map(|v| v.to_le_bytes()),
     );
     w.array((1..=n as i32).flat_map(|t| (100 * t).to_le_bytes()));
-    w.scalar(0).scalar(1).scalar(0).array([]).array([]);
+    w.scalar(0)
+        .scalar(1)
+        .scalar(0)
+        .array([])
+        .array([])
+        .array([]);
     w.0
 }
 

@@ -5,8 +5,10 @@
 //! u32 margin [1/256 of size] u32 confirming strength
 //! u32 R, i16[R] rolls [1/65536 turn]
 //! u32 E, then per ensemble: u32 mirrored, u32 depth, u32 T,
-//!     i8[T·(2^depth − 1)·4] nodes, i16[T·2^depth] leaves, i32[T] thresholds
-//! u32 rounds, u32 depth, u32 T, i8[…] nodes, i16[T·2^depth·5] leaves  (the refining forest)
+//!     i8[T·(2^depth − 1)·4] nodes, u8[T·(2^depth − 1)] margins,
+//!     i16[T·2^depth] leaves, i32[T] thresholds
+//! u32 rounds, u32 depth, u32 T, i8[…] nodes, u8[…] margins,
+//!     i16[T·2^depth·5] leaves  (the refining forest)
 //! ```
 
 use super::forest::Forest;
@@ -105,6 +107,14 @@ impl<'m> DetectorModel<'m> {
     /// The ensembles, in the order in which they are asked.
     pub fn ensembles(&self) -> impl Iterator<Item = &Ensemble<'m>> {
         self.ensembles.iter().flatten()
+    }
+
+    /// The same detector with another strength (at least 1) from which merged hits are a face.
+    pub fn confirming(self, strength: i32) -> Self {
+        DetectorModel {
+            confirm: strength.max(1),
+            ..self
+        }
     }
 
     /// Side of the window that the trees look at, as a multiple of a face's size \[1/256\].

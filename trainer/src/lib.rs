@@ -1,6 +1,7 @@
 //! Trains the models of posewise from photographs and rendered faces.
 
 pub mod demo_clip;
+pub mod detect;
 pub mod face_section;
 pub mod fit;
 pub mod head;

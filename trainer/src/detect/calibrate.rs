@@ -1,0 +1,157 @@
+//! Sets the thresholds once all trees are there: of the cascade by what faces need on the scan's
+//! own grid, of merged hits by what backgrounds reach.
+
+use anyhow::Result;
+use posewise::detect::{Detection, DetectorModel, Scan, Swept, TAG};
+use posewise::image::Frame;
+use posewise::model::{ALIGN, Blob, ModelError};
+use rand::Rng;
+use rayon::prelude::*;
+
+use super::cascade::{Cascade, Flat, UNIT};
+use super::faces::Face;
+use super::grey::Grey;
+use super::refine::Forest;
+use super::sample::{window, with_view};
+use super::{pack, rng_for};
+
+/// Windows on the grid around each face that must survive.
+const SURVIVORS: usize = 3;
+/// Share of the faces that may lose one of them.
+const LOSS: f32 = 0.005;
+/// How far below the faces' sums the thresholds lie, for people not seen in training.
+const MARGIN: f32 = 0.12;
+
+/// The cascade with thresholds as high as leaves each face its best windows on the scan's grid
+/// (after Zhang and Viola's multiple-instance pruning, 2007).
+pub fn thresholds(cascade: &Cascade, faces: &[Face]) -> Cascade {
+    let flat = cascade.flat();
+    let last = *cascade.thresholds.last().unwrap_or(&0);
+    let mut sums: Vec<Vec<i32>> = faces
+        .par_iter()
+        .enumerate()
+        .flat_map_iter(|(i, face)| {
+            let mut rng = rng_for(2, 0x4341_4C49, i as u64);
+            let grid = |frame: &Frame<'_>, truth: &Detection, rng: &mut _| {
+                survivors(&flat, frame, truth, rng)
+            };
+            let all: Vec<Vec<i32>> = (0..2)
+                .flat_map(|_| with_view(face, &mut rng, grid))
+                .collect();
+            all
+        })
+        .filter(|sums| sums.last().is_some_and(|s| *s >= last))
+        .collect();
+    let mut out = cascade.clone();
+    for tree in 0..cascade.trees.len() {
+        // The faces already lost must not hold later thresholds down.
+        let mut at: Vec<i32> = sums.iter().map(|s| s[tree]).collect();
+        let lost = (LOSS * at.len() as f32 / cascade.trees.len() as f32) as usize;
+        at.sort_unstable();
+        let bound = at.get(lost).copied().unwrap_or(i32::MIN / 4);
+        sums.retain(|s| s[tree] >= bound);
+        out.thresholds[tree] = bound - (MARGIN / UNIT) as i32;
+    }
+    // Negative sums add up to faces only by chance: the operating point of training stays.
+    if let Some(t) = out.thresholds.last_mut() {
+        *t = (*t).max(last);
+    }
+    out
+}
+
+/// Sums of the windows with the best final sums on a scan's grid of random phase.
+fn survivors(
+    flat: &Flat,
+    frame: &Frame<'_>,
+    truth: &Detection,
+    rng: &mut rand_chacha::ChaCha8Rng,
+) -> Vec<Vec<i32>> {
+    let mut phase = || rng.random_range(-0.5f32..0.5);
+    let (px, py, ps) = (phase(), phase(), phase());
+    let mut all = Vec::new();
+    for roll in [-30.0f32, 0.0, 30.0] {
+        let roll = roll.to_radians();
+        if (roll - truth.roll).abs() > 0.35 {
+            continue;
+        }
+        for k in -1..=1 {
+            let size = truth.size * 1.2f32.powf(k as f32 + ps);
+            for (i, j) in (-1..=1).flat_map(|i| (-1..=1).map(move |j| (i, j))) {
+                let at = Detection {
+                    x: truth.x + 0.12 * size * (i as f32 + px),
+                    y: truth.y + 0.12 * size * (j as f32 + py),
+                    size,
+                    roll,
+                    ..*truth
+                };
+                all.push(flat.sums(frame, &window(&at)));
+            }
+        }
+    }
+    all.sort_by_key(|sums| std::cmp::Reverse(sums.last().copied()));
+    all.truncate(SURVIVORS);
+    all
+}
+
+/// Model bytes, aligned as the core wants them.
+pub struct Aligned {
+    bytes: Vec<u8>,
+    start: usize,
+    len: usize,
+}
+
+impl Aligned {
+    /// A copy of the bytes.
+    pub fn new(blob: &[u8]) -> Self {
+        let mut bytes = vec![0; blob.len() + ALIGN];
+        let start = bytes.as_ptr().align_offset(ALIGN);
+        bytes[start..][..blob.len()].copy_from_slice(blob);
+        Aligned {
+            bytes,
+            start,
+            len: blob.len(),
+        }
+    }
+
+    /// The detector in these bytes.
+    ///
+    /// # Errors
+    /// When they hold no valid detector.
+    pub fn detector(&self) -> Result<DetectorModel<'_>, ModelError> {
+        let blob = Blob::open(&self.bytes[self.start..][..self.len])?;
+        DetectorModel::open(blob.section(&TAG)?)
+    }
+}
+
+/// The strength that only one in 200 pictures without people exceeds, and a margin.
+///
+/// # Errors
+/// When the cascade makes no valid section.
+pub fn confirm(cascade: &Cascade, refiner: &Forest, backgrounds: &[Grey]) -> Result<u32> {
+    let probe = Aligned::new(&crate::pack::blob(&[pack::section(cascade, refiner, 1)]));
+    let model = probe.detector()?;
+    let mut strengths: Vec<i32> = backgrounds
+        .par_iter()
+        .map(|b| strongest(&model, &b.frame()))
+        .collect();
+    strengths.sort_unstable_by_key(|s| std::cmp::Reverse(*s));
+    println!(
+        "strongest clusters of backgrounds: {:?}",
+        &strengths[..strengths.len().min(12)]
+    );
+    let allowed = backgrounds.len() / 200;
+    Ok(strengths.get(allowed).map_or(1, |s| s + s / 8 + 2048) as u32)
+}
+
+/// Strength of the strongest cluster of a sweep, 0 if none.
+fn strongest(model: &DetectorModel<'_>, frame: &Frame<'_>) -> i32 {
+    let mut strength = 0;
+    // A sweep ends with the largest cluster, so ask for stronger ones until there is none.
+    while let Swept::Found(found) = {
+        let stricter = model.confirming(strength + 1);
+        Scan::new().advance(&stricter, frame, 32, u32::MAX)
+    } {
+        strength = ((found.score + 1.0) * (strength + 1) as f32).max(strength as f32 + 1.0) as i32;
+    }
+    strength
+}

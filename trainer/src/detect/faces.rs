@@ -1,0 +1,96 @@
+//! Faces with their boxes: photographs and renders with 68 landmarks.
+
+use std::path::Path;
+
+use anyhow::{Context, Result, ensure};
+use posewise::detect::Detection;
+use rayon::prelude::*;
+
+use super::grey::Grey;
+
+/// Which people: never train on `Dev`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Split {
+    Train,
+    Dev,
+}
+
+/// A picture with one labelled face.
+pub struct Face {
+    /// File name, whose first part names the person.
+    pub name: String,
+    pub picture: Grey,
+    /// The face's box by the rule of [`Detection`]; `turn` from the nose's place between the eyes.
+    pub truth: Detection,
+}
+
+/// All faces of a split of `faces68`.
+///
+/// # Errors
+/// When a file is missing or not as documented.
+pub fn load(data: &Path, split: Split) -> Result<Vec<Face>> {
+    let name = match split {
+        Split::Train => "train",
+        Split::Dev => "dev",
+    };
+    let folder = data.join("faces68");
+    let table = folder.join(format!("{name}.csv"));
+    let mut reader = csv::Reader::from_path(&table).with_context(|| table.display().to_string())?;
+    let rows = reader.records().collect::<Result<Vec<_>, _>>()?;
+    rows.par_iter()
+        .map(|row| {
+            let file = row.get(0).context("a row without a name")?;
+            let numbers = row
+                .iter()
+                .skip(1)
+                .map(|v| v.parse::<f32>())
+                .collect::<Result<Vec<_>, _>>()?;
+            ensure!(numbers.len() == 136, "{file}: not 68 landmarks");
+            let points: Vec<[f32; 2]> = numbers.chunks(2).map(|p| [p[0], p[1]]).collect();
+            Ok(Face {
+                name: file.to_string(),
+                picture: Grey::open(&folder.join(name).join(file))?,
+                truth: face_box(&points, None, None),
+            })
+        })
+        .collect()
+}
+
+/// The box of 68 landmarks. Roll and yaw \[rad\] where they are known, else from the points.
+pub fn face_box(points: &[[f32; 2]], roll: Option<f32>, yaw: Option<f32>) -> Detection {
+    let mean = |range: std::ops::Range<usize>| {
+        let n = range.len() as f32;
+        let sum = points[range]
+            .iter()
+            .fold([0.0, 0.0], |s, p| [s[0] + p[0], s[1] + p[1]]);
+        [sum[0] / n, sum[1] / n]
+    };
+    let (right, left) = (mean(36..42), mean(42..48));
+    let roll = roll.unwrap_or_else(|| (left[1] - right[1]).atan2(left[0] - right[0]));
+    let (sin, cos) = roll.sin_cos();
+    let upright = |p: &[f32; 2]| [cos * p[0] + sin * p[1], cos * p[1] - sin * p[0]];
+    let (mut low, mut high) = ([f32::MAX; 2], [f32::MIN; 2]);
+    for p in points.iter().map(upright) {
+        for axis in 0..2 {
+            low[axis] = low[axis].min(p[axis]);
+            high[axis] = high[axis].max(p[axis]);
+        }
+    }
+    let centre = [(low[0] + high[0]) / 2.0, (low[1] + high[1]) / 2.0];
+    // The nose tip stands about as far before the outer eye corners as half their distance.
+    let (nose, a, b) = (
+        upright(&points[30]),
+        upright(&points[36]),
+        upright(&points[45]),
+    );
+    let shift = nose[0] - (a[0] + b[0]) / 2.0;
+    let yaw = yaw.unwrap_or_else(|| (2.0 * shift).atan2((b[0] - a[0]).max(1e-3)));
+    Detection {
+        x: cos * centre[0] - sin * centre[1],
+        y: sin * centre[0] + cos * centre[1],
+        size: (high[0] - low[0]).max(high[1] - low[1]),
+        roll,
+        turn: (yaw / std::f32::consts::FRAC_PI_2).clamp(-1.0, 1.0),
+        score: 0.0,
+    }
+}

@@ -1,0 +1,87 @@
+//! Trains section `DTCT`: soft cascades of pixel comparisons and the forest that refines a hit.
+//!
+//! In: labelled photographs, rendered faces and backgrounds. Out: a [`SectionWriter`]. The order
+//! is that of the files: [`faces`] and [`backgrounds`] are read into memory, [`sample`] cuts
+//! augmented patches, [`boost`] grows trees on them, [`cascade`] alternates with [`mine`] for hard
+//! negatives, [`refine`] fits the regression forest, [`calibrate`] sets the thresholds, and
+//! [`pack`] writes. [`eval`] measures on pictures that training never saw.
+
+pub mod backgrounds;
+pub mod boost;
+pub mod calibrate;
+pub mod cascade;
+pub mod eval;
+pub mod faces;
+pub mod grey;
+pub mod mine;
+pub mod pack;
+pub mod refine;
+pub mod sample;
+
+use std::path::Path;
+
+use anyhow::Result;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+
+use crate::pack::SectionWriter;
+
+/// Side of the window that the trees look at over a face's size \[1/256\]: forehead and ears are
+/// outside the landmarks' box and help to tell a face.
+pub const SIDE_Q8: i32 = 333;
+
+/// How much to train; `default` is what ships.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Seed of every random choice.
+    pub seed: u64,
+    /// Trees of the cascade, and their depth.
+    pub trees: usize,
+    pub depth: usize,
+    /// Patches of faces and of backgrounds.
+    pub positives: usize,
+    pub negatives: usize,
+    /// Trees of the refining forest, their depth, and patches to fit it on.
+    pub refine_trees: usize,
+    pub refine_depth: usize,
+    pub refine_samples: usize,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Options {
+            seed: 1,
+            trees: 400,
+            depth: 5,
+            positives: 36_000,
+            negatives: 30_000,
+            refine_trees: 100,
+            refine_depth: 5,
+            refine_samples: 24_000,
+        }
+    }
+}
+
+/// A generator for one purpose, independent of how much the others drew.
+pub(crate) fn rng_for(seed: u64, purpose: u64, index: u64) -> ChaCha8Rng {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ purpose);
+    rng.set_stream(index);
+    rng
+}
+
+/// Trains everything from `data` (the folder with `faces68` and `backgrounds`), keeping
+/// intermediate results in `cache`, from which an interrupted run goes on.
+///
+/// # Errors
+/// When data cannot be read or the cache cannot be written.
+pub fn train(data: &Path, cache: &Path, options: &Options) -> Result<SectionWriter> {
+    std::fs::create_dir_all(cache)?;
+    let faces = faces::load(data, faces::Split::Train)?;
+    let backgrounds = backgrounds::load(data, backgrounds::Part::Train)?;
+    let cascade = cascade::train(&faces, &backgrounds, cache, options)?;
+    let refiner = refine::train(&faces, cache, options)?;
+    let cascade = calibrate::thresholds(&cascade, &faces);
+    let held_out = backgrounds::load(data, backgrounds::Part::HeldOut)?;
+    let confirm = calibrate::confirm(&cascade, &refiner, &held_out)?;
+    Ok(pack::section(&cascade, &refiner, confirm))
+}

@@ -1,0 +1,38 @@
+//! Writes section `DTCT`, in the order in which `posewise::detect::DetectorModel` reads it.
+
+use posewise::detect::TAG;
+
+use super::SIDE_Q8;
+use super::cascade::Cascade;
+use super::refine::Forest;
+use crate::pack::SectionWriter;
+
+/// Size from pass to pass, 1/1.2, and window to window, 0.12 of the size \[1/256\]: the jitter that
+/// the trees were trained for covers half a step each way.
+const RATIO_Q8: u32 = 213;
+const STEP_Q8: u32 = 31;
+/// Centres come within 0.36 of the size to the edge.
+const MARGIN_Q8: u32 = 92;
+/// 0 and ±30° \[1/65536 turn\].
+const ROLLS: [i16; 3] = [0, 5461, -5461];
+
+/// The section; `confirm` is the strength from which merged hits are a face.
+pub fn section(cascade: &Cascade, refiner: &Forest, confirm: u32) -> SectionWriter {
+    let mut w = SectionWriter::new(TAG);
+    w.scalar(RATIO_Q8).scalar(STEP_Q8).scalar(SIDE_Q8 as u32);
+    w.scalar(MARGIN_Q8).scalar(confirm);
+    w.scalar(ROLLS.len() as u32).array(&ROLLS);
+    w.scalar(1u32).scalar(0u32);
+    let flat = cascade.flat();
+    w.scalar(cascade.depth as u32)
+        .scalar(cascade.trees.len() as u32);
+    w.array(flat.offsets.as_flattened()).array(&flat.margins());
+    w.array(&flat.leaves).array(&cascade.thresholds);
+    let (offsets, margins, leaves) = refiner.flat();
+    w.scalar(refiner.rounds as u32).scalar(refiner.depth as u32);
+    w.scalar(refiner.trees.len() as u32);
+    w.array(offsets.as_flattened())
+        .array(&margins)
+        .array(&leaves);
+    w
+}
