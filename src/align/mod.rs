@@ -1,1 +1,21 @@
-//! The cascade of quantised regressors: crop → 68 landmarks.
+//! The cascade of quantised regressors: frame and a first guess in, 68 landmarks out.
+//!
+//! Supervised descent (Xiong and De la Torre 2013) as in the thesis, 5.1: each stage cuts a crop
+//! that is upright and of canonical size for the current shape, describes it around the 68
+//! current points, and moves the shape by a linear function of those features:
+//! `x ← x + Q (R φ(x) + b)`, where Q spans similarity and shape modes in the canonical frame. R is
+//! `i8`, one scale per output; everything from pixels to R's sums is integer arithmetic.
+//!
+//! The *canonical frame* is that of the mean shape: origin at its centroid, upright, unit such that
+//! the stage's `zoom` turns it into crop pixels.
+
+mod cascade;
+mod placement;
+
+pub use cascade::{AlignModel, MAX_MODES, MAX_STAGES, Regressor, Stage, Workspace};
+pub use placement::{Placement, place};
+
+use crate::shape::LANDMARKS;
+
+/// 68 points.
+pub type Shape = [[f32; 2]; LANDMARKS];

@@ -1,9 +1,13 @@
 //! Trains the models of posewise from photographs and rendered faces.
 
+pub mod align;
 pub mod demo_clip;
 pub mod detect;
 pub mod face_section;
+pub mod faces;
 pub mod fit;
 pub mod head;
 pub mod pack;
+pub mod pipeline;
 pub mod render;
+pub mod score;

@@ -1,0 +1,87 @@
+//! Errors of a finished cascade on labelled faces, by the core's own code.
+
+use super::starts::{Jitter, face_box, normal, start_from_box};
+use crate::faces::Face;
+use posewise::align::{AlignModel, Shape, Workspace};
+use posewise::shape::LANDMARKS;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+
+/// Errors in % of the inter-ocular distance.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Accuracy {
+    /// Mean over starts of the mean over 68 points.
+    pub nme68: f32,
+    /// Its median.
+    pub nme68_median: f32,
+    /// Mean over the inner 51.
+    pub nme51: f32,
+    /// Share of starts that end above 10 %.
+    pub failure: f32,
+}
+
+/// Mean point error in % of the inter-ocular distance, over points `from..68`.
+pub fn nme(face: &Face, shape: &Shape, from: usize) -> f32 {
+    let points = face.landmarks.iter().zip(shape).skip(from);
+    let sum: f32 = points.map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1])).sum();
+    100.0 * sum / (LANDMARKS - from) as f32 / face.inter_ocular()
+}
+
+/// Runs the cascade from `starts` boxes per face, jittered as by a detector, and `rounds` times
+/// more from its own answer as while tracking.
+pub fn evaluate(
+    model: &AlignModel<'_>,
+    faces: &[Face],
+    jitter: &Jitter,
+    starts: usize,
+    rounds: usize,
+) -> Vec<(Shape, f32, f32)> {
+    faces
+        .par_iter()
+        .enumerate()
+        .map_init(
+            || Box::new(Workspace::new()),
+            |work, (index, face)| {
+                let mut rng = ChaCha8Rng::seed_from_u64(7);
+                rng.set_stream(index as u64);
+                (0..starts)
+                    .map(|_| {
+                        let (centre, size, roll) = face_box(&face.landmarks);
+                        let shift = jitter.shift * size;
+                        let at = [
+                            centre[0] + shift * normal(&mut rng),
+                            centre[1] + shift * normal(&mut rng),
+                        ];
+                        let size = size * (jitter.log_size * normal(&mut rng)).exp();
+                        let roll = roll + jitter.roll * normal(&mut rng);
+                        let turn = face.turn() + 0.2 * rng.random_range(-1.0f32..1.0);
+                        let mut shape = start_from_box(&model.start(turn), at, size, roll);
+                        model.run(&face.picture.frame(), 0, &mut shape, work);
+                        for _ in 0..rounds {
+                            let first = model.track_from();
+                            model.run(&face.picture.frame(), first, &mut shape, work);
+                        }
+                        (shape, nme(face, &shape, 0), nme(face, &shape, 17))
+                    })
+                    .collect::<Vec<_>>()
+            },
+        )
+        .flatten()
+        .collect()
+}
+
+impl Accuracy {
+    /// Summary of [`evaluate`]'s rows.
+    pub fn of(rows: &[(Shape, f32, f32)]) -> Accuracy {
+        let n = rows.len() as f32;
+        let mut sorted: Vec<f32> = rows.iter().map(|r| r.1).collect();
+        sorted.sort_by(f32::total_cmp);
+        Accuracy {
+            nme68: rows.iter().map(|r| r.1).sum::<f32>() / n,
+            nme68_median: sorted[sorted.len() / 2],
+            nme51: rows.iter().map(|r| r.2).sum::<f32>() / n,
+            failure: rows.iter().filter(|r| r.1 > 10.0).count() as f32 / n,
+        }
+    }
+}

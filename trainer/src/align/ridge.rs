@@ -1,0 +1,104 @@
+//! Ridge regression from `i8` features, by normal equations that are sums over samples.
+
+use anyhow::{Result, anyhow};
+use faer::linalg::matmul::triangular::{BlockStructure, matmul};
+use faer::linalg::solvers::Solve;
+use faer::{Accum, Mat, Par, Side};
+
+/// Features are divided by this, so that sums of squares stay near one per sample.
+pub const FEATURE_UNIT: f32 = 64.0;
+
+/// Sums of `x·xᵀ` and `x·yᵀ`, x with a constant 1 appended. Sums of shards can be added.
+#[derive(Clone)]
+pub struct Normal {
+    /// Lower triangle.
+    xx: Mat<f32>,
+    xy: Mat<f32>,
+    samples: f64,
+}
+
+impl Normal {
+    /// No samples yet.
+    pub fn new(features: usize, outputs: usize) -> Normal {
+        let xx = Mat::zeros(features + 1, features + 1);
+        Normal { xx, xy: Mat::zeros(features + 1, outputs), samples: 0.0 }
+    }
+
+    /// Adds samples: rows of features, rows of targets, weights.
+    pub fn add(&mut self, x: &[&[i8]], y: &[&[f32]], weight: &[f32]) {
+        const BLOCK: usize = 4096;
+        let (features, outputs) = (self.xx.nrows() - 1, self.xy.ncols());
+        let blocks = x.chunks(BLOCK).zip(y.chunks(BLOCK)).zip(weight.chunks(BLOCK));
+        for ((x, y), w) in blocks {
+            let a = Mat::from_fn(features + 1, x.len(), |i, n| {
+                let v = if i == features { 1.0 } else { x[n][i] as f32 / FEATURE_UNIT };
+                v * w[n].sqrt()
+            });
+            let b = Mat::from_fn(x.len(), outputs, |n, o| y[n][o] * w[n].sqrt());
+            matmul(
+                &mut self.xx,
+                BlockStructure::TriangularLower,
+                Accum::Add,
+                &a,
+                BlockStructure::Rectangular,
+                a.transpose(),
+                BlockStructure::Rectangular,
+                1.0,
+                Par::rayon(0),
+            );
+            faer::linalg::matmul::matmul(&mut self.xy, Accum::Add, &a, &b, 1.0, Par::rayon(0));
+            self.samples += w.iter().map(|w| *w as f64).sum::<f64>();
+        }
+    }
+
+    /// The sums of both.
+    pub fn merge(&mut self, other: &Normal) {
+        self.xx += &other.xx;
+        self.xy += &other.xy;
+        self.samples += other.samples;
+    }
+
+    /// Weights (features + 1 rows, the last one the bias) that minimise the mean squared error plus
+    /// `ridge`·|w|².
+    pub fn solve(&self, ridge: f32) -> Result<Mat<f32>> {
+        let n = self.xx.nrows();
+        let mut xx = Mat::<f64>::from_fn(n, n, |i, j| {
+            if i >= j { self.xx[(i, j)] as f64 } else { self.xx[(j, i)] as f64 }
+        });
+        for i in 0..n - 1 {
+            xx[(i, i)] += ridge as f64 * self.samples;
+        }
+        let xy = Mat::<f64>::from_fn(n, self.xy.ncols(), |i, j| self.xy[(i, j)] as f64);
+        let llt = xx.llt(Side::Lower).map_err(|e| anyhow!("ridge system: {e:?}"))?;
+        let w = llt.solve(&xy);
+        Ok(Mat::from_fn(n, w.ncols(), |i, j| w[(i, j)] as f32))
+    }
+}
+
+/// Mean squared error of the weights on samples (summed over outputs).
+pub fn error(weights: &Mat<f32>, x: &[&[i8]], y: &[&[f32]], sample_weight: &[f32]) -> f64 {
+    use rayon::prelude::*;
+    let total: f64 = sample_weight.iter().map(|w| *w as f64).sum();
+    let sum: f64 = (0..x.len())
+        .into_par_iter()
+        .map(|n| {
+            let p = predict(weights, x[n]);
+            let e: f32 = p.iter().zip(y[n]).map(|(p, y)| (p - y) * (p - y)).sum();
+            (e * sample_weight[n]) as f64
+        })
+        .sum();
+    sum / total
+}
+
+/// Output of the weights for one row of features.
+pub fn predict(weights: &Mat<f32>, x: &[i8]) -> Vec<f32> {
+    let n = weights.nrows() - 1;
+    (0..weights.ncols())
+        .map(|o| {
+            let column = weights.col(o).try_as_col_major().expect("columns are contiguous");
+            let column = column.as_slice();
+            let dot: f32 = column[..n].iter().zip(x).map(|(w, x)| w * *x as f32).sum();
+            dot / FEATURE_UNIT + column[n]
+        })
+        .collect()
+}

@@ -1,0 +1,141 @@
+//! First guesses: what the cascade is started from, at work and in training.
+
+use super::basis::{Basis, align};
+use crate::faces::Face;
+use posewise::align::Shape;
+use posewise::math::Similarity;
+use posewise::shape::LANDMARKS;
+use rand::Rng;
+use rand_chacha::ChaCha8Rng;
+
+/// Start shapes by turn, in the canonical frame.
+pub struct StartShapes {
+    /// Mean shapes of the faces near each turn.
+    pub shapes: Vec<Shape>,
+    /// Their turns, rising.
+    pub turns: Vec<f32>,
+}
+
+impl StartShapes {
+    /// Mean shapes around `turns`.
+    pub fn fit(faces: &[Face], basis: &Basis, turns: &[f32]) -> StartShapes {
+        let nearest = |face: &Face| index_of(turns, face.turn());
+        let mean_of = |index: usize| {
+            let mut sum = [[0.0f64; 2]; LANDMARKS];
+            let mut n = 0.0;
+            for face in faces.iter().filter(|f| nearest(f) == index) {
+                let aligned = align(&face.landmarks, &basis.mean);
+                sum.iter_mut().zip(&aligned).for_each(|(s, p)| {
+                    s[0] += p[0] as f64;
+                    s[1] += p[1] as f64;
+                });
+                n += 1.0;
+            }
+            if n == 0.0 { basis.mean } else { sum.map(|[x, y]| [(x / n) as f32, (y / n) as f32]) }
+        };
+        StartShapes { shapes: (0..turns.len()).map(mean_of).collect(), turns: turns.to_vec() }
+    }
+
+    /// The start shape whose turn is nearest.
+    pub fn of(&self, turn: f32) -> &Shape {
+        &self.shapes[index_of(&self.turns, turn)]
+    }
+}
+
+fn index_of(turns: &[f32], turn: f32) -> usize {
+    let distance = |i: &usize| (turns[*i] - turn).abs();
+    (0..turns.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).expect("at least one turn")
+}
+
+/// The detector's box of a shape: centre, side (the larger of width and height) of the upright box
+/// after turning back by `roll`, and `roll` \[rad\], the angle of the line between the eyes.
+pub fn face_box(shape: &Shape) -> ([f32; 2], f32, f32) {
+    let eye = |range: std::ops::Range<usize>| {
+        let sum = shape[range].iter().fold([0.0, 0.0], |s, p| [s[0] + p[0] / 6.0, s[1] + p[1] / 6.0]);
+        sum
+    };
+    let (right, left) = (eye(36..42), eye(42..48));
+    let roll = (left[1] - right[1]).atan2(left[0] - right[0]);
+    box_at(shape, roll)
+}
+
+fn box_at(shape: &Shape, roll: f32) -> ([f32; 2], f32, f32) {
+    let back = Similarity { a: roll.cos(), b: -roll.sin(), tx: 0.0, ty: 0.0 };
+    let upright = shape.map(|p| back.apply(p));
+    let (mut low, mut high) = ([f32::MAX; 2], [f32::MIN; 2]);
+    for p in upright {
+        for k in 0..2 {
+            low[k] = low[k].min(p[k]);
+            high[k] = high[k].max(p[k]);
+        }
+    }
+    let forth = back.inverse().expect("a rotation");
+    let centre = forth.apply([(low[0] + high[0]) / 2.0, (low[1] + high[1]) / 2.0]);
+    (centre, (high[0] - low[0]).max(high[1] - low[1]), roll)
+}
+
+/// Puts an upright canonical start shape into a detector's box.
+pub fn start_from_box(start: &Shape, centre: [f32; 2], size: f32, roll: f32) -> Shape {
+    let ([cx, cy], side, _) = box_at(start, 0.0);
+    let (scale, [tx, ty]) = (size / side, centre);
+    let turn = Similarity { a: scale * roll.cos(), b: scale * roll.sin(), tx, ty };
+    start.map(|[x, y]| turn.apply([x - cx, y - cy]))
+}
+
+/// How far starts lie from the truth.
+#[derive(Clone, Copy, Debug)]
+pub struct Jitter {
+    /// Standard deviation of the centre, in box sides.
+    pub shift: f32,
+    /// Standard deviation of the natural logarithm of the side.
+    pub log_size: f32,
+    /// Standard deviation of the roll \[rad\].
+    pub roll: f32,
+}
+
+/// A standard normal number.
+pub fn normal(rng: &mut ChaCha8Rng) -> f32 {
+    let u: f32 = rng.random_range(1e-7..1.0);
+    let v: f32 = rng.random_range(0.0..std::f32::consts::TAU);
+    (-2.0 * u.ln()).sqrt() * v.cos()
+}
+
+impl Jitter {
+    /// A start as after a detection.
+    pub fn detected(&self, face: &Face, starts: &StartShapes, rng: &mut ChaCha8Rng) -> Shape {
+        let (centre, side, roll) = face_box(&face.landmarks);
+        let shifted = [
+            centre[0] + normal(rng) * self.shift * side,
+            centre[1] + normal(rng) * self.shift * side,
+        ];
+        let side = side * (normal(rng) * self.log_size).exp();
+        // The detector's turn is rough.
+        let start = starts.of(face.turn() + 0.25 * normal(rng));
+        start_from_box(start, shifted, side, roll + normal(rng) * self.roll)
+    }
+
+    /// A start as from the frame before: the truth, moved, with errors along the shape modes.
+    pub fn tracked(&self, face: &Face, basis: &Basis, modes: f32, rng: &mut ChaCha8Rng) -> Shape {
+        let (_, side, _) = face_box(&face.landmarks);
+        let to_frame = Similarity::fit(&basis.mean, &face.landmarks).expect("a face has extent");
+        let mut shape = face.landmarks;
+        for (row, deviation) in basis.rows.iter().zip(&basis.deviation) {
+            let weight = normal(rng) * modes * deviation;
+            for (i, p) in shape.iter_mut().enumerate() {
+                let d = to_frame.apply_vector([row[2 * i] * weight, row[2 * i + 1] * weight]);
+                *p = [p[0] + d[0], p[1] + d[1]];
+            }
+        }
+        let scale = (normal(rng) * self.log_size).exp();
+        let angle = normal(rng) * self.roll;
+        let shift = [normal(rng) * self.shift * side, normal(rng) * self.shift * side];
+        let [cx, cy] = [to_frame.tx, to_frame.ty];
+        let jitter = Similarity {
+            a: scale * angle.cos(),
+            b: scale * angle.sin(),
+            tx: cx + shift[0],
+            ty: cy + shift[1],
+        };
+        shape.map(|[x, y]| jitter.apply([x - cx, y - cy]))
+    }
+}

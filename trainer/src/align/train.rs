@@ -1,0 +1,276 @@
+//! Stage by stage: describe, learn a projection, regress, move on.
+//!
+//! Each stage is trained on out-of-fold outputs of the stages before it (folds by person), so that
+//! later stages meet the errors that they will meet at work.
+
+use super::basis::{Basis, flat};
+use super::quantise::{ProjectionWeights, RegressorWeights, StageWeights, section};
+use super::ridge::{Normal, error, predict};
+use super::starts::{Jitter, StartShapes};
+use crate::faces::Face;
+use crate::pack::SectionWriter;
+use anyhow::Result;
+use indicatif::{ParallelProgressIterator, ProgressBar, ProgressStyle};
+use posewise::align::{Shape, Workspace, place};
+use posewise::descriptor::{HogGrid, VALUES};
+use posewise::shape::LANDMARKS;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+
+/// What one stage looks at.
+#[derive(Clone, Copy, Debug)]
+pub struct StageOptions {
+    /// Side of the crop \[px\].
+    pub side: usize,
+    /// Crop px per canonical unit.
+    pub zoom: f32,
+    /// Distance between cells \[px\].
+    pub spacing: i32,
+    /// Half width of a cell \[px\].
+    pub radius: i32,
+    /// Features per landmark.
+    pub features: usize,
+}
+
+/// How the cascade is trained.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Seed of all randomness.
+    pub seed: u64,
+    /// Shape modes besides the similarity's four.
+    pub modes: usize,
+    /// Turns of the start shapes.
+    pub turns: Vec<f32>,
+    /// The stages.
+    pub stages: Vec<StageOptions>,
+    /// First stage while tracking.
+    pub track_from: usize,
+    /// Starts per face as after a detection.
+    pub detect_starts: usize,
+    /// Starts per face as from the frame before.
+    pub track_starts: usize,
+    /// Errors of detections.
+    pub detect_jitter: Jitter,
+    /// Motion between frames.
+    pub track_jitter: Jitter,
+    /// Errors along the shape modes of tracked starts, in standard deviations.
+    pub track_modes: f32,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        let stage = |zoom, spacing, radius| StageOptions {
+            side: 112,
+            zoom,
+            spacing,
+            radius,
+            features: 24,
+        };
+        Options {
+            seed: 1,
+            modes: 60,
+            turns: vec![-0.75, -0.4, 0.0, 0.4, 0.75],
+            stages: vec![stage(1.0, 8, 6), stage(1.0, 7, 6), stage(1.1, 6, 5), stage(1.1, 5, 4)],
+            track_from: 1,
+            detect_starts: 6,
+            track_starts: 3,
+            detect_jitter: Jitter { shift: 0.05, log_size: 0.08, roll: 0.14 },
+            track_jitter: Jitter { shift: 0.04, log_size: 0.03, roll: 0.05 },
+            track_modes: 0.35,
+        }
+    }
+}
+
+/// One start on its way through the cascade.
+struct Sample {
+    face: usize,
+    fold: usize,
+    /// First stage that it takes part in.
+    from: usize,
+    shape: Shape,
+}
+
+const FOLDS: usize = 4;
+const RIDGES: [f32; 5] = [3e-4, 1e-3, 3e-3, 1e-2, 3e-2];
+
+/// Trains the cascade on these faces (mirrors included by the caller).
+pub fn train(faces: &[Face], options: &Options) -> Result<SectionWriter> {
+    let basis = Basis::fit(faces, options.modes);
+    let starts = StartShapes::fit(faces, &basis, &options.turns);
+    let mut samples = sample(faces, &basis, &starts, options);
+    println!("{} faces, {} starts", faces.len(), samples.len());
+    let mut stages = Vec::new();
+    for (index, stage) in options.stages.iter().enumerate() {
+        stages.push(train_stage(index, stage, faces, &basis, &mut samples)?);
+    }
+    Ok(section(&basis, &starts, &stages, options.track_from))
+}
+
+fn sample(faces: &[Face], basis: &Basis, starts: &StartShapes, options: &Options) -> Vec<Sample> {
+    let mut samples = Vec::new();
+    for (index, face) in faces.iter().enumerate() {
+        let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
+        rng.set_stream(index as u64);
+        let fold = face.person as usize % FOLDS;
+        for _ in 0..options.detect_starts {
+            let shape = options.detect_jitter.detected(face, starts, &mut rng);
+            samples.push(Sample { face: index, fold, from: 0, shape });
+        }
+        for _ in 0..options.track_starts {
+            // Many frames hardly move, some move much.
+            let amount = rng.random_range(0.0f32..1.0).powi(2) * 1.5;
+            let j = options.track_jitter;
+            let jitter = Jitter {
+                shift: j.shift * amount,
+                log_size: j.log_size * amount,
+                roll: j.roll * amount,
+            };
+            let shape = jitter.tracked(face, basis, options.track_modes, &mut rng);
+            samples.push(Sample { face: index, fold, from: options.track_from, shape });
+        }
+    }
+    samples
+}
+
+fn bar(len: usize, what: String) -> ProgressBar {
+    let style = ProgressStyle::with_template("{msg:28} {bar:30} {pos}/{len} {eta}");
+    ProgressBar::new(len as u64).with_style(style.expect("a valid template")).with_message(what)
+}
+
+/// Descriptors of all samples at their current shapes, and what the stage should answer.
+fn describe(
+    stage: &StageOptions,
+    faces: &[Face],
+    basis: &Basis,
+    samples: &[&mut Sample],
+    title: String,
+) -> Vec<(Box<[[u8; VALUES]; LANDMARKS]>, Vec<f32>)> {
+    let grid = HogGrid { spacing: stage.spacing, radius: stage.radius };
+    samples
+        .par_iter()
+        .progress_with(bar(samples.len(), title))
+        .map_init(
+            || Box::new(Workspace::new()),
+            |work, sample| {
+                let face = &faces[sample.face];
+                let placed = place(&basis.mean, &sample.shape, stage.zoom, stage.side);
+                let placed = placed.expect("training shapes have extent");
+                work.describe(&face.picture.frame(), &placed, stage.side, grid);
+                let back = placed.canonical_to_frame.inverse().expect("a shape has extent");
+                let truth = flat(&face.landmarks.map(|p| back.apply(p)));
+                let now = flat(&placed.canonical);
+                let residual: Vec<f32> = truth.iter().zip(&now).map(|(t, n)| t - n).collect();
+                (Box::new(*work.values()), basis.project(&residual))
+            },
+        )
+        .collect()
+}
+
+fn train_stage(
+    index: usize,
+    stage: &StageOptions,
+    faces: &[Face],
+    basis: &Basis,
+    samples: &mut [Sample],
+) -> Result<StageWeights> {
+    let mut active: Vec<&mut Sample> = samples.iter_mut().filter(|s| s.from <= index).collect();
+    let described = describe(stage, faces, basis, &active, format!("stage {index}: describe"));
+    let projection = learn_projection(&described, stage.features);
+    let features = project_all(&described, &projection);
+    let rows: Vec<&[i8]> = features.iter().map(|f| f.as_slice()).collect();
+    let targets: Vec<&[f32]> = described.iter().map(|(_, t)| t.as_slice()).collect();
+    let weights: Vec<f32> = active.iter().map(|s| faces[s.face].weight).collect();
+    let pick = |keep: &dyn Fn(usize) -> bool| -> (Vec<&[i8]>, Vec<&[f32]>, Vec<f32>) {
+        let chosen: Vec<usize> = (0..rows.len()).filter(|n| keep(active[*n].fold)).collect();
+        (
+            chosen.iter().map(|n| rows[*n]).collect(),
+            chosen.iter().map(|n| targets[*n]).collect(),
+            chosen.iter().map(|n| weights[*n]).collect(),
+        )
+    };
+    let (inputs, outputs) = (rows[0].len(), targets[0].len());
+    let folds: Vec<Normal> = (0..FOLDS)
+        .map(|fold| {
+            let (x, y, w) = pick(&|f| f == fold);
+            let mut normal = Normal::new(inputs, outputs);
+            normal.add(&x, &y, &w);
+            normal
+        })
+        .collect();
+    let sum_without = |fold: Option<usize>| {
+        let mut sum = Normal::new(inputs, outputs);
+        let kept = folds.iter().enumerate().filter(|(f, _)| Some(*f) != fold);
+        kept.for_each(|(_, n)| sum.merge(n));
+        sum
+    };
+    // The ridge that serves a held-out fold best.
+    let (x, y, w) = pick(&|f| f == 0);
+    let held_out = sum_without(Some(0));
+    let mut best = (f64::MAX, RIDGES[0]);
+    for ridge in RIDGES {
+        let e = error(&held_out.solve(ridge)?, &x, &y, &w);
+        if e < best.0 {
+            best = (e, ridge);
+        }
+    }
+    let rms = |e: f64| (e / LANDMARKS as f64).sqrt() / 36.0 * 100.0;
+    let before: f64 = y.iter().zip(&w).map(|(y, w)| (y.iter().map(|v| v * v).sum::<f32>() * w) as f64).sum::<f64>()
+        / w.iter().map(|w| *w as f64).sum::<f64>();
+    println!(
+        "stage {index}: ridge {}, held-out point error {:.2} → {:.2} (r.m.s., % of the inter-ocular distance)",
+        best.1, rms(before), rms(best.0)
+    );
+    let out_of_fold = (0..FOLDS)
+        .map(|fold| sum_without(Some(fold)).solve(best.1))
+        .collect::<Result<Vec<_>>>()?;
+    active.par_iter_mut().enumerate().for_each(|(n, sample)| {
+        let delta = predict(&out_of_fold[sample.fold], rows[n]);
+        advance(sample, basis, stage, &delta);
+    });
+    let regressor = RegressorWeights::quantise(&sum_without(None).solve(best.1)?);
+    Ok(StageWeights { options: *stage, projection, regressor })
+}
+
+/// Moves a sample by a stage's answer.
+fn advance(sample: &mut Sample, basis: &Basis, stage: &StageOptions, delta: &[f32]) {
+    let placed = place(&basis.mean, &sample.shape, stage.zoom, stage.side);
+    let placed = placed.expect("training shapes have extent");
+    let mut moved = placed.canonical;
+    for (row, d) in basis.rows.iter().zip(delta) {
+        for (i, p) in moved.iter_mut().enumerate() {
+            *p = [p[0] + d * row[2 * i], p[1] + d * row[2 * i + 1]];
+        }
+    }
+    sample.shape = moved.map(|p| placed.canonical_to_frame.apply(p));
+}
+
+fn learn_projection(
+    described: &[(Box<[[u8; VALUES]; LANDMARKS]>, Vec<f32>)],
+    features: usize,
+) -> ProjectionWeights {
+    // Every sample gives a few landmarks: 200,000 descriptors fix 72×72 covariances well.
+    let step = (described.len() * LANDMARKS / 200_000).max(1);
+    let chosen: Vec<[u8; VALUES]> = (0..described.len() * LANDMARKS)
+        .step_by(step)
+        .map(|k| described[k / LANDMARKS].0[(k + k / LANDMARKS) % LANDMARKS])
+        .collect();
+    ProjectionWeights::principal(&chosen, features)
+}
+
+fn project_all(
+    described: &[(Box<[[u8; VALUES]; LANDMARKS]>, Vec<f32>)],
+    weights: &ProjectionWeights,
+) -> Vec<Vec<i8>> {
+    let features = weights.features();
+    described
+        .par_iter()
+        .map(|(values, _)| {
+            let mut out = vec![0i8; LANDMARKS * features];
+            for (v, out) in values.iter().zip(out.chunks_exact_mut(features)) {
+                weights.project(v, out);
+            }
+            out
+        })
+        .collect()
+}

@@ -1,0 +1,143 @@
+//! Labelled faces in memory: photographs from a CSV, and renders turned into the same form.
+
+use anyhow::{Context, Result, ensure};
+use posewise::align::Shape;
+use posewise::image::{Frame, FrameLayout};
+use posewise::shape::LANDMARKS;
+use rayon::prelude::*;
+use std::path::Path;
+use std::sync::Arc;
+
+/// A grey picture.
+pub struct Picture {
+    /// Width and height \[px\].
+    pub size: [u32; 2],
+    /// Row-major luma.
+    pub luma: Vec<u8>,
+}
+
+impl Picture {
+    /// The picture as the core sees it.
+    pub fn frame(&self) -> Frame<'_> {
+        let layout = FrameLayout::grey(self.size[0], self.size[1]);
+        Frame::new(&layout, &self.luma).expect("a picture is as large as it says")
+    }
+
+    /// Reads a picture file as luma (BT.601).
+    pub fn read(path: &Path) -> Result<Picture> {
+        let image = image::open(path).with_context(|| format!("reading {}", path.display()))?;
+        let grey = image.to_luma8();
+        Ok(Picture { size: [grey.width(), grey.height()], luma: grey.into_raw() })
+    }
+
+    /// Left and right exchanged.
+    pub fn mirrored(&self) -> Picture {
+        let rows = self.luma.chunks_exact(self.size[0] as usize);
+        Picture { size: self.size, luma: rows.flat_map(|row| row.iter().rev().copied()).collect() }
+    }
+}
+
+/// One face with its 68 landmarks.
+#[derive(Clone)]
+pub struct Face {
+    /// Picture that shows it.
+    pub picture: Arc<Picture>,
+    /// iBUG 68 landmarks \[px\]; the jaw follows the visible contour.
+    pub landmarks: Shape,
+    /// Which person, for splits.
+    pub person: u32,
+    /// Yaw \[deg\] where it is known (renders).
+    pub yaw_deg: Option<f32>,
+    /// Weight in training.
+    pub weight: f32,
+}
+
+/// For each landmark the one on the other side of the face.
+pub const MIRROR: [usize; LANDMARKS] = [
+    16, 15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0, 26, 25, 24, 23, 22, 21, 20, 19, 18,
+    17, 27, 28, 29, 30, 35, 34, 33, 32, 31, 45, 44, 43, 42, 47, 46, 39, 38, 37, 36, 41, 40, 54, 53,
+    52, 51, 50, 49, 48, 59, 58, 57, 56, 55, 64, 63, 62, 61, 60, 67, 66, 65,
+];
+
+impl Face {
+    /// The face in a mirror.
+    pub fn mirrored(&self) -> Face {
+        let last = self.picture.size[0] as f32 - 1.0;
+        let mut landmarks = self.landmarks;
+        for (to, from) in landmarks.iter_mut().zip(MIRROR) {
+            let [x, y] = self.landmarks[from];
+            *to = [last - x, y];
+        }
+        Face {
+            picture: Arc::new(self.picture.mirrored()),
+            landmarks,
+            yaw_deg: self.yaw_deg.map(|yaw| -yaw),
+            ..self.clone()
+        }
+    }
+
+    /// Distance between the outer eye corners \[px\].
+    pub fn inter_ocular(&self) -> f32 {
+        let [a, b] = [self.landmarks[36], self.landmarks[45]];
+        (a[0] - b[0]).hypot(a[1] - b[1])
+    }
+
+    /// −1 (turned to the image left) … 1 (right): from yaw where it is known, else from where the
+    /// nose tip lies between the outer eye corners.
+    pub fn turn(&self) -> f32 {
+        if let Some(yaw) = self.yaw_deg {
+            return yaw / 90.0;
+        }
+        let [right, left, tip] = [self.landmarks[36], self.landmarks[45], self.landmarks[30]];
+        let along = [left[0] - right[0], left[1] - right[1]];
+        let norm = along[0] * along[0] + along[1] * along[1];
+        let at = ((tip[0] - right[0]) * along[0] + (tip[1] - right[1]) * along[1]) / norm;
+        // The tip passes an eye corner at about 60°.
+        ((2.0 * at - 1.0) * 60.0 / 90.0).clamp(-1.0, 1.0)
+    }
+}
+
+/// Reads a CSV of `image,x0,y0,…,x67,y67` and its pictures. A person is the part of the file's
+/// name before the last underscore.
+pub fn photographs(csv_path: &Path, images: &Path) -> Result<Vec<Face>> {
+    let mut reader = csv::Reader::from_path(csv_path)
+        .with_context(|| format!("reading {}", csv_path.display()))?;
+    let rows: Vec<csv::StringRecord> = reader.records().collect::<Result<_, _>>()?;
+    let mut people = std::collections::BTreeMap::new();
+    for row in &rows {
+        let next = people.len() as u32;
+        people.entry(person_of(&row[0]).to_owned()).or_insert(next);
+    }
+    rows.par_iter()
+        .map(|row| {
+            ensure!(row.len() == 1 + 2 * LANDMARKS, "{}: {} columns", &row[0], row.len());
+            let mut landmarks = [[0.0; 2]; LANDMARKS];
+            for (i, p) in landmarks.iter_mut().enumerate() {
+                *p = [row[1 + 2 * i].parse()?, row[2 + 2 * i].parse()?];
+            }
+            Ok(Face {
+                picture: Arc::new(Picture::read(&images.join(&row[0]))?),
+                landmarks,
+                person: people[person_of(&row[0])],
+                yaw_deg: None,
+                weight: 1.0,
+            })
+        })
+        .collect()
+}
+
+fn person_of(file: &str) -> &str {
+    let name = file.split_once('_').map_or(file, |(_, rest)| rest);
+    name.rsplit_once('_').map_or(name, |(person, _)| person)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn mirror_is_its_own_inverse() {
+        assert!((0..LANDMARKS).all(|i| MIRROR[MIRROR[i]] == i));
+        assert_eq!(person_of("a_Adam_Sandler_00.jpg"), "Adam_Sandler");
+    }
+}
