@@ -12,6 +12,7 @@
 //! | 2 | [`shape`] | the 3D face, projection, POSIT, the bounded pose fit |
 //! | 3 | [`detect`] | the multi-view face scan, time-sliced |
 //! | 3 | [`align`] | the cascade of quantised regressors: crop → 68 landmarks |
+//! | 3 | [`experts`] | is it a face, which landmarks are right: calibrated probabilities |
 //! | 4 | [`track`] | Searching / Tracking / Holding: what lives across frames |
 //! | 5 | `ffi` | the C ABI |
 //!
@@ -30,6 +31,7 @@
 pub mod align;
 pub mod descriptor;
 pub mod detect;
+pub mod experts;
 pub mod image;
 pub mod math;
 pub mod model;

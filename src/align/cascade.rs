@@ -196,6 +196,11 @@ impl<'m> AlignModel<'m> {
         self.stages.iter().flatten()
     }
 
+    /// Features per landmark of the last stage.
+    pub fn features(&self) -> usize {
+        self.stages().last().map_or(0, |stage| stage.projection.features())
+    }
+
     /// Index of the first stage to run from a tracked shape.
     pub fn track_from(&self) -> usize {
         self.track_from

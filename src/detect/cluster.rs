@@ -43,6 +43,15 @@ struct Mean {
 }
 
 impl Cluster {
+    const FREE: Cluster = Cluster {
+        strength: 0,
+        x: 0,
+        y: 0,
+        size: 0,
+        roll: 0,
+        last_pass: 0,
+    };
+
     fn mean(&self) -> Option<Mean> {
         // Strength is a count of positive scores: the division is by > 0 or there is no cluster.
         let over = |sum: i64| sum.checked_div(self.strength).map(|v| v as i32);
@@ -81,6 +90,11 @@ pub(super) struct Clusters {
 }
 
 impl Clusters {
+    /// No hit yet.
+    pub const EMPTY: Clusters = Clusters {
+        table: [Cluster::FREE; CLUSTERS],
+    };
+
     /// Adds a hit to the cluster that it overlaps, or starts one.
     pub fn add(&mut self, hit: Hit) {
         let at = Mean {

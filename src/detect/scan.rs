@@ -67,8 +67,18 @@ impl Axis {
 
 impl Scan {
     /// A sweep that has not begun.
-    pub fn new() -> Self {
-        Self::default()
+    pub const fn new() -> Self {
+        Scan {
+            width: 0,
+            height: 0,
+            min_px: 0,
+            size: 0,
+            pass: 0,
+            roll: 0,
+            row: 0,
+            column: 0,
+            clusters: Clusters::EMPTY,
+        }
     }
 
     /// Forgets everything: the next slice starts a new sweep.

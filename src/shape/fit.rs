@@ -5,7 +5,7 @@ use super::posit::{mirrored, posit};
 use super::{ANIMATIONS, Animation, Contour, FaceModel, Identity, Intrinsics, LANDMARKS};
 use super::{MAX_IDENTITIES, Observed, Pose, Shape};
 use crate::math::solve_spd;
-use glam::Vec3;
+use glam::{Mat3, Vec3};
 
 /// Fewest landmarks that a pose is fitted to.
 const MIN_LANDMARKS: usize = 8;
@@ -29,12 +29,23 @@ pub struct FaceState {
     pub identity: Identity,
 }
 
+impl FaceState {
+    /// At the camera, at rest, the mean person. All zero.
+    pub const EMPTY: FaceState = FaceState {
+        pose: Pose {
+            rotation: Mat3::ZERO,
+            translation_mm: Vec3::ZERO,
+        },
+        animation: [0.0; ANIMATIONS],
+        identity: [0.0; MAX_IDENTITIES],
+    };
+}
+
 impl Default for FaceState {
     fn default() -> Self {
         FaceState {
             pose: Pose::default(),
-            animation: [0.0; ANIMATIONS],
-            identity: [0.0; MAX_IDENTITIES],
+            ..Self::EMPTY
         }
     }
 }

@@ -1,9 +1,12 @@
 //! What lives across frames: the state machine Searching / Tracking / Holding.
 
+mod config;
 mod model;
+mod motion;
 mod result;
 mod tracker;
 
+pub use config::{Config, ConfigError};
 pub use model::Model;
 pub use result::{Landmark, State, TrackResult};
-pub use tracker::{Config, ConfigError, StepError, Tracker};
+pub use tracker::{StepError, Tracker};

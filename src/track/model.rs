@@ -1,11 +1,23 @@
 //! All of a model's sections, opened and checked once.
 
+use crate::align::AlignModel;
+use crate::detect::{self, DetectorModel};
+use crate::experts::Verifier;
 use crate::model::{Blob, ModelError};
+use crate::shape::{FACE_TAG, FaceModel};
 
 /// A checked model: views into the blob's bytes. Many trackers can share one.
 #[derive(Clone, Copy, Debug)]
 pub struct Model<'m> {
     blob: Blob<'m>,
+    /// The face detector.
+    pub detector: DetectorModel<'m>,
+    /// The cascade.
+    pub align: AlignModel<'m>,
+    /// Face and landmark probabilities.
+    pub verifier: Verifier<'m>,
+    /// The 3D face.
+    pub face: FaceModel<'m>,
 }
 
 impl<'m> Model<'m> {
@@ -15,8 +27,14 @@ impl<'m> Model<'m> {
     /// # Errors
     /// The first thing found wrong.
     pub fn load(bytes: &'m [u8]) -> Result<Self, ModelError> {
+        let blob = Blob::open(bytes)?;
+        let align = AlignModel::open(&blob)?;
         Ok(Model {
-            blob: Blob::open(bytes)?,
+            blob,
+            detector: DetectorModel::open(blob.section(&detect::TAG)?)?,
+            verifier: Verifier::open(&blob, align.features())?,
+            align,
+            face: FaceModel::open(blob.section(&FACE_TAG)?)?,
         })
     }
 

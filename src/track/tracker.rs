@@ -1,75 +1,38 @@
-//! One step: frame in, result out.
+//! One step: frame in, result out; and the state machine around it.
+//!
+//! Searching runs a slice of the detector's sweep; a face found there is aligned and judged at
+//! once. Tracking starts the cascade's later stages from the shape that the last frames predict.
+//! A fit whose probability falls below `KEEP` makes the tracker Holding: the last answer is
+//! repeated, the detector looks around it, and after `HOLD_US` the search starts anew.
 
-use super::{Model, TrackResult};
-use crate::image::Frame;
-use crate::shape::Intrinsics;
+use super::config::{Config, ConfigError};
+use super::motion::Motion;
 use core::mem::MaybeUninit;
 
-/// A tracker's settings.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Config {
-    /// The camera; `None` for a 60° horizontal field of view.
-    pub intrinsics: Option<Intrinsics>,
-    /// Narrowest face searched for \[px\], 24 to 4096.
-    pub min_face_px: u32,
-    /// Windows tested per step while searching, 100 to 10 million.
-    pub scan_budget: u32,
-}
+use super::{Landmark, Model, State, TrackResult};
+use crate::align::{Shape, Workspace};
+use crate::detect::{Detection, Scan, Swept, search_near};
+use crate::experts::Verdict;
+use crate::image::Frame;
+use crate::math::Similarity;
+use crate::shape::{
+    FaceFit, FaceState, FitOptions, IdentityEstimator, Intrinsics, LANDMARKS, Observed,
+    fit,
+};
 
-impl Default for Config {
-    fn default() -> Self {
-        Config {
-            intrinsics: None,
-            min_face_px: 40,
-            scan_budget: 6000,
-        }
-    }
-}
-
-impl Config {
-    /// Whether every setting is in its range.
-    ///
-    /// # Errors
-    /// [`ConfigError`] names the first that is not.
-    pub fn check(&self) -> Result<(), ConfigError> {
-        if let Some(Intrinsics { fx, fy, cx, cy }) = self.intrinsics {
-            let finite = [fx, fy, cx, cy].iter().all(|v| v.is_finite());
-            if !(finite && fx > 0.0 && fy > 0.0) {
-                return Err(ConfigError::Intrinsics);
-            }
-        }
-        if !(24..=4096).contains(&self.min_face_px) {
-            return Err(ConfigError::MinFace);
-        }
-        if !(100..=10_000_000).contains(&self.scan_budget) {
-            return Err(ConfigError::ScanBudget);
-        }
-        Ok(())
-    }
-}
-
-/// Why settings are refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ConfigError {
-    /// A focal length is not positive and finite, or the principal point is not finite.
-    Intrinsics,
-    /// `min_face_px` is out of range.
-    MinFace,
-    /// `scan_budget` is out of range.
-    ScanBudget,
-}
-
-impl core::fmt::Display for ConfigError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str(match self {
-            ConfigError::Intrinsics => "focal lengths must be positive and intrinsics finite",
-            ConfigError::MinFace => "min_face_px must lie in 24..=4096",
-            ConfigError::ScanBudget => "scan_budget must lie in 100..=10000000",
-        })
-    }
-}
-
-impl core::error::Error for ConfigError {}
+/// A detection becomes a tracked face from this probability on.
+const ACCEPT: f32 = 0.5;
+/// A tracked face is given up below this probability: a fit that was right a frame ago deserves
+/// more trust than one out of the blue.
+const KEEP: f32 = 0.25;
+/// How long the last answer is held \[µs\].
+const HOLD_US: i64 = 500_000;
+/// Only frames at least this sure teach who it is.
+const TRUST: f32 = 0.9;
+/// Trusted frames after which every frame's identity estimate no longer replaces the last.
+const IDENTITY_FRAMES: u32 = 30;
+/// Work of one search around a lost face, in the detector's units.
+const NEAR_BUDGET: u32 = 1500;
 
 /// Why a frame was not taken; the tracker is then as before the call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,25 +49,52 @@ impl core::fmt::Display for StepError {
 
 impl core::error::Error for StepError {}
 
+/// What is known of the tracked face.
+#[derive(Clone, Copy)]
+struct Subject {
+    shape: Shape,
+    motion: Motion,
+    /// The 3D face of the last fit, unless `new`.
+    face: FaceState,
+    new: bool,
+    identity: IdentityEstimator,
+    /// When it was last fitted \[µs\].
+    fitted_us: i64,
+}
+
+impl Subject {
+    const EMPTY: Subject = Subject {
+        shape: [[0.0; 2]; LANDMARKS],
+        motion: Motion::STILL,
+        face: FaceState::EMPTY,
+        new: false,
+        identity: IdentityEstimator::new(),
+        fitted_us: 0,
+    };
+}
+
 /// All state of one tracked face. Plain data: a copy of it goes on independently.
 #[derive(Clone)]
 pub struct Tracker {
     config: Config,
     result: TrackResult,
     last_timestamp_us: Option<i64>,
+    scan: Scan,
+    /// Meaningful unless Searching.
+    subject: Subject,
+    work: Workspace,
 }
 
 impl Tracker {
     /// Has seen nothing. All zero bytes, so that building one in place is a memset and needs no
     /// copy on the stack.
     const EMPTY: Tracker = Tracker {
-        config: Config {
-            intrinsics: None,
-            min_face_px: 0,
-            scan_budget: 0,
-        },
+        config: Config { intrinsics: None, min_face_px: 0, scan_budget: 0 },
         result: TrackResult::EMPTY,
         last_timestamp_us: None,
+        scan: Scan::new(),
+        subject: Subject::EMPTY,
+        work: Workspace::new(),
     };
 
     /// A tracker that has seen nothing.
@@ -113,10 +103,7 @@ impl Tracker {
     /// [`ConfigError`] names the setting that is out of range.
     pub fn new(config: &Config) -> Result<Self, ConfigError> {
         config.check()?;
-        Ok(Tracker {
-            config: *config,
-            ..Self::EMPTY
-        })
+        Ok(Tracker { config: *config, ..Self::EMPTY })
     }
 
     /// As [`Tracker::new`], in place: for small stacks. On failure the slot is untouched.
@@ -140,18 +127,41 @@ impl Tracker {
     /// [`StepError`]; the tracker is then unchanged.
     pub fn step(
         &mut self,
-        _model: &Model<'_>,
-        _frame: &Frame<'_>,
+        model: &Model<'_>,
+        frame: &Frame<'_>,
         timestamp_us: i64,
     ) -> Result<&TrackResult, StepError> {
-        if self
-            .last_timestamp_us
-            .is_some_and(|last| timestamp_us <= last)
-        {
+        if self.last_timestamp_us.is_some_and(|last| timestamp_us <= last) {
             return Err(StepError::Time);
         }
         self.last_timestamp_us = Some(timestamp_us);
-        self.result.timestamp_us = timestamp_us;
+        match self.result.state {
+            State::Tracking => self.track(model, frame, timestamp_us),
+            State::Holding => self.hold(model, frame, timestamp_us),
+            State::Searching => self.search(model, frame, timestamp_us),
+        }
+        Ok(&self.result)
+    }
+
+    /// Starts from a face that the caller has found, as if the detector had: one step of
+    /// [`Tracker::step`] without the search.
+    ///
+    /// # Errors
+    /// [`StepError`]; the tracker is then unchanged.
+    pub fn step_at(
+        &mut self,
+        model: &Model<'_>,
+        frame: &Frame<'_>,
+        timestamp_us: i64,
+        face: &Detection,
+    ) -> Result<&TrackResult, StepError> {
+        if self.last_timestamp_us.is_some_and(|last| timestamp_us <= last) {
+            return Err(StepError::Time);
+        }
+        self.last_timestamp_us = Some(timestamp_us);
+        if !self.acquire(model, frame, timestamp_us, face, None) {
+            self.lose(timestamp_us);
+        }
         Ok(&self.result)
     }
 
@@ -169,6 +179,7 @@ impl Tracker {
     pub fn reset(&mut self) {
         self.result = TrackResult::default();
         self.last_timestamp_us = None;
+        self.scan.restart();
     }
 
     /// Changes the camera from the next step on.
@@ -176,12 +187,209 @@ impl Tracker {
     /// # Errors
     /// [`ConfigError::Intrinsics`].
     pub fn set_intrinsics(&mut self, intrinsics: Option<Intrinsics>) -> Result<(), ConfigError> {
-        let config = Config {
-            intrinsics,
-            ..self.config
-        };
+        let config = Config { intrinsics, ..self.config };
         config.check()?;
         self.config = config;
         Ok(())
     }
+
+    fn search(&mut self, model: &Model<'_>, frame: &Frame<'_>, now: i64) {
+        let min_px = self.config.min_face_px as i32;
+        let swept = self.scan.advance(&model.detector, frame, min_px, self.config.scan_budget);
+        let found = match swept {
+            Swept::Found(face) => self.acquire(model, frame, now, &face, None),
+            _ => false,
+        };
+        if !found {
+            self.lose(now);
+        }
+    }
+
+    /// Looks for a face that was lost a moment ago where it should be by now.
+    fn hold(&mut self, model: &Model<'_>, frame: &Frame<'_>, now: i64) {
+        let subject = self.subject;
+        let around = place_of(&subject.shape);
+        let found = search_near(&model.detector, frame, &around, NEAR_BUDGET)
+            .is_some_and(|face| self.acquire(model, frame, now, &face, Some(subject)));
+        if !found {
+            self.keep_holding(now, &subject);
+        }
+    }
+
+    fn keep_holding(&mut self, now: i64, subject: &Subject) {
+        let age_us = now.saturating_sub(subject.fitted_us);
+        if age_us > HOLD_US {
+            self.scan.restart();
+            self.lose(now);
+        } else {
+            self.result.state = State::Holding;
+            self.result.timestamp_us = now;
+            self.result.age_us = age_us;
+        }
+    }
+
+    fn lose(&mut self, now: i64) {
+        self.result = TrackResult { timestamp_us: now, ..TrackResult::default() };
+    }
+
+    /// Aligns to a detection from the first stage on; true when it is a face. `known` is the
+    /// subject that is expected there, if any.
+    fn acquire(
+        &mut self,
+        model: &Model<'_>,
+        frame: &Frame<'_>,
+        now: i64,
+        face: &Detection,
+        known: Option<Subject>,
+    ) -> bool {
+        let Some(mut shape) = start_in(&model.align.start(face.turn), face) else {
+            return false;
+        };
+        if !model.align.run(frame, 0, &mut shape, &mut self.work) {
+            return false;
+        }
+        let verdict = model.verifier.judge(self.work.features());
+        if verdict.face < ACCEPT {
+            return false;
+        }
+        let known = known.unwrap_or(Subject::EMPTY);
+        let subject = Subject { shape, motion: Motion::STILL, new: true, fitted_us: now, ..known };
+        self.answer(model, frame, now, subject, &verdict)
+    }
+
+    fn track(&mut self, model: &Model<'_>, frame: &Frame<'_>, now: i64) {
+        let subject = self.subject;
+        let predicted = subject.motion.predict(&subject.shape, now - subject.fitted_us);
+        let mut next = Subject { shape: predicted, ..subject };
+        let first = model.align.track_from();
+        let ran = model.align.run(frame, first, &mut next.shape, &mut self.work);
+        let verdict = model.verifier.judge(self.work.features());
+        let inside = overlaps(&next.shape, frame);
+        let kept = ran && inside && verdict.face >= KEEP && {
+            next.motion =
+                Motion::between(&subject.shape, &next.shape, now - subject.fitted_us);
+            next.fitted_us = now;
+            self.answer(model, frame, now, next, &verdict)
+        };
+        if !kept {
+            self.keep_holding(now, &subject);
+        }
+    }
+
+    /// Fits the 3D face and writes the result; false when no pose explains the landmarks.
+    fn answer(
+        &mut self,
+        model: &Model<'_>,
+        frame: &Frame<'_>,
+        now: i64,
+        mut subject: Subject,
+        verdict: &Verdict,
+    ) -> bool {
+        let camera = match self.config.intrinsics {
+            Some(camera) => camera,
+            None => Intrinsics::of_frame(frame.width(), frame.height()),
+        };
+        // A landmark that is probably wrong still says a little.
+        let weights = verdict.landmarks.map(|p| 0.05 + p);
+        let observed = Observed { points: &subject.shape, weights: &weights };
+        let start = (!subject.new).then_some(&subject.face);
+        let identity = subject.face.identity;
+        let options = FitOptions::default();
+        let fitted = fit(&model.face, &camera, &observed, start, &identity, &options);
+        let Some(fitted) = fitted else {
+            return false;
+        };
+        subject.face = fitted.state;
+        subject.new = false;
+        if verdict.face >= TRUST && subject.identity.frames() < IDENTITY_FRAMES {
+            subject.identity.add(&model.face, &camera, &observed, &fitted);
+            subject.face.identity = subject.identity.estimate();
+        }
+        self.result = result(now, &subject.shape, verdict, &fitted);
+        self.subject = subject;
+        true
+    }
+}
+
+/// Puts an upright canonical start shape into a detection's box.
+fn start_in(start: &Shape, face: &Detection) -> Option<Shape> {
+    let [x, y, width, height] = bounds(start);
+    let scale = face.size / width.max(height);
+    let (a, b) = (scale * libm::cosf(face.roll), scale * libm::sinf(face.roll));
+    let turn = Similarity { a, b, tx: face.x, ty: face.y };
+    turn.inverse()?;
+    let (cx, cy) = (x + width / 2.0, y + height / 2.0);
+    Some(start.map(|p| turn.apply([p[0] - cx, p[1] - cy])))
+}
+
+/// The detector's box of a shape.
+fn place_of(shape: &Shape) -> Detection {
+    let mean = |from: usize| {
+        let eye = shape.iter().skip(from).take(6);
+        eye.fold([0.0, 0.0], |m, p| [m[0] + p[0] / 6.0, m[1] + p[1] / 6.0])
+    };
+    let (right, left) = (mean(36), mean(42));
+    let roll = libm::atan2f(left[1] - right[1], left[0] - right[0]);
+    let forth = Similarity { a: libm::cosf(roll), b: libm::sinf(roll), tx: 0.0, ty: 0.0 };
+    let back = Similarity { b: -forth.b, ..forth };
+    let [x, y, width, height] = bounds(&shape.map(|p| back.apply(p)));
+    let [x, y] = forth.apply([x + width / 2.0, y + height / 2.0]);
+    Detection { x, y, size: width.max(height), roll, ..Detection::default() }
+}
+
+/// Axis-aligned box: x, y, width, height.
+fn bounds(shape: &Shape) -> [f32; 4] {
+    let mut low = [f32::MAX; 2];
+    let mut high = [f32::MIN; 2];
+    for [x, y] in shape {
+        low = [low[0].min(*x), low[1].min(*y)];
+        high = [high[0].max(*x), high[1].max(*y)];
+    }
+    [low[0], low[1], high[0] - low[0], high[1] - low[1]]
+}
+
+/// Whether the middle of the face is in the frame.
+fn overlaps(shape: &Shape, frame: &Frame<'_>) -> bool {
+    let [x, y, width, height] = bounds(shape);
+    let (cx, cy) = (x + width / 2.0, y + height / 2.0);
+    cx >= 0.0 && cy >= 0.0 && cx <= frame.width() as f32 && cy <= frame.height() as f32
+}
+
+fn result(now: i64, shape: &Shape, verdict: &Verdict, fitted: &FaceFit) -> TrackResult {
+    let pose = &fitted.state.pose;
+    let angles = pose.angles();
+    let mut landmarks = [Landmark::default(); LANDMARKS];
+    let parts = shape.iter().zip(&verdict.landmarks).zip(&fitted.visible);
+    for (out, (([x, y], confidence), visible)) in landmarks.iter_mut().zip(parts) {
+        let visibility = if *visible { 1.0 } else { 0.0 };
+        *out = Landmark { x: *x, y: *y, confidence: *confidence, visibility };
+    }
+    TrackResult {
+        state: State::Tracking,
+        timestamp_us: now,
+        age_us: 0,
+        score: verdict.face,
+        face_box: bounds(shape),
+        rotation: pose.quaternion(),
+        yaw_deg: angles.yaw_deg,
+        pitch_deg: angles.pitch_deg,
+        roll_deg: angles.roll_deg,
+        translation_mm: pose.translation_mm.to_array(),
+        eye_open: eye_open(fitted),
+        landmarks,
+        points_mm: fitted.points_mm.map(|p| p.to_array()),
+        animation: fitted.state.animation,
+    }
+}
+
+/// Openness of the subject's left and right eye from the animation; −1 for an eye that the head
+/// hides.
+fn eye_open(fitted: &FaceFit) -> [f32; 2] {
+    let eye = |blink: usize, first: usize| {
+        let seen = fitted.visible.iter().skip(first).take(6).filter(|v| **v).count();
+        let closed = fitted.state.animation.get(blink).copied().unwrap_or(0.0);
+        if seen >= 4 { 1.0 - closed } else { -1.0 }
+    };
+    // browDown ×2, browInnerUp, browOuterUp ×2 come before eyeBlinkLeft, eyeBlinkRight.
+    [eye(5, 42), eye(6, 36)]
 }

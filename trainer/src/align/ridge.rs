@@ -4,6 +4,7 @@ use anyhow::{Result, anyhow};
 use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::linalg::solvers::Solve;
 use faer::{Accum, Mat, Par, Side};
+use rayon::prelude::*;
 
 /// Features are divided by this, so that sums of squares stay near one per sample.
 pub const FEATURE_UNIT: f32 = 64.0;
@@ -26,29 +27,48 @@ impl Normal {
 
     /// Adds samples: rows of features, rows of targets, weights.
     pub fn add(&mut self, x: &[&[i8]], y: &[&[f32]], weight: &[f32]) {
-        const BLOCK: usize = 4096;
+        const BLOCK: usize = 2048;
         let (features, outputs) = (self.xx.nrows() - 1, self.xy.ncols());
-        let blocks = x.chunks(BLOCK).zip(y.chunks(BLOCK)).zip(weight.chunks(BLOCK));
-        for ((x, y), w) in blocks {
-            let a = Mat::from_fn(features + 1, x.len(), |i, n| {
-                let v = if i == features { 1.0 } else { x[n][i] as f32 / FEATURE_UNIT };
-                v * w[n].sqrt()
+        let blocks: Vec<_> =
+            x.chunks(BLOCK).zip(y.chunks(BLOCK)).zip(weight.chunks(BLOCK)).collect();
+        let sum = blocks
+            .into_par_iter()
+            .fold(
+                || Normal::new(features, outputs),
+                |mut sum, ((x, y), w)| {
+                    let a = Mat::from_fn(features + 1, x.len(), |i, n| {
+                        let v = if i == features { 1.0 } else { x[n][i] as f32 / FEATURE_UNIT };
+                        v * w[n].sqrt()
+                    });
+                    let b = Mat::from_fn(x.len(), outputs, |n, o| y[n][o] * w[n].sqrt());
+                    sum.accumulate(&a, &b);
+                    sum.samples += w.iter().map(|w| *w as f64).sum::<f64>();
+                    sum
+                },
+            )
+            .reduce_with(|mut a, b| {
+                a.merge(&b);
+                a
             });
-            let b = Mat::from_fn(x.len(), outputs, |n, o| y[n][o] * w[n].sqrt());
-            matmul(
-                &mut self.xx,
-                BlockStructure::TriangularLower,
-                Accum::Add,
-                &a,
-                BlockStructure::Rectangular,
-                a.transpose(),
-                BlockStructure::Rectangular,
-                1.0,
-                Par::rayon(0),
-            );
-            faer::linalg::matmul::matmul(&mut self.xy, Accum::Add, &a, &b, 1.0, Par::rayon(0));
-            self.samples += w.iter().map(|w| *w as f64).sum::<f64>();
+        if let Some(sum) = sum {
+            self.merge(&sum);
         }
+    }
+
+    // One thread a block: threads inside one product spin while they wait for each other.
+    fn accumulate(&mut self, a: &Mat<f32>, b: &Mat<f32>) {
+        matmul(
+            &mut self.xx,
+            BlockStructure::TriangularLower,
+            Accum::Add,
+            a,
+            BlockStructure::Rectangular,
+            a.transpose(),
+            BlockStructure::Rectangular,
+            1.0,
+            Par::Seq,
+        );
+        faer::linalg::matmul::matmul(&mut self.xy, Accum::Add, a, b, 1.0, Par::Seq);
     }
 
     /// The sums of both.
@@ -77,7 +97,6 @@ impl Normal {
 
 /// Mean squared error of the weights on samples (summed over outputs).
 pub fn error(weights: &Mat<f32>, x: &[&[i8]], y: &[&[f32]], sample_weight: &[f32]) -> f64 {
-    use rayon::prelude::*;
     let total: f64 = sample_weight.iter().map(|w| *w as f64).sum();
     let sum: f64 = (0..x.len())
         .into_par_iter()

@@ -116,7 +116,6 @@ impl Jitter {
 
     /// A start as from the frame before: the truth, moved, with errors along the shape modes.
     pub fn tracked(&self, face: &Face, basis: &Basis, modes: f32, rng: &mut ChaCha8Rng) -> Shape {
-        let (_, side, _) = face_box(&face.landmarks);
         let to_frame = Similarity::fit(&basis.mean, &face.landmarks).expect("a face has extent");
         let mut shape = face.landmarks;
         for (row, deviation) in basis.rows.iter().zip(&basis.deviation) {
@@ -126,10 +125,17 @@ impl Jitter {
                 *p = [p[0] + d[0], p[1] + d[1]];
             }
         }
+        self.moved(&shape, basis, rng)
+    }
+
+    /// A shape moved by this jitter.
+    pub fn moved(&self, shape: &Shape, basis: &Basis, rng: &mut ChaCha8Rng) -> Shape {
+        let (_, side, _) = face_box(shape);
         let scale = (normal(rng) * self.log_size).exp();
         let angle = normal(rng) * self.roll;
         let shift = [normal(rng) * self.shift * side, normal(rng) * self.shift * side];
-        let [cx, cy] = [to_frame.tx, to_frame.ty];
+        let at = Similarity::fit(&basis.mean, shape).expect("a face has extent");
+        let [cx, cy] = [at.tx, at.ty];
         let jitter = Similarity {
             a: scale * angle.cos(),
             b: scale * angle.sin(),

@@ -54,6 +54,10 @@ pub struct Options {
     pub detect_jitter: Jitter,
     /// Motion between frames.
     pub track_jitter: Jitter,
+    /// Rounds of training on the cascade's own answers.
+    pub closed_loop_rounds: usize,
+    /// Such answers per tracked start.
+    pub closed_loop_share: f32,
     /// Errors along the shape modes of tracked starts, in standard deviations.
     pub track_modes: f32,
 }
@@ -77,12 +81,15 @@ impl Default for Options {
             track_starts: 3,
             detect_jitter: Jitter { shift: 0.05, log_size: 0.08, roll: 0.14 },
             track_jitter: Jitter { shift: 0.04, log_size: 0.03, roll: 0.05 },
+            closed_loop_rounds: 2,
+            closed_loop_share: 1.5,
             track_modes: 0.35,
         }
     }
 }
 
 /// One start on its way through the cascade.
+#[derive(Clone)]
 struct Sample {
     face: usize,
     fold: usize,
@@ -92,7 +99,7 @@ struct Sample {
 }
 
 const FOLDS: usize = 4;
-const RIDGES: [f32; 5] = [3e-4, 1e-3, 3e-3, 1e-2, 3e-2];
+const RIDGES: [f32; 6] = [1e-3, 1e-2, 3e-2, 0.1, 0.3, 1.0];
 
 /// Trains the cascade on these faces (mirrors included by the caller).
 pub fn train(faces: &[Face], options: &Options) -> Result<SectionWriter> {
@@ -101,10 +108,54 @@ pub fn train(faces: &[Face], options: &Options) -> Result<SectionWriter> {
     let mut samples = sample(faces, &basis, &starts, options);
     println!("{} faces, {} starts", faces.len(), samples.len());
     let mut stages = Vec::new();
-    for (index, stage) in options.stages.iter().enumerate() {
+    for (index, stage) in options.stages.iter().enumerate().take(options.track_from) {
         stages.push(train_stage(index, stage, faces, &basis, &mut samples)?);
     }
+    let detected: Vec<Sample> = samples.iter().filter(|s| s.from == 0).cloned().collect();
+    for round in 0..=options.closed_loop_rounds {
+        println!("closed-loop round {round}");
+        if round > 0 {
+            samples = closed_loop(&basis, options, round, &detected, samples);
+        }
+        stages.truncate(options.track_from);
+        for (index, stage) in options.stages.iter().enumerate().skip(options.track_from) {
+            stages.push(train_stage(index, stage, faces, &basis, &mut samples)?);
+        }
+    }
     Ok(section(&basis, &starts, &stages, options.track_from))
+}
+
+/// Samples for another round: the detected starts where the first stages left them, and in place
+/// of made-up tracked starts the cascade's own (out-of-fold) answers, moved on by a frame's motion.
+/// What is trained on these does not drift when it is repeated.
+fn closed_loop(
+    basis: &Basis,
+    options: &Options,
+    round: usize,
+    detected: &[Sample],
+    answers: Vec<Sample>,
+) -> Vec<Sample> {
+    let mut rng = ChaCha8Rng::seed_from_u64(options.seed ^ ((round as u64) << 32));
+    let mut samples = detected.to_vec();
+    let keep = options.track_starts as f32 / (options.track_starts + options.detect_starts) as f32;
+    for answer in answers {
+        if rng.random_range(0.0..1.0) < keep * options.closed_loop_share {
+            let jitter = motion(&options.track_jitter, &mut rng);
+            let shape = jitter.moved(&answer.shape, basis, &mut rng);
+            samples.push(Sample { shape, from: options.track_from, ..answer });
+        }
+    }
+    samples
+}
+
+/// How far a face moves between two frames: mostly little, sometimes much.
+fn motion(largest: &Jitter, rng: &mut ChaCha8Rng) -> Jitter {
+    let amount = rng.random_range(0.0f32..1.0).powi(2) * 1.5;
+    Jitter {
+        shift: largest.shift * amount,
+        log_size: largest.log_size * amount,
+        roll: largest.roll * amount,
+    }
 }
 
 fn sample(faces: &[Face], basis: &Basis, starts: &StartShapes, options: &Options) -> Vec<Sample> {
@@ -118,14 +169,7 @@ fn sample(faces: &[Face], basis: &Basis, starts: &StartShapes, options: &Options
             samples.push(Sample { face: index, fold, from: 0, shape });
         }
         for _ in 0..options.track_starts {
-            // Many frames hardly move, some move much.
-            let amount = rng.random_range(0.0f32..1.0).powi(2) * 1.5;
-            let j = options.track_jitter;
-            let jitter = Jitter {
-                shift: j.shift * amount,
-                log_size: j.log_size * amount,
-                roll: j.roll * amount,
-            };
+            let jitter = motion(&options.track_jitter, &mut rng);
             let shape = jitter.tracked(face, basis, options.track_modes, &mut rng);
             samples.push(Sample { face: index, fold, from: options.track_from, shape });
         }
@@ -174,6 +218,7 @@ fn train_stage(
     basis: &Basis,
     samples: &mut [Sample],
 ) -> Result<StageWeights> {
+    let started = std::time::Instant::now();
     let mut active: Vec<&mut Sample> = samples.iter_mut().filter(|s| s.from <= index).collect();
     let described = describe(stage, faces, basis, &active, format!("stage {index}: describe"));
     let projection = learn_projection(&described, stage.features);
@@ -207,21 +252,24 @@ fn train_stage(
     // The ridge that serves a held-out fold best.
     let (x, y, w) = pick(&|f| f == 0);
     let held_out = sum_without(Some(0));
-    let mut best = (f64::MAX, RIDGES[0]);
-    for ridge in RIDGES {
-        let e = error(&held_out.solve(ridge)?, &x, &y, &w);
-        if e < best.0 {
-            best = (e, ridge);
-        }
-    }
+    faer::set_global_parallelism(faer::Par::Seq);
+    let errors = RIDGES
+        .par_iter()
+        .map(|ridge| Ok((error(&held_out.solve(*ridge)?, &x, &y, &w), *ridge)))
+        .collect::<Result<Vec<_>>>()?;
+    let best = errors.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).expect("ridges to try");
     let rms = |e: f64| (e / LANDMARKS as f64).sqrt() / 36.0 * 100.0;
     let before: f64 = y.iter().zip(&w).map(|(y, w)| (y.iter().map(|v| v * v).sum::<f32>() * w) as f64).sum::<f64>()
         / w.iter().map(|w| *w as f64).sum::<f64>();
     println!(
-        "stage {index}: ridge {}, held-out point error {:.2} → {:.2} (r.m.s., % of the inter-ocular distance)",
-        best.1, rms(before), rms(best.0)
+        "{:.0?} stage {index}: ridge {}, held-out point error {:.2} → {:.2} (r.m.s., % of the inter-ocular distance)",
+        started.elapsed(),
+        best.1,
+        rms(before),
+        rms(best.0)
     );
     let out_of_fold = (0..FOLDS)
+        .into_par_iter()
         .map(|fold| sum_without(Some(fold)).solve(best.1))
         .collect::<Result<Vec<_>>>()?;
     active.par_iter_mut().enumerate().for_each(|(n, sample)| {

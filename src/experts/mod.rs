@@ -1,0 +1,7 @@
+//! Truth or guess: is this a face, and which landmarks sit where they should?
+//!
+//! In: the local features that the cascade's last stage computed. Out: calibrated probabilities.
+
+mod verifier;
+
+pub use verifier::{Verdict, Verifier};

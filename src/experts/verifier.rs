@@ -1,0 +1,80 @@
+//! Linear classifiers on the cascade's features, calibrated to probabilities (section `SCOR`).
+//!
+//! One looks at all landmarks' features at once and tells a well-fitted face from anything else;
+//! one per landmark looks at that landmark's features alone. Outputs pass through a fitted logistic
+//! (Platt 1999). Weights are `i8`, sums are integers.
+
+use crate::math::sigmoid;
+use crate::model::{Blob, ModelError};
+use crate::shape::LANDMARKS;
+
+/// A checked view of section `SCOR`.
+#[derive(Clone, Copy, Debug)]
+pub struct Verifier<'m> {
+    features: usize,
+    /// `LANDMARKS` rows of `features`: the face classifier.
+    face: &'m [i8],
+    face_scale: f32,
+    face_bias: f32,
+    /// The same shape: one classifier per landmark.
+    local: &'m [i8],
+    local_scale: &'m [f32],
+    local_bias: &'m [f32],
+    /// Share of the face's logit in every landmark's.
+    local_face: &'m [f32],
+}
+
+/// What the features say.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Verdict {
+    /// Probability that this is a face and that its landmarks are right (mean error below a tenth
+    /// of the inter-ocular distance).
+    pub face: f32,
+    /// Per landmark, probability that it lies within a tenth of the inter-ocular distance of the
+    /// truth.
+    pub landmarks: [f32; LANDMARKS],
+}
+
+impl<'m> Verifier<'m> {
+    /// Name of the section.
+    pub const TAG: [u8; 4] = *b"SCOR";
+
+    /// Reads and checks the section; `features` per landmark as the cascade's last stage has them.
+    ///
+    /// # Errors
+    /// When it is missing, too short, or made for another number of features.
+    pub fn open(blob: &Blob<'m>, features: usize) -> Result<Self, ModelError> {
+        let s = &mut blob.section(&Self::TAG)?;
+        s.count(features, features, "features differ from the cascade's")?;
+        let (face_scale, face_bias) = (s.f32()?, s.f32()?);
+        Ok(Verifier {
+            features,
+            face: s.i8s(LANDMARKS * features)?,
+            face_scale,
+            face_bias,
+            local: s.i8s(LANDMARKS * features)?,
+            local_scale: s.f32s(LANDMARKS)?,
+            local_bias: s.f32s(LANDMARKS)?,
+            local_face: s.f32s(LANDMARKS)?,
+        })
+    }
+
+    /// Judges the features of one fit (`LANDMARKS` × `features`).
+    pub fn judge(&self, features: &[i8]) -> Verdict {
+        let logit = self.face_scale * dot(self.face, features) as f32 + self.face_bias;
+        let n = self.features.max(1);
+        let mut landmarks = [0.0; LANDMARKS];
+        let rows = self.local.chunks_exact(n).zip(features.chunks_exact(n));
+        let constants = self.local_scale.iter().zip(self.local_bias).zip(self.local_face);
+        for ((out, (weight, own)), ((scale, bias), share)) in
+            landmarks.iter_mut().zip(rows).zip(constants)
+        {
+            *out = sigmoid(scale * dot(weight, own) as f32 + share * logit + bias);
+        }
+        Verdict { face: sigmoid(logit), landmarks }
+    }
+}
+
+fn dot(a: &[i8], b: &[i8]) -> i32 {
+    a.iter().zip(b).map(|(a, b)| *a as i32 * *b as i32).sum()
+}
