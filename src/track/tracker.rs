@@ -16,8 +16,8 @@ use crate::experts::Verdict;
 use crate::image::Frame;
 use crate::math::Similarity;
 use crate::shape::{
-    FaceFit, FaceState, FitOptions, IdentityEstimator, Intrinsics, LANDMARKS, Observed,
-    fit,
+    FRAME_WEIGHT, FaceFit, FaceState, FitOptions, IdentityEstimator, Intrinsics, LANDMARKS,
+    Observed, fit,
 };
 
 /// A detection becomes a tracked face from this probability on.
@@ -302,7 +302,7 @@ impl Tracker {
         subject.face = fitted.state;
         subject.new = false;
         if verdict.face >= TRUST && subject.identity.frames() < IDENTITY_FRAMES {
-            subject.identity.add(&model.face, &camera, &observed, &fitted);
+            subject.identity.add(&model.face, &camera, &observed, &fitted, FRAME_WEIGHT);
             subject.face.identity = subject.identity.estimate();
         }
         self.result = result(now, &subject.shape, verdict, &fitted);

@@ -1,0 +1,245 @@
+//! Trains the classifiers that tell truth from guess (section `SCOR`).
+//!
+//! Positives and negatives come from running the finished cascade: from jittered boxes on the
+//! training faces (some of which fail), and from boxes on pictures without a face.
+
+use crate::align::{Jitter, Normal, evaluate::nme, face_box, normal, start_from_box};
+use crate::faces::{Face, Picture};
+use crate::pack::SectionWriter;
+use anyhow::Result;
+use faer::Mat;
+use posewise::align::{AlignModel, Workspace};
+use posewise::experts::Verifier;
+use posewise::shape::LANDMARKS;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+
+/// Right means within this share of the inter-ocular distance \[%\].
+const RIGHT_PERCENT: f32 = 10.0;
+const FOLDS: u32 = 4;
+
+struct Row {
+    features: Vec<i8>,
+    /// Per landmark: right. Empty without a face.
+    right: Vec<bool>,
+    face: bool,
+    fold: u32,
+}
+
+/// Trains the face's and the landmarks' classifiers.
+pub fn train(
+    model: &AlignModel<'_>,
+    faces: &[Face],
+    empty: &[Picture],
+    seed: u64,
+) -> Result<SectionWriter> {
+    let mut rows = on_faces(model, faces, seed);
+    rows.extend(on_empty(model, empty, seed ^ 1, rows.len() / 2));
+    let positives = rows.iter().filter(|r| r.face).count();
+    println!("score: {positives} right fits, {} others", rows.len() - positives);
+    let features = model.features();
+    let mut out = SectionWriter::new(Verifier::TAG);
+    out.scalar(features as u32);
+
+    let all: Vec<&Row> = rows.iter().collect();
+    let (weight, scores) = linear(&all, |r| r.features.as_slice(), |r| r.face, 0.03)?;
+    let labels: Vec<bool> = rows.iter().map(|r| r.face).collect();
+    let (slope, offset) = platt(&scores, &labels, &vec![0.0; scores.len()], 0.0);
+    out.scalar(weight.scale * slope[0]).scalar(weight.bias * slope[0] + offset);
+    out.array(&weight.weight);
+    let logits: Vec<f32> = scores.iter().map(|s| s * slope[0] + offset).collect();
+    report("face", &logits, &labels);
+
+    let seen: Vec<(&Row, f32)> =
+        rows.iter().zip(&logits).filter(|(r, _)| !r.right.is_empty()).map(|(r, l)| (r, *l)).collect();
+    let locals = (0..LANDMARKS)
+        .into_par_iter()
+        .map(|landmark| {
+            let chosen: Vec<&Row> = seen.iter().map(|(r, _)| *r).collect();
+            let (w, s) = linear(
+                &chosen,
+                |r| &r.features[landmark * features..(landmark + 1) * features],
+                |r| r.right[landmark],
+                0.01,
+            )?;
+            let labels: Vec<bool> = chosen.iter().map(|r| r.right[landmark]).collect();
+            let face: Vec<f32> = seen.iter().map(|(_, l)| l.clamp(-12.0, 12.0)).collect();
+            let (slope, offset) = platt(&s, &labels, &face, 0.2);
+            let logits: Vec<f32> =
+                s.iter().zip(&face).map(|(s, f)| s * slope[0] + f * slope[1] + offset).collect();
+            Ok((w, slope, offset, logits, labels))
+        })
+        .collect::<Result<Vec<_>>>()?;
+    let pooled: (Vec<f32>, Vec<bool>) = locals
+        .iter()
+        .flat_map(|(_, _, _, logits, labels)| logits.iter().copied().zip(labels.iter().copied()))
+        .unzip();
+    report("landmarks", &pooled.0, &pooled.1);
+    out.array(&locals.iter().flat_map(|l| l.0.weight.clone()).collect::<Vec<i8>>());
+    out.array(&locals.iter().map(|l| l.0.scale * l.1[0]).collect::<Vec<f32>>());
+    out.array(&locals.iter().map(|l| l.0.bias * l.1[0] + l.2).collect::<Vec<f32>>());
+    out.array(&locals.iter().map(|l| l.1[1]).collect::<Vec<f32>>());
+    Ok(out)
+}
+
+/// Runs the cascade on the faces, from boxes as good as a detector's to hopeless ones.
+fn on_faces(model: &AlignModel<'_>, faces: &[Face], seed: u64) -> Vec<Row> {
+    let per_face = (40_000 / faces.len().max(1)).clamp(1, 6);
+    faces
+        .par_iter()
+        .enumerate()
+        .map_init(
+            || Box::new(Workspace::new()),
+            |work, (index, face)| {
+                let mut rng = ChaCha8Rng::seed_from_u64(seed);
+                rng.set_stream(index as u64);
+                let mut rows = Vec::new();
+                for k in 0..per_face {
+                    // Every third start is far off.
+                    let j = if k % 3 == 2 { 3.5 } else { 1.0 };
+                    let jitter = Jitter { shift: 0.05 * j, log_size: 0.08 * j, roll: 0.14 * j };
+                    let (centre, size, roll) = face_box(&face.landmarks);
+                    let at = centre.map(|c| c + jitter.shift * size * normal(&mut rng));
+                    let size = size * (jitter.log_size * normal(&mut rng)).exp();
+                    let roll = roll + jitter.roll * normal(&mut rng);
+                    let turn = face.turn() + 0.25 * normal(&mut rng);
+                    let mut shape = start_from_box(&model.start(turn), at, size, roll);
+                    let frame = face.picture.frame();
+                    if !model.run(&frame, 0, &mut shape, work) {
+                        continue;
+                    }
+                    if k % 2 == 1 && !model.run(&frame, model.track_from(), &mut shape, work) {
+                        continue;
+                    }
+                    let limit = RIGHT_PERCENT / 100.0 * face.scale();
+                    let right = face.landmarks.iter().zip(&shape);
+                    let right: Vec<bool> =
+                        right.map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1]) <= limit).collect();
+                    let error = nme(face, &shape, 0) * face.inter_ocular() / face.scale();
+                    rows.push(Row {
+                        features: work.features().to_vec(),
+                        right,
+                        face: error < RIGHT_PERCENT,
+                        fold: face.person % FOLDS,
+                    });
+                }
+                rows
+            },
+        )
+        .flatten()
+        .collect()
+}
+
+/// Runs the cascade on random boxes in pictures without a face.
+fn on_empty(model: &AlignModel<'_>, empty: &[Picture], seed: u64, count: usize) -> Vec<Row> {
+    if empty.is_empty() {
+        return Vec::new();
+    }
+    (0..count)
+        .into_par_iter()
+        .map_init(
+            || Box::new(Workspace::new()),
+            |work, index| {
+                let mut rng = ChaCha8Rng::seed_from_u64(seed);
+                rng.set_stream(index as u64);
+                let which = index % empty.len();
+                let picture = &empty[which];
+                let [w, h] = picture.size.map(|s| s as f32);
+                let size = rng.random_range(40.0..0.9 * w.min(h));
+                let at = [rng.random_range(0.0..w), rng.random_range(0.0..h)];
+                let start = model.start(rng.random_range(-1.0..1.0));
+                let mut shape = start_from_box(&start, at, size, 0.3 * normal(&mut rng));
+                let ran = model.run(&picture.frame(), 0, &mut shape, work)
+                    && (index % 2 == 0
+                        || model.run(&picture.frame(), model.track_from(), &mut shape, work));
+                ran.then(|| Row {
+                    features: work.features().to_vec(),
+                    right: Vec::new(),
+                    face: false,
+                    fold: which as u32 % FOLDS,
+                })
+            },
+        )
+        .flatten()
+        .collect()
+}
+
+/// Quantised weights: score = scale·Σ weight·feature + bias.
+struct Linear {
+    weight: Vec<i8>,
+    scale: f32,
+    bias: f32,
+}
+
+/// Least squares to ±1 with both classes of equal weight; also the out-of-fold score of every row.
+fn linear<'a>(
+    rows: &[&'a Row],
+    features: impl Fn(&'a Row) -> &'a [i8] + Sync,
+    label: impl Fn(&Row) -> bool + Sync,
+    ridge: f32,
+) -> Result<(Linear, Vec<f32>)> {
+    let inputs = features(rows[0]).len();
+    let share = rows.iter().filter(|r| label(r)).count() as f32 / rows.len() as f32;
+    let (w1, w0) = (0.5 / share.max(1e-3), 0.5 / (1.0 - share).max(1e-3));
+    let fold_sum = |fold: u32| {
+        let chosen: Vec<&Row> = rows.iter().copied().filter(|r| r.fold == fold).collect();
+        let x: Vec<&[i8]> = rows.iter().filter(|r| r.fold == fold).map(|r| features(r)).collect();
+        let y: Vec<[f32; 1]> =
+            chosen.iter().map(|r| [if label(r) { 1.0 } else { -1.0 }]).collect();
+        let y: Vec<&[f32]> = y.iter().map(|v| v.as_slice()).collect();
+        let w: Vec<f32> = chosen.iter().map(|r| if label(r) { w1 } else { w0 }).collect();
+        let mut sum = Normal::new(inputs, 1);
+        sum.add(&x, &y, &w);
+        sum
+    };
+    let sums: Vec<Normal> = (0..FOLDS).map(fold_sum).collect();
+    let solve = |without: Option<u32>| -> Result<Mat<f32>> {
+        let mut sum = Normal::new(inputs, 1);
+        let kept = sums.iter().enumerate().filter(|(f, _)| Some(*f as u32) != without);
+        kept.for_each(|(_, s)| sum.merge(s));
+        sum.solve(ridge)
+    };
+    let folds = (0..FOLDS).map(|f| solve(Some(f))).collect::<Result<Vec<_>>>()?;
+    let scores = rows
+        .par_iter()
+        .map(|r| crate::align::predict(&folds[r.fold as usize], features(r))[0])
+        .collect();
+    let quantised = crate::align::RegressorWeights::quantise(&solve(None)?);
+    let linear =
+        Linear { weight: quantised.weight, scale: quantised.scale[0], bias: quantised.bias[0] };
+    Ok((linear, scores))
+}
+
+/// Logistic fit of labels to score and a second input by Newton's method: slopes and offset.
+fn platt(scores: &[f32], labels: &[bool], second: &[f32], start: f32) -> ([f32; 2], f32) {
+    let mut w = nalgebra::Vector3::new(1.0f64, start as f64, 0.0);
+    for _ in 0..30 {
+        let mut gradient = nalgebra::Vector3::zeros();
+        let mut hessian = nalgebra::Matrix3::identity() * 1e-3;
+        for ((s, label), t) in scores.iter().zip(labels).zip(second) {
+            let x = nalgebra::Vector3::new(*s as f64, *t as f64, 1.0);
+            let p = 1.0 / (1.0 + (-w.dot(&x)).exp());
+            gradient += x * (p - if *label { 1.0 } else { 0.0 });
+            hessian += x * x.transpose() * (p * (1.0 - p)).max(1e-6);
+        }
+        let step = hessian.lu().solve(&gradient).unwrap_or_else(nalgebra::Vector3::zeros);
+        w -= step.cap_magnitude(4.0);
+    }
+    ([w[0] as f32, w[1] as f32], w[2] as f32)
+}
+
+/// Prints how well probabilities hold: accuracy at a half, and the expected calibration error.
+fn report(what: &str, logits: &[f32], labels: &[bool]) {
+    let n = logits.len() as f32;
+    let probability = |l: &f32| 1.0 / (1.0 + (-l).exp());
+    let wrong = logits.iter().zip(labels).filter(|(l, y)| (**l > 0.0) != **y).count() as f32;
+    let mut bins = [(0.0f32, 0.0f32, 0.0f32); 10];
+    for (l, y) in logits.iter().zip(labels) {
+        let p = probability(l);
+        let bin = &mut bins[((p * 10.0) as usize).min(9)];
+        *bin = (bin.0 + p, bin.1 + f32::from(*y), bin.2 + 1.0);
+    }
+    let ece: f32 = bins.iter().map(|b| (b.0 - b.1).abs()).sum::<f32>() / n;
+    println!("score: {what}: wrong at one half {:.2} %, calibration error {ece:.3} (out of fold)", 100.0 * wrong / n);
+}
