@@ -235,6 +235,11 @@ impl AlignedBlob {
         AlignedBlob { bytes, start }
     }
 
+    /// The bytes, aligned.
+    pub fn bytes(&self) -> &[u8] {
+        &self.bytes[self.start..]
+    }
+
     /// The 3D face of the blob.
     pub fn face(&self) -> Result<FaceModel<'_>> {
         let blob = Blob::open(&self.bytes[self.start..])?;

@@ -35,6 +35,16 @@ impl SectionWriter {
         }
     }
 
+    /// A section of these bytes, as [`SectionWriter::bytes`] gave them.
+    pub fn of_bytes(tag: Tag, bytes: Vec<u8>) -> Self {
+        SectionWriter { tag, bytes }
+    }
+
+    /// What was written so far.
+    pub fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+
     /// A single `u32` or `f32`; read back with `Section::u32`, `count` or `f32`.
     pub fn scalar(&mut self, value: impl Value) -> &mut Self {
         let before = self.bytes.len();

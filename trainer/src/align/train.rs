@@ -163,12 +163,15 @@ fn sample(faces: &[Face], basis: &Basis, starts: &StartShapes, options: &Options
     for (index, face) in faces.iter().enumerate() {
         let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
         rng.set_stream(index as u64);
-        let fold = face.person as usize % FOLDS;
-        for _ in 0..options.detect_starts {
+        // A multiplicative hash: neighbours in number spread over the folds.
+        let fold = (face.person.wrapping_mul(0x9E37_79B9) >> 16) as usize % FOLDS;
+        // Renders are many.
+        let share = if face.yaw_deg.is_some() { 2 } else { 1 };
+        for _ in 0..options.detect_starts / share {
             let shape = options.detect_jitter.detected(face, starts, &mut rng);
             samples.push(Sample { face: index, fold, from: 0, shape });
         }
-        for _ in 0..options.track_starts {
+        for _ in 0..options.track_starts.div_ceil(share) {
             let jitter = motion(&options.track_jitter, &mut rng);
             let shape = jitter.tracked(face, basis, options.track_modes, &mut rng);
             samples.push(Sample { face: index, fold, from: options.track_from, shape });
