@@ -3,6 +3,7 @@
 use super::{Shape, place};
 use crate::descriptor::{Hog, HogGrid, MAX_FEATURES, Projection, VALUES};
 use crate::image::{CROP_MAX, Crop, Frame, warp};
+use crate::math::Similarity;
 use crate::model::{Blob, ModelError, Section};
 use crate::shape::LANDMARKS;
 
@@ -172,7 +173,7 @@ impl<'m> AlignModel<'m> {
             stages,
             track_from,
         };
-        let extent = crate::math::Similarity::fit(&model.mean(), &model.mean());
+        let extent = Similarity::fit(&model.mean(), &model.mean());
         s.require(extent.is_some(), "the mean shape has no extent")?;
         Ok(model)
     }
@@ -189,6 +190,30 @@ impl<'m> AlignModel<'m> {
         let shapes = self.starts.chunks_exact(COORDINATES).zip(self.turns);
         let nearest = shapes.min_by(|(_, a), (_, b)| distance(a).total_cmp(&distance(b)));
         nearest.map_or([[0.0; 2]; LANDMARKS], |(shape, _)| shape_of(shape))
+    }
+
+    /// The shape to start the next frame from when this one ended with `shape` (frame px): halfway
+    /// to the start shape that resembles it most.
+    ///
+    /// A cascade that starts from its own answer drifts, because each run adds a little of the same
+    /// error; pulled back to a shape that the training fixed, it does not (docs/accuracy.md).
+    pub fn relaxed(&self, shape: &Shape) -> Shape {
+        let fitted = self.starts.chunks_exact(COORDINATES).filter_map(|start| {
+            let start = shape_of(start);
+            let to_frame = Similarity::fit(&start, shape)?;
+            let start = start.map(|p| to_frame.apply(p));
+            let squares = start.iter().zip(shape).map(|(a, b)| {
+                let (dx, dy) = (a[0] - b[0], a[1] - b[1]);
+                dx * dx + dy * dy
+            });
+            Some((squares.sum::<f32>(), start))
+        });
+        let nearest = fitted.min_by(|(a, _), (b, _)| a.total_cmp(b));
+        let mut relaxed = *shape;
+        for (p, q) in relaxed.iter_mut().zip(nearest.map_or(*shape, |(_, start)| start)) {
+            *p = [(p[0] + q[0]) / 2.0, (p[1] + q[1]) / 2.0];
+        }
+        relaxed
     }
 
     /// The stages, in order.

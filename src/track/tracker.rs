@@ -260,7 +260,7 @@ impl Tracker {
     fn track(&mut self, model: &Model<'_>, frame: &Frame<'_>, now: i64) {
         let subject = self.subject;
         let predicted = subject.motion.predict(&subject.shape, now - subject.fitted_us);
-        let mut next = Subject { shape: predicted, ..subject };
+        let mut next = Subject { shape: model.align.relaxed(&predicted), ..subject };
         let first = model.align.track_from();
         let ran = model.align.run(frame, first, &mut next.shape, &mut self.work);
         let verdict = model.verifier.judge(self.work.features());

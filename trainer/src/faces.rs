@@ -139,15 +139,12 @@ pub fn photographs(csv_path: &Path, images: &Path) -> Result<Vec<Face>> {
 }
 
 /// The first `count` samples of a file of renders, each weighing as much as a photograph.
-///
-/// `offsets_mm` (head frame) moves the head's landmark vertices to where the photographs' labels
-/// sit, so that both kinds of face mean the same point.
-pub fn rendered(path: &Path, count: usize, offsets_mm: &[[f32; 3]]) -> Result<Vec<Face>> {
+pub fn rendered(path: &Path, count: usize) -> Result<Vec<Face>> {
     let samples = crate::render::cache::read(path, count)?;
     Ok(samples
         .into_iter()
         .map(|sample| Face {
-            landmarks: relabelled(&sample, offsets_mm),
+            landmarks: sample.landmarks.map(|p| p.to_array()),
             picture: Arc::new(Picture {
                 size: [sample.width as u32, sample.height as u32],
                 luma: sample.luma,
@@ -157,21 +154,6 @@ pub fn rendered(path: &Path, count: usize, offsets_mm: &[[f32; 3]]) -> Result<Ve
             weight: 1.0,
         })
         .collect())
-}
-
-/// First landmark that is not on the jaw: the jaw's labels follow the outline in both kinds.
-const INNER: usize = 17;
-
-fn relabelled(sample: &crate::render::Sample, offsets_mm: &[[f32; 3]]) -> Shape {
-    let rotation = posewise::math::head_rotation(sample.angles);
-    let mut landmarks = sample.landmarks.map(|p| p.to_array());
-    let points = sample.points3d.iter().zip(offsets_mm);
-    for (landmark, (point, offset)) in landmarks.iter_mut().zip(points).skip(INNER) {
-        let before = sample.camera.project(*point);
-        let after = sample.camera.project(*point + rotation * glam::Vec3::from(*offset));
-        *landmark = [landmark[0] + after[0] - before[0], landmark[1] + after[1] - before[1]];
-    }
-    landmarks
 }
 
 fn person_of(file: &str) -> &str {

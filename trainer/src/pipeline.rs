@@ -5,7 +5,7 @@
 
 use crate::align::{self, Accuracy, Jitter};
 use crate::faces::{self, Face, Picture};
-use crate::fit::{AlignedBlob, FitSettings, Fits, fit_photographs_cached};
+use crate::fit::{AlignedBlob, FitSettings, fit_photographs_cached};
 use crate::head::Head;
 use crate::pack::{SectionWriter, blob};
 use crate::{detect, face_section, render, score};
@@ -49,7 +49,7 @@ pub fn run(args: &Args) -> Result<()> {
         &FitSettings::default(),
         &args.cache.join("fits.json"),
     )?;
-    println!("3D head fitted to {} photographs, {} dropped", fits.fits.len(), fits.dropped);
+    println!("3D head fitted to {} photographs, {} dropped", fits.fits.len(), fits.dropped.len());
     let face = face_section::face_section(&head, Some(&fits.offsets_mm))?;
     let renders = render::run(&render::Args {
         data: args.data.clone(),
@@ -57,6 +57,7 @@ pub fn run(args: &Args) -> Result<()> {
         count: args.renders,
         seed: args.seed,
         people: 256,
+        pictures: 2,
         clean: false,
     })?;
     let detector = kept(args, b"DTCT", &format!("{}", args.seed), || {
@@ -69,7 +70,7 @@ pub fn run(args: &Args) -> Result<()> {
     let mut training_faces = || -> Result<Vec<Face>> {
         match all.take() {
             Some(faces) => Ok(faces),
-            None => load_faces(&args.data, &renders, args.renders as usize, &fits),
+            None => load_faces(&args.data, &renders, args.renders as usize),
         }
     };
     let cascade = kept(args, &AlignModel::TAG, &key, || {
@@ -118,12 +119,12 @@ fn kept(
 }
 
 /// Photographs with their mirrors, and renders.
-fn load_faces(data: &Path, renders: &Path, count: usize, fits: &Fits) -> Result<Vec<Face>> {
+fn load_faces(data: &Path, renders: &Path, count: usize) -> Result<Vec<Face>> {
     let labels = data.join("faces68");
     let mut faces = faces::photographs(&labels.join("train.csv"), &labels.join("train"))?;
     let mirrors: Vec<Face> = faces.par_iter().map(Face::mirrored).collect();
     faces.extend(mirrors);
-    faces.extend(faces::rendered(renders, count, &fits.offsets_mm)?);
+    faces.extend(faces::rendered(renders, count)?);
     Ok(faces)
 }
 

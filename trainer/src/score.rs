@@ -97,7 +97,7 @@ fn on_faces(model: &AlignModel<'_>, faces: &[Face], seed: u64) -> Vec<Row> {
                 let mut rows = Vec::new();
                 for k in 0..per_face {
                     // Every third start is far off.
-                    let j = if k % 3 == 2 { 3.5 } else { 1.0 };
+                    let j = if (index + k) % 3 == 2 { 3.5 } else { 1.0 };
                     let jitter = Jitter { shift: 0.05 * j, log_size: 0.08 * j, roll: 0.14 * j };
                     let (centre, size, roll) = face_box(&face.landmarks);
                     let at = centre.map(|c| c + jitter.shift * size * normal(&mut rng));

@@ -28,11 +28,6 @@ pub fn flat(shape: &Shape) -> Vec<f32> {
     shape.iter().flatten().copied().collect()
 }
 
-/// The shape of a vector of coordinates.
-pub fn unflat(coordinates: &[f32]) -> Shape {
-    std::array::from_fn(|i| [coordinates[2 * i], coordinates[2 * i + 1]])
-}
-
 impl Basis {
     /// Generalised Procrustes mean and `modes` principal modes of the faces' shapes.
     pub fn fit(faces: &[Face], modes: usize) -> Basis {

@@ -60,6 +60,7 @@ pub fn evaluate(
                         model.run(&face.picture.frame(), 0, &mut shape, work);
                         for _ in 0..rounds {
                             let first = model.track_from();
+                            shape = model.relaxed(&shape);
                             model.run(&face.picture.frame(), first, &mut shape, work);
                         }
                         (shape, nme(face, &shape, 0), nme(face, &shape, 17))

@@ -36,6 +36,22 @@ impl StartShapes {
         StartShapes { shapes: (0..turns.len()).map(mean_of).collect(), turns: turns.to_vec() }
     }
 
+    /// What the core's `AlignModel::relaxed` makes of a shape.
+    pub fn relaxed(&self, shape: &Shape) -> Shape {
+        let fitted = self.shapes.iter().map(|start| {
+            let start = align(start, shape);
+            let pairs = start.iter().zip(shape);
+            let squares: f32 =
+                pairs.map(|(a, b)| (a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2)).sum();
+            (squares, start)
+        });
+        let (_, nearest) = fitted.min_by(|a, b| a.0.total_cmp(&b.0)).expect("at least one start");
+        std::array::from_fn(|i| {
+            let (p, q) = (shape[i], nearest[i]);
+            [(p[0] + q[0]) / 2.0, (p[1] + q[1]) / 2.0]
+        })
+    }
+
     /// The start shape whose turn is nearest.
     pub fn of(&self, turn: f32) -> &Shape {
         &self.shapes[index_of(&self.turns, turn)]

@@ -81,7 +81,7 @@ impl Default for Options {
             track_starts: 3,
             detect_jitter: Jitter { shift: 0.05, log_size: 0.08, roll: 0.14 },
             track_jitter: Jitter { shift: 0.04, log_size: 0.03, roll: 0.05 },
-            closed_loop_rounds: 2,
+            closed_loop_rounds: 1,
             closed_loop_share: 1.5,
             track_modes: 0.35,
         }
@@ -99,7 +99,7 @@ struct Sample {
 }
 
 const FOLDS: usize = 4;
-const RIDGES: [f32; 6] = [1e-3, 1e-2, 3e-2, 0.1, 0.3, 1.0];
+const RIDGES: [f32; 6] = [1e-3, 1e-2, 3e-2, 0.1, 0.5, 3.0];
 
 /// Trains the cascade on these faces (mirrors included by the caller).
 pub fn train(faces: &[Face], options: &Options) -> Result<SectionWriter> {
@@ -115,7 +115,7 @@ pub fn train(faces: &[Face], options: &Options) -> Result<SectionWriter> {
     for round in 0..=options.closed_loop_rounds {
         println!("closed-loop round {round}");
         if round > 0 {
-            samples = closed_loop(&basis, options, round, &detected, samples);
+            samples = closed_loop(&basis, &starts, options, round, &detected, samples);
         }
         stages.truncate(options.track_from);
         for (index, stage) in options.stages.iter().enumerate().skip(options.track_from) {
@@ -130,6 +130,7 @@ pub fn train(faces: &[Face], options: &Options) -> Result<SectionWriter> {
 /// What is trained on these does not drift when it is repeated.
 fn closed_loop(
     basis: &Basis,
+    starts: &StartShapes,
     options: &Options,
     round: usize,
     detected: &[Sample],
@@ -141,7 +142,8 @@ fn closed_loop(
     for answer in answers {
         if rng.random_range(0.0..1.0) < keep * options.closed_loop_share {
             let jitter = motion(&options.track_jitter, &mut rng);
-            let shape = jitter.moved(&answer.shape, basis, &mut rng);
+            let relaxed = starts.relaxed(&answer.shape);
+            let shape = jitter.moved(&relaxed, basis, &mut rng);
             samples.push(Sample { shape, from: options.track_from, ..answer });
         }
     }
@@ -174,6 +176,7 @@ fn sample(faces: &[Face], basis: &Basis, starts: &StartShapes, options: &Options
         for _ in 0..options.track_starts.div_ceil(share) {
             let jitter = motion(&options.track_jitter, &mut rng);
             let shape = jitter.tracked(face, basis, options.track_modes, &mut rng);
+            let shape = starts.relaxed(&shape);
             samples.push(Sample { face: index, fold, from: options.track_from, shape });
         }
     }
