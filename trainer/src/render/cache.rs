@@ -147,6 +147,11 @@ fn present(path: &Path, wanted: &[u8]) -> Result<(u64, u64)> {
     Ok((count, end))
 }
 
+/// Whether a cache of this seed and spec holds at least `count` samples.
+pub fn holds(path: &Path, seed: u64, count: u64, spec: &SampleSpec) -> Result<bool> {
+    Ok(present(path, &header(seed, spec))?.0 >= count)
+}
+
 /// Fills a cache up to `count` samples (indices 0, 1, …), going on where an earlier run stopped;
 /// a cache of another seed or spec is started anew. Returns how many samples were drawn now.
 pub fn write(

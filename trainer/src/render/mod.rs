@@ -101,6 +101,10 @@ pub fn cache_path(args: &Args) -> PathBuf {
 /// Renders the samples into the cache and returns its path.
 pub fn run(args: &Args) -> Result<PathBuf> {
     let path = cache_path(args);
+    // A renderer takes minutes to make: the photographed people's skins.
+    if cache::holds(&path, args.seed, args.count, &spec(args))? {
+        return Ok(path);
+    }
     cache::write(&path, &renderer(args)?, args.seed, args.count, &spec(args))?;
     Ok(path)
 }
