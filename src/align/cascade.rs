@@ -1,6 +1,6 @@
 //! The cascade's model (section `ALGN`) and one run through it.
 
-use super::{Shape, place};
+use super::{Shape, Views, place};
 use crate::descriptor::{Hog, HogGrid, MAX_FEATURES, Projection, VALUES};
 use crate::image::{CROP_MAX, Crop, Frame, warp};
 use crate::math::Similarity;
@@ -11,7 +11,8 @@ use crate::shape::LANDMARKS;
 pub const MAX_MODES: usize = 72;
 /// Most stages of a cascade.
 pub const MAX_STAGES: usize = 6;
-const MAX_STARTS: usize = 8;
+/// Most views.
+pub const MAX_VIEWS: usize = 4;
 
 /// Coordinates of a shape: x0, y0, x1, …
 const COORDINATES: usize = 2 * LANDMARKS;
@@ -19,9 +20,9 @@ const COORDINATES: usize = 2 * LANDMARKS;
 /// A checked view of section `ALGN`.
 #[derive(Clone, Copy, Debug)]
 pub struct AlignModel<'m> {
-    mean: &'m [f32],
-    /// `starts.len()/COORDINATES` shapes in the canonical frame.
-    starts: &'m [f32],
+    mean: &'m Shape,
+    /// Shapes in the canonical frame, by view.
+    starts: &'m [Shape],
     turns: &'m [f32],
     /// `modes` rows of [`COORDINATES`].
     basis: &'m [i8],
@@ -41,8 +42,8 @@ pub struct Stage<'m> {
     pub grid: HogGrid,
     /// The learned part of the features.
     pub projection: Projection<'m>,
-    /// Features → shape modes.
-    pub regressor: Regressor<'m>,
+    /// Features → shape modes, by view.
+    pub regressors: [Option<Regressor<'m>>; MAX_VIEWS],
 }
 
 /// A linear map with `i8` weights: `out[o] = scale[o]·Σ weight[o][k]·feature[k] + bias[o]`.
@@ -90,6 +91,8 @@ pub struct Workspace {
     values: [[u8; VALUES]; LANDMARKS],
     features: [i8; LANDMARKS * MAX_FEATURES],
     used: usize,
+    view: usize,
+    mirrored: bool,
 }
 
 impl Default for Workspace {
@@ -107,12 +110,20 @@ impl Workspace {
             values: [[0; VALUES]; LANDMARKS],
             features: [0; LANDMARKS * MAX_FEATURES],
             used: 0,
+            view: 0,
+            mirrored: false,
         }
     }
 
     /// Features of the stage that ran last, landmark by landmark.
     pub fn features(&self) -> &[i8] {
         self.features.get(..self.used).unwrap_or(&[])
+    }
+
+    /// View of the stage that ran last, and whether it looked into a mirror: its features are then
+    /// those of the mirror image's landmarks.
+    pub fn view(&self) -> (usize, bool) {
+        (self.view, self.mirrored)
     }
 
     /// Descriptors of the stage that ran last.
@@ -128,6 +139,9 @@ impl Workspace {
     /// Cuts the crop of a placement and describes it around the points.
     pub fn describe(&mut self, frame: &Frame<'_>, placement: &super::Placement, side: usize, grid: HogGrid) {
         warp(frame, &placement.crop_to_frame, side, &mut self.crop);
+        if placement.mirrored {
+            self.crop.mirror();
+        }
         self.hog.describe(&self.crop, grid, &placement.points, &mut self.values);
     }
 
@@ -152,68 +166,42 @@ impl<'m> AlignModel<'m> {
     pub fn open(blob: &Blob<'m>) -> Result<Self, ModelError> {
         let s = &mut blob.section(&Self::TAG)?;
         let modes = s.count(4, MAX_MODES, "number of modes")?;
-        let starts = s.count(1, MAX_STARTS, "number of start shapes")?;
+        let views = s.count(1, MAX_VIEWS, "number of views")?;
         let count = s.count(1, MAX_STAGES, "number of stages")?;
         let track_from = s.count(0, count - 1, "first stage when tracking")?;
         let mean = s.f32s(COORDINATES)?;
-        let starts_shapes = s.f32s(starts * COORDINATES)?;
-        let turns = s.f32s(starts)?;
+        let starts = s.f32s(views * COORDINATES)?;
+        let turns = s.f32s(views)?;
         let basis = s.i8s(modes * COORDINATES)?;
         let basis_scale = s.f32s(modes)?;
         let mut stages = [None; MAX_STAGES];
         for stage in stages.iter_mut().take(count) {
-            *stage = Some(Stage::read(s, modes)?);
+            *stage = Some(Stage::read(s, modes, views)?);
         }
+        let missing = s.error("it ends too early");
         let model = AlignModel {
-            mean,
-            starts: starts_shapes,
+            mean: shapes_of(mean).first().ok_or(missing)?,
+            starts: shapes_of(starts),
             turns,
             basis,
             basis_scale,
             stages,
             track_from,
         };
-        let extent = Similarity::fit(&model.mean(), &model.mean());
-        s.require(extent.is_some(), "the mean shape has no extent")?;
+        let extent = |shape: &Shape| Similarity::fit(shape, shape).is_some();
+        let sound = extent(model.mean) && model.starts.iter().all(extent);
+        s.require(sound, "a shape has no extent")?;
         Ok(model)
     }
 
     /// The mean shape, in the canonical frame.
-    pub fn mean(&self) -> Shape {
-        shape_of(self.mean)
+    pub fn mean(&self) -> &Shape {
+        self.mean
     }
 
-    /// The start shape whose turn (−1 image left … 1 image right) is nearest, in the canonical
-    /// frame.
-    pub fn start(&self, turn: f32) -> Shape {
-        let distance = |t: &f32| libm::fabsf(t - turn);
-        let shapes = self.starts.chunks_exact(COORDINATES).zip(self.turns);
-        let nearest = shapes.min_by(|(_, a), (_, b)| distance(a).total_cmp(&distance(b)));
-        nearest.map_or([[0.0; 2]; LANDMARKS], |(shape, _)| shape_of(shape))
-    }
-
-    /// The shape to start the next frame from when this one ended with `shape` (frame px): halfway
-    /// to the start shape that resembles it most.
-    ///
-    /// A cascade that starts from its own answer drifts, because each run adds a little of the same
-    /// error; pulled back to a shape that the training fixed, it does not (docs/accuracy.md).
-    pub fn relaxed(&self, shape: &Shape) -> Shape {
-        let fitted = self.starts.chunks_exact(COORDINATES).filter_map(|start| {
-            let start = shape_of(start);
-            let to_frame = Similarity::fit(&start, shape)?;
-            let start = start.map(|p| to_frame.apply(p));
-            let squares = start.iter().zip(shape).map(|(a, b)| {
-                let (dx, dy) = (a[0] - b[0], a[1] - b[1]);
-                dx * dx + dy * dy
-            });
-            Some((squares.sum::<f32>(), start))
-        });
-        let nearest = fitted.min_by(|(a, _), (b, _)| a.total_cmp(b));
-        let mut relaxed = *shape;
-        for (p, q) in relaxed.iter_mut().zip(nearest.map_or(*shape, |(_, start)| start)) {
-            *p = [(p[0] + q[0]) / 2.0, (p[1] + q[1]) / 2.0];
-        }
-        relaxed
+    /// Start shapes by turn.
+    pub fn views(&self) -> Views<'m> {
+        Views { starts: self.starts, turns: self.turns }
     }
 
     /// The stages, in order.
@@ -234,57 +222,57 @@ impl<'m> AlignModel<'m> {
     /// Runs the stages from index `first` on; `shape` (frame px) is moved in place. Returns false,
     /// with the shape wherever it was then, when it lost its extent.
     pub fn run(&self, frame: &Frame<'_>, first: usize, shape: &mut Shape, work: &mut Workspace) -> bool {
-        let mean = self.mean();
-        self.stages().skip(first).all(|stage| self.step(frame, stage, &mean, shape, work))
+        self.stages().skip(first).all(|stage| self.step(frame, stage, shape, work))
     }
 
     fn step(
         &self,
         frame: &Frame<'_>,
         stage: &Stage<'m>,
-        mean: &Shape,
         shape: &mut Shape,
         work: &mut Workspace,
     ) -> bool {
-        let Some(placement) = place(mean, shape, stage.zoom, stage.side) else {
+        let Some(view) = self.views().of(shape) else {
             return false;
         };
+        let placed = place(self.mean, shape, stage.zoom, stage.side, view.mirrored);
+        let regressor = stage.regressors.get(view.index).copied().flatten();
+        let (Some(placement), Some(regressor)) = (placed, regressor) else {
+            return false;
+        };
+        (work.view, work.mirrored) = (view.index, view.mirrored);
         work.describe(frame, &placement, stage.side, stage.grid);
         work.project(&stage.projection);
         let mut delta = [[0.0f32; 2]; LANDMARKS];
         let rows = self.basis.chunks_exact(COORDINATES).zip(self.basis_scale);
-        for (weight, (mode, scale)) in stage.regressor.outputs(work.features()).zip(rows) {
+        for (weight, (mode, scale)) in regressor.outputs(work.features()).zip(rows) {
             let weight = weight * scale;
             for (d, [x, y]) in delta.iter_mut().zip(mode.as_chunks::<2>().0) {
                 d[0] += weight * *x as f32;
                 d[1] += weight * *y as f32;
             }
         }
-        let moves = shape.iter_mut().zip(&placement.canonical).zip(&delta);
-        for ((point, from), d) in moves {
-            *point = placement.canonical_to_frame.apply([from[0] + d[0], from[1] + d[1]]);
-        }
+        *shape = placement.moved(&delta);
         shape.iter().all(|p| p[0].is_finite() && p[1].is_finite())
     }
 }
 
 impl<'m> Stage<'m> {
-    fn read(s: &mut Section<'m>, modes: usize) -> Result<Self, ModelError> {
+    fn read(s: &mut Section<'m>, modes: usize, views: usize) -> Result<Self, ModelError> {
         let side = s.count(16, CROP_MAX, "crop side")?;
         let zoom = s.f32()?;
         s.require((1e-3..1e3).contains(&zoom), "zoom out of range")?;
         let spacing = s.count(1, 32, "cell spacing")? as i32;
         let radius = s.count(0, 32, "cell radius")? as i32;
         let projection = Projection::read(s)?;
-        let regressor = Regressor::read(s, LANDMARKS * projection.features(), modes)?;
-        Ok(Stage { side, zoom, grid: HogGrid { spacing, radius }, projection, regressor })
+        let mut regressors = [None; MAX_VIEWS];
+        for regressor in regressors.iter_mut().take(views) {
+            *regressor = Some(Regressor::read(s, LANDMARKS * projection.features(), modes)?);
+        }
+        Ok(Stage { side, zoom, grid: HogGrid { spacing, radius }, projection, regressors })
     }
 }
 
-fn shape_of(coordinates: &[f32]) -> Shape {
-    let mut shape = [[0.0; 2]; LANDMARKS];
-    for (point, xy) in shape.iter_mut().zip(coordinates.as_chunks::<2>().0) {
-        *point = *xy;
-    }
-    shape
+fn shapes_of(coordinates: &[f32]) -> &[Shape] {
+    coordinates.as_chunks::<2>().0.as_chunks::<LANDMARKS>().0
 }

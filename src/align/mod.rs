@@ -6,14 +6,19 @@
 //! `x ← x + Q (R φ(x) + b)`, where Q spans similarity and shape modes in the canonical frame. R is
 //! `i8`, one scale per output; everything from pixels to R's sums is integer arithmetic.
 //!
+//! A stage has one R per *view*, an amount of turn; left-turned faces are seen in a mirror, so that
+//! both directions share one R.
+//!
 //! The *canonical frame* is that of the mean shape: origin at its centroid, upright, unit such that
 //! the stage's `zoom` turns it into crop pixels.
 
 mod cascade;
 mod placement;
+mod views;
 
-pub use cascade::{AlignModel, MAX_MODES, MAX_STAGES, Regressor, Stage, Workspace};
-pub use placement::{Placement, place};
+pub use cascade::{AlignModel, MAX_MODES, MAX_STAGES, MAX_VIEWS, Regressor, Stage, Workspace};
+pub use placement::{Placement, mirror, place};
+pub use views::{View, Views};
 
 use crate::shape::LANDMARKS;
 

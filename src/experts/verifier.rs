@@ -6,12 +6,18 @@
 
 use crate::math::sigmoid;
 use crate::model::{Blob, ModelError};
-use crate::shape::LANDMARKS;
+use crate::shape::{LANDMARKS, MIRROR};
 
 /// A checked view of section `SCOR`.
 #[derive(Clone, Copy, Debug)]
 pub struct Verifier<'m> {
     features: usize,
+    views: [Option<ViewWeights<'m>>; MAX_VIEWS],
+}
+
+/// The classifiers of one view; left-turned faces are judged in a mirror.
+#[derive(Clone, Copy, Debug)]
+struct ViewWeights<'m> {
     /// `LANDMARKS` rows of `features`: the face classifier.
     face: &'m [i8],
     face_scale: f32,
@@ -23,6 +29,9 @@ pub struct Verifier<'m> {
     /// Share of the face's logit in every landmark's.
     local_face: &'m [f32],
 }
+
+/// Most views.
+const MAX_VIEWS: usize = 4;
 
 /// What the features say.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,37 +48,49 @@ impl<'m> Verifier<'m> {
     /// Name of the section.
     pub const TAG: [u8; 4] = *b"SCOR";
 
-    /// Reads and checks the section; `features` per landmark as the cascade's last stage has them.
+    /// Reads and checks the section; `features` per landmark and `views` as the cascade has them.
     ///
     /// # Errors
-    /// When it is missing, too short, or made for another number of features.
-    pub fn open(blob: &Blob<'m>, features: usize) -> Result<Self, ModelError> {
+    /// When it is missing, too short, or made for another cascade.
+    pub fn open(blob: &Blob<'m>, features: usize, views: usize) -> Result<Self, ModelError> {
         let s = &mut blob.section(&Self::TAG)?;
         s.count(features, features, "features differ from the cascade's")?;
-        let (face_scale, face_bias) = (s.f32()?, s.f32()?);
-        Ok(Verifier {
-            features,
-            face: s.i8s(LANDMARKS * features)?,
-            face_scale,
-            face_bias,
-            local: s.i8s(LANDMARKS * features)?,
-            local_scale: s.f32s(LANDMARKS)?,
-            local_bias: s.f32s(LANDMARKS)?,
-            local_face: s.f32s(LANDMARKS)?,
-        })
+        s.count(views, views.min(MAX_VIEWS), "views differ from the cascade's")?;
+        let mut verifier = Verifier { features, views: [None; MAX_VIEWS] };
+        for view in verifier.views.iter_mut().take(views) {
+            let (face_scale, face_bias) = (s.f32()?, s.f32()?);
+            *view = Some(ViewWeights {
+                face: s.i8s(LANDMARKS * features)?,
+                face_scale,
+                face_bias,
+                local: s.i8s(LANDMARKS * features)?,
+                local_scale: s.f32s(LANDMARKS)?,
+                local_bias: s.f32s(LANDMARKS)?,
+                local_face: s.f32s(LANDMARKS)?,
+            });
+        }
+        Ok(verifier)
     }
 
-    /// Judges the features of one fit (`LANDMARKS` × `features`).
-    pub fn judge(&self, features: &[i8]) -> Verdict {
-        let logit = self.face_scale * dot(self.face, features) as f32 + self.face_bias;
+    /// Judges the features of one fit (`LANDMARKS` × `features`), seen from `view`, in a mirror or
+    /// not.
+    pub fn judge(&self, features: &[i8], view: usize, mirrored: bool) -> Verdict {
+        let Some(weights) = self.views.get(view).copied().flatten() else {
+            return Verdict { face: 0.0, landmarks: [0.0; LANDMARKS] };
+        };
+        let logit = weights.face_scale * dot(weights.face, features) as f32 + weights.face_bias;
         let n = self.features.max(1);
         let mut landmarks = [0.0; LANDMARKS];
-        let rows = self.local.chunks_exact(n).zip(features.chunks_exact(n));
-        let constants = self.local_scale.iter().zip(self.local_bias).zip(self.local_face);
+        let rows = weights.local.chunks_exact(n).zip(features.chunks_exact(n));
+        let constants =
+            weights.local_scale.iter().zip(weights.local_bias).zip(weights.local_face);
         for ((out, (weight, own)), ((scale, bias), share)) in
             landmarks.iter_mut().zip(rows).zip(constants)
         {
             *out = sigmoid(scale * dot(weight, own) as f32 + share * logit + bias);
+        }
+        if mirrored {
+            landmarks = MIRROR.map(|from| landmarks.get(from).copied().unwrap_or(0.0));
         }
         Verdict { face: sigmoid(logit), landmarks }
     }

@@ -33,6 +33,12 @@ impl Crop {
         self.side
     }
 
+    /// Exchanges left and right.
+    pub fn mirror(&mut self) {
+        let side = self.side;
+        self.luma.chunks_exact_mut(side.max(1)).take(side).for_each(<[u8]>::reverse);
+    }
+
     /// The pixels, row-major, `side()` to a row.
     pub fn luma(&self) -> &[u8] {
         self.luma.get(..self.side * self.side).unwrap_or(&[])

@@ -19,6 +19,13 @@ pub use posit::posit;
 /// Landmarks of the iBUG 68 scheme; "left" and "right" are the subject's.
 pub const LANDMARKS: usize = 68;
 
+/// For each landmark the one on the other side of the face.
+pub const MIRROR: [usize; LANDMARKS] = [
+    16, 15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0, 26, 25, 24, 23, 22, 21, 20, 19, 18,
+    17, 27, 28, 29, 30, 35, 34, 33, 32, 31, 45, 44, 43, 42, 47, 46, 39, 38, 37, 36, 41, 40, 54, 53,
+    52, 51, 50, 49, 48, 59, 58, 57, 56, 55, 64, 63, 62, 61, 60, 67, 66, 65,
+];
+
 /// Animation modes in the order of every weight array; ARKit's blendshape names.
 pub const ANIMATION_NAMES: [&str; ANIMATIONS] = [
     "browDownLeft",

@@ -242,13 +242,14 @@ impl Tracker {
         face: &Detection,
         known: Option<Subject>,
     ) -> bool {
-        let Some(mut shape) = start_in(&model.align.start(face.turn), face) else {
+        let start = model.align.views().start(face.turn);
+        let Some(mut shape) = start.and_then(|start| start_in(&start, face)) else {
             return false;
         };
         if !model.align.run(frame, 0, &mut shape, &mut self.work) {
             return false;
         }
-        let verdict = model.verifier.judge(self.work.features());
+        let verdict = judged(model, &self.work);
         if verdict.face < ACCEPT {
             return false;
         }
@@ -260,10 +261,10 @@ impl Tracker {
     fn track(&mut self, model: &Model<'_>, frame: &Frame<'_>, now: i64) {
         let subject = self.subject;
         let predicted = subject.motion.predict(&subject.shape, now - subject.fitted_us);
-        let mut next = Subject { shape: model.align.relaxed(&predicted), ..subject };
+        let mut next = Subject { shape: model.align.views().relaxed(&predicted), ..subject };
         let first = model.align.track_from();
         let ran = model.align.run(frame, first, &mut next.shape, &mut self.work);
-        let verdict = model.verifier.judge(self.work.features());
+        let verdict = judged(model, &self.work);
         let inside = overlaps(&next.shape, frame);
         let kept = ran && inside && verdict.face >= KEEP && {
             next.motion =
@@ -309,6 +310,12 @@ impl Tracker {
         self.subject = subject;
         true
     }
+}
+
+/// Judges the cascade's last run.
+fn judged(model: &Model<'_>, work: &Workspace) -> Verdict {
+    let (view, mirrored) = work.view();
+    model.verifier.judge(work.features(), view, mirrored)
 }
 
 /// Puts an upright canonical start shape into a detection's box.

@@ -3,7 +3,7 @@
 use anyhow::{Context, Result, ensure};
 use posewise::align::Shape;
 use posewise::image::{Frame, FrameLayout};
-use posewise::shape::LANDMARKS;
+use posewise::shape::{LANDMARKS, MIRROR};
 use rayon::prelude::*;
 use std::path::Path;
 use std::sync::Arc;
@@ -51,13 +51,6 @@ pub struct Face {
     /// Weight in training.
     pub weight: f32,
 }
-
-/// For each landmark the one on the other side of the face.
-pub const MIRROR: [usize; LANDMARKS] = [
-    16, 15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0, 26, 25, 24, 23, 22, 21, 20, 19, 18,
-    17, 27, 28, 29, 30, 35, 34, 33, 32, 31, 45, 44, 43, 42, 47, 46, 39, 38, 37, 36, 41, 40, 54, 53,
-    52, 51, 50, 49, 48, 59, 58, 57, 56, 55, 64, 63, 62, 61, 60, 67, 66, 65,
-];
 
 impl Face {
     /// The face in a mirror.

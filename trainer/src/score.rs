@@ -3,14 +3,15 @@
 //! Positives and negatives come from running the finished cascade: from jittered boxes on the
 //! training faces (some of which fail), and from boxes on pictures without a face.
 
-use crate::align::{Jitter, Normal, evaluate::nme, face_box, normal, start_from_box};
+use crate::align::evaluate::{nme, start_of};
+use crate::align::{Jitter, Normal, face_box, normal, start_from_box};
 use crate::faces::{Face, Picture};
 use crate::pack::SectionWriter;
 use anyhow::Result;
 use faer::Mat;
 use posewise::align::{AlignModel, Workspace};
 use posewise::experts::Verifier;
-use posewise::shape::LANDMARKS;
+use posewise::shape::{LANDMARKS, MIRROR};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -25,6 +26,7 @@ struct Row {
     right: Vec<bool>,
     face: bool,
     fold: u32,
+    view: usize,
 }
 
 /// Trains the face's and the landmarks' classifiers.
@@ -38,33 +40,47 @@ pub fn train(
     rows.extend(on_empty(model, empty, seed ^ 1, rows.len() / 2));
     let positives = rows.iter().filter(|r| r.face).count();
     println!("score: {positives} right fits, {} others", rows.len() - positives);
-    let features = model.features();
+    let views = model.views().starts.len();
     let mut out = SectionWriter::new(Verifier::TAG);
-    out.scalar(features as u32);
+    out.scalar(model.features() as u32).scalar(views as u32);
+    for view in 0..views {
+        let rows: Vec<&Row> = rows.iter().filter(|r| r.view == view).collect();
+        println!("score: view {view}, {} fits", rows.len());
+        let logits = train_face(&rows, &mut out)?;
+        train_landmarks(&rows, &logits, model.features(), &mut out)?;
+    }
+    Ok(out)
+}
 
-    let all: Vec<&Row> = rows.iter().collect();
-    let (weight, scores) = linear(&all, |r| r.features.as_slice(), |r| r.face, 0.03)?;
+/// The face's classifier of one view; returns out-of-fold logits.
+fn train_face(rows: &[&Row], out: &mut SectionWriter) -> Result<Vec<f32>> {
+    let (weight, scores) = linear(rows, |r| r.features.as_slice(), |r| r.face, 0.03)?;
     let labels: Vec<bool> = rows.iter().map(|r| r.face).collect();
     let (slope, offset) = platt(&scores, &labels, &vec![0.0; scores.len()], 0.0);
     out.scalar(weight.scale * slope[0]).scalar(weight.bias * slope[0] + offset);
     out.array(&weight.weight);
     let logits: Vec<f32> = scores.iter().map(|s| s * slope[0] + offset).collect();
     report("face", &logits, &labels);
+    Ok(logits)
+}
 
-    let seen: Vec<(&Row, f32)> =
-        rows.iter().zip(&logits).filter(|(r, _)| !r.right.is_empty()).map(|(r, l)| (r, *l)).collect();
+/// The landmarks' classifiers of one view.
+fn train_landmarks(
+    rows: &[&Row],
+    logits: &[f32],
+    features: usize,
+    out: &mut SectionWriter,
+) -> Result<()> {
+    let seen = || rows.iter().zip(logits).filter(|(r, _)| !r.right.is_empty());
+    let chosen: Vec<&Row> = seen().map(|(r, _)| *r).collect();
+    let face: Vec<f32> = seen().map(|(_, l)| l.clamp(-12.0, 12.0)).collect();
     let locals = (0..LANDMARKS)
         .into_par_iter()
         .map(|landmark| {
-            let chosen: Vec<&Row> = seen.iter().map(|(r, _)| *r).collect();
-            let (w, s) = linear(
-                &chosen,
-                |r| &r.features[landmark * features..(landmark + 1) * features],
-                |r| r.right[landmark],
-                0.01,
-            )?;
-            let labels: Vec<bool> = chosen.iter().map(|r| r.right[landmark]).collect();
-            let face: Vec<f32> = seen.iter().map(|(_, l)| l.clamp(-12.0, 12.0)).collect();
+            let own = landmark * features..(landmark + 1) * features;
+            let right = |r: &Row| r.right[landmark];
+            let (w, s) = linear(&chosen, |r| &r.features[own.clone()], right, 0.01)?;
+            let labels: Vec<bool> = chosen.iter().map(|r| right(r)).collect();
             let (slope, offset) = platt(&s, &labels, &face, 0.2);
             let logits: Vec<f32> =
                 s.iter().zip(&face).map(|(s, f)| s * slope[0] + f * slope[1] + offset).collect();
@@ -80,7 +96,7 @@ pub fn train(
     out.array(&locals.iter().map(|l| l.0.scale * l.1[0]).collect::<Vec<f32>>());
     out.array(&locals.iter().map(|l| l.0.bias * l.1[0] + l.2).collect::<Vec<f32>>());
     out.array(&locals.iter().map(|l| l.1[1]).collect::<Vec<f32>>());
-    Ok(out)
+    Ok(())
 }
 
 /// Runs the cascade on the faces, from boxes as good as a detector's to hopeless ones.
@@ -104,7 +120,7 @@ fn on_faces(model: &AlignModel<'_>, faces: &[Face], seed: u64) -> Vec<Row> {
                     let size = size * (jitter.log_size * normal(&mut rng)).exp();
                     let roll = roll + jitter.roll * normal(&mut rng);
                     let turn = face.turn() + 0.25 * normal(&mut rng);
-                    let mut shape = start_from_box(&model.start(turn), at, size, roll);
+                    let mut shape = start_from_box(&start_of(model, turn), at, size, roll);
                     let frame = face.picture.frame();
                     if !model.run(&frame, 0, &mut shape, work) {
                         continue;
@@ -114,14 +130,18 @@ fn on_faces(model: &AlignModel<'_>, faces: &[Face], seed: u64) -> Vec<Row> {
                     }
                     let limit = RIGHT_PERCENT / 100.0 * face.scale();
                     let right = face.landmarks.iter().zip(&shape);
-                    let right: Vec<bool> =
+                    let mut right: Vec<bool> =
                         right.map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1]) <= limit).collect();
+                    if work.view().1 {
+                        right = MIRROR.iter().map(|from| right[*from]).collect();
+                    }
                     let error = nme(face, &shape, 0) * face.inter_ocular() / face.scale();
                     rows.push(Row {
                         features: work.features().to_vec(),
                         right,
                         face: error < RIGHT_PERCENT,
-                        fold: face.person % FOLDS,
+                        fold: face.person.wrapping_mul(0x9E37_79B9) >> 16 & (FOLDS - 1),
+                        view: work.view().0,
                     });
                 }
                 rows
@@ -148,7 +168,7 @@ fn on_empty(model: &AlignModel<'_>, empty: &[Picture], seed: u64, count: usize) 
                 let [w, h] = picture.size.map(|s| s as f32);
                 let size = rng.random_range(40.0..0.9 * w.min(h));
                 let at = [rng.random_range(0.0..w), rng.random_range(0.0..h)];
-                let start = model.start(rng.random_range(-1.0..1.0));
+                let start = start_of(model, rng.random_range(-1.0..1.0));
                 let mut shape = start_from_box(&start, at, size, 0.3 * normal(&mut rng));
                 let ran = model.run(&picture.frame(), 0, &mut shape, work)
                     && (index % 2 == 0
@@ -158,6 +178,7 @@ fn on_empty(model: &AlignModel<'_>, empty: &[Picture], seed: u64, count: usize) 
                     right: Vec::new(),
                     face: false,
                     fold: which as u32 % FOLDS,
+                    view: work.view().0,
                 })
             },
         )

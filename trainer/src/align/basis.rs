@@ -2,7 +2,7 @@
 
 use crate::faces::Face;
 use faer::Mat;
-use posewise::align::Shape;
+use posewise::align::{Shape, mirror};
 use posewise::math::Similarity;
 use posewise::shape::LANDMARKS;
 
@@ -45,6 +45,12 @@ impl Basis {
                 }
             }
             mean = sum.map(|[x, y]| [(x / total) as f32, (y / total) as f32]);
+            // Its own mirror image, because left-turned faces are seen in a mirror.
+            let other = mirror(&mean);
+            mean = std::array::from_fn(|i| {
+                let (p, q) = (mean[i], other[i]);
+                [(p[0] + q[0]) / 2.0, (p[1] + q[1]) / 2.0]
+            });
             normalise(&mut mean);
         }
         let mut rows = similarity_rows(&mean);

@@ -28,6 +28,11 @@ pub fn nme(face: &Face, shape: &Shape, from: usize) -> f32 {
     100.0 * sum / (LANDMARKS - from) as f32 / face.inter_ocular()
 }
 
+/// The start shape for a turn.
+pub fn start_of(model: &AlignModel<'_>, turn: f32) -> Shape {
+    model.views().start(turn).expect("a model has a start shape")
+}
+
 /// Runs the cascade from `starts` boxes per face, jittered as by a detector, and `rounds` times
 /// more from its own answer as while tracking.
 pub fn evaluate(
@@ -56,11 +61,11 @@ pub fn evaluate(
                         let size = size * (jitter.log_size * normal(&mut rng)).exp();
                         let roll = roll + jitter.roll * normal(&mut rng);
                         let turn = face.turn() + 0.2 * rng.random_range(-1.0f32..1.0);
-                        let mut shape = start_from_box(&model.start(turn), at, size, roll);
+                        let mut shape = start_from_box(&start_of(model, turn), at, size, roll);
                         model.run(&face.picture.frame(), 0, &mut shape, work);
                         for _ in 0..rounds {
                             let first = model.track_from();
-                            shape = model.relaxed(&shape);
+                            shape = model.views().relaxed(&shape);
                             model.run(&face.picture.frame(), first, &mut shape, work);
                         }
                         (shape, nme(face, &shape, 0), nme(face, &shape, 17))

@@ -107,7 +107,8 @@ impl RegressorWeights {
 pub struct StageWeights {
     pub options: super::StageOptions,
     pub projection: ProjectionWeights,
-    pub regressor: RegressorWeights,
+    /// By view.
+    pub regressors: Vec<RegressorWeights>,
 }
 
 /// Section `ALGN`, as [`AlignModel::open`] reads it.
@@ -137,7 +138,7 @@ pub fn section(
         out.scalar(o.side as u32).scalar(o.zoom);
         out.scalar(o.spacing as u32).scalar(o.radius as u32);
         stage.projection.write(&mut out);
-        stage.regressor.write(&mut out);
+        stage.regressors.iter().for_each(|r| r.write(&mut out));
     }
     out
 }

@@ -2,59 +2,48 @@
 
 use super::basis::{Basis, align};
 use crate::faces::Face;
-use posewise::align::Shape;
+use posewise::align::{Shape, Views, mirror};
 use posewise::math::Similarity;
 use posewise::shape::LANDMARKS;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 
-/// Start shapes by turn, in the canonical frame.
+/// Start shapes by amount of turn, in the canonical frame.
 pub struct StartShapes {
-    /// Mean shapes of the faces near each turn.
+    /// Mean shapes of the faces near each turn, turned to the image right.
     pub shapes: Vec<Shape>,
-    /// Their turns, rising.
+    /// Their turns, rising from 0.
     pub turns: Vec<f32>,
 }
 
 impl StartShapes {
-    /// Mean shapes around `turns`.
+    /// Mean shapes around `turns`, mirrors of left-turned faces included.
     pub fn fit(faces: &[Face], basis: &Basis, turns: &[f32]) -> StartShapes {
-        let nearest = |face: &Face| index_of(turns, face.turn());
         let mean_of = |index: usize| {
             let mut sum = [[0.0f64; 2]; LANDMARKS];
             let mut n = 0.0;
-            for face in faces.iter().filter(|f| nearest(f) == index) {
+            for face in faces.iter().filter(|f| index_of(turns, f.turn().abs()) == index) {
                 let aligned = align(&face.landmarks, &basis.mean);
-                sum.iter_mut().zip(&aligned).for_each(|(s, p)| {
-                    s[0] += p[0] as f64;
-                    s[1] += p[1] as f64;
-                });
-                n += 1.0;
+                let other = mirror(&aligned);
+                // The view towards the camera is its own mirror.
+                let (own, opposite) = match (index, face.turn() < 0.0) {
+                    (0, _) => (1.0, 1.0),
+                    (_, left) => (if left { 0.0 } else { 1.0 }, if left { 1.0 } else { 0.0 }),
+                };
+                for (s, (p, q)) in sum.iter_mut().zip(aligned.iter().zip(&other)) {
+                    s[0] += own * p[0] as f64 + opposite * q[0] as f64;
+                    s[1] += own * p[1] as f64 + opposite * q[1] as f64;
+                }
+                n += own + opposite;
             }
             if n == 0.0 { basis.mean } else { sum.map(|[x, y]| [(x / n) as f32, (y / n) as f32]) }
         };
         StartShapes { shapes: (0..turns.len()).map(mean_of).collect(), turns: turns.to_vec() }
     }
 
-    /// What the core's `AlignModel::relaxed` makes of a shape.
-    pub fn relaxed(&self, shape: &Shape) -> Shape {
-        let fitted = self.shapes.iter().map(|start| {
-            let start = align(start, shape);
-            let pairs = start.iter().zip(shape);
-            let squares: f32 =
-                pairs.map(|(a, b)| (a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2)).sum();
-            (squares, start)
-        });
-        let (_, nearest) = fitted.min_by(|a, b| a.0.total_cmp(&b.0)).expect("at least one start");
-        std::array::from_fn(|i| {
-            let (p, q) = (shape[i], nearest[i]);
-            [(p[0] + q[0]) / 2.0, (p[1] + q[1]) / 2.0]
-        })
-    }
-
-    /// The start shape whose turn is nearest.
-    pub fn of(&self, turn: f32) -> &Shape {
-        &self.shapes[index_of(&self.turns, turn)]
+    /// The core's view of them.
+    pub fn views(&self) -> Views<'_> {
+        Views { starts: &self.shapes, turns: &self.turns }
     }
 }
 
@@ -126,8 +115,9 @@ impl Jitter {
         ];
         let side = side * (normal(rng) * self.log_size).exp();
         // The detector's turn is rough.
-        let start = starts.of(face.turn() + 0.25 * normal(rng));
-        start_from_box(start, shifted, side, roll + normal(rng) * self.roll)
+        let turn = (face.turn() + 0.15 * normal(rng)).clamp(-1.0, 1.0);
+        let start = starts.views().start(turn).expect("at least one start");
+        start_from_box(&start, shifted, side, roll + normal(rng) * self.roll)
     }
 
     /// A start as from the frame before: the truth, moved, with errors along the shape modes.

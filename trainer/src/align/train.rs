@@ -9,9 +9,10 @@ use super::ridge::{Normal, error, predict};
 use super::starts::{Jitter, StartShapes};
 use crate::faces::Face;
 use crate::pack::SectionWriter;
-use anyhow::Result;
+use anyhow::{Result, ensure};
+use faer::Mat;
 use indicatif::{ParallelProgressIterator, ProgressBar, ProgressStyle};
-use posewise::align::{Shape, Workspace, place};
+use posewise::align::{Placement, Shape, Workspace, mirror, place};
 use posewise::descriptor::{HogGrid, VALUES};
 use posewise::shape::LANDMARKS;
 use rand::{Rng, SeedableRng};
@@ -40,7 +41,7 @@ pub struct Options {
     pub seed: u64,
     /// Shape modes besides the similarity's four.
     pub modes: usize,
-    /// Turns of the start shapes.
+    /// Turns of the views, rising from 0.
     pub turns: Vec<f32>,
     /// The stages.
     pub stages: Vec<StageOptions>,
@@ -74,7 +75,7 @@ impl Default for Options {
         Options {
             seed: 1,
             modes: 60,
-            turns: vec![-0.75, -0.4, 0.0, 0.4, 0.75],
+            turns: vec![0.0, 0.4, 0.8],
             stages: vec![stage(1.0, 8, 6), stage(1.0, 7, 6), stage(1.1, 6, 5), stage(1.1, 5, 4)],
             track_from: 1,
             detect_starts: 6,
@@ -109,7 +110,7 @@ pub fn train(faces: &[Face], options: &Options) -> Result<SectionWriter> {
     println!("{} faces, {} starts", faces.len(), samples.len());
     let mut stages = Vec::new();
     for (index, stage) in options.stages.iter().enumerate().take(options.track_from) {
-        stages.push(train_stage(index, stage, faces, &basis, &mut samples)?);
+        stages.push(train_stage(index, stage, faces, &basis, &starts, &mut samples)?);
     }
     let detected: Vec<Sample> = samples.iter().filter(|s| s.from == 0).cloned().collect();
     for round in 0..=options.closed_loop_rounds {
@@ -119,7 +120,7 @@ pub fn train(faces: &[Face], options: &Options) -> Result<SectionWriter> {
         }
         stages.truncate(options.track_from);
         for (index, stage) in options.stages.iter().enumerate().skip(options.track_from) {
-            stages.push(train_stage(index, stage, faces, &basis, &mut samples)?);
+            stages.push(train_stage(index, stage, faces, &basis, &starts, &mut samples)?);
         }
     }
     Ok(section(&basis, &starts, &stages, options.track_from))
@@ -142,7 +143,7 @@ fn closed_loop(
     for answer in answers {
         if rng.random_range(0.0..1.0) < keep * options.closed_loop_share {
             let jitter = motion(&options.track_jitter, &mut rng);
-            let relaxed = starts.relaxed(&answer.shape);
+            let relaxed = starts.views().relaxed(&answer.shape);
             let shape = jitter.moved(&relaxed, basis, &mut rng);
             samples.push(Sample { shape, from: options.track_from, ..answer });
         }
@@ -176,7 +177,7 @@ fn sample(faces: &[Face], basis: &Basis, starts: &StartShapes, options: &Options
         for _ in 0..options.track_starts.div_ceil(share) {
             let jitter = motion(&options.track_jitter, &mut rng);
             let shape = jitter.tracked(face, basis, options.track_modes, &mut rng);
-            let shape = starts.relaxed(&shape);
+            let shape = starts.views().relaxed(&shape);
             samples.push(Sample { face: index, fold, from: options.track_from, shape });
         }
     }
@@ -188,14 +189,24 @@ fn bar(len: usize, what: String) -> ProgressBar {
     ProgressBar::new(len as u64).with_style(style.expect("a valid template")).with_message(what)
 }
 
+/// A sample as a stage sees it.
+struct Described {
+    values: Box<[[u8; VALUES]; LANDMARKS]>,
+    /// What the stage should answer.
+    target: Vec<f32>,
+    view: usize,
+    placement: Box<Placement>,
+}
+
 /// Descriptors of all samples at their current shapes, and what the stage should answer.
 fn describe(
     stage: &StageOptions,
     faces: &[Face],
     basis: &Basis,
+    starts: &StartShapes,
     samples: &[&mut Sample],
     title: String,
-) -> Vec<(Box<[[u8; VALUES]; LANDMARKS]>, Vec<f32>)> {
+) -> Vec<Described> {
     let grid = HogGrid { spacing: stage.spacing, radius: stage.radius };
     samples
         .par_iter()
@@ -204,14 +215,22 @@ fn describe(
             || Box::new(Workspace::new()),
             |work, sample| {
                 let face = &faces[sample.face];
-                let placed = place(&basis.mean, &sample.shape, stage.zoom, stage.side);
+                let view = starts.views().of(&sample.shape).expect("training shapes have extent");
+                let placed =
+                    place(&basis.mean, &sample.shape, stage.zoom, stage.side, view.mirrored);
                 let placed = placed.expect("training shapes have extent");
                 work.describe(&face.picture.frame(), &placed, stage.side, grid);
                 let back = placed.canonical_to_frame.inverse().expect("a shape has extent");
-                let truth = flat(&face.landmarks.map(|p| back.apply(p)));
+                let truth = face.landmarks.map(|p| back.apply(p));
+                let truth = flat(&if view.mirrored { mirror(&truth) } else { truth });
                 let now = flat(&placed.canonical);
                 let residual: Vec<f32> = truth.iter().zip(&now).map(|(t, n)| t - n).collect();
-                (Box::new(*work.values()), basis.project(&residual))
+                Described {
+                    values: Box::new(*work.values()),
+                    target: basis.project(&residual),
+                    view: view.index,
+                    placement: Box::new(placed),
+                }
             },
         )
         .collect()
@@ -222,28 +241,72 @@ fn train_stage(
     stage: &StageOptions,
     faces: &[Face],
     basis: &Basis,
+    starts: &StartShapes,
     samples: &mut [Sample],
 ) -> Result<StageWeights> {
     let started = std::time::Instant::now();
     let mut active: Vec<&mut Sample> = samples.iter_mut().filter(|s| s.from <= index).collect();
-    let described = describe(stage, faces, basis, &active, format!("stage {index}: describe"));
+    let title = format!("stage {index}: describe");
+    let described = describe(stage, faces, basis, starts, &active, title);
     let projection = learn_projection(&described, stage.features);
     let features = project_all(&described, &projection);
-    let rows: Vec<&[i8]> = features.iter().map(|f| f.as_slice()).collect();
-    let targets: Vec<&[f32]> = described.iter().map(|(_, t)| t.as_slice()).collect();
-    let weights: Vec<f32> = active.iter().map(|s| faces[s.face].weight).collect();
-    let pick = |keep: &dyn Fn(usize) -> bool| -> (Vec<&[i8]>, Vec<&[f32]>, Vec<f32>) {
-        let chosen: Vec<usize> = (0..rows.len()).filter(|n| keep(active[*n].fold)).collect();
+    let mut regressors = Vec::new();
+    for view in 0..starts.turns.len() {
+        let rows: Vec<Row<'_>> = described
+            .iter()
+            .zip(&features)
+            .zip(&active)
+            .enumerate()
+            .filter(|(_, ((d, _), _))| d.view == view)
+            .map(|(n, ((d, f), sample))| Row {
+                sample: n,
+                features: f,
+                target: &d.target,
+                weight: faces[sample.face].weight,
+                fold: sample.fold,
+            })
+            .collect();
+        let solved = regress(&rows, &format!("stage {index} view {view}"))?;
+        for (n, delta) in solved.answers {
+            active[n].shape = moved(basis, &described[n].placement, &delta);
+        }
+        regressors.push(RegressorWeights::quantise(&solved.weights));
+    }
+    println!("stage {index}: {:.0?}", started.elapsed());
+    Ok(StageWeights { options: *stage, projection, regressors })
+}
+
+/// One sample of a regression.
+struct Row<'a> {
+    sample: usize,
+    features: &'a [i8],
+    target: &'a [f32],
+    weight: f32,
+    fold: usize,
+}
+
+struct Solved {
+    weights: Mat<f32>,
+    /// Sample and out-of-fold answer.
+    answers: Vec<(usize, Vec<f32>)>,
+}
+
+/// Ridge regression with the ridge that serves a held-out fold best.
+fn regress(rows: &[Row<'_>], title: &str) -> Result<Solved> {
+    ensure!(!rows.is_empty(), "{title}: no samples");
+    faer::set_global_parallelism(faer::Par::Seq);
+    let (inputs, outputs) = (rows[0].features.len(), rows[0].target.len());
+    let of_fold = |fold: usize| -> (Vec<&[i8]>, Vec<&[f32]>, Vec<f32>) {
+        let chosen = || rows.iter().filter(|r| r.fold == fold);
         (
-            chosen.iter().map(|n| rows[*n]).collect(),
-            chosen.iter().map(|n| targets[*n]).collect(),
-            chosen.iter().map(|n| weights[*n]).collect(),
+            chosen().map(|r| r.features).collect(),
+            chosen().map(|r| r.target).collect(),
+            chosen().map(|r| r.weight).collect(),
         )
     };
-    let (inputs, outputs) = (rows[0].len(), targets[0].len());
     let folds: Vec<Normal> = (0..FOLDS)
         .map(|fold| {
-            let (x, y, w) = pick(&|f| f == fold);
+            let (x, y, w) = of_fold(fold);
             let mut normal = Normal::new(inputs, outputs);
             normal.add(&x, &y, &w);
             normal
@@ -255,21 +318,20 @@ fn train_stage(
         kept.for_each(|(_, n)| sum.merge(n));
         sum
     };
-    // The ridge that serves a held-out fold best.
-    let (x, y, w) = pick(&|f| f == 0);
+    let (x, y, w) = of_fold(0);
     let held_out = sum_without(Some(0));
-    faer::set_global_parallelism(faer::Par::Seq);
     let errors = RIDGES
         .par_iter()
         .map(|ridge| Ok((error(&held_out.solve(*ridge)?, &x, &y, &w), *ridge)))
         .collect::<Result<Vec<_>>>()?;
     let best = errors.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).expect("ridges to try");
-    let rms = |e: f64| (e / LANDMARKS as f64).sqrt() / 36.0 * 100.0;
-    let before: f64 = y.iter().zip(&w).map(|(y, w)| (y.iter().map(|v| v * v).sum::<f32>() * w) as f64).sum::<f64>()
+    let squares = |y: &&[f32]| y.iter().map(|v| v * v).sum::<f32>() as f64;
+    let before = y.iter().zip(&w).map(|(y, w)| squares(y) * *w as f64).sum::<f64>()
         / w.iter().map(|w| *w as f64).sum::<f64>();
+    let rms = |e: f64| (e / LANDMARKS as f64).sqrt() / 36.0 * 100.0;
     println!(
-        "{:.0?} stage {index}: ridge {}, held-out point error {:.2} → {:.2} (r.m.s., % of the inter-ocular distance)",
-        started.elapsed(),
+        "{title}: {} samples, ridge {}, held-out point error {:.2} → {:.2} (r.m.s., % of the inter-ocular distance)",
+        rows.len(),
         best.1,
         rms(before),
         rms(best.0)
@@ -278,48 +340,45 @@ fn train_stage(
         .into_par_iter()
         .map(|fold| sum_without(Some(fold)).solve(best.1))
         .collect::<Result<Vec<_>>>()?;
-    active.par_iter_mut().enumerate().for_each(|(n, sample)| {
-        let delta = predict(&out_of_fold[sample.fold], rows[n]);
-        advance(sample, basis, stage, &delta);
-    });
-    let regressor = RegressorWeights::quantise(&sum_without(None).solve(best.1)?);
-    Ok(StageWeights { options: *stage, projection, regressor })
+    let answers = rows
+        .par_iter()
+        .map(|r| (r.sample, predict(&out_of_fold[r.fold], r.features)))
+        .collect();
+    Ok(Solved { weights: sum_without(None).solve(best.1)?, answers })
 }
 
-/// Moves a sample by a stage's answer.
-fn advance(sample: &mut Sample, basis: &Basis, stage: &StageOptions, delta: &[f32]) {
-    let placed = place(&basis.mean, &sample.shape, stage.zoom, stage.side);
-    let placed = placed.expect("training shapes have extent");
-    let mut moved = placed.canonical;
-    for (row, d) in basis.rows.iter().zip(delta) {
-        for (i, p) in moved.iter_mut().enumerate() {
+/// Where a stage's answer moves a shape.
+fn moved(basis: &Basis, placement: &Placement, answer: &[f32]) -> Shape {
+    let mut delta = [[0.0; 2]; LANDMARKS];
+    for (row, d) in basis.rows.iter().zip(answer) {
+        for (i, p) in delta.iter_mut().enumerate() {
             *p = [p[0] + d * row[2 * i], p[1] + d * row[2 * i + 1]];
         }
     }
-    sample.shape = moved.map(|p| placed.canonical_to_frame.apply(p));
+    placement.moved(&delta)
 }
 
 fn learn_projection(
-    described: &[(Box<[[u8; VALUES]; LANDMARKS]>, Vec<f32>)],
+    described: &[Described],
     features: usize,
 ) -> ProjectionWeights {
     // Every sample gives a few landmarks: 200,000 descriptors fix 72×72 covariances well.
     let step = (described.len() * LANDMARKS / 200_000).max(1);
     let chosen: Vec<[u8; VALUES]> = (0..described.len() * LANDMARKS)
         .step_by(step)
-        .map(|k| described[k / LANDMARKS].0[(k + k / LANDMARKS) % LANDMARKS])
+        .map(|k| described[k / LANDMARKS].values[(k + k / LANDMARKS) % LANDMARKS])
         .collect();
     ProjectionWeights::principal(&chosen, features)
 }
 
 fn project_all(
-    described: &[(Box<[[u8; VALUES]; LANDMARKS]>, Vec<f32>)],
+    described: &[Described],
     weights: &ProjectionWeights,
 ) -> Vec<Vec<i8>> {
     let features = weights.features();
     described
         .par_iter()
-        .map(|(values, _)| {
+        .map(|Described { values, .. }| {
             let mut out = vec![0i8; LANDMARKS * features];
             for (v, out) in values.iter().zip(out.chunks_exact_mut(features)) {
                 weights.project(v, out);
