@@ -15,7 +15,7 @@ use serde_json::{Value, json};
 use crate::cli::BenchArgs;
 use crate::model_file::ModelFile;
 use crate::picture::{Chroma, Picture};
-use crate::{demo_clip, output, source, stack};
+use crate::{demo_clip, output, source, stack, stages};
 
 /// Most frames of the clip that are kept in memory.
 const MAX_FRAMES: usize = 300;
@@ -56,6 +56,7 @@ pub fn run(args: &BenchArgs) -> Result<()> {
     let shuffled = shuffled(&frames);
     let (tracking, acquiring) = time_tracking(&model, &frames)?;
     let searching = time_searching(&model, &shuffled)?;
+    let parts = stages::time(&model, &frames)?;
     let peak_stack = measure_stack(&model, &frames, &shuffled);
     let layout = frames.first().map(|p| p.layout);
     let (width, height) = layout.map_or((0, 0), |l| (l.width, l.height));
@@ -69,6 +70,7 @@ pub fn run(args: &BenchArgs) -> Result<()> {
         "acquiring": acquiring.json(),
         "searching": searching.json(),
         "searching_over_tracking": ratio,
+        "stages_ns": parts.iter().map(|(name, ns)| json!([name, ns])).collect::<Vec<_>>(),
         "model_bytes": model.blob().total_len(),
         "tracker_bytes": std::mem::size_of::<Tracker>(),
         "peak_stack_bytes": peak_stack,
@@ -230,6 +232,10 @@ fn report(value: &Value) -> String {
             number(&v["p99_ns"]),
             number(&v["steps"])
         );
+    }
+    for part in value["stages_ns"].as_array().into_iter().flatten() {
+        let name = part[0].as_str().unwrap_or_default();
+        let _ = writeln!(out, "  {name:<28}{:>12} ns median", number(&part[1]));
     }
     for (name, key, unit) in [
         ("search / track", "searching_over_tracking", "×"),

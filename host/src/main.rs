@@ -25,6 +25,7 @@ mod picture;
 mod plot;
 mod source;
 mod stack;
+mod stages;
 mod text;
 mod track;
 

@@ -21,6 +21,8 @@ pub struct View {
     pub mirrored: bool,
     /// The view's start shape, brought onto the shape (frame px).
     pub start: Shape,
+    /// In-plane rotation that brought it there, clockwise in the image \[rad\].
+    pub roll: f32,
 }
 
 impl Views<'_> {
@@ -46,7 +48,7 @@ impl Views<'_> {
                 let start = start.map(|p| to_frame.apply(p));
                 let squares: f32 = start.iter().zip(shape).map(|(a, b)| squared(a, b)).sum();
                 if best.is_none_or(|(least, _)| squares < least) {
-                    best = Some((squares, View { index, mirrored, start }));
+                    best = Some((squares, View { index, mirrored, start, roll: to_frame.angle() }));
                 }
             }
         }

@@ -208,7 +208,7 @@ impl Tracker {
     /// Looks for a face that was lost a moment ago where it should be by now.
     fn hold(&mut self, model: &Model<'_>, frame: &Frame<'_>, now: i64) {
         let subject = self.subject;
-        let around = place_of(&subject.shape);
+        let around = place_of(model, &subject.shape);
         let found = search_near(&model.detector, frame, &around, NEAR_BUDGET)
             .is_some_and(|face| self.acquire(model, frame, now, &face, Some(subject)));
         if !found {
@@ -330,13 +330,8 @@ fn start_in(start: &Shape, face: &Detection) -> Option<Shape> {
 }
 
 /// The detector's box of a shape.
-fn place_of(shape: &Shape) -> Detection {
-    let mean = |from: usize| {
-        let eye = shape.iter().skip(from).take(6);
-        eye.fold([0.0, 0.0], |m, p| [m[0] + p[0] / 6.0, m[1] + p[1] / 6.0])
-    };
-    let (right, left) = (mean(36), mean(42));
-    let roll = libm::atan2f(left[1] - right[1], left[0] - right[0]);
+fn place_of(model: &Model<'_>, shape: &Shape) -> Detection {
+    let roll = model.align.views().of(shape).map_or(0.0, |view| view.roll);
     let forth = Similarity { a: libm::cosf(roll), b: libm::sinf(roll), tx: 0.0, ty: 0.0 };
     let back = Similarity { b: -forth.b, ..forth };
     let [x, y, width, height] = bounds(&shape.map(|p| back.apply(p)));

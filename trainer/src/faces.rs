@@ -131,12 +131,14 @@ pub fn photographs(csv_path: &Path, images: &Path) -> Result<Vec<Face>> {
         .collect()
 }
 
-/// The first `count` samples of a file of renders, each weighing as much as a photograph.
+/// The first `count` samples of a file of renders; a face weighs as much as a photograph when all
+/// of it is seen, and less the more of it is hidden.
 pub fn rendered(path: &Path, count: usize) -> Result<Vec<Face>> {
     let samples = crate::render::cache::read(path, count)?;
     Ok(samples
         .into_iter()
         .map(|sample| Face {
+            weight: seen(&sample.visible),
             landmarks: sample.landmarks.map(|p| p.to_array()),
             picture: Arc::new(Picture {
                 size: [sample.width as u32, sample.height as u32],
@@ -144,9 +146,13 @@ pub fn rendered(path: &Path, count: usize) -> Result<Vec<Face>> {
             }),
             person: sample.person,
             yaw_deg: Some(sample.angles.yaw_deg),
-            weight: 1.0,
         })
         .collect())
+}
+
+fn seen(visible: &[bool; LANDMARKS]) -> f32 {
+    let share = visible.iter().filter(|v| **v).count() as f32 / LANDMARKS as f32;
+    0.1 + 0.9 * share
 }
 
 fn person_of(file: &str) -> &str {

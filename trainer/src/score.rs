@@ -115,7 +115,7 @@ fn on_faces(model: &AlignModel<'_>, faces: &[Face], seed: u64) -> Vec<Row> {
                     // Every third start is far off.
                     let j = if (index + k) % 3 == 2 { 3.5 } else { 1.0 };
                     let jitter = Jitter { shift: 0.05 * j, log_size: 0.08 * j, roll: 0.14 * j };
-                    let (centre, size, roll) = face_box(&face.landmarks);
+                    let (centre, size, roll) = face_box(&model.views(), &face.landmarks);
                     let at = centre.map(|c| c + jitter.shift * size * normal(&mut rng));
                     let size = size * (jitter.log_size * normal(&mut rng)).exp();
                     let roll = roll + jitter.roll * normal(&mut rng);

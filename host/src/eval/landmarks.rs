@@ -105,22 +105,22 @@ fn fit_still(
     model: &Model<'_>,
     config: &Config,
     mut picture: Picture,
-    start: Option<Detection>,
+    mut start: Option<Detection>,
     more_steps: u32,
 ) -> Result<Option<Points>> {
     let mut tracker = Box::new(Tracker::new(config).map_err(|e| anyhow!("{e}"))?);
-    if let Some(detection) = start {
-        start_at(&mut tracker, &detection)?;
-    }
     let mut found = None;
     let mut left = MAX_SEARCH_STEPS;
     while left > 0 {
         left -= 1;
         picture.timestamp_us += STEP_US;
         let frame = picture.frame()?;
-        let result = tracker
-            .step(model, &frame, picture.timestamp_us)
-            .map_err(|e| anyhow!("{e}"))?;
+        let time = picture.timestamp_us;
+        let result = match start.take() {
+            Some(face) => tracker.step_at(model, &frame, time, &face),
+            None => tracker.step(model, &frame, time),
+        };
+        let result = result.map_err(|e| anyhow!("{e}"))?;
         if result.state == State::Tracking {
             if found.is_none() {
                 left = more_steps;
@@ -129,11 +129,6 @@ fn fit_still(
         }
     }
     Ok(found)
-}
-
-/// Hands the tracker a face instead of letting it search.
-fn start_at(_tracker: &mut Tracker, _at: &Detection) -> Result<()> {
-    bail!("--start box: this build's tracker cannot be started at a given box")
 }
 
 /// The upright square around the labels.

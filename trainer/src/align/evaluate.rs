@@ -52,7 +52,7 @@ pub fn evaluate(
                 rng.set_stream(index as u64);
                 (0..starts)
                     .map(|_| {
-                        let (centre, size, roll) = face_box(&face.landmarks);
+                        let (centre, size, roll) = face_box(&model.views(), &face.landmarks);
                         let shift = jitter.shift * size;
                         let at = [
                             centre[0] + shift * normal(&mut rng),

@@ -53,15 +53,9 @@ fn index_of(turns: &[f32], turn: f32) -> usize {
 }
 
 /// The detector's box of a shape: centre, side (the larger of width and height) of the upright box
-/// after turning back by `roll`, and `roll` \[rad\], the angle of the line between the eyes.
-pub fn face_box(shape: &Shape) -> ([f32; 2], f32, f32) {
-    let eye = |range: std::ops::Range<usize>| {
-        let sum = shape[range].iter().fold([0.0, 0.0], |s, p| [s[0] + p[0] / 6.0, s[1] + p[1] / 6.0]);
-        sum
-    };
-    let (right, left) = (eye(36..42), eye(42..48));
-    let roll = (left[1] - right[1]).atan2(left[0] - right[0]);
-    box_at(shape, roll)
+/// after turning back by `roll`, and `roll` \[rad\], by which the most similar start shape is turned.
+pub fn face_box(views: &Views<'_>, shape: &Shape) -> ([f32; 2], f32, f32) {
+    box_at(shape, views.of(shape).expect("a face has extent").roll)
 }
 
 fn box_at(shape: &Shape, roll: f32) -> ([f32; 2], f32, f32) {
@@ -108,7 +102,7 @@ pub fn normal(rng: &mut ChaCha8Rng) -> f32 {
 impl Jitter {
     /// A start as after a detection.
     pub fn detected(&self, face: &Face, starts: &StartShapes, rng: &mut ChaCha8Rng) -> Shape {
-        let (centre, side, roll) = face_box(&face.landmarks);
+        let (centre, side, roll) = face_box(&starts.views(), &face.landmarks);
         let shifted = [
             centre[0] + normal(rng) * self.shift * side,
             centre[1] + normal(rng) * self.shift * side,
@@ -136,7 +130,7 @@ impl Jitter {
 
     /// A shape moved by this jitter.
     pub fn moved(&self, shape: &Shape, basis: &Basis, rng: &mut ChaCha8Rng) -> Shape {
-        let (_, side, _) = face_box(shape);
+        let (_, side, _) = box_at(shape, 0.0);
         let scale = (normal(rng) * self.log_size).exp();
         let angle = normal(rng) * self.roll;
         let shift = [normal(rng) * self.shift * side, normal(rng) * self.shift * side];
