@@ -23,23 +23,43 @@ pub fn time(model: &Model<'_>, frames: &[Picture]) -> Result<Vec<Part>> {
     let (picture, shape) = tracked(model, frames)?;
     let frame = picture.frame()?;
     let mut work = Box::new(Workspace::new());
-    let stage = model.align.stages().last().context("the cascade has no stage")?;
+    let stage = model
+        .align
+        .stages()
+        .last()
+        .context("the cascade has no stage")?;
     let placed = place(model.align.mean(), &shape, stage.zoom, stage.side, false);
     let placed = placed.context("the shape has no extent")?;
     let mut parts = vec![
-        ("warp + describe, one stage", median(|| {
-            work.describe(&frame, &placed, stage.side, stage.grid);
-        })),
-        ("project, one stage", median(|| work.project(&stage.projection))),
-        ("align, tracking", median(|| {
-            let mut shape = model.align.views().relaxed(&shape);
-            black_box(model.align.run(&frame, model.align.track_from(), &mut shape, &mut work));
-        })),
+        (
+            "warp + describe, one stage",
+            median(|| {
+                work.describe(&frame, &placed, stage.side, stage.grid);
+            }),
+        ),
+        (
+            "project, one stage",
+            median(|| work.project(&stage.projection)),
+        ),
+        (
+            "align, tracking",
+            median(|| {
+                let mut shape = model.align.views().relaxed(&shape);
+                black_box(
+                    model
+                        .align
+                        .run(&frame, model.align.track_from(), &mut shape, &mut work),
+                );
+            }),
+        ),
     ];
     let (view, mirrored) = work.view();
-    parts.push(("judge", median(|| {
-        black_box(model.verifier.judge(work.features(), view, mirrored));
-    })));
+    parts.push((
+        "judge",
+        median(|| {
+            black_box(model.verifier.judge(work.features(), view, mirrored));
+        }),
+    ));
     parts.push(("fit, tracking", time_fit(model, &frame, &shape)?));
     parts.push(("detector slice", time_scan(model, &frame)));
     Ok(parts)
@@ -49,23 +69,37 @@ fn tracked<'p>(model: &Model<'_>, frames: &'p [Picture]) -> Result<(&'p Picture,
     let mut tracker = Box::new(Tracker::new(&Config::default()).map_err(|e| anyhow!("{e}"))?);
     for (i, picture) in frames.iter().enumerate() {
         let frame = picture.frame()?;
-        let result = tracker.step(model, &frame, i as i64).map_err(|e| anyhow!("{e}"))?;
+        let result = tracker
+            .step(model, &frame, i as i64)
+            .map_err(|e| anyhow!("{e}"))?;
         if result.state == State::Tracking {
             return Ok((picture, result.landmarks.map(|l| [l.x, l.y])));
         }
     }
-    Err(anyhow!("no face is tracked in the clip, so no stage can be timed"))
+    Err(anyhow!(
+        "no face is tracked in the clip, so no stage can be timed"
+    ))
 }
 
 fn time_fit(model: &Model<'_>, frame: &Frame<'_>, shape: &Shape) -> Result<u64> {
     let camera = Intrinsics::of_frame(frame.width(), frame.height());
-    let observed = Observed { points: shape, weights: &[1.0; 68] };
+    let observed = Observed {
+        points: shape,
+        weights: &[1.0; 68],
+    };
     let identity: Identity = [0.0; MAX_IDENTITIES];
     let options = FitOptions::default();
     let first = fit(&model.face, &camera, &observed, None, &identity, &options);
     let start = first.context("no pose explains the landmarks")?.state;
     Ok(median(|| {
-        black_box(fit(&model.face, &camera, &observed, Some(&start), &identity, &options));
+        black_box(fit(
+            &model.face,
+            &camera,
+            &observed,
+            Some(&start),
+            &identity,
+            &options,
+        ));
     }))
 }
 

@@ -76,10 +76,16 @@ impl<'m> Regressor<'m> {
     /// The outputs, one by one.
     pub fn outputs<'a>(&'a self, features: &'a [i8]) -> impl Iterator<Item = f32> + 'a {
         let rows = self.weight.chunks_exact(self.inputs.max(1));
-        rows.zip(self.scale).zip(self.bias).map(move |((row, scale), bias)| {
-            let sum: i32 = row.iter().zip(features).map(|(w, f)| *w as i32 * *f as i32).sum();
-            sum as f32 * scale + bias
-        })
+        rows.zip(self.scale)
+            .zip(self.bias)
+            .map(move |((row, scale), bias)| {
+                let sum: i32 = row
+                    .iter()
+                    .zip(features)
+                    .map(|(w, f)| *w as i32 * *f as i32)
+                    .sum();
+                sum as f32 * scale + bias
+            })
     }
 }
 
@@ -137,19 +143,30 @@ impl Workspace {
     }
 
     /// Cuts the crop of a placement and describes it around the points.
-    pub fn describe(&mut self, frame: &Frame<'_>, placement: &super::Placement, side: usize, grid: HogGrid) {
+    pub fn describe(
+        &mut self,
+        frame: &Frame<'_>,
+        placement: &super::Placement,
+        side: usize,
+        grid: HogGrid,
+    ) {
         warp(frame, &placement.crop_to_frame, side, &mut self.crop);
         if placement.mirrored {
             self.crop.mirror();
         }
-        self.hog.describe(&self.crop, grid, &placement.points, &mut self.values);
+        self.hog
+            .describe(&self.crop, grid, &placement.points, &mut self.values);
     }
 
     /// Projects the descriptors.
     pub fn project(&mut self, projection: &Projection<'_>) {
         let features = projection.features();
         self.used = LANDMARKS * features;
-        for (values, out) in self.values.iter().zip(self.features.chunks_exact_mut(features.max(1))) {
+        for (values, out) in self
+            .values
+            .iter()
+            .zip(self.features.chunks_exact_mut(features.max(1)))
+        {
             projection.project(values, out);
         }
     }
@@ -201,7 +218,10 @@ impl<'m> AlignModel<'m> {
 
     /// Start shapes by turn.
     pub fn views(&self) -> Views<'m> {
-        Views { starts: self.starts, turns: self.turns }
+        Views {
+            starts: self.starts,
+            turns: self.turns,
+        }
     }
 
     /// The stages, in order.
@@ -211,7 +231,9 @@ impl<'m> AlignModel<'m> {
 
     /// Features per landmark of the last stage.
     pub fn features(&self) -> usize {
-        self.stages().last().map_or(0, |stage| stage.projection.features())
+        self.stages()
+            .last()
+            .map_or(0, |stage| stage.projection.features())
     }
 
     /// Index of the first stage to run from a tracked shape.
@@ -221,8 +243,16 @@ impl<'m> AlignModel<'m> {
 
     /// Runs the stages from index `first` on; `shape` (frame px) is moved in place. Returns false,
     /// with the shape wherever it was then, when it lost its extent.
-    pub fn run(&self, frame: &Frame<'_>, first: usize, shape: &mut Shape, work: &mut Workspace) -> bool {
-        self.stages().skip(first).all(|stage| self.step(frame, stage, shape, work))
+    pub fn run(
+        &self,
+        frame: &Frame<'_>,
+        first: usize,
+        shape: &mut Shape,
+        work: &mut Workspace,
+    ) -> bool {
+        self.stages()
+            .skip(first)
+            .all(|stage| self.step(frame, stage, shape, work))
     }
 
     fn step(
@@ -267,9 +297,19 @@ impl<'m> Stage<'m> {
         let projection = Projection::read(s)?;
         let mut regressors = [None; MAX_VIEWS];
         for regressor in regressors.iter_mut().take(views) {
-            *regressor = Some(Regressor::read(s, LANDMARKS * projection.features(), modes)?);
+            *regressor = Some(Regressor::read(
+                s,
+                LANDMARKS * projection.features(),
+                modes,
+            )?);
         }
-        Ok(Stage { side, zoom, grid: HogGrid { spacing, radius }, projection, regressors })
+        Ok(Stage {
+            side,
+            zoom,
+            grid: HogGrid { spacing, radius },
+            projection,
+            regressors,
+        })
     }
 }
 

@@ -40,14 +40,28 @@ pub fn mirror(shape: &Shape) -> Shape {
 /// Places a crop of `side` px, `zoom` crop px per canonical unit, over a shape in frame px.
 ///
 /// `None` when the shape has no extent or is not finite.
-pub fn place(mean: &Shape, shape: &Shape, zoom: f32, side: usize, mirrored: bool) -> Option<Placement> {
+pub fn place(
+    mean: &Shape,
+    shape: &Shape,
+    zoom: f32,
+    side: usize,
+    mirrored: bool,
+) -> Option<Placement> {
     let canonical_to_frame = Similarity::fit(mean, shape)?;
     let frame_to_canonical = canonical_to_frame.inverse()?;
     let canonical = shape.map(|p| frame_to_canonical.apply(p));
-    let canonical = if mirrored { mirror(&canonical) } else { canonical };
+    let canonical = if mirrored {
+        mirror(&canonical)
+    } else {
+        canonical
+    };
     let centre = (side as f32 - 1.0) / 2.0;
-    let crop_to_canonical =
-        Similarity { a: 1.0 / zoom, b: 0.0, tx: -centre / zoom, ty: -centre / zoom };
+    let crop_to_canonical = Similarity {
+        a: 1.0 / zoom,
+        b: 0.0,
+        tx: -centre / zoom,
+        ty: -centre / zoom,
+    };
     let pixel = |v: f32| libm::roundf((v * zoom + centre).clamp(-1000.0, 1000.0)) as i32;
     Some(Placement {
         canonical_to_frame,

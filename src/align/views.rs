@@ -31,7 +31,11 @@ impl Views<'_> {
         let distance = |t: &f32| libm::fabsf(t - libm::fabsf(turn));
         let pairs = self.starts.iter().zip(self.turns);
         let (start, t) = pairs.min_by(|(_, a), (_, b)| distance(a).total_cmp(&distance(b)))?;
-        Some(if turn < 0.0 && *t > 0.0 { mirror(start) } else { *start })
+        Some(if turn < 0.0 && *t > 0.0 {
+            mirror(start)
+        } else {
+            *start
+        })
     }
 
     /// The view that a shape resembles most.
@@ -44,11 +48,21 @@ impl Views<'_> {
                     continue;
                 }
                 let start = if mirrored { mirror(start) } else { *start };
-                let Some(to_frame) = Similarity::fit(&start, shape) else { continue };
+                let Some(to_frame) = Similarity::fit(&start, shape) else {
+                    continue;
+                };
                 let start = start.map(|p| to_frame.apply(p));
                 let squares: f32 = start.iter().zip(shape).map(|(a, b)| squared(a, b)).sum();
                 if best.is_none_or(|(least, _)| squares < least) {
-                    best = Some((squares, View { index, mirrored, start, roll: to_frame.angle() }));
+                    best = Some((
+                        squares,
+                        View {
+                            index,
+                            mirrored,
+                            start,
+                            roll: to_frame.angle(),
+                        },
+                    ));
                 }
             }
         }

@@ -62,7 +62,13 @@ impl Hog {
     /// values per point, 0..=255, into `out`, cell by cell, [`BINS`] to a cell.
     ///
     /// Work: 8 `side`² additions and 288 reads per point.
-    pub fn describe(&mut self, crop: &Crop, grid: HogGrid, points: &[[i32; 2]], out: &mut [[u8; VALUES]]) {
+    pub fn describe(
+        &mut self,
+        crop: &Crop,
+        grid: HogGrid,
+        points: &[[i32; 2]],
+        out: &mut [[u8; VALUES]],
+    ) {
         self.gradients(crop);
         for bin in 0..BINS {
             self.integrate(bin);
@@ -88,14 +94,21 @@ impl Hog {
         let luma = crop.luma();
         let row = |y: usize| luma.get(y * side..(y + 1) * side).unwrap_or(&[]);
         for y in 0..side {
-            let (above, here, below) = (row(y.saturating_sub(1)), row(y), row((y + 1).min(side - 1)));
+            let (above, here, below) =
+                (row(y.saturating_sub(1)), row(y), row((y + 1).min(side - 1)));
             let at = y * side..(y + 1) * side;
-            let (Some(axis), Some(diagonal), Some(code)) =
-                (self.axis.get_mut(at.clone()), self.diagonal.get_mut(at.clone()), self.code.get_mut(at))
-            else {
+            let (Some(axis), Some(diagonal), Some(code)) = (
+                self.axis.get_mut(at.clone()),
+                self.diagonal.get_mut(at.clone()),
+                self.code.get_mut(at),
+            ) else {
                 continue;
             };
-            let inner = axis.iter_mut().zip(diagonal.iter_mut()).zip(code.iter_mut()).skip(1);
+            let inner = axis
+                .iter_mut()
+                .zip(diagonal.iter_mut())
+                .zip(code.iter_mut())
+                .skip(1);
             let vertical = above.iter().zip(below).skip(1);
             for (((axis, diagonal), code), ((above, below), window)) in
                 inner.zip(vertical.zip(here.windows(3)))
@@ -132,10 +145,16 @@ impl Hog {
         let mut columns = [0u32; CROP_MAX];
         let (first, rest) = self.integral.split_at_mut(ROW);
         first.fill(0);
-        let rows = values.chunks_exact(side.max(1)).zip(self.code.chunks_exact(side.max(1)));
+        let rows = values
+            .chunks_exact(side.max(1))
+            .zip(self.code.chunks_exact(side.max(1)));
         for ((values, codes), out) in rows.take(side).zip(rest.chunks_exact_mut(ROW)) {
             for ((column, value), code) in columns.iter_mut().zip(values).zip(codes) {
-                *column += if code & mask == wanted { *value as u32 } else { 0 };
+                *column += if code & mask == wanted {
+                    *value as u32
+                } else {
+                    0
+                };
             }
             let mut sum = 0u32;
             for (out, column) in out.iter_mut().skip(1).zip(&columns) {
@@ -151,15 +170,32 @@ impl Hog {
 fn box_sum(integral: &[u32; ROW * ROW], side: i32, [x, y]: [i32; 2], radius: i32) -> u32 {
     let (x0, x1) = ((x - radius).clamp(0, side), (x + radius + 1).clamp(0, side));
     let (y0, y1) = ((y - radius).clamp(0, side), (y + radius + 1).clamp(0, side));
-    let at = |x: i32, y: i32| integral.get(y as usize * ROW + x as usize).copied().unwrap_or(0);
-    at(x1, y1).wrapping_add(at(x0, y0)).wrapping_sub(at(x1, y0)).wrapping_sub(at(x0, y1))
+    let at = |x: i32, y: i32| {
+        integral
+            .get(y as usize * ROW + x as usize)
+            .copied()
+            .unwrap_or(0)
+    };
+    at(x1, y1)
+        .wrapping_add(at(x0, y0))
+        .wrapping_sub(at(x1, y0))
+        .wrapping_sub(at(x0, y1))
 }
 
 /// Most points described at once.
 pub(crate) const MAX_POINTS: usize = 68;
 
-const CELL_OFFSETS: [[i32; 2]; CELLS] =
-    [[-1, -1], [0, -1], [1, -1], [-1, 0], [0, 0], [1, 0], [-1, 1], [0, 1], [1, 1]];
+const CELL_OFFSETS: [[i32; 2]; CELLS] = [
+    [-1, -1],
+    [0, -1],
+    [1, -1],
+    [-1, 0],
+    [0, 0],
+    [1, 0],
+    [-1, 1],
+    [0, 1],
+    [1, 1],
+];
 
 /// Root of the share of the total (RootSIFT, Arandjelović and Zisserman 2012): the vector's
 /// Euclidean length is the same for every point, and strong edges do not drown weak ones.
@@ -187,7 +223,15 @@ mod tests {
         let mut crop = Crop::new();
         warp(&frame, &Similarity::IDENTITY, 64, &mut crop);
         let mut out = [[0; VALUES]];
-        Hog::new().describe(&crop, HogGrid { spacing: 6, radius: 4 }, &[[32, 32]], &mut out);
+        Hog::new().describe(
+            &crop,
+            HogGrid {
+                spacing: 6,
+                radius: 4,
+            },
+            &[[32, 32]],
+            &mut out,
+        );
         out[0]
     }
 
@@ -195,10 +239,17 @@ mod tests {
     fn a_ramp_fills_one_direction() {
         let right = describe(|x, _| (x * 3) as u8);
         for cell in right.chunks(BINS) {
-            assert!(cell[1] > 60 && cell.iter().enumerate().all(|(i, v)| i == 1 || *v == 0), "{cell:?}");
+            assert!(
+                cell[1] > 60 && cell.iter().enumerate().all(|(i, v)| i == 1 || *v == 0),
+                "{cell:?}"
+            );
         }
         let down_right = describe(|x, y| (x + y) as u8);
-        assert!(down_right.chunks(BINS).all(|c| c[7] > 60 && c[..7].iter().all(|v| *v == 0)));
+        assert!(
+            down_right
+                .chunks(BINS)
+                .all(|c| c[7] > 60 && c[..7].iter().all(|v| *v == 0))
+        );
     }
 
     #[test]
@@ -207,7 +258,11 @@ mod tests {
             describe(move |x, y| (100 + gain * (((x / 5) % 2) * 8 - ((y / 7) % 2) * 5)) as u8)
         };
         let (low, high) = (pattern(2), pattern(8));
-        assert!(low.iter().zip(high).all(|(l, h)| (*l as i32 - h as i32).abs() < 14));
+        assert!(
+            low.iter()
+                .zip(high)
+                .all(|(l, h)| (*l as i32 - h as i32).abs() < 14)
+        );
     }
 
     #[test]

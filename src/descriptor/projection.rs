@@ -28,8 +28,16 @@ impl<'m> Projection<'m> {
         let bias = section.i32s(features)?;
         let gain = section.i32s(features)?;
         // |Σ weight·value| < 72·128·255 < 2^22: such a bias cannot overflow the sum.
-        section.require(bias.iter().all(|b| b.unsigned_abs() < 1 << 30), "a bias is too large")?;
-        Ok(Projection { features, weight, bias, gain })
+        section.require(
+            bias.iter().all(|b| b.unsigned_abs() < 1 << 30),
+            "a bias is too large",
+        )?;
+        Ok(Projection {
+            features,
+            weight,
+            bias,
+            gain,
+        })
     }
 
     /// Features per landmark.
@@ -39,9 +47,17 @@ impl<'m> Projection<'m> {
 
     /// Projects one descriptor into `out` (`features()` values of −127..=127).
     pub fn project(&self, values: &[u8; VALUES], out: &mut [i8]) {
-        let rows = self.weight.chunks_exact(VALUES).zip(self.bias).zip(self.gain);
+        let rows = self
+            .weight
+            .chunks_exact(VALUES)
+            .zip(self.bias)
+            .zip(self.gain);
         for (((weight, bias), gain), out) in rows.zip(out) {
-            let sum: i32 = weight.iter().zip(values).map(|(w, v)| *w as i32 * *v as i32).sum();
+            let sum: i32 = weight
+                .iter()
+                .zip(values)
+                .map(|(w, v)| *w as i32 * *v as i32)
+                .sum();
             let scaled = ((sum + bias) as i64 * *gain as i64) >> 24;
             *out = scaled.clamp(-127, 127) as i8;
         }

@@ -55,8 +55,15 @@ impl<'m> Verifier<'m> {
     pub fn open(blob: &Blob<'m>, features: usize, views: usize) -> Result<Self, ModelError> {
         let s = &mut blob.section(&Self::TAG)?;
         s.count(features, features, "features differ from the cascade's")?;
-        s.count(views, views.min(MAX_VIEWS), "views differ from the cascade's")?;
-        let mut verifier = Verifier { features, views: [None; MAX_VIEWS] };
+        s.count(
+            views,
+            views.min(MAX_VIEWS),
+            "views differ from the cascade's",
+        )?;
+        let mut verifier = Verifier {
+            features,
+            views: [None; MAX_VIEWS],
+        };
         for view in verifier.views.iter_mut().take(views) {
             let (face_scale, face_bias) = (s.f32()?, s.f32()?);
             *view = Some(ViewWeights {
@@ -76,14 +83,20 @@ impl<'m> Verifier<'m> {
     /// not.
     pub fn judge(&self, features: &[i8], view: usize, mirrored: bool) -> Verdict {
         let Some(weights) = self.views.get(view).copied().flatten() else {
-            return Verdict { face: 0.0, landmarks: [0.0; LANDMARKS] };
+            return Verdict {
+                face: 0.0,
+                landmarks: [0.0; LANDMARKS],
+            };
         };
         let logit = weights.face_scale * dot(weights.face, features) as f32 + weights.face_bias;
         let n = self.features.max(1);
         let mut landmarks = [0.0; LANDMARKS];
         let rows = weights.local.chunks_exact(n).zip(features.chunks_exact(n));
-        let constants =
-            weights.local_scale.iter().zip(weights.local_bias).zip(weights.local_face);
+        let constants = weights
+            .local_scale
+            .iter()
+            .zip(weights.local_bias)
+            .zip(weights.local_face);
         for ((out, (weight, own)), ((scale, bias), share)) in
             landmarks.iter_mut().zip(rows).zip(constants)
         {
@@ -92,7 +105,10 @@ impl<'m> Verifier<'m> {
         if mirrored {
             landmarks = MIRROR.map(|from| landmarks.get(from).copied().unwrap_or(0.0));
         }
-        Verdict { face: sigmoid(logit), landmarks }
+        Verdict {
+            face: sigmoid(logit),
+            landmarks,
+        }
     }
 }
 

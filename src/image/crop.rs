@@ -36,7 +36,10 @@ impl Crop {
     /// Exchanges left and right.
     pub fn mirror(&mut self) {
         let side = self.side;
-        self.luma.chunks_exact_mut(side.max(1)).take(side).for_each(<[u8]>::reverse);
+        self.luma
+            .chunks_exact_mut(side.max(1))
+            .take(side)
+            .for_each(<[u8]>::reverse);
     }
 
     /// The pixels, row-major, `side()` to a row.

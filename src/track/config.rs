@@ -16,7 +16,11 @@ pub struct Config {
 
 impl Default for Config {
     fn default() -> Self {
-        Config { intrinsics: None, min_face_px: 40, scan_budget: 6000 }
+        Config {
+            intrinsics: None,
+            min_face_px: 40,
+            scan_budget: 6000,
+        }
     }
 }
 

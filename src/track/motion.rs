@@ -29,7 +29,9 @@ impl Motion {
         if length(shift) < STILL * width(after) {
             return Motion::STILL;
         }
-        Motion { velocity: shift.map(|v| v / elapsed_us as f32) }
+        Motion {
+            velocity: shift.map(|v| v / elapsed_us as f32),
+        }
     }
 
     /// A shape moved on.
@@ -50,7 +52,9 @@ fn length([x, y]: [f32; 2]) -> f32 {
 
 fn middle(shape: &Shape) -> [f32; 2] {
     let n = LANDMARKS as f32;
-    shape.iter().fold([0.0, 0.0], |m, p| [m[0] + p[0] / n, m[1] + p[1] / n])
+    shape
+        .iter()
+        .fold([0.0, 0.0], |m, p| [m[0] + p[0] / n, m[1] + p[1] / n])
 }
 
 /// Twice the mean distance from the middle: the same at every roll.
@@ -74,6 +78,9 @@ mod tests {
         assert!((next[0][1] - moved[0][1] + 4.0).abs() < 1e-3);
         assert_eq!(motion.predict(&moved, 1_000_000), moved);
         assert_eq!(Motion::between(&shape, &moved, 0), Motion::STILL);
-        assert_eq!(Motion::between(&shape, &shape.map(|[x, y]| [x + 0.1, y]), 33_000), Motion::STILL);
+        assert_eq!(
+            Motion::between(&shape, &shape.map(|[x, y]| [x + 0.1, y]), 33_000),
+            Motion::STILL
+        );
     }
 }

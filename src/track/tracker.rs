@@ -89,7 +89,11 @@ impl Tracker {
     /// Has seen nothing. All zero bytes, so that building one in place is a memset and needs no
     /// copy on the stack.
     const EMPTY: Tracker = Tracker {
-        config: Config { intrinsics: None, min_face_px: 0, scan_budget: 0 },
+        config: Config {
+            intrinsics: None,
+            min_face_px: 0,
+            scan_budget: 0,
+        },
         result: TrackResult::EMPTY,
         last_timestamp_us: None,
         scan: Scan::new(),
@@ -103,7 +107,10 @@ impl Tracker {
     /// [`ConfigError`] names the setting that is out of range.
     pub fn new(config: &Config) -> Result<Self, ConfigError> {
         config.check()?;
-        Ok(Tracker { config: *config, ..Self::EMPTY })
+        Ok(Tracker {
+            config: *config,
+            ..Self::EMPTY
+        })
     }
 
     /// As [`Tracker::new`], in place: for small stacks. On failure the slot is untouched.
@@ -131,7 +138,10 @@ impl Tracker {
         frame: &Frame<'_>,
         timestamp_us: i64,
     ) -> Result<&TrackResult, StepError> {
-        if self.last_timestamp_us.is_some_and(|last| timestamp_us <= last) {
+        if self
+            .last_timestamp_us
+            .is_some_and(|last| timestamp_us <= last)
+        {
             return Err(StepError::Time);
         }
         self.last_timestamp_us = Some(timestamp_us);
@@ -155,7 +165,10 @@ impl Tracker {
         timestamp_us: i64,
         face: &Detection,
     ) -> Result<&TrackResult, StepError> {
-        if self.last_timestamp_us.is_some_and(|last| timestamp_us <= last) {
+        if self
+            .last_timestamp_us
+            .is_some_and(|last| timestamp_us <= last)
+        {
             return Err(StepError::Time);
         }
         self.last_timestamp_us = Some(timestamp_us);
@@ -187,7 +200,10 @@ impl Tracker {
     /// # Errors
     /// [`ConfigError::Intrinsics`].
     pub fn set_intrinsics(&mut self, intrinsics: Option<Intrinsics>) -> Result<(), ConfigError> {
-        let config = Config { intrinsics, ..self.config };
+        let config = Config {
+            intrinsics,
+            ..self.config
+        };
         config.check()?;
         self.config = config;
         Ok(())
@@ -195,7 +211,9 @@ impl Tracker {
 
     fn search(&mut self, model: &Model<'_>, frame: &Frame<'_>, now: i64) {
         let min_px = self.config.min_face_px as i32;
-        let swept = self.scan.advance(&model.detector, frame, min_px, self.config.scan_budget);
+        let swept = self
+            .scan
+            .advance(&model.detector, frame, min_px, self.config.scan_budget);
         let found = match swept {
             Swept::Found(face) => self.acquire(model, frame, now, &face, None),
             _ => false,
@@ -229,7 +247,10 @@ impl Tracker {
     }
 
     fn lose(&mut self, now: i64) {
-        self.result = TrackResult { timestamp_us: now, ..TrackResult::default() };
+        self.result = TrackResult {
+            timestamp_us: now,
+            ..TrackResult::default()
+        };
     }
 
     /// Aligns to a detection from the first stage on; true when it is a face. `known` is the
@@ -254,21 +275,33 @@ impl Tracker {
             return false;
         }
         let known = known.unwrap_or(Subject::EMPTY);
-        let subject = Subject { shape, motion: Motion::STILL, new: true, fitted_us: now, ..known };
+        let subject = Subject {
+            shape,
+            motion: Motion::STILL,
+            new: true,
+            fitted_us: now,
+            ..known
+        };
         self.answer(model, frame, now, subject, &verdict)
     }
 
     fn track(&mut self, model: &Model<'_>, frame: &Frame<'_>, now: i64) {
         let subject = self.subject;
-        let predicted = subject.motion.predict(&subject.shape, now - subject.fitted_us);
-        let mut next = Subject { shape: model.align.views().relaxed(&predicted), ..subject };
+        let predicted = subject
+            .motion
+            .predict(&subject.shape, now - subject.fitted_us);
+        let mut next = Subject {
+            shape: model.align.views().relaxed(&predicted),
+            ..subject
+        };
         let first = model.align.track_from();
-        let ran = model.align.run(frame, first, &mut next.shape, &mut self.work);
+        let ran = model
+            .align
+            .run(frame, first, &mut next.shape, &mut self.work);
         let verdict = judged(model, &self.work);
         let inside = overlaps(&next.shape, frame);
         let kept = ran && inside && verdict.face >= KEEP && {
-            next.motion =
-                Motion::between(&subject.shape, &next.shape, now - subject.fitted_us);
+            next.motion = Motion::between(&subject.shape, &next.shape, now - subject.fitted_us);
             next.fitted_us = now;
             self.answer(model, frame, now, next, &verdict)
         };
@@ -292,7 +325,10 @@ impl Tracker {
         };
         // A landmark that is probably wrong still says a little.
         let weights = verdict.landmarks.map(|p| 0.05 + p);
-        let observed = Observed { points: &subject.shape, weights: &weights };
+        let observed = Observed {
+            points: &subject.shape,
+            weights: &weights,
+        };
         let start = (!subject.new).then_some(&subject.face);
         let identity = subject.face.identity;
         let options = FitOptions::default();
@@ -303,7 +339,9 @@ impl Tracker {
         subject.face = fitted.state;
         subject.new = false;
         if verdict.face >= TRUST && subject.identity.frames() < IDENTITY_FRAMES {
-            subject.identity.add(&model.face, &camera, &observed, &fitted, FRAME_WEIGHT);
+            subject
+                .identity
+                .add(&model.face, &camera, &observed, &fitted, FRAME_WEIGHT);
             subject.face.identity = subject.identity.estimate();
         }
         self.result = result(now, &subject.shape, verdict, &fitted);
@@ -323,7 +361,12 @@ fn start_in(start: &Shape, face: &Detection) -> Option<Shape> {
     let [x, y, width, height] = bounds(start);
     let scale = face.size / width.max(height);
     let (a, b) = (scale * libm::cosf(face.roll), scale * libm::sinf(face.roll));
-    let turn = Similarity { a, b, tx: face.x, ty: face.y };
+    let turn = Similarity {
+        a,
+        b,
+        tx: face.x,
+        ty: face.y,
+    };
     turn.inverse()?;
     let (cx, cy) = (x + width / 2.0, y + height / 2.0);
     Some(start.map(|p| turn.apply([p[0] - cx, p[1] - cy])))
@@ -332,11 +375,25 @@ fn start_in(start: &Shape, face: &Detection) -> Option<Shape> {
 /// The detector's box of a shape.
 fn place_of(model: &Model<'_>, shape: &Shape) -> Detection {
     let roll = model.align.views().of(shape).map_or(0.0, |view| view.roll);
-    let forth = Similarity { a: libm::cosf(roll), b: libm::sinf(roll), tx: 0.0, ty: 0.0 };
-    let back = Similarity { b: -forth.b, ..forth };
+    let forth = Similarity {
+        a: libm::cosf(roll),
+        b: libm::sinf(roll),
+        tx: 0.0,
+        ty: 0.0,
+    };
+    let back = Similarity {
+        b: -forth.b,
+        ..forth
+    };
     let [x, y, width, height] = bounds(&shape.map(|p| back.apply(p)));
     let [x, y] = forth.apply([x + width / 2.0, y + height / 2.0]);
-    Detection { x, y, size: width.max(height), roll, ..Detection::default() }
+    Detection {
+        x,
+        y,
+        size: width.max(height),
+        roll,
+        ..Detection::default()
+    }
 }
 
 /// Axis-aligned box: x, y, width, height.
@@ -364,7 +421,12 @@ fn result(now: i64, shape: &Shape, verdict: &Verdict, fitted: &FaceFit) -> Track
     let parts = shape.iter().zip(&verdict.landmarks).zip(&fitted.visible);
     for (out, (([x, y], confidence), visible)) in landmarks.iter_mut().zip(parts) {
         let visibility = if *visible { 1.0 } else { 0.0 };
-        *out = Landmark { x: *x, y: *y, confidence: *confidence, visibility };
+        *out = Landmark {
+            x: *x,
+            y: *y,
+            confidence: *confidence,
+            visibility,
+        };
     }
     TrackResult {
         state: State::Tracking,
@@ -388,7 +450,13 @@ fn result(now: i64, shape: &Shape, verdict: &Verdict, fitted: &FaceFit) -> Track
 /// hides.
 fn eye_open(fitted: &FaceFit) -> [f32; 2] {
     let eye = |blink: usize, first: usize| {
-        let seen = fitted.visible.iter().skip(first).take(6).filter(|v| **v).count();
+        let seen = fitted
+            .visible
+            .iter()
+            .skip(first)
+            .take(6)
+            .filter(|v| **v)
+            .count();
         let closed = fitted.state.animation.get(blink).copied().unwrap_or(0.0);
         if seen >= 4 { 1.0 - closed } else { -1.0 }
     };

@@ -27,13 +27,19 @@ impl Picture {
     pub fn read(path: &Path) -> Result<Picture> {
         let image = image::open(path).with_context(|| format!("reading {}", path.display()))?;
         let grey = image.to_luma8();
-        Ok(Picture { size: [grey.width(), grey.height()], luma: grey.into_raw() })
+        Ok(Picture {
+            size: [grey.width(), grey.height()],
+            luma: grey.into_raw(),
+        })
     }
 
     /// Left and right exchanged.
     pub fn mirrored(&self) -> Picture {
         let rows = self.luma.chunks_exact(self.size[0] as usize);
-        Picture { size: self.size, luma: rows.flat_map(|row| row.iter().rev().copied()).collect() }
+        Picture {
+            size: self.size,
+            luma: rows.flat_map(|row| row.iter().rev().copied()).collect(),
+        }
     }
 }
 
@@ -81,7 +87,10 @@ impl Face {
     pub fn scale(&self) -> f32 {
         let (mut low, mut high) = ([f32::MAX; 2], [f32::MIN; 2]);
         for [x, y] in self.landmarks {
-            (low, high) = ([low[0].min(x), low[1].min(y)], [high[0].max(x), high[1].max(y)]);
+            (low, high) = (
+                [low[0].min(x), low[1].min(y)],
+                [high[0].max(x), high[1].max(y)],
+            );
         }
         let area = (high[0] - low[0]) * (high[1] - low[1]);
         self.inter_ocular().max(0.42 * area.sqrt())
@@ -115,7 +124,12 @@ pub fn photographs(csv_path: &Path, images: &Path) -> Result<Vec<Face>> {
     }
     rows.par_iter()
         .map(|row| {
-            ensure!(row.len() == 1 + 2 * LANDMARKS, "{}: {} columns", &row[0], row.len());
+            ensure!(
+                row.len() == 1 + 2 * LANDMARKS,
+                "{}: {} columns",
+                &row[0],
+                row.len()
+            );
             let mut landmarks = [[0.0; 2]; LANDMARKS];
             for (i, p) in landmarks.iter_mut().enumerate() {
                 *p = [row[1 + 2 * i].parse()?, row[2 + 2 * i].parse()?];

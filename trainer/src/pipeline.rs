@@ -49,7 +49,11 @@ pub fn run(args: &Args) -> Result<()> {
         &FitSettings::default(),
         &args.cache.join("fits.json"),
     )?;
-    println!("3D head fitted to {} photographs, {} dropped", fits.fits.len(), fits.dropped.len());
+    println!(
+        "3D head fitted to {} photographs, {} dropped",
+        fits.fits.len(),
+        fits.dropped.len()
+    );
     let face = face_section::face_section(&head, Some(&fits.offsets_mm))?;
     let renders = render::run(&render::Args {
         data: args.data.clone(),
@@ -61,10 +65,16 @@ pub fn run(args: &Args) -> Result<()> {
         clean: false,
     })?;
     let detector = kept(args, b"DTCT", &format!("{}", args.seed), || {
-        let options = detect::Options { seed: args.seed, ..detect::Options::default() };
+        let options = detect::Options {
+            seed: args.seed,
+            ..detect::Options::default()
+        };
         detect::train(&args.data, &args.cache, &options)
     })?;
-    let options = align::Options { seed: args.seed, ..align::Options::default() };
+    let options = align::Options {
+        seed: args.seed,
+        ..align::Options::default()
+    };
     let key = format!("{options:?}-{}", args.renders);
     let mut all: Option<Vec<Face>> = None;
     let mut training_faces = || -> Result<Vec<Face>> {
@@ -81,17 +91,29 @@ pub fn run(args: &Args) -> Result<()> {
     let opened = Blob::open(alone.bytes())?;
     let model = AlignModel::open(&opened)?;
     let verifier = kept(args, &posewise::experts::Verifier::TAG, &key, || {
-        score::train(&model, &training_faces()?, &empty_pictures(&args.data)?, args.seed)
+        score::train(
+            &model,
+            &training_faces()?,
+            &empty_pictures(&args.data)?,
+            args.seed,
+        )
     })?;
     let dev = evaluate(&model, &args.data)?;
     let mut info = SectionWriter::new(*b"INFO");
     let sheet = data_sheet(args, &dev);
     info.array(sheet.as_bytes());
     let bytes = blob(&[face, detector, cascade, verifier, info]);
-    std::fs::write(&args.out, &bytes)
-        .with_context(|| format!("writing {}", args.out.display()))?;
-    std::fs::write(args.out.with_extension("md"), format!("{sheet}\nSize: {} bytes.\n", bytes.len()))?;
-    println!("{}: {} bytes, in {:.0?}", args.out.display(), bytes.len(), started.elapsed());
+    std::fs::write(&args.out, &bytes).with_context(|| format!("writing {}", args.out.display()))?;
+    std::fs::write(
+        args.out.with_extension("md"),
+        format!("{sheet}\nSize: {} bytes.\n", bytes.len()),
+    )?;
+    println!(
+        "{}: {} bytes, in {:.0?}",
+        args.out.display(),
+        bytes.len(),
+        started.elapsed()
+    );
     Ok(())
 }
 
@@ -133,8 +155,9 @@ fn empty_pictures(data: &Path) -> Result<Vec<Picture>> {
     let folder = data.join("backgrounds");
     let listed = std::fs::read_to_string(folder.join("with-people.txt"))?;
     let peopled: std::collections::HashSet<&str> = listed.split_whitespace().collect();
-    let mut paths: Vec<PathBuf> =
-        std::fs::read_dir(&folder)?.map(|f| Ok(f?.path())).collect::<Result<_>>()?;
+    let mut paths: Vec<PathBuf> = std::fs::read_dir(&folder)?
+        .map(|f| Ok(f?.path()))
+        .collect::<Result<_>>()?;
     paths.retain(|p| {
         let name = p.file_name().and_then(|n| n.to_str()).unwrap_or("");
         name.ends_with(".jpg") && !peopled.contains(name)
@@ -147,7 +170,11 @@ fn empty_pictures(data: &Path) -> Result<Vec<Picture>> {
 fn evaluate(model: &AlignModel<'_>, data: &Path) -> Result<Accuracy> {
     let labels = data.join("faces68");
     let dev = faces::photographs(&labels.join("dev.csv"), &labels.join("dev"))?;
-    let jitter = Jitter { shift: 0.05, log_size: 0.08, roll: 0.14 };
+    let jitter = Jitter {
+        shift: 0.05,
+        log_size: 0.08,
+        roll: 0.14,
+    };
     for rounds in [1, 10] {
         let again = Accuracy::of(&align::evaluate(model, &dev, &jitter, 1, rounds));
         println!("dev, {rounds} more rounds: {again:.2?}");
@@ -179,7 +206,11 @@ Cascade on 511 photographs of 42 other people, from boxes 5 % shifted, 8 % resiz
 turned (r.m.s.): mean error over 68 landmarks {mean:.2} % of the inter-ocular distance, median
 {median:.2} %, above 10 %: {failure:.2} %.
 ",
-        name = args.out.file_name().and_then(|n| n.to_str()).unwrap_or("the model"),
+        name = args
+            .out
+            .file_name()
+            .and_then(|n| n.to_str())
+            .unwrap_or("the model"),
         seed = args.seed,
         renders = args.renders,
         mean = dev.nme68,

@@ -39,7 +39,10 @@ pub fn train(
     let mut rows = on_faces(model, faces, seed);
     rows.extend(on_empty(model, empty, seed ^ 1, rows.len() / 2));
     let positives = rows.iter().filter(|r| r.face).count();
-    println!("score: {positives} right fits, {} others", rows.len() - positives);
+    println!(
+        "score: {positives} right fits, {} others",
+        rows.len() - positives
+    );
     let views = model.views().starts.len();
     let mut out = SectionWriter::new(Verifier::TAG);
     out.scalar(model.features() as u32).scalar(views as u32);
@@ -57,7 +60,8 @@ fn train_face(rows: &[&Row], out: &mut SectionWriter) -> Result<Vec<f32>> {
     let (weight, scores) = linear(rows, |r| r.features.as_slice(), |r| r.face, 0.03)?;
     let labels: Vec<bool> = rows.iter().map(|r| r.face).collect();
     let (slope, offset) = platt(&scores, &labels, &vec![0.0; scores.len()], 0.0);
-    out.scalar(weight.scale * slope[0]).scalar(weight.bias * slope[0] + offset);
+    out.scalar(weight.scale * slope[0])
+        .scalar(weight.bias * slope[0] + offset);
     out.array(&weight.weight);
     let logits: Vec<f32> = scores.iter().map(|s| s * slope[0] + offset).collect();
     report("face", &logits, &labels);
@@ -82,8 +86,11 @@ fn train_landmarks(
             let (w, s) = linear(&chosen, |r| &r.features[own.clone()], right, 0.01)?;
             let labels: Vec<bool> = chosen.iter().map(|r| right(r)).collect();
             let (slope, offset) = platt(&s, &labels, &face, 0.2);
-            let logits: Vec<f32> =
-                s.iter().zip(&face).map(|(s, f)| s * slope[0] + f * slope[1] + offset).collect();
+            let logits: Vec<f32> = s
+                .iter()
+                .zip(&face)
+                .map(|(s, f)| s * slope[0] + f * slope[1] + offset)
+                .collect();
             Ok((w, slope, offset, logits, labels))
         })
         .collect::<Result<Vec<_>>>()?;
@@ -92,9 +99,24 @@ fn train_landmarks(
         .flat_map(|(_, _, _, logits, labels)| logits.iter().copied().zip(labels.iter().copied()))
         .unzip();
     report("landmarks", &pooled.0, &pooled.1);
-    out.array(&locals.iter().flat_map(|l| l.0.weight.clone()).collect::<Vec<i8>>());
-    out.array(&locals.iter().map(|l| l.0.scale * l.1[0]).collect::<Vec<f32>>());
-    out.array(&locals.iter().map(|l| l.0.bias * l.1[0] + l.2).collect::<Vec<f32>>());
+    out.array(
+        &locals
+            .iter()
+            .flat_map(|l| l.0.weight.clone())
+            .collect::<Vec<i8>>(),
+    );
+    out.array(
+        &locals
+            .iter()
+            .map(|l| l.0.scale * l.1[0])
+            .collect::<Vec<f32>>(),
+    );
+    out.array(
+        &locals
+            .iter()
+            .map(|l| l.0.bias * l.1[0] + l.2)
+            .collect::<Vec<f32>>(),
+    );
     out.array(&locals.iter().map(|l| l.1[1]).collect::<Vec<f32>>());
     Ok(())
 }
@@ -114,7 +136,11 @@ fn on_faces(model: &AlignModel<'_>, faces: &[Face], seed: u64) -> Vec<Row> {
                 for k in 0..per_face {
                     // Every third start is far off.
                     let j = if (index + k) % 3 == 2 { 3.5 } else { 1.0 };
-                    let jitter = Jitter { shift: 0.05 * j, log_size: 0.08 * j, roll: 0.14 * j };
+                    let jitter = Jitter {
+                        shift: 0.05 * j,
+                        log_size: 0.08 * j,
+                        roll: 0.14 * j,
+                    };
                     let (centre, size, roll) = face_box(&model.views(), &face.landmarks);
                     let at = centre.map(|c| c + jitter.shift * size * normal(&mut rng));
                     let size = size * (jitter.log_size * normal(&mut rng)).exp();
@@ -130,8 +156,9 @@ fn on_faces(model: &AlignModel<'_>, faces: &[Face], seed: u64) -> Vec<Row> {
                     }
                     let limit = RIGHT_PERCENT / 100.0 * face.scale();
                     let right = face.landmarks.iter().zip(&shape);
-                    let mut right: Vec<bool> =
-                        right.map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1]) <= limit).collect();
+                    let mut right: Vec<bool> = right
+                        .map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1]) <= limit)
+                        .collect();
                     if work.view().1 {
                         right = MIRROR.iter().map(|from| right[*from]).collect();
                     }
@@ -205,11 +232,20 @@ fn linear<'a>(
     let (w1, w0) = (0.5 / share.max(1e-3), 0.5 / (1.0 - share).max(1e-3));
     let fold_sum = |fold: u32| {
         let chosen: Vec<&Row> = rows.iter().copied().filter(|r| r.fold == fold).collect();
-        let x: Vec<&[i8]> = rows.iter().filter(|r| r.fold == fold).map(|r| features(r)).collect();
-        let y: Vec<[f32; 1]> =
-            chosen.iter().map(|r| [if label(r) { 1.0 } else { -1.0 }]).collect();
+        let x: Vec<&[i8]> = rows
+            .iter()
+            .filter(|r| r.fold == fold)
+            .map(|r| features(r))
+            .collect();
+        let y: Vec<[f32; 1]> = chosen
+            .iter()
+            .map(|r| [if label(r) { 1.0 } else { -1.0 }])
+            .collect();
         let y: Vec<&[f32]> = y.iter().map(|v| v.as_slice()).collect();
-        let w: Vec<f32> = chosen.iter().map(|r| if label(r) { w1 } else { w0 }).collect();
+        let w: Vec<f32> = chosen
+            .iter()
+            .map(|r| if label(r) { w1 } else { w0 })
+            .collect();
         let mut sum = Normal::new(inputs, 1);
         sum.add(&x, &y, &w);
         sum
@@ -217,18 +253,26 @@ fn linear<'a>(
     let sums: Vec<Normal> = (0..FOLDS).map(fold_sum).collect();
     let solve = |without: Option<u32>| -> Result<Mat<f32>> {
         let mut sum = Normal::new(inputs, 1);
-        let kept = sums.iter().enumerate().filter(|(f, _)| Some(*f as u32) != without);
+        let kept = sums
+            .iter()
+            .enumerate()
+            .filter(|(f, _)| Some(*f as u32) != without);
         kept.for_each(|(_, s)| sum.merge(s));
         sum.solve(ridge)
     };
-    let folds = (0..FOLDS).map(|f| solve(Some(f))).collect::<Result<Vec<_>>>()?;
+    let folds = (0..FOLDS)
+        .map(|f| solve(Some(f)))
+        .collect::<Result<Vec<_>>>()?;
     let scores = rows
         .par_iter()
         .map(|r| crate::align::predict(&folds[r.fold as usize], features(r))[0])
         .collect();
     let quantised = crate::align::RegressorWeights::quantise(&solve(None)?);
-    let linear =
-        Linear { weight: quantised.weight, scale: quantised.scale[0], bias: quantised.bias[0] };
+    let linear = Linear {
+        weight: quantised.weight,
+        scale: quantised.scale[0],
+        bias: quantised.bias[0],
+    };
     Ok((linear, scores))
 }
 
@@ -244,7 +288,10 @@ fn platt(scores: &[f32], labels: &[bool], second: &[f32], start: f32) -> ([f32; 
             gradient += x * (p - if *label { 1.0 } else { 0.0 });
             hessian += x * x.transpose() * (p * (1.0 - p)).max(1e-6);
         }
-        let step = hessian.lu().solve(&gradient).unwrap_or_else(nalgebra::Vector3::zeros);
+        let step = hessian
+            .lu()
+            .solve(&gradient)
+            .unwrap_or_else(nalgebra::Vector3::zeros);
         w -= step.cap_magnitude(4.0);
     }
     ([w[0] as f32, w[1] as f32], w[2] as f32)
@@ -254,7 +301,11 @@ fn platt(scores: &[f32], labels: &[bool], second: &[f32], start: f32) -> ([f32; 
 fn report(what: &str, logits: &[f32], labels: &[bool]) {
     let n = logits.len() as f32;
     let probability = |l: &f32| 1.0 / (1.0 + (-l).exp());
-    let wrong = logits.iter().zip(labels).filter(|(l, y)| (**l > 0.0) != **y).count() as f32;
+    let wrong = logits
+        .iter()
+        .zip(labels)
+        .filter(|(l, y)| (**l > 0.0) != **y)
+        .count() as f32;
     let mut bins = [(0.0f32, 0.0f32, 0.0f32); 10];
     for (l, y) in logits.iter().zip(labels) {
         let p = probability(l);
@@ -262,5 +313,8 @@ fn report(what: &str, logits: &[f32], labels: &[bool]) {
         *bin = (bin.0 + p, bin.1 + f32::from(*y), bin.2 + 1.0);
     }
     let ece: f32 = bins.iter().map(|b| (b.0 - b.1).abs()).sum::<f32>() / n;
-    println!("score: {what}: wrong at one half {:.2} %, calibration error {ece:.3} (out of fold)", 100.0 * wrong / n);
+    println!(
+        "score: {what}: wrong at one half {:.2} %, calibration error {ece:.3} (out of fold)",
+        100.0 * wrong / n
+    );
 }

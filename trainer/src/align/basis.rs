@@ -70,14 +70,20 @@ impl Basis {
                 }
             }
         }
-        let eigen = covariance.self_adjoint_eigen(faer::Side::Lower).expect("finite covariance");
+        let eigen = covariance
+            .self_adjoint_eigen(faer::Side::Lower)
+            .expect("finite covariance");
         let mut deviation = vec![0.0; rows.len()];
         // Eigenvalues come in rising order.
         for k in (0..COORDINATES).rev().take(modes) {
             rows.push((0..COORDINATES).map(|i| eigen.U()[(i, k)] as f32).collect());
             deviation.push((eigen.S()[k].max(0.0) / total).sqrt() as f32);
         }
-        Basis { mean, rows, deviation }
+        Basis {
+            mean,
+            rows,
+            deviation,
+        }
     }
 
     /// The part of a canonical displacement that the basis spans.
@@ -100,8 +106,12 @@ fn normalise(shape: &mut Shape) {
     let similarity = Similarity::fit(&[right, left], &target).expect("eyes are apart");
     let mut turned = shape.map(|p| similarity.apply(p));
     let n = LANDMARKS as f32;
-    let centre = turned.iter().fold([0.0, 0.0], |c, p| [c[0] + p[0] / n, c[1] + p[1] / n]);
-    turned.iter_mut().for_each(|p| *p = [p[0] - centre[0], p[1] - centre[1]]);
+    let centre = turned
+        .iter()
+        .fold([0.0, 0.0], |c, p| [c[0] + p[0] / n, c[1] + p[1] / n]);
+    turned
+        .iter_mut()
+        .for_each(|p| *p = [p[0] - centre[0], p[1] - centre[1]]);
     *shape = turned;
 }
 

@@ -30,7 +30,10 @@ pub fn nme(face: &Face, shape: &Shape, from: usize) -> f32 {
 
 /// The start shape for a turn.
 pub fn start_of(model: &AlignModel<'_>, turn: f32) -> Shape {
-    model.views().start(turn).expect("a model has a start shape")
+    model
+        .views()
+        .start(turn)
+        .expect("a model has a start shape")
 }
 
 /// Runs the cascade from `starts` boxes per face, jittered as by a detector, and `rounds` times

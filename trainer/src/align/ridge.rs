@@ -22,22 +22,33 @@ impl Normal {
     /// No samples yet.
     pub fn new(features: usize, outputs: usize) -> Normal {
         let xx = Mat::zeros(features + 1, features + 1);
-        Normal { xx, xy: Mat::zeros(features + 1, outputs), samples: 0.0 }
+        Normal {
+            xx,
+            xy: Mat::zeros(features + 1, outputs),
+            samples: 0.0,
+        }
     }
 
     /// Adds samples: rows of features, rows of targets, weights.
     pub fn add(&mut self, x: &[&[i8]], y: &[&[f32]], weight: &[f32]) {
         const BLOCK: usize = 2048;
         let (features, outputs) = (self.xx.nrows() - 1, self.xy.ncols());
-        let blocks: Vec<_> =
-            x.chunks(BLOCK).zip(y.chunks(BLOCK)).zip(weight.chunks(BLOCK)).collect();
+        let blocks: Vec<_> = x
+            .chunks(BLOCK)
+            .zip(y.chunks(BLOCK))
+            .zip(weight.chunks(BLOCK))
+            .collect();
         let sum = blocks
             .into_par_iter()
             .fold(
                 || Normal::new(features, outputs),
                 |mut sum, ((x, y), w)| {
                     let a = Mat::from_fn(features + 1, x.len(), |i, n| {
-                        let v = if i == features { 1.0 } else { x[n][i] as f32 / FEATURE_UNIT };
+                        let v = if i == features {
+                            1.0
+                        } else {
+                            x[n][i] as f32 / FEATURE_UNIT
+                        };
                         v * w[n].sqrt()
                     });
                     let b = Mat::from_fn(x.len(), outputs, |n, o| y[n][o] * w[n].sqrt());
@@ -83,13 +94,19 @@ impl Normal {
     pub fn solve(&self, ridge: f32) -> Result<Mat<f32>> {
         let n = self.xx.nrows();
         let mut xx = Mat::<f64>::from_fn(n, n, |i, j| {
-            if i >= j { self.xx[(i, j)] as f64 } else { self.xx[(j, i)] as f64 }
+            if i >= j {
+                self.xx[(i, j)] as f64
+            } else {
+                self.xx[(j, i)] as f64
+            }
         });
         for i in 0..n - 1 {
             xx[(i, i)] += ridge as f64 * self.samples;
         }
         let xy = Mat::<f64>::from_fn(n, self.xy.ncols(), |i, j| self.xy[(i, j)] as f64);
-        let llt = xx.llt(Side::Lower).map_err(|e| anyhow!("ridge system: {e:?}"))?;
+        let llt = xx
+            .llt(Side::Lower)
+            .map_err(|e| anyhow!("ridge system: {e:?}"))?;
         let w = llt.solve(&xy);
         Ok(Mat::from_fn(n, w.ncols(), |i, j| w[(i, j)] as f32))
     }
@@ -114,7 +131,10 @@ pub fn predict(weights: &Mat<f32>, x: &[i8]) -> Vec<f32> {
     let n = weights.nrows() - 1;
     (0..weights.ncols())
         .map(|o| {
-            let column = weights.col(o).try_as_col_major().expect("columns are contiguous");
+            let column = weights
+                .col(o)
+                .try_as_col_major()
+                .expect("columns are contiguous");
             let column = column.as_slice();
             let dot: f32 = column[..n].iter().zip(x).map(|(w, x)| w * *x as f32).sum();
             dot / FEATURE_UNIT + column[n]

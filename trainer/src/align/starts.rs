@@ -22,7 +22,10 @@ impl StartShapes {
         let mean_of = |index: usize| {
             let mut sum = [[0.0f64; 2]; LANDMARKS];
             let mut n = 0.0;
-            for face in faces.iter().filter(|f| index_of(turns, f.turn().abs()) == index) {
+            for face in faces
+                .iter()
+                .filter(|f| index_of(turns, f.turn().abs()) == index)
+            {
                 let aligned = align(&face.landmarks, &basis.mean);
                 let other = mirror(&aligned);
                 // The view towards the camera is its own mirror.
@@ -36,20 +39,32 @@ impl StartShapes {
                 }
                 n += own + opposite;
             }
-            if n == 0.0 { basis.mean } else { sum.map(|[x, y]| [(x / n) as f32, (y / n) as f32]) }
+            if n == 0.0 {
+                basis.mean
+            } else {
+                sum.map(|[x, y]| [(x / n) as f32, (y / n) as f32])
+            }
         };
-        StartShapes { shapes: (0..turns.len()).map(mean_of).collect(), turns: turns.to_vec() }
+        StartShapes {
+            shapes: (0..turns.len()).map(mean_of).collect(),
+            turns: turns.to_vec(),
+        }
     }
 
     /// The core's view of them.
     pub fn views(&self) -> Views<'_> {
-        Views { starts: &self.shapes, turns: &self.turns }
+        Views {
+            starts: &self.shapes,
+            turns: &self.turns,
+        }
     }
 }
 
 fn index_of(turns: &[f32], turn: f32) -> usize {
     let distance = |i: &usize| (turns[*i] - turn).abs();
-    (0..turns.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).expect("at least one turn")
+    (0..turns.len())
+        .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+        .expect("at least one turn")
 }
 
 /// The detector's box of a shape: centre, side (the larger of width and height) of the upright box
@@ -59,7 +74,12 @@ pub fn face_box(views: &Views<'_>, shape: &Shape) -> ([f32; 2], f32, f32) {
 }
 
 fn box_at(shape: &Shape, roll: f32) -> ([f32; 2], f32, f32) {
-    let back = Similarity { a: roll.cos(), b: -roll.sin(), tx: 0.0, ty: 0.0 };
+    let back = Similarity {
+        a: roll.cos(),
+        b: -roll.sin(),
+        tx: 0.0,
+        ty: 0.0,
+    };
     let upright = shape.map(|p| back.apply(p));
     let (mut low, mut high) = ([f32::MAX; 2], [f32::MIN; 2]);
     for p in upright {
@@ -77,7 +97,12 @@ fn box_at(shape: &Shape, roll: f32) -> ([f32; 2], f32, f32) {
 pub fn start_from_box(start: &Shape, centre: [f32; 2], size: f32, roll: f32) -> Shape {
     let ([cx, cy], side, _) = box_at(start, 0.0);
     let (scale, [tx, ty]) = (size / side, centre);
-    let turn = Similarity { a: scale * roll.cos(), b: scale * roll.sin(), tx, ty };
+    let turn = Similarity {
+        a: scale * roll.cos(),
+        b: scale * roll.sin(),
+        tx,
+        ty,
+    };
     start.map(|[x, y]| turn.apply([x - cx, y - cy]))
 }
 
@@ -133,7 +158,10 @@ impl Jitter {
         let (_, side, _) = box_at(shape, 0.0);
         let scale = (normal(rng) * self.log_size).exp();
         let angle = normal(rng) * self.roll;
-        let shift = [normal(rng) * self.shift * side, normal(rng) * self.shift * side];
+        let shift = [
+            normal(rng) * self.shift * side,
+            normal(rng) * self.shift * side,
+        ];
         let at = Similarity::fit(&basis.mean, shape).expect("a face has extent");
         let [cx, cy] = [at.tx, at.ty];
         let jitter = Similarity {

@@ -80,8 +80,16 @@ impl Default for Options {
             track_from: 1,
             detect_starts: 6,
             track_starts: 3,
-            detect_jitter: Jitter { shift: 0.05, log_size: 0.08, roll: 0.14 },
-            track_jitter: Jitter { shift: 0.04, log_size: 0.03, roll: 0.05 },
+            detect_jitter: Jitter {
+                shift: 0.05,
+                log_size: 0.08,
+                roll: 0.14,
+            },
+            track_jitter: Jitter {
+                shift: 0.04,
+                log_size: 0.03,
+                roll: 0.05,
+            },
             closed_loop_rounds: 0,
             closed_loop_share: 1.5,
             track_modes: 0.35,
@@ -110,7 +118,14 @@ pub fn train(faces: &[Face], options: &Options) -> Result<SectionWriter> {
     println!("{} faces, {} starts", faces.len(), samples.len());
     let mut stages = Vec::new();
     for (index, stage) in options.stages.iter().enumerate().take(options.track_from) {
-        stages.push(train_stage(index, stage, faces, &basis, &starts, &mut samples)?);
+        stages.push(train_stage(
+            index,
+            stage,
+            faces,
+            &basis,
+            &starts,
+            &mut samples,
+        )?);
     }
     let detected: Vec<Sample> = samples.iter().filter(|s| s.from == 0).cloned().collect();
     for round in 0..=options.closed_loop_rounds {
@@ -120,7 +135,14 @@ pub fn train(faces: &[Face], options: &Options) -> Result<SectionWriter> {
         }
         stages.truncate(options.track_from);
         for (index, stage) in options.stages.iter().enumerate().skip(options.track_from) {
-            stages.push(train_stage(index, stage, faces, &basis, &starts, &mut samples)?);
+            stages.push(train_stage(
+                index,
+                stage,
+                faces,
+                &basis,
+                &starts,
+                &mut samples,
+            )?);
         }
     }
     Ok(section(&basis, &starts, &stages, options.track_from))
@@ -145,7 +167,11 @@ fn closed_loop(
             let jitter = motion(&options.track_jitter, &mut rng);
             let relaxed = starts.views().relaxed(&answer.shape);
             let shape = jitter.moved(&relaxed, basis, &mut rng);
-            samples.push(Sample { shape, from: options.track_from, ..answer });
+            samples.push(Sample {
+                shape,
+                from: options.track_from,
+                ..answer
+            });
         }
     }
     samples
@@ -172,13 +198,23 @@ fn sample(faces: &[Face], basis: &Basis, starts: &StartShapes, options: &Options
         let share = if face.yaw_deg.is_some() { 2 } else { 1 };
         for _ in 0..options.detect_starts / share {
             let shape = options.detect_jitter.detected(face, starts, &mut rng);
-            samples.push(Sample { face: index, fold, from: 0, shape });
+            samples.push(Sample {
+                face: index,
+                fold,
+                from: 0,
+                shape,
+            });
         }
         for _ in 0..options.track_starts.div_ceil(share) {
             let jitter = motion(&options.track_jitter, &mut rng);
             let shape = jitter.tracked(face, basis, options.track_modes, &mut rng);
             let shape = starts.views().relaxed(&shape);
-            samples.push(Sample { face: index, fold, from: options.track_from, shape });
+            samples.push(Sample {
+                face: index,
+                fold,
+                from: options.track_from,
+                shape,
+            });
         }
     }
     samples
@@ -186,7 +222,9 @@ fn sample(faces: &[Face], basis: &Basis, starts: &StartShapes, options: &Options
 
 fn bar(len: usize, what: String) -> ProgressBar {
     let style = ProgressStyle::with_template("{msg:28} {bar:30} {pos}/{len} {eta}");
-    ProgressBar::new(len as u64).with_style(style.expect("a valid template")).with_message(what)
+    ProgressBar::new(len as u64)
+        .with_style(style.expect("a valid template"))
+        .with_message(what)
 }
 
 /// A sample as a stage sees it.
@@ -207,7 +245,10 @@ fn describe(
     samples: &[&mut Sample],
     title: String,
 ) -> Vec<Described> {
-    let grid = HogGrid { spacing: stage.spacing, radius: stage.radius };
+    let grid = HogGrid {
+        spacing: stage.spacing,
+        radius: stage.radius,
+    };
     samples
         .par_iter()
         .progress_with(bar(samples.len(), title))
@@ -215,12 +256,23 @@ fn describe(
             || Box::new(Workspace::new()),
             |work, sample| {
                 let face = &faces[sample.face];
-                let view = starts.views().of(&sample.shape).expect("training shapes have extent");
-                let placed =
-                    place(&basis.mean, &sample.shape, stage.zoom, stage.side, view.mirrored);
+                let view = starts
+                    .views()
+                    .of(&sample.shape)
+                    .expect("training shapes have extent");
+                let placed = place(
+                    &basis.mean,
+                    &sample.shape,
+                    stage.zoom,
+                    stage.side,
+                    view.mirrored,
+                );
                 let placed = placed.expect("training shapes have extent");
                 work.describe(&face.picture.frame(), &placed, stage.side, grid);
-                let back = placed.canonical_to_frame.inverse().expect("a shape has extent");
+                let back = placed
+                    .canonical_to_frame
+                    .inverse()
+                    .expect("a shape has extent");
                 let truth = face.landmarks.map(|p| back.apply(p));
                 let truth = flat(&if view.mirrored { mirror(&truth) } else { truth });
                 let now = flat(&placed.canonical);
@@ -273,7 +325,11 @@ fn train_stage(
         regressors.push(RegressorWeights::quantise(&solved.weights));
     }
     println!("stage {index}: {:.0?}", started.elapsed());
-    Ok(StageWeights { options: *stage, projection, regressors })
+    Ok(StageWeights {
+        options: *stage,
+        projection,
+        regressors,
+    })
 }
 
 /// One sample of a regression.
@@ -324,9 +380,16 @@ fn regress(rows: &[Row<'_>], title: &str) -> Result<Solved> {
         .par_iter()
         .map(|ridge| Ok((error(&held_out.solve(*ridge)?, &x, &y, &w), *ridge)))
         .collect::<Result<Vec<_>>>()?;
-    let best = errors.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).expect("ridges to try");
+    let best = errors
+        .into_iter()
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .expect("ridges to try");
     let squares = |y: &&[f32]| y.iter().map(|v| v * v).sum::<f32>() as f64;
-    let before = y.iter().zip(&w).map(|(y, w)| squares(y) * *w as f64).sum::<f64>()
+    let before = y
+        .iter()
+        .zip(&w)
+        .map(|(y, w)| squares(y) * *w as f64)
+        .sum::<f64>()
         / w.iter().map(|w| *w as f64).sum::<f64>();
     let rms = |e: f64| (e / LANDMARKS as f64).sqrt() / 36.0 * 100.0;
     println!(
@@ -344,7 +407,10 @@ fn regress(rows: &[Row<'_>], title: &str) -> Result<Solved> {
         .par_iter()
         .map(|r| (r.sample, predict(&out_of_fold[r.fold], r.features)))
         .collect();
-    Ok(Solved { weights: sum_without(None).solve(best.1)?, answers })
+    Ok(Solved {
+        weights: sum_without(None).solve(best.1)?,
+        answers,
+    })
 }
 
 /// Where a stage's answer moves a shape.
@@ -358,10 +424,7 @@ fn moved(basis: &Basis, placement: &Placement, answer: &[f32]) -> Shape {
     placement.moved(&delta)
 }
 
-fn learn_projection(
-    described: &[Described],
-    features: usize,
-) -> ProjectionWeights {
+fn learn_projection(described: &[Described], features: usize) -> ProjectionWeights {
     // Every sample gives a few landmarks: 200,000 descriptors fix 72×72 covariances well.
     let step = (described.len() * LANDMARKS / 200_000).max(1);
     let chosen: Vec<[u8; VALUES]> = (0..described.len() * LANDMARKS)
@@ -371,10 +434,7 @@ fn learn_projection(
     ProjectionWeights::principal(&chosen, features)
 }
 
-fn project_all(
-    described: &[Described],
-    weights: &ProjectionWeights,
-) -> Vec<Vec<i8>> {
+fn project_all(described: &[Described], weights: &ProjectionWeights) -> Vec<Vec<i8>> {
     let features = weights.features();
     described
         .par_iter()
