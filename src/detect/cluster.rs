@@ -31,6 +31,8 @@ struct Cluster {
     size: i64,
     roll: i64,
     last_pass: u16,
+    // Already answered with in this sweep.
+    told: bool,
 }
 
 /// A cluster's mean: \[1/16 px\], \[1/65536 turn\].
@@ -50,6 +52,7 @@ impl Cluster {
         size: 0,
         roll: 0,
         last_pass: 0,
+        told: false,
     };
 
     fn mean(&self) -> Option<Mean> {
@@ -104,38 +107,46 @@ impl Clusters {
             roll: hit.roll,
         };
         let joins = |c: &&mut Cluster| {
-            c.mean().is_some_and(|mean| {
-                // A third of the size and a factor of 1.5: twice the tolerance of the trees.
-                overlaps(&mean, &at, 5, 24) && (mean.roll - at.roll).abs() < 8_192
-            })
+            // What was told proved wrong: hits beside it must not be drawn into it.
+            !c.told
+                && c.mean().is_some_and(|mean| {
+                    // A third of the size and a factor of 1.5: twice the tolerance of the trees.
+                    overlaps(&mean, &at, 5, 24) && (mean.roll - at.roll).abs() < 8_192
+                })
         };
         if let Some(cluster) = self.table.iter_mut().find(joins) {
             cluster.add(&hit);
         } else if let Some(weakest) = self.table.iter_mut().min_by_key(|c| c.strength) {
-            *weakest = Cluster::default();
+            *weakest = Cluster::FREE;
             weakest.add(&hit);
         }
     }
 
     /// The largest cluster of at least `confirm`, or the strongest of those that overlap it; `None`
-    /// if there is none, or if it was still hit in pass `pass`, unless that was the last.
+    /// if there is none, or if it was still hit in pass `pass`, unless that was the last. Each
+    /// cluster is told once.
     ///
     /// The score is the strength over `confirm`, less one.
-    pub fn best(&self, confirm: i32, pass: u16, last: bool) -> Option<Detection> {
-        let confirmed = || {
-            self.table
-                .iter()
-                .filter(move |c| c.strength >= confirm as i64)
-                .filter_map(|c| Some((c, c.mean()?)))
-        };
-        let (_, largest) = confirmed().max_by_key(|(_, mean)| mean.size)?;
+    pub fn tell(&mut self, confirm: i32, pass: u16, last: bool) -> Option<Detection> {
+        let open = |c: &Cluster| !c.told && c.strength >= confirm as i64;
+        let open_mean = |c: &Cluster| if open(c) { c.mean() } else { None };
+        let largest = self
+            .table
+            .iter()
+            .filter_map(open_mean)
+            .max_by_key(|mean| mean.size)?;
         // Windows a step too large around a face may make a weak cluster of their own.
-        let (cluster, mean) = confirmed()
-            .filter(|(_, mean)| overlaps(mean, &largest, 8, 64))
-            .max_by_key(|(c, _)| c.strength)?;
+        let near = |c: &&mut Cluster| open_mean(c).is_some_and(|m| overlaps(&m, &largest, 8, 64));
+        let cluster = self
+            .table
+            .iter_mut()
+            .filter(near)
+            .max_by_key(|c| c.strength)?;
         if !last && cluster.last_pass >= pass {
             return None;
         }
+        cluster.told = true;
+        let mean = cluster.mean()?;
         let px = |v: i32| v as f32 / Q4 as f32;
         Some(Detection {
             x: px(mean.x),

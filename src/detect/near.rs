@@ -49,7 +49,7 @@ pub fn search_near(
             }
         }
     }
-    let mut best = clusters.best(model.confirm, 1, true)?;
+    let mut best = clusters.tell(model.confirm, 1, true)?;
     // Clusters hold rolls relative to the expected one, so that ±180° needs no care.
     best.roll += around.roll;
     Some(refine(model, frame, &best))

@@ -20,7 +20,8 @@ const FACE_MIN_PX: i32 = 16;
 pub enum Swept {
     /// The budget is used up; the sweep goes on with the next call.
     Unfinished,
-    /// A face; the next call starts a new sweep.
+    /// A face. Should it prove not to be one, the next call goes on with the sweep and does not tell
+    /// it again; else call [`Scan::restart`].
     Found(Detection),
     /// The whole frame was seen and holds no face; the next call starts a new sweep.
     Nothing,
@@ -170,9 +171,7 @@ impl Scan {
         // Half a step below the smallest face, for its hits straddle two sizes.
         let floor = (self.min_px * Q4 * 15) / 16;
         let last = next < floor || next >= self.size;
-        let best = self.clusters.best(model.confirm, self.pass, last);
-        if let Some(best) = best {
-            self.restart();
+        if let Some(best) = self.clusters.tell(model.confirm, self.pass, last) {
             return Some(Swept::Found(refine(model, frame, &best)));
         }
         if last {

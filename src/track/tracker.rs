@@ -218,7 +218,9 @@ impl Tracker {
             Swept::Found(face) => self.acquire(model, frame, now, &face, None),
             _ => false,
         };
-        if !found {
+        if found {
+            self.scan.restart();
+        } else {
             self.lose(now);
         }
     }

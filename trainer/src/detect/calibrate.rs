@@ -1,8 +1,8 @@
 //! Sets the thresholds once all trees are there: of the cascade by what faces need on the scan's
-//! own grid, of merged hits by what backgrounds reach.
+//! own grid.
 
 use anyhow::Result;
-use posewise::detect::{Detection, DetectorModel, Scan, Swept, TAG};
+use posewise::detect::{Detection, DetectorModel, TAG};
 use posewise::image::Frame;
 use posewise::model::{ALIGN, Blob, ModelError};
 use rand::Rng;
@@ -10,10 +10,8 @@ use rayon::prelude::*;
 
 use super::cascade::{Cascade, Flat, UNIT};
 use super::faces::Face;
-use super::grey::Grey;
-use super::refine::Forest;
+use super::rng_for;
 use super::sample::{window, with_view};
-use super::{pack, rng_for};
 
 /// Windows on the grid around each face that must survive.
 const SURVIVORS: usize = 3;
@@ -121,37 +119,4 @@ impl Aligned {
         let blob = Blob::open(&self.bytes[self.start..][..self.len])?;
         DetectorModel::open(blob.section(&TAG)?)
     }
-}
-
-/// The strength that only one in 200 pictures without people exceeds, and a margin.
-///
-/// # Errors
-/// When the cascade makes no valid section.
-pub fn confirm(cascade: &Cascade, refiner: &Forest, backgrounds: &[Grey]) -> Result<u32> {
-    let probe = Aligned::new(&crate::pack::blob(&[pack::section(cascade, refiner, 1)]));
-    let model = probe.detector()?;
-    let mut strengths: Vec<i32> = backgrounds
-        .par_iter()
-        .map(|b| strongest(&model, &b.frame()))
-        .collect();
-    strengths.sort_unstable_by_key(|s| std::cmp::Reverse(*s));
-    println!(
-        "strongest clusters of backgrounds: {:?}",
-        &strengths[..strengths.len().min(12)]
-    );
-    let allowed = backgrounds.len() / 200;
-    Ok(strengths.get(allowed).map_or(1, |s| s + s / 8 + 2048) as u32)
-}
-
-/// Strength of the strongest cluster of a sweep, 0 if none.
-fn strongest(model: &DetectorModel<'_>, frame: &Frame<'_>) -> i32 {
-    let mut strength = 0;
-    // A sweep ends with the largest cluster, so ask for stronger ones until there is none.
-    while let Swept::Found(found) = {
-        let stricter = model.confirming(strength + 1);
-        Scan::new().advance(&stricter, frame, 32, u32::MAX)
-    } {
-        strength = ((found.score + 1.0) * (strength + 1) as f32).max(strength as f32 + 1.0) as i32;
-    }
-    strength
 }
