@@ -168,8 +168,10 @@ impl Hog {
 /// Sum over the box around a centre, cut off at the crop's edges.
 #[inline]
 fn box_sum(integral: &[u32; ROW * ROW], side: i32, [x, y]: [i32; 2], radius: i32) -> u32 {
-    let (x0, x1) = ((x - radius).clamp(0, side), (x + radius + 1).clamp(0, side));
-    let (y0, y1) = ((y - radius).clamp(0, side), (y + radius + 1).clamp(0, side));
+    // `clamp` would panic for a negative side.
+    let inside = |v: i32| v.max(0).min(side);
+    let (x0, x1) = (inside(x - radius), inside(x + radius + 1));
+    let (y0, y1) = (inside(y - radius), inside(y + radius + 1));
     let at = |x: i32, y: i32| {
         integral
             .get(y as usize * ROW + x as usize)
@@ -204,7 +206,7 @@ fn normalise(sums: &[u32; VALUES], out: &mut [u8; VALUES]) {
     const FLOOR: u32 = 600;
     let total: u32 = sums.iter().sum::<u32>() + FLOOR;
     // share · 2^20 → root · 2^10; a root of 1/4 of the length fills the byte.
-    let reciprocal = (1u64 << 40) / total as u64;
+    let reciprocal = (1u64 << 40) / total.max(1) as u64;
     for (out, sum) in out.iter_mut().zip(sums) {
         let share = ((*sum as u64 * reciprocal) >> 20) as u32;
         *out = isqrt(share).min(510).div_ceil(2).min(255) as u8;
