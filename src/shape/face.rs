@@ -174,6 +174,12 @@ impl<'m> FaceModel<'m> {
     /// A neutral shape with an expression.
     pub fn animated(&self, neutral: &Shape, animation: &Animation) -> Shape {
         let mut shape = *neutral;
+        self.animate(&mut shape, animation);
+        shape
+    }
+
+    /// Gives a neutral shape an expression, in place.
+    pub(super) fn animate(&self, shape: &mut Shape, animation: &Animation) {
         for (i, out) in shape.points_mm.iter_mut().enumerate().take(self.mean.len()) {
             // Most weights rest at the bound 0.
             let modes = self
@@ -182,7 +188,6 @@ impl<'m> FaceModel<'m> {
                 .filter(|(_, w)| **w != 0.0);
             *out = modes.fold(*out, |p, (m, w)| p + m * *w);
         }
-        shape
     }
 
     /// Which landmarks the mean head does not hide from the camera, by a table over view

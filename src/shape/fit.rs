@@ -1,5 +1,6 @@
 //! The bounded fit of pose and animation to landmarks.
 
+use super::face::FIXED_CONTOUR;
 use super::linear::{System, UNKNOWNS};
 use super::posit::{mirrored, posit};
 use super::{ANIMATIONS, Animation, Contour, FaceModel, Identity, Intrinsics, LANDMARKS};
@@ -19,7 +20,7 @@ const MAX_SHIFT: f32 = 0.3;
 const MAX_TURN: f32 = 0.6;
 
 /// One face at one moment.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FaceState {
     /// Where the head is.
     pub pose: Pose,
@@ -39,15 +40,6 @@ impl FaceState {
         animation: [0.0; ANIMATIONS],
         identity: [0.0; MAX_IDENTITIES],
     };
-}
-
-impl Default for FaceState {
-    fn default() -> Self {
-        FaceState {
-            pose: Pose::default(),
-            ..Self::EMPTY
-        }
-    }
 }
 
 /// Bounds of the fit.
@@ -98,6 +90,7 @@ pub struct FaceFit {
 ///
 /// `None` when there are too few usable landmarks, the numbers are not finite, or no pose before
 /// the camera explains them.
+#[inline(never)]
 pub fn fit(
     face: &FaceModel<'_>,
     camera: &Intrinsics,
@@ -109,26 +102,24 @@ pub fn fit(
     if !camera.is_valid() {
         return None;
     }
-    let neutral = face.neutral(identity);
-    let from = |pose: Pose, animation: Animation| {
-        let state = FaceState {
-            pose,
-            animation,
-            identity: *identity,
-        };
-        descend(face, camera, observed, &neutral, state, options)
+    let task = Task {
+        face,
+        camera,
+        observed,
+        neutral: face.neutral(identity),
+        options,
     };
+    let mut at = Point::NOWHERE;
     match start {
-        Some(start) => from(start.pose, start.animation),
-        None => {
-            let pose = start_pose(camera, observed, &neutral)?;
-            let first = from(pose, [0.0; ANIMATIONS]);
-            let second = from(mirrored(&pose), [0.0; ANIMATIONS]);
-            match (first, second) {
-                (Some(a), Some(b)) => Some(if b.cost < a.cost { b } else { a }),
-                (a, b) => a.or(b),
-            }
+        Some(start) => {
+            let start = FaceState {
+                identity: *identity,
+                ..*start
+            };
+            let settled = task.descend(&start, &mut at);
+            if settled { task.finish(&mut at) } else { None }
         }
+        None => task.search(identity, &mut at),
     }
 }
 
@@ -152,74 +143,177 @@ fn start_pose(camera: &Intrinsics, observed: &Observed<'_>, neutral: &Shape) -> 
 }
 
 /// A linearisation and where it was made.
-#[derive(Clone, Copy)]
 struct Point {
     state: FaceState,
+    /// Trust in each landmark from this start.
+    weights: [f32; LANDMARKS],
     contour: Contour,
     system: System,
 }
 
-fn descend(
-    face: &FaceModel<'_>,
-    camera: &Intrinsics,
-    observed: &Observed<'_>,
-    neutral: &Shape,
-    start: FaceState,
-    options: &FitOptions,
-) -> Option<FaceFit> {
-    if !start.pose.is_sound() {
-        return None;
-    }
-    let mut weights = *observed.weights;
-    for (w, visible) in weights
-        .iter_mut()
-        .zip(face.visibility(&start.pose))
-        .skip(INNER)
-    {
-        *w *= if visible { 1.0 } else { options.hidden_weight };
-    }
-    let observed = &Observed {
-        weights: &weights,
-        ..*observed
+impl Point {
+    const NOWHERE: Point = Point {
+        state: FaceState::EMPTY,
+        weights: [0.0; LANDMARKS],
+        contour: FIXED_CONTOUR,
+        system: System::EMPTY,
     };
-    let linearised = |state: FaceState| {
-        let shape = face.animated(neutral, &state.animation);
-        let contour = shape.contour(face, &state.pose);
-        Point {
-            state,
-            contour,
-            system: System::of(face, camera, observed, &state, &shape, &contour),
-        }
-    };
-    let mut best = linearised(start);
-    if best.system.count < MIN_LANDMARKS || !best.system.cost.is_finite() {
-        return None;
-    }
-    let mut damping = 1e-3f32;
-    for _ in 1..options.iterations.clamp(1, 20) {
-        let Some(state) = stepped(&best, damping) else {
-            damping *= 30.0;
-            continue;
+}
+
+/// What is fitted to what. Its functions are kept apart, not inlined, so that their working memory
+/// on the stack is not added up.
+struct Task<'a> {
+    face: &'a FaceModel<'a>,
+    camera: &'a Intrinsics,
+    observed: &'a Observed<'a>,
+    neutral: Shape,
+    options: &'a FitOptions,
+}
+
+impl Task<'_> {
+    /// The better end of POSIT's pose and its mirrored twin.
+    #[inline(never)]
+    fn search(&self, identity: &Identity, at: &mut Point) -> Option<FaceFit> {
+        let pose = start_pose(self.camera, self.observed, &self.neutral)?;
+        let [first, second] = [pose, mirrored(&pose)].map(|pose| {
+            let start = FaceState {
+                pose,
+                animation: [0.0; ANIMATIONS],
+                identity: *identity,
+            };
+            let settled = self.descend(&start, at);
+            settled.then_some((at.state, at.weights, at.system.mean_cost()))
+        });
+        let swap = match (&first, &second) {
+            (Some((.., a)), Some((.., b))) => b < a,
+            (a, _) => a.is_none(),
         };
-        let trial = linearised(state);
-        let gain = best.system.cost - trial.system.cost;
-        if gain > 0.0 {
-            let settled = gain < 1e-3 * best.system.cost;
-            best = trial;
-            damping = (damping * 0.2).max(1e-6);
-            if settled {
-                break;
-            }
-        } else if gain > -1e-4 * best.system.cost {
-            break;
+        let (better, other) = if swap {
+            (&second, &first)
         } else {
-            damping *= 20.0;
+            (&first, &second)
+        };
+        // Only the last linearisation is in memory, so that of an end is made again.
+        [better, other].into_iter().flatten().find_map(|end| {
+            let (state, weights, _) = end;
+            at.weights = *weights;
+            self.go_to(state, at);
+            self.finish(at)
+        })
+    }
+
+    #[inline(never)]
+    fn go_to(&self, state: &FaceState, at: &mut Point) {
+        let mut shape = self.neutral;
+        at.contour = self.pose(state, &mut shape);
+        self.linearise(state, &shape, at);
+    }
+
+    /// Descends from a start; false when there is nothing to descend on.
+    #[inline(never)]
+    fn descend(&self, start: &FaceState, at: &mut Point) -> bool {
+        if !start.pose.is_sound() {
+            return false;
+        }
+        at.weights = self.trust(&start.pose);
+        let mut shape = self.neutral;
+        at.contour = self.pose(start, &mut shape);
+        self.linearise(start, &shape, at);
+        if at.system.count < MIN_LANDMARKS || !at.system.cost.is_finite() {
+            return false;
+        }
+        let mut damping = 1e-3f32;
+        for _ in 1..self.options.iterations.clamp(1, 20) {
+            let Some(state) = stepped(at, damping) else {
+                damping *= 30.0;
+                continue;
+            };
+            let contour = self.pose(&state, &mut shape);
+            let observed = &self.weighted(&at.weights);
+            let cost = System::cost_of(self.face, self.camera, observed, &state, &shape, &contour);
+            let gain = at.system.cost - cost;
+            if gain > 0.0 {
+                let settled = gain < 1e-3 * at.system.cost;
+                at.contour = contour;
+                self.linearise(&state, &shape, at);
+                damping = (damping * 0.2).max(1e-6);
+                if settled {
+                    break;
+                }
+            } else if gain > -1e-4 * at.system.cost {
+                break;
+            } else {
+                damping *= 20.0;
+            }
+        }
+        true
+    }
+
+    /// The observed weights, less where the head hides the landmark.
+    fn trust(&self, pose: &Pose) -> [f32; LANDMARKS] {
+        let mut weights = *self.observed.weights;
+        let visible = self.face.visibility(pose);
+        for (w, visible) in weights.iter_mut().zip(visible).skip(INNER) {
+            *w *= if visible {
+                1.0
+            } else {
+                self.options.hidden_weight
+            };
+        }
+        weights
+    }
+
+    fn weighted<'b>(&'b self, weights: &'b [f32; LANDMARKS]) -> Observed<'b> {
+        Observed {
+            points: self.observed.points,
+            weights,
         }
     }
-    finished(face, camera, neutral, &best)
+
+    /// Evaluates the shape of a state, and which of its points stand for the jaw.
+    fn pose(&self, state: &FaceState, shape: &mut Shape) -> Contour {
+        shape.clone_from(&self.neutral);
+        self.face.animate(shape, &state.animation);
+        shape.contour(self.face, &state.pose)
+    }
+
+    /// Moves `at` to a state of known shape; its weights and contour are those to use.
+    fn linearise(&self, state: &FaceState, shape: &Shape, at: &mut Point) {
+        at.state = *state;
+        let observed = &self.weighted(&at.weights);
+        at.system
+            .set(self.face, self.camera, observed, state, shape, &at.contour);
+    }
+
+    /// The answer at a point, whose system is used up.
+    #[inline(never)]
+    fn finish(&self, at: &mut Point) -> Option<FaceFit> {
+        let (state, system) = (&at.state, &mut at.system);
+        let mut shape = self.neutral;
+        self.face.animate(&mut shape, &state.animation);
+        let points_mm = shape.landmarks().map(|p| state.pose.apply(p));
+        let mut image_px = points_mm.map(|p| self.camera.project(p));
+        for (px, point) in image_px.iter_mut().zip(at.contour) {
+            *px = self
+                .camera
+                .project(state.pose.apply(shape.at(point as usize)));
+        }
+        let freedom = (2.0 * system.weight - 6.0).max(1.0);
+        Some(FaceFit {
+            state: *state,
+            points_mm,
+            image_px,
+            visible: self.face.visibility(&state.pose),
+            contour: at.contour,
+            rms_px: libm::sqrtf(system.squares_px / system.weight.max(1e-6)),
+            cost: system.mean_cost(),
+            covariance: pose_covariance(&mut system.matrix, system.squares / freedom)?,
+        })
+    }
 }
 
 /// One damped step, or `None` when the system cannot be solved or the pose leaves all bounds.
+#[inline(never)]
 fn stepped(at: &Point, damping: f32) -> Option<FaceState> {
     let mut matrix = at.system.matrix;
     let mut step = at.system.rhs;
@@ -272,41 +366,13 @@ fn shortened(v: Vec3, longest: f32) -> Vec3 {
     }
 }
 
-fn finished(
-    face: &FaceModel<'_>,
-    camera: &Intrinsics,
-    neutral: &Shape,
-    best: &Point,
-) -> Option<FaceFit> {
-    let Point {
-        state,
-        contour,
-        system,
-    } = best;
-    let shape = face.animated(neutral, &state.animation);
-    let points_mm = shape.landmarks().map(|p| state.pose.apply(p));
-    let mut image_px = points_mm.map(|p| camera.project(p));
-    for (px, point) in image_px.iter_mut().zip(contour) {
-        *px = camera.project(state.pose.apply(shape.at(*point as usize)));
-    }
-    let freedom = (2.0 * system.weight - 6.0).max(1.0);
-    Some(FaceFit {
-        state: *state,
-        points_mm,
-        image_px,
-        visible: face.visibility(&state.pose),
-        contour: *contour,
-        rms_px: libm::sqrtf(system.squares_px / system.weight.max(1e-6)),
-        cost: system.cost / system.count.max(1) as f32,
-        covariance: pose_covariance(&system.matrix, system.squares / freedom)?,
-    })
-}
-
 /// Covariance of the last six unknowns: the inverse of the Schur complement, which is the last
-/// block of Cholesky's factor.
-fn pose_covariance(matrix: &[[f32; UNKNOWNS]; UNKNOWNS], variance: f32) -> Option<[[f32; 6]; 6]> {
-    let mut factor = *matrix;
-    if !solve_spd(&mut factor, &mut [0.0; UNKNOWNS]) {
+/// block of Cholesky's factor, which the matrix is overwritten by.
+fn pose_covariance(
+    factor: &mut [[f32; UNKNOWNS]; UNKNOWNS],
+    variance: f32,
+) -> Option<[[f32; 6]; 6]> {
+    if !solve_spd(factor, &mut [0.0; UNKNOWNS]) {
         return None;
     }
     let mut block = [[0.0f32; 6]; 6];

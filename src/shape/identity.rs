@@ -51,6 +51,7 @@ impl IdentityEstimator {
     /// Adds what a fitted frame says about the identity, its pose and animation marginalised.
     /// A frame whose system cannot be solved is left out. `weight` is 1 for an independent picture,
     /// [`FRAME_WEIGHT`] for a video frame.
+    #[inline(never)]
     pub fn add(
         &mut self,
         face: &FaceModel<'_>,
@@ -60,8 +61,10 @@ impl IdentityEstimator {
         weight: f32,
     ) {
         let state = &fit.state;
-        let shape = face.animated(&face.neutral(&state.identity), &state.animation);
-        let system = System::of(face, camera, observed, state, &shape, &fit.contour);
+        let mut shape = face.neutral(&state.identity);
+        face.animate(&mut shape, &state.animation);
+        let mut system = System::EMPTY;
+        system.set(face, camera, observed, state, &shape, &fit.contour);
         let mut frame = Frame::new();
         rows(
             face,
@@ -82,7 +85,7 @@ impl IdentityEstimator {
                 }
             },
         );
-        if !frame.eliminate(&system) {
+        if !frame.eliminate(&mut system) {
             return;
         }
         // Absolute target: the step's equations moved to the weights that they were made at.
@@ -119,6 +122,7 @@ impl IdentityEstimator {
     }
 
     /// The most probable identity so far; zeros when nothing is known.
+    #[inline(never)]
     pub fn estimate(&self) -> Identity {
         let mut matrix = self.matrix;
         let mut weights = self.rhs;
@@ -171,15 +175,19 @@ impl Frame {
     }
 
     /// Schur complement: leaves what the frame says once pose and animation are free.
-    fn eliminate(&mut self, system: &System) -> bool {
-        let mut factor = system.matrix;
-        let mut reduced = system.rhs;
-        if !solve_spd(&mut factor, &mut reduced) {
+    /// The system is solved in place.
+    fn eliminate(&mut self, system: &mut System) -> bool {
+        let (factor, reduced) = (&mut system.matrix, &mut system.rhs);
+        if !solve_spd(factor, reduced) {
             return false;
         }
         // coupling · A⁻¹ · rhs, with A⁻¹·rhs already solved.
         for (rhs, row) in self.rhs.iter_mut().zip(&self.coupling) {
-            *rhs -= row.iter().zip(&reduced).map(|(c, r)| c * r).sum::<f32>();
+            *rhs -= row
+                .iter()
+                .zip(reduced.iter())
+                .map(|(c, r)| c * r)
+                .sum::<f32>();
         }
         // Y = L⁻¹ · couplingᵀ, row by row in place; then matrix − Y·Yᵀ.
         for row in &mut self.coupling {

@@ -125,7 +125,6 @@ pub(super) fn gradients(face: &FaceModel<'_>, row: &Row) -> [[f32; UNKNOWNS]; 2]
 }
 
 /// Normal equations of one linearisation: `matrix · step = rhs`.
-#[derive(Clone, Copy)]
 pub(super) struct System {
     pub matrix: [[f32; UNKNOWNS]; UNKNOWNS],
     pub rhs: [f32; UNKNOWNS],
@@ -142,29 +141,58 @@ pub(super) struct System {
 }
 
 impl System {
-    /// The system at a state.
-    pub fn of(
+    /// Of nothing, all zero.
+    pub const EMPTY: System = System {
+        matrix: [[0.0; UNKNOWNS]; UNKNOWNS],
+        rhs: [0.0; UNKNOWNS],
+        cost: 0.0,
+        squares_px: 0.0,
+        squares: 0.0,
+        weight: 0.0,
+        count: 0,
+    };
+
+    /// Becomes the system at a state; in place, for small stacks.
+    #[inline(never)]
+    pub fn set(
+        &mut self,
         face: &FaceModel<'_>,
         camera: &Intrinsics,
         observed: &Observed<'_>,
         state: &FaceState,
         shape: &Shape,
         contour: &Contour,
-    ) -> System {
-        let mut system = System {
-            matrix: [[0.0; UNKNOWNS]; UNKNOWNS],
-            rhs: [0.0; UNKNOWNS],
-            cost: 0.0,
-            squares_px: 0.0,
-            squares: 0.0,
-            weight: 0.0,
-            count: 0,
-        };
+    ) {
+        *self = Self::EMPTY;
         rows(face, camera, observed, state, shape, contour, |_, row| {
-            system.add(face, &row)
+            self.add(face, &row)
         });
-        system.add_prior(face, state);
-        system
+        self.add_prior(face, state);
+    }
+
+    /// The cost alone, bit for bit that of the system at the state.
+    #[inline(never)]
+    pub fn cost_of(
+        face: &FaceModel<'_>,
+        camera: &Intrinsics,
+        observed: &Observed<'_>,
+        state: &FaceState,
+        shape: &Shape,
+        contour: &Contour,
+    ) -> f32 {
+        let mut cost = 0.0;
+        rows(face, camera, observed, state, shape, contour, |_, row| {
+            cost += row.cost
+        });
+        for (w, sigma) in state.animation.iter().zip(face.animation_sigma()) {
+            cost += 1.0 / (sigma * sigma) * w * w;
+        }
+        cost
+    }
+
+    /// Robust cost per landmark used.
+    pub fn mean_cost(&self) -> f32 {
+        self.cost / self.count.max(1) as f32
     }
 
     fn add(&mut self, face: &FaceModel<'_>, row: &Row) {

@@ -17,7 +17,7 @@ use crate::image::Frame;
 use crate::math::Similarity;
 use crate::shape::{
     FRAME_WEIGHT, FaceFit, FaceState, FitOptions, IdentityEstimator, Intrinsics, LANDMARKS,
-    Observed, fit,
+    MAX_IDENTITIES, Observed, fit,
 };
 
 /// A detection becomes a tracked face from this probability on.
@@ -49,14 +49,13 @@ impl core::fmt::Display for StepError {
 
 impl core::error::Error for StepError {}
 
-/// What is known of the tracked face.
-#[derive(Clone, Copy)]
+/// What is known of the tracked face. Edited in place: it takes much of a small stack.
+#[derive(Clone)]
 struct Subject {
     shape: Shape,
     motion: Motion,
-    /// The 3D face of the last fit, unless `new`.
+    /// The 3D face of the last fit.
     face: FaceState,
-    new: bool,
     identity: IdentityEstimator,
     /// When it was last fitted \[µs\].
     fitted_us: i64,
@@ -67,10 +66,20 @@ impl Subject {
         shape: [[0.0; 2]; LANDMARKS],
         motion: Motion::STILL,
         face: FaceState::EMPTY,
-        new: false,
         identity: IdentityEstimator::new(),
         fitted_us: 0,
     };
+}
+
+/// Whose face a shape is, and what to fit the 3D face from.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Whose {
+    /// Nobody's that is known.
+    Stranger,
+    /// The subject's, lost for a while: the identity holds, the pose does not.
+    Lost,
+    /// The subject's, tracked from the frame before.
+    Tracked,
 }
 
 /// All state of one tracked face. Plain data: a copy of it goes on independently.
@@ -172,7 +181,7 @@ impl Tracker {
             return Err(StepError::Time);
         }
         self.last_timestamp_us = Some(timestamp_us);
-        if !self.acquire(model, frame, timestamp_us, face, None) {
+        if !self.acquire(model, frame, timestamp_us, face, Whose::Stranger) {
             self.lose(timestamp_us);
         }
         Ok(&self.result)
@@ -215,7 +224,7 @@ impl Tracker {
             .scan
             .advance(&model.detector, frame, min_px, self.config.scan_budget);
         let found = match swept {
-            Swept::Found(face) => self.acquire(model, frame, now, &face, None),
+            Swept::Found(face) => self.acquire(model, frame, now, &face, Whose::Stranger),
             _ => false,
         };
         if found {
@@ -227,17 +236,16 @@ impl Tracker {
 
     /// Looks for a face that was lost a moment ago where it should be by now.
     fn hold(&mut self, model: &Model<'_>, frame: &Frame<'_>, now: i64) {
-        let subject = self.subject;
-        let around = place_of(model, &subject.shape);
+        let around = place_of(model, &self.subject.shape);
         let found = search_near(&model.detector, frame, &around, NEAR_BUDGET)
-            .is_some_and(|face| self.acquire(model, frame, now, &face, Some(subject)));
+            .is_some_and(|face| self.acquire(model, frame, now, &face, Whose::Lost));
         if !found {
-            self.keep_holding(now, &subject);
+            self.keep_holding(now);
         }
     }
 
-    fn keep_holding(&mut self, now: i64, subject: &Subject) {
-        let age_us = now.saturating_sub(subject.fitted_us);
+    fn keep_holding(&mut self, now: i64) {
+        let age_us = now.saturating_sub(self.subject.fitted_us);
         if age_us > HOLD_US {
             self.scan.restart();
             self.lose(now);
@@ -249,21 +257,19 @@ impl Tracker {
     }
 
     fn lose(&mut self, now: i64) {
-        self.result = TrackResult {
-            timestamp_us: now,
-            ..TrackResult::default()
-        };
+        self.result = TrackResult::EMPTY;
+        self.result.timestamp_us = now;
     }
 
-    /// Aligns to a detection from the first stage on; true when it is a face. `known` is the
-    /// subject that is expected there, if any.
+    /// Aligns to a detection from the first stage on; true when it is a face.
+    #[inline(never)]
     fn acquire(
         &mut self,
         model: &Model<'_>,
         frame: &Frame<'_>,
         now: i64,
         face: &Detection,
-        known: Option<Subject>,
+        whose: Whose,
     ) -> bool {
         let start = model.align.views().start(face.turn);
         let Some(mut shape) = start.and_then(|start| start_in(&start, face)) else {
@@ -276,49 +282,37 @@ impl Tracker {
         if verdict.face < ACCEPT {
             return false;
         }
-        let known = known.unwrap_or(Subject::EMPTY);
-        let subject = Subject {
-            shape,
-            motion: Motion::STILL,
-            new: true,
-            fitted_us: now,
-            ..known
-        };
-        self.answer(model, frame, now, subject, &verdict)
+        self.answer(model, frame, now, &shape, whose, &verdict)
     }
 
+    #[inline(never)]
     fn track(&mut self, model: &Model<'_>, frame: &Frame<'_>, now: i64) {
-        let subject = self.subject;
-        let predicted = subject
-            .motion
-            .predict(&subject.shape, now - subject.fitted_us);
-        let mut next = Subject {
-            shape: model.align.views().relaxed(&predicted),
-            ..subject
-        };
+        let subject = &self.subject;
+        let elapsed_us = now - subject.fitted_us;
+        let predicted = subject.motion.predict(&subject.shape, elapsed_us);
+        let mut shape = model.align.views().relaxed(&predicted);
         let first = model.align.track_from();
-        let ran = model
-            .align
-            .run(frame, first, &mut next.shape, &mut self.work);
+        let ran = model.align.run(frame, first, &mut shape, &mut self.work);
         let verdict = judged(model, &self.work);
-        let inside = overlaps(&next.shape, frame);
-        let kept = ran && inside && verdict.face >= KEEP && {
-            next.motion = Motion::between(&subject.shape, &next.shape, now - subject.fitted_us);
-            next.fitted_us = now;
-            self.answer(model, frame, now, next, &verdict)
-        };
+        let kept = ran
+            && overlaps(&shape, frame)
+            && verdict.face >= KEEP
+            && self.answer(model, frame, now, &shape, Whose::Tracked, &verdict);
         if !kept {
-            self.keep_holding(now, &subject);
+            self.keep_holding(now);
         }
     }
 
-    /// Fits the 3D face and writes the result; false when no pose explains the landmarks.
+    /// Fits the 3D face to a shape on this frame, moves the subject there and writes the result;
+    /// false, with nothing changed, when no pose explains the landmarks.
+    #[inline(never)]
     fn answer(
         &mut self,
         model: &Model<'_>,
         frame: &Frame<'_>,
         now: i64,
-        mut subject: Subject,
+        shape: &Shape,
+        whose: Whose,
         verdict: &Verdict,
     ) -> bool {
         let camera = match self.config.intrinsics {
@@ -328,26 +322,37 @@ impl Tracker {
         // A landmark that is probably wrong still says a little.
         let weights = verdict.landmarks.map(|p| 0.05 + p);
         let observed = Observed {
-            points: &subject.shape,
+            points: shape,
             weights: &weights,
         };
-        let start = (!subject.new).then_some(&subject.face);
-        let identity = subject.face.identity;
+        let subject = &mut self.subject;
+        let start = (whose == Whose::Tracked).then_some(&subject.face);
+        let identity = match whose {
+            Whose::Stranger => [0.0; MAX_IDENTITIES],
+            Whose::Lost | Whose::Tracked => subject.face.identity,
+        };
         let options = FitOptions::default();
         let fitted = fit(&model.face, &camera, &observed, start, &identity, &options);
         let Some(fitted) = fitted else {
             return false;
         };
+        if whose == Whose::Stranger {
+            subject.identity = IdentityEstimator::new();
+        }
+        subject.motion = match whose {
+            Whose::Tracked => Motion::between(&subject.shape, shape, now - subject.fitted_us),
+            Whose::Stranger | Whose::Lost => Motion::STILL,
+        };
+        subject.shape = *shape;
+        subject.fitted_us = now;
         subject.face = fitted.state;
-        subject.new = false;
         if verdict.face >= TRUST && subject.identity.frames() < IDENTITY_FRAMES {
             subject
                 .identity
                 .add(&model.face, &camera, &observed, &fitted, FRAME_WEIGHT);
             subject.face.identity = subject.identity.estimate();
         }
-        self.result = result(now, &subject.shape, verdict, &fitted);
-        self.subject = subject;
+        write(&mut self.result, now, shape, verdict, &fitted);
         true
     }
 }
@@ -416,10 +421,34 @@ fn overlaps(shape: &Shape, frame: &Frame<'_>) -> bool {
     cx >= 0.0 && cy >= 0.0 && cx <= frame.width() as f32 && cy <= frame.height() as f32
 }
 
-fn result(now: i64, shape: &Shape, verdict: &Verdict, fitted: &FaceFit) -> TrackResult {
+/// Writes all of a result.
+fn write(to: &mut TrackResult, now: i64, shape: &Shape, verdict: &Verdict, fitted: &FaceFit) {
     let pose = &fitted.state.pose;
     let angles = pose.angles();
-    let mut landmarks = [Landmark::default(); LANDMARKS];
+    let TrackResult {
+        state,
+        timestamp_us,
+        age_us,
+        score,
+        face_box,
+        rotation,
+        yaw_deg,
+        pitch_deg,
+        roll_deg,
+        translation_mm,
+        eye_open: eyes,
+        landmarks,
+        points_mm,
+        animation,
+    } = to;
+    *state = State::Tracking;
+    (*timestamp_us, *age_us) = (now, 0);
+    *score = verdict.face;
+    *face_box = bounds(shape);
+    *rotation = pose.quaternion();
+    (*yaw_deg, *pitch_deg, *roll_deg) = (angles.yaw_deg, angles.pitch_deg, angles.roll_deg);
+    *translation_mm = pose.translation_mm.to_array();
+    *eyes = eye_open(fitted);
     let parts = shape.iter().zip(&verdict.landmarks).zip(&fitted.visible);
     for (out, (([x, y], confidence), visible)) in landmarks.iter_mut().zip(parts) {
         let visibility = if *visible { 1.0 } else { 0.0 };
@@ -430,22 +459,10 @@ fn result(now: i64, shape: &Shape, verdict: &Verdict, fitted: &FaceFit) -> Track
             visibility,
         };
     }
-    TrackResult {
-        state: State::Tracking,
-        timestamp_us: now,
-        age_us: 0,
-        score: verdict.face,
-        face_box: bounds(shape),
-        rotation: pose.quaternion(),
-        yaw_deg: angles.yaw_deg,
-        pitch_deg: angles.pitch_deg,
-        roll_deg: angles.roll_deg,
-        translation_mm: pose.translation_mm.to_array(),
-        eye_open: eye_open(fitted),
-        landmarks,
-        points_mm: fitted.points_mm.map(|p| p.to_array()),
-        animation: fitted.state.animation,
+    for (out, p) in points_mm.iter_mut().zip(&fitted.points_mm) {
+        *out = p.to_array();
     }
+    *animation = fitted.state.animation;
 }
 
 /// Openness of the subject's left and right eye from the animation; −1 for an eye that the head
