@@ -3,6 +3,7 @@
 use super::face::FIXED_CONTOUR;
 use super::linear::{System, UNKNOWNS};
 use super::posit::{mirrored, posit};
+use super::step::stepped;
 use super::{ANIMATIONS, Animation, Contour, FaceModel, Identity, Intrinsics, LANDMARKS};
 use super::{MAX_IDENTITIES, Observed, Pose, Shape};
 use crate::math::solve_spd;
@@ -13,11 +14,6 @@ const MIN_LANDMARKS: usize = 8;
 
 /// First landmark that is not on the jaw.
 const INNER: usize = 17;
-
-/// Longest shift of one step, as a share of the distance from the camera.
-const MAX_SHIFT: f32 = 0.3;
-/// Longest turn of one step \[rad\].
-const MAX_TURN: f32 = 0.6;
 
 /// One face at one moment.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -106,7 +102,7 @@ pub fn fit(
         face,
         camera,
         observed,
-        neutral: face.neutral(identity),
+        neutral: &face.neutral(identity),
         options,
     };
     let mut at = Point::NOWHERE;
@@ -166,7 +162,7 @@ struct Task<'a> {
     face: &'a FaceModel<'a>,
     camera: &'a Intrinsics,
     observed: &'a Observed<'a>,
-    neutral: Shape,
+    neutral: &'a Shape,
     options: &'a FitOptions,
 }
 
@@ -174,7 +170,7 @@ impl Task<'_> {
     /// The better end of POSIT's pose and its mirrored twin.
     #[inline(never)]
     fn search(&self, identity: &Identity, at: &mut Point) -> Option<FaceFit> {
-        let pose = start_pose(self.camera, self.observed, &self.neutral)?;
+        let pose = start_pose(self.camera, self.observed, self.neutral)?;
         let [first, second] = [pose, mirrored(&pose)].map(|pose| {
             let start = FaceState {
                 pose,
@@ -194,17 +190,20 @@ impl Task<'_> {
             (&first, &second)
         };
         // Only the last linearisation is in memory, so that of an end is made again.
-        [better, other].into_iter().flatten().find_map(|end| {
-            let (state, weights, _) = end;
+        for (state, weights, _) in [better, other].into_iter().flatten() {
             at.weights = *weights;
             self.go_to(state, at);
-            self.finish(at)
-        })
+            let fitted = self.finish(at);
+            if fitted.is_some() {
+                return fitted;
+            }
+        }
+        None
     }
 
     #[inline(never)]
     fn go_to(&self, state: &FaceState, at: &mut Point) {
-        let mut shape = self.neutral;
+        let mut shape = *self.neutral;
         at.contour = self.pose(state, &mut shape);
         self.linearise(state, &shape, at);
     }
@@ -216,7 +215,7 @@ impl Task<'_> {
             return false;
         }
         at.weights = self.trust(&start.pose);
-        let mut shape = self.neutral;
+        let mut shape = *self.neutral;
         at.contour = self.pose(start, &mut shape);
         self.linearise(start, &shape, at);
         if at.system.count < MIN_LANDMARKS || !at.system.cost.is_finite() {
@@ -224,7 +223,7 @@ impl Task<'_> {
         }
         let mut damping = 1e-3f32;
         for _ in 1..self.options.iterations.clamp(1, 20) {
-            let Some(state) = stepped(at, damping) else {
+            let Some(state) = stepped(&at.state, &at.system, damping) else {
                 damping *= 30.0;
                 continue;
             };
@@ -272,7 +271,7 @@ impl Task<'_> {
 
     /// Evaluates the shape of a state, and which of its points stand for the jaw.
     fn pose(&self, state: &FaceState, shape: &mut Shape) -> Contour {
-        shape.clone_from(&self.neutral);
+        shape.clone_from(self.neutral);
         self.face.animate(shape, &state.animation);
         shape.contour(self.face, &state.pose)
     }
@@ -289,7 +288,7 @@ impl Task<'_> {
     #[inline(never)]
     fn finish(&self, at: &mut Point) -> Option<FaceFit> {
         let (state, system) = (&at.state, &mut at.system);
-        let mut shape = self.neutral;
+        let mut shape = *self.neutral;
         self.face.animate(&mut shape, &state.animation);
         let points_mm = shape.landmarks().map(|p| state.pose.apply(p));
         let mut image_px = points_mm.map(|p| self.camera.project(p));
@@ -309,60 +308,6 @@ impl Task<'_> {
             cost: system.mean_cost(),
             covariance: pose_covariance(&mut system.matrix, system.squares / freedom)?,
         })
-    }
-}
-
-/// One damped step, or `None` when the system cannot be solved or the pose leaves all bounds.
-#[inline(never)]
-fn stepped(at: &Point, damping: f32) -> Option<FaceState> {
-    let mut matrix = at.system.matrix;
-    let mut step = at.system.rhs;
-    for (i, row) in matrix.iter_mut().enumerate() {
-        if let Some(diagonal) = row.get_mut(i) {
-            *diagonal += *diagonal * damping + 1e-6;
-        }
-    }
-    // Weights at a bound that the descent would cross stay there.
-    for (i, w) in at.state.animation.iter().enumerate() {
-        let push = at.system.rhs.get(i).copied().unwrap_or(0.0);
-        if (*w <= 0.0 && push < 0.0) || (*w >= 1.0 && push > 0.0) {
-            fix(&mut matrix, &mut step, i);
-        }
-    }
-    if !solve_spd(&mut matrix, &mut step) || step.iter().any(|v| !v.is_finite()) {
-        return None;
-    }
-    let mut state = at.state;
-    for (w, d) in state.animation.iter_mut().zip(step) {
-        *w = (*w + d).clamp(0.0, 1.0);
-    }
-    let [.., rx, ry, rz, tx, ty, tz] = step;
-    let depth = state.pose.translation_mm.z;
-    let turn = shortened(Vec3::new(rx, ry, rz), MAX_TURN);
-    let shift = shortened(Vec3::new(tx, ty, tz), MAX_SHIFT * depth);
-    state.pose = state.pose.moved(turn, shift);
-    state.pose.is_sound().then_some(state)
-}
-
-/// Takes one unknown out of a system.
-fn fix(matrix: &mut [[f32; UNKNOWNS]; UNKNOWNS], rhs: &mut [f32; UNKNOWNS], unknown: usize) {
-    for (i, (row, r)) in matrix.iter_mut().zip(rhs).enumerate() {
-        if i == unknown {
-            *row = [0.0; UNKNOWNS];
-            *r = 0.0;
-        }
-        if let Some(entry) = row.get_mut(unknown) {
-            *entry = if i == unknown { 1.0 } else { 0.0 };
-        }
-    }
-}
-
-fn shortened(v: Vec3, longest: f32) -> Vec3 {
-    let length = libm::sqrtf(v.length_squared());
-    if length > longest {
-        v * (longest / length)
-    } else {
-        v
     }
 }
 

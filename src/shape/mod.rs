@@ -7,6 +7,7 @@ mod fit;
 mod identity;
 mod linear;
 mod posit;
+mod step;
 
 pub use camera::{Intrinsics, Pose};
 pub use face::{Contour, FACE_TAG, FIXED_CONTOUR, FaceModel, JAW, MAX_EXTRA, MAX_POINTS, Shape};

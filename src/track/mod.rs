@@ -1,8 +1,10 @@
 //! What lives across frames: the state machine Searching / Tracking / Holding.
 
+mod answer;
 mod config;
 mod model;
 mod motion;
+mod place;
 mod result;
 mod tracker;
 

@@ -9,15 +9,16 @@ use super::config::{Config, ConfigError};
 use super::motion::Motion;
 use core::mem::MaybeUninit;
 
-use super::{Landmark, Model, State, TrackResult};
+use super::answer::write;
+use super::place::{overlaps, place_of, start_in};
+use super::{Model, State, TrackResult};
 use crate::align::{Shape, Workspace};
 use crate::detect::{Detection, Scan, Swept, search_near};
 use crate::experts::Verdict;
 use crate::image::Frame;
-use crate::math::Similarity;
 use crate::shape::{
-    FRAME_WEIGHT, FaceFit, FaceState, FitOptions, IdentityEstimator, Intrinsics, LANDMARKS,
-    MAX_IDENTITIES, Observed, fit,
+    FRAME_WEIGHT, FaceState, FitOptions, IdentityEstimator, Intrinsics, LANDMARKS, MAX_IDENTITIES,
+    Observed, fit,
 };
 
 /// A detection becomes a tracked face from this probability on.
@@ -333,7 +334,7 @@ impl Tracker {
         };
         let options = FitOptions::default();
         let fitted = fit(&model.face, &camera, &observed, start, &identity, &options);
-        let Some(fitted) = fitted else {
+        let Some(fitted) = &fitted else {
             return false;
         };
         if whose == Whose::Stranger {
@@ -349,10 +350,10 @@ impl Tracker {
         if verdict.face >= TRUST && subject.identity.frames() < IDENTITY_FRAMES {
             subject
                 .identity
-                .add(&model.face, &camera, &observed, &fitted, FRAME_WEIGHT);
+                .add(&model.face, &camera, &observed, fitted, FRAME_WEIGHT);
             subject.face.identity = subject.identity.estimate();
         }
-        write(&mut self.result, now, shape, verdict, &fitted);
+        write(&mut self.result, now, shape, verdict, fitted);
         true
     }
 }
@@ -361,124 +362,4 @@ impl Tracker {
 fn judged(model: &Model<'_>, work: &Workspace) -> Verdict {
     let (view, mirrored) = work.view();
     model.verifier.judge(work.features(), view, mirrored)
-}
-
-/// Puts an upright canonical start shape into a detection's box.
-fn start_in(start: &Shape, face: &Detection) -> Option<Shape> {
-    let [x, y, width, height] = bounds(start);
-    let scale = face.size / width.max(height);
-    let (a, b) = (scale * libm::cosf(face.roll), scale * libm::sinf(face.roll));
-    let turn = Similarity {
-        a,
-        b,
-        tx: face.x,
-        ty: face.y,
-    };
-    turn.inverse()?;
-    let (cx, cy) = (x + width / 2.0, y + height / 2.0);
-    Some(start.map(|p| turn.apply([p[0] - cx, p[1] - cy])))
-}
-
-/// The detector's box of a shape.
-fn place_of(model: &Model<'_>, shape: &Shape) -> Detection {
-    let roll = model.align.views().of(shape).map_or(0.0, |view| view.roll);
-    let forth = Similarity {
-        a: libm::cosf(roll),
-        b: libm::sinf(roll),
-        tx: 0.0,
-        ty: 0.0,
-    };
-    let back = Similarity {
-        b: -forth.b,
-        ..forth
-    };
-    let [x, y, width, height] = bounds(&shape.map(|p| back.apply(p)));
-    let [x, y] = forth.apply([x + width / 2.0, y + height / 2.0]);
-    Detection {
-        x,
-        y,
-        size: width.max(height),
-        roll,
-        ..Detection::default()
-    }
-}
-
-/// Axis-aligned box: x, y, width, height.
-fn bounds(shape: &Shape) -> [f32; 4] {
-    let mut low = [f32::MAX; 2];
-    let mut high = [f32::MIN; 2];
-    for [x, y] in shape {
-        low = [low[0].min(*x), low[1].min(*y)];
-        high = [high[0].max(*x), high[1].max(*y)];
-    }
-    [low[0], low[1], high[0] - low[0], high[1] - low[1]]
-}
-
-/// Whether the middle of the face is in the frame.
-fn overlaps(shape: &Shape, frame: &Frame<'_>) -> bool {
-    let [x, y, width, height] = bounds(shape);
-    let (cx, cy) = (x + width / 2.0, y + height / 2.0);
-    cx >= 0.0 && cy >= 0.0 && cx <= frame.width() as f32 && cy <= frame.height() as f32
-}
-
-/// Writes all of a result.
-fn write(to: &mut TrackResult, now: i64, shape: &Shape, verdict: &Verdict, fitted: &FaceFit) {
-    let pose = &fitted.state.pose;
-    let angles = pose.angles();
-    let TrackResult {
-        state,
-        timestamp_us,
-        age_us,
-        score,
-        face_box,
-        rotation,
-        yaw_deg,
-        pitch_deg,
-        roll_deg,
-        translation_mm,
-        eye_open: eyes,
-        landmarks,
-        points_mm,
-        animation,
-    } = to;
-    *state = State::Tracking;
-    (*timestamp_us, *age_us) = (now, 0);
-    *score = verdict.face;
-    *face_box = bounds(shape);
-    *rotation = pose.quaternion();
-    (*yaw_deg, *pitch_deg, *roll_deg) = (angles.yaw_deg, angles.pitch_deg, angles.roll_deg);
-    *translation_mm = pose.translation_mm.to_array();
-    *eyes = eye_open(fitted);
-    let parts = shape.iter().zip(&verdict.landmarks).zip(&fitted.visible);
-    for (out, (([x, y], confidence), visible)) in landmarks.iter_mut().zip(parts) {
-        let visibility = if *visible { 1.0 } else { 0.0 };
-        *out = Landmark {
-            x: *x,
-            y: *y,
-            confidence: *confidence,
-            visibility,
-        };
-    }
-    for (out, p) in points_mm.iter_mut().zip(&fitted.points_mm) {
-        *out = p.to_array();
-    }
-    *animation = fitted.state.animation;
-}
-
-/// Openness of the subject's left and right eye from the animation; −1 for an eye that the head
-/// hides.
-fn eye_open(fitted: &FaceFit) -> [f32; 2] {
-    let eye = |blink: usize, first: usize| {
-        let seen = fitted
-            .visible
-            .iter()
-            .skip(first)
-            .take(6)
-            .filter(|v| **v)
-            .count();
-        let closed = fitted.state.animation.get(blink).copied().unwrap_or(0.0);
-        if seen >= 4 { 1.0 - closed } else { -1.0 }
-    };
-    // browDown ×2, browInnerUp, browOuterUp ×2 come before eyeBlinkLeft, eyeBlinkRight.
-    [eye(5, 42), eye(6, 36)]
 }
