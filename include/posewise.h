@@ -2,6 +2,7 @@
  * C99 and C++11. No heap, no globals, no clock, no threads, no I/O.
  *
  * Owner    Every byte is the caller's: nothing here allocates, so nothing here frees.
+ * Stack    A call takes less than 32 KiB.
  * Threads  One tracker is used by one thread at a time. Trackers share only the model, which is
  *          read-only.
  * Pixels   x right, y down; (0, 0) is the centre of the top-left pixel of the upright picture.
@@ -149,7 +150,8 @@ typedef struct posewise_result {
     int64_t age_us;
     // Landmarks that posewise_landmarks() has: 68, or 0 while searching.
     uint32_t landmark_count;
-    // Calibrated probability that this is a face and that the fit is right, 0..1.
+    // Calibrated probability that this is a face and that the landmarks are right (on average to
+    // a tenth of the distance between the eyes' outer corners), 0..1.
     float score;
     // Box of the landmarks: x, y, width, height [px].
     float face_box[4];
@@ -169,11 +171,11 @@ typedef struct posewise_result {
 // One landmark. This struct is complete and never grows, so that arrays of it stay the same.
 typedef struct posewise_landmark {
     // Place in the upright picture [px]. Points 0..16 follow the jaw's visible contour; the
-    // others, hidden ones too, are where the 3D face projects them.
+    // others are the places of x_mm, y_mm, z_mm, estimated from the rest where they are hidden.
     float x;
     float y;
     // Calibrated probability that (x, y) is right to a tenth of the distance between the eyes'
-    // outer corners, 0..1.
+    // outer corners, as it is on a face that looks into the camera, 0..1.
     float confidence;
     // 1: the camera sees it; 0: the head itself hides it.
     float visibility;

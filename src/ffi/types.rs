@@ -166,7 +166,8 @@ pub struct posewise_result {
     pub age_us: i64,
     /// Landmarks that posewise_landmarks() has: 68, or 0 while searching.
     pub landmark_count: u32,
-    /// Calibrated probability that this is a face and that the fit is right, 0..1.
+    /// Calibrated probability that this is a face and that the landmarks are right (on average to
+    /// a tenth of the distance between the eyes' outer corners), 0..1.
     pub score: f32,
     /// Box of the landmarks: x, y, width, height \[px\].
     pub face_box: [f32; 4],
@@ -188,11 +189,11 @@ pub struct posewise_result {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct posewise_landmark {
     /// Place in the upright picture \[px\]. Points 0..16 follow the jaw's visible contour; the
-    /// others, hidden ones too, are where the 3D face projects them.
+    /// others are the places of x_mm, y_mm, z_mm, estimated from the rest where they are hidden.
     pub x: f32,
     pub y: f32,
     /// Calibrated probability that (x, y) is right to a tenth of the distance between the eyes'
-    /// outer corners, 0..1.
+    /// outer corners, as it is on a face that looks into the camera, 0..1.
     pub confidence: f32,
     /// 1: the camera sees it; 0: the head itself hides it.
     pub visibility: f32,

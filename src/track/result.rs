@@ -17,12 +17,13 @@ pub enum State {
 /// One landmark in the image.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Landmark {
-    /// Image position \[px\].
+    /// Image position \[px\]; estimated from the rest where the landmark is hidden.
     pub x: f32,
     /// Image position \[px\].
     pub y: f32,
-    /// Probability that the landmark lies within a tenth of the inter-ocular distance of the
-    /// truth, 0..1.
+    /// Calibrated probability that the landmark lies within a tenth of the inter-ocular distance
+    /// of the truth, 0..1. The distance is that between the outer eye corners (36, 45) of a face
+    /// that looks into the camera: turning the head does not shorten it.
     pub confidence: f32,
     /// 1 when the 3D face does not hide it from the camera, 0 when it does.
     pub visibility: f32,
@@ -47,7 +48,8 @@ pub struct TrackResult {
     pub timestamp_us: i64,
     /// Time since the frame that the fit belongs to \[µs\]; 0 when Tracking.
     pub age_us: i64,
-    /// Probability that this is a face and that the fit is right, 0..1.
+    /// Calibrated probability that this is a face and that the landmarks are right, 0..1: their mean
+    /// error is below a tenth of the inter-ocular distance (as [`Landmark::confidence`] has it).
     pub score: f32,
     /// Axis-aligned box of the landmarks: x, y, width, height \[px\].
     pub face_box: [f32; 4],
