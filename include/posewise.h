@@ -106,7 +106,7 @@ typedef struct posewise_config {
     // Narrowest face searched for [px], 24..4096. 0: the default, 40.
     uint32_t min_face_px;
     // Windows tested per step while searching, 100..10000000: bounds the time of a step, at the
-    // price of finding a face later. 0: the default, 6000.
+    // price of finding a face later. 0: the default, 1800.
     uint32_t scan_budget;
     // The camera; see posewise_set_intrinsics().
     posewise_intrinsics intrinsics;

@@ -33,7 +33,7 @@ pub fn run(args: &DemoArgs) -> Result<()> {
         focal: focal_of(&truth),
         ..TrackerArgs::default()
     };
-    let mut session = Session::new(&model, &settings)?;
+    let mut session = Session::new(&model, &settings, false)?;
     let mut csv = CsvWriter::new(Vec::new())?;
     let mut frames: Vec<(Picture, TrackResult)> = Vec::new();
     let mut step_ms = Vec::new();

@@ -28,15 +28,24 @@ pub struct Session<'m> {
     pub busy: Duration,
 }
 
+/// A search budget that no frame uses up.
+const WHOLE_FRAME: u32 = 10_000_000;
+
 impl<'m> Session<'m> {
-    /// A fresh tracker with these settings.
-    pub fn new(model: &'m Model<'m>, args: &TrackerArgs) -> Result<Self> {
+    /// A fresh tracker with these settings. Only a live camera's frames cannot wait: elsewhere every
+    /// frame is searched whole unless the settings say otherwise.
+    pub fn new(model: &'m Model<'m>, args: &TrackerArgs, live: bool) -> Result<Self> {
         if args.focal.is_some_and(|f| !(f.is_finite() && f > 0.0)) {
             bail!("--focal must be positive");
         }
         let mut config = Config::default();
         config.min_face_px = args.min_face.unwrap_or(config.min_face_px);
-        config.scan_budget = args.scan_budget.unwrap_or(config.scan_budget);
+        let budget = if live {
+            config.scan_budget
+        } else {
+            WHOLE_FRAME
+        };
+        config.scan_budget = args.scan_budget.unwrap_or(budget);
         Ok(Session {
             model,
             tracker: Box::new(Tracker::new(&config).map_err(|e| anyhow!("{e}"))?),
@@ -187,8 +196,8 @@ pub fn run(args: &TrackArgs) -> Result<()> {
     }
     let file = ModelFile::read(args.tracker.model.as_deref())?;
     let model = file.model()?;
-    let mut session = Session::new(&model, &args.tracker)?;
     let mut source = source::open(&args.input, args.fps)?;
+    let mut session = Session::new(&model, &args.tracker, source.is_live())?;
     let mut outputs = Outputs::open(args, source.as_ref())?;
     let progress = progress_bar(source.as_ref(), args.quiet);
     let mut counts = Counts::default();

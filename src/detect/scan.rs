@@ -40,6 +40,8 @@ pub struct Scan {
     roll: usize,
     row: i32,
     column: i32,
+    // Units that the last slice did not use.
+    left: u32,
     clusters: Clusters,
 }
 
@@ -78,6 +80,7 @@ impl Scan {
             roll: 0,
             row: 0,
             column: 0,
+            left: 0,
             clusters: Clusters::EMPTY,
         }
     }
@@ -110,6 +113,7 @@ impl Scan {
             let rolls = model.rolls.get(self.roll..).unwrap_or(&[]);
             let Some(roll) = rolls.first() else {
                 if let Some(end) = self.end_pass(model, frame) {
+                    self.left = left.max(0) as u32;
                     return end;
                 }
                 left -= 1;
@@ -117,7 +121,13 @@ impl Scan {
             };
             self.rows(model, frame, *roll as i32, &mut left);
         }
+        self.left = 0;
         Swept::Unfinished
+    }
+
+    /// Units of the last slice's budget that it did not use.
+    pub fn left(&self) -> u32 {
+        self.left
     }
 
     fn begin(&mut self, (width, height, min_px): (i32, i32, i32)) {

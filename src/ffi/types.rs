@@ -118,7 +118,7 @@ pub struct posewise_config {
     /// Narrowest face searched for \[px\], 24..4096. 0: the default, 40.
     pub min_face_px: u32,
     /// Windows tested per step while searching, 100..10000000: bounds the time of a step, at the
-    /// price of finding a face later. 0: the default, 6000.
+    /// price of finding a face later. 0: the default, 1800.
     pub scan_budget: u32,
     /// The camera; see posewise_set_intrinsics().
     pub intrinsics: posewise_intrinsics,

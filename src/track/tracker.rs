@@ -35,6 +35,10 @@ const IDENTITY_FRAMES: u32 = 30;
 /// Work of one search around a lost face, in the detector's units.
 const NEAR_BUDGET: u32 = 1500;
 
+/// What aligning and judging a candidate costs, in the detector's units (measured with
+/// `posewise bench`: align plus fit over detector slice).
+const ACQUIRE_UNITS: u32 = 1000;
+
 /// Why a frame was not taken; the tracker is then as before the call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StepError {
@@ -221,13 +225,14 @@ impl Tracker {
 
     fn search(&mut self, model: &Model<'_>, frame: &Frame<'_>, now: i64) {
         let min_px = self.config.min_face_px as i32;
-        let swept = self
-            .scan
-            .advance(&model.detector, frame, min_px, self.config.scan_budget);
-        let found = match swept {
-            Swept::Found(face) => self.acquire(model, frame, now, &face, Whose::Stranger),
-            _ => false,
-        };
+        let mut budget = self.config.scan_budget;
+        let mut found = false;
+        while budget > 0 && !found {
+            let swept = self.scan.advance(&model.detector, frame, min_px, budget);
+            let Swept::Found(face) = swept else { break };
+            found = self.acquire(model, frame, now, &face, Whose::Stranger);
+            budget = self.scan.left().saturating_sub(ACQUIRE_UNITS);
+        }
         if found {
             self.scan.restart();
         } else {

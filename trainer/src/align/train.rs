@@ -90,7 +90,7 @@ impl Default for Options {
                 log_size: 0.03,
                 roll: 0.05,
             },
-            closed_loop_rounds: 0,
+            closed_loop_rounds: 1,
             closed_loop_share: 1.5,
             track_modes: 0.35,
         }
