@@ -1,7 +1,8 @@
 //! The sweep over sizes, rolls and places, in slices.
 //!
-//! Sizes go from the frame's shorter side down, each with all rolls (upright first), so the
-//! largest face is met first, and large sizes, which are cheap, are done soon. After each size the
+//! Sizes go from the frame's shorter side down, so the largest face is met first, and large sizes,
+//! which are cheap, are done soon. All sizes are searched for upright faces first, then for turned
+//! ones: most heads are upright, and are found in a fraction of the sweep. After each size the
 //! largest confirmed cluster that is complete ends the sweep. Between slices the frame may change:
 //! a sweep over a live stream sees each part of it at another time.
 
@@ -37,6 +38,8 @@ pub struct Scan {
     // Size of this pass [1/16 px]; 0 before the start.
     size: i32,
     pass: u16,
+    // Whether this is the second half of the sweep, for heads that are turned in the image.
+    turned: bool,
     roll: usize,
     row: i32,
     column: i32,
@@ -77,6 +80,7 @@ impl Scan {
             min_px: 0,
             size: 0,
             pass: 0,
+            turned: false,
             roll: 0,
             row: 0,
             column: 0,
@@ -106,12 +110,11 @@ impl Scan {
         let min_px = min_face_px.max(FACE_MIN_PX);
         let wanted = (frame.width(), frame.height(), min_px);
         if self.size == 0 || wanted != (self.width, self.height, self.min_px) {
-            self.begin(wanted);
+            self.begin(wanted, false);
         }
         let mut left = budget.max(1) as i64;
         while left > 0 {
-            let rolls = model.rolls.get(self.roll..).unwrap_or(&[]);
-            let Some(roll) = rolls.first() else {
+            let Some(roll) = self.rolls(model).get(self.roll) else {
                 if let Some(end) = self.end_pass(model, frame) {
                     self.left = left.max(0) as u32;
                     return end;
@@ -130,12 +133,19 @@ impl Scan {
         self.left
     }
 
-    fn begin(&mut self, (width, height, min_px): (i32, i32, i32)) {
+    /// The rolls of this half of the sweep: the model's first one, then the others.
+    fn rolls<'m>(&self, model: &DetectorModel<'m>) -> &'m [i16] {
+        let (upright, turned) = model.rolls.split_at_checked(1).unwrap_or_default();
+        if self.turned { turned } else { upright }
+    }
+
+    fn begin(&mut self, (width, height, min_px): (i32, i32, i32), turned: bool) {
         *self = Scan {
             width,
             height,
             min_px,
             size: width.min(height).max(min_px) * Q4,
+            turned,
             ..Self::default()
         };
     }
@@ -183,6 +193,10 @@ impl Scan {
         let last = next < floor || next >= self.size;
         if let Some(best) = self.clusters.tell(model.confirm, self.pass, last) {
             return Some(Swept::Found(refine(model, frame, &best)));
+        }
+        if last && !self.turned {
+            self.begin((self.width, self.height, self.min_px), true);
+            return None;
         }
         if last {
             self.restart();
