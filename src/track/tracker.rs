@@ -71,7 +71,8 @@ impl Subject {
         shape: [[0.0; 2]; LANDMARKS],
         motion: Motion::STILL,
         face: FaceState::EMPTY,
-        identity: IdentityEstimator::new(),
+        // Renewed for every stranger; zero until then, as all of `Tracker::EMPTY`.
+        identity: IdentityEstimator::with_memory(0.0),
         fitted_us: 0,
     };
 }
