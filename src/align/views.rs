@@ -73,7 +73,7 @@ impl Views<'_> {
     /// to the start shape that resembles it most.
     ///
     /// A cascade that starts from its own answer drifts, because each run adds a little of the same
-    /// error; pulled back to a shape that the training fixed, it does not (docs/accuracy.md).
+    /// error; pulled back to a shape that the training fixed, it does not (docs/training.md).
     pub fn relaxed(&self, shape: &Shape) -> Shape {
         let mut relaxed = *shape;
         if let Some(view) = self.of(shape) {

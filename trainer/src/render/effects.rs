@@ -82,7 +82,7 @@ impl Camera {
 }
 
 /// A separable Gaussian.
-fn blur(light: &mut Vec<f32>, width: usize, sigma: f32) {
+fn blur(light: &mut [f32], width: usize, sigma: f32) {
     if sigma < 0.2 {
         return;
     }

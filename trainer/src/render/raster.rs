@@ -185,7 +185,7 @@ mod tests {
         target.draw(&square(50.), &[[0, 1, 2]], 0, Cull::Back);
         assert!(target.id.iter().all(|&i| i == EMPTY));
         target.draw(&square(50.), &[[0, 1, 2]], 0, Cull::None);
-        assert!(target.id.iter().any(|&i| i == 0));
+        assert!(target.id.contains(&0));
     }
 
     #[test]
