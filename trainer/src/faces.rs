@@ -1,6 +1,7 @@
 //! Labelled faces in memory: photographs from a CSV, and renders turned into the same form.
 
-use anyhow::{Context, Result, ensure};
+use crate::fit::labels;
+use anyhow::{Context, Result};
 use posewise::align::Shape;
 use posewise::image::{Frame, FrameLayout};
 use posewise::shape::{LANDMARKS, MIRROR};
@@ -111,33 +112,20 @@ impl Face {
     }
 }
 
-/// Reads a CSV of `image,x0,y0,…,x67,y67` and its pictures. A person is the part of the file's
-/// name before the last underscore.
+/// Reads a CSV of `image,x0,y0,…,x67,y67` and its pictures.
 pub fn photographs(csv_path: &Path, images: &Path) -> Result<Vec<Face>> {
-    let mut reader = csv::Reader::from_path(csv_path)
-        .with_context(|| format!("reading {}", csv_path.display()))?;
-    let rows: Vec<csv::StringRecord> = reader.records().collect::<Result<_, _>>()?;
+    let rows = labels::read(csv_path)?;
     let mut people = std::collections::BTreeMap::new();
     for row in &rows {
         let next = people.len() as u32;
-        people.entry(person_of(&row[0]).to_owned()).or_insert(next);
+        people.entry(labels::person(&row.image)).or_insert(next);
     }
     rows.par_iter()
         .map(|row| {
-            ensure!(
-                row.len() == 1 + 2 * LANDMARKS,
-                "{}: {} columns",
-                &row[0],
-                row.len()
-            );
-            let mut landmarks = [[0.0; 2]; LANDMARKS];
-            for (i, p) in landmarks.iter_mut().enumerate() {
-                *p = [row[1 + 2 * i].parse()?, row[2 + 2 * i].parse()?];
-            }
             Ok(Face {
-                picture: Arc::new(Picture::read(&images.join(&row[0]))?),
-                landmarks,
-                person: people[person_of(&row[0])],
+                picture: Arc::new(Picture::read(&images.join(&row.image))?),
+                landmarks: row.points,
+                person: people[labels::person(&row.image)],
                 yaw_deg: None,
                 weight: 1.0,
             })
@@ -169,11 +157,6 @@ fn seen(visible: &[bool; LANDMARKS]) -> f32 {
     0.1 + 0.9 * share
 }
 
-fn person_of(file: &str) -> &str {
-    let name = file.split_once('_').map_or(file, |(_, rest)| rest);
-    name.rsplit_once('_').map_or(name, |(person, _)| person)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -181,6 +164,9 @@ mod tests {
     #[test]
     fn mirror_is_its_own_inverse() {
         assert!((0..LANDMARKS).all(|i| MIRROR[MIRROR[i]] == i));
-        assert_eq!(person_of("a_Adam_Sandler_00.jpg"), "Adam_Sandler");
+        assert_eq!(
+            [36, 37, 41, 48, 51, 60, 67].map(|i| MIRROR[i]),
+            [45, 44, 46, 54, 51, 64, 65]
+        );
     }
 }

@@ -15,7 +15,7 @@ use indicatif::{ParallelProgressIterator, ProgressBar, ProgressStyle};
 use labels::Label;
 use posewise::model::{ALIGN, Blob};
 use posewise::shape::{self, FaceFit, FaceModel, FitOptions, Identity, IdentityEstimator};
-use posewise::shape::{Intrinsics, LANDMARKS, MAX_IDENTITIES, Observed};
+use posewise::shape::{Intrinsics, LANDMARKS, MAX_IDENTITIES, MIRROR, Observed};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -329,7 +329,7 @@ fn add_offsets(offsets: &mut [[f32; 3]], photos: &[Photo]) {
         }
     }
     for i in 17..LANDMARKS {
-        let other = sums[labels::mirror(i)];
+        let other = sums[MIRROR[i]];
         offsets[i][0] += (sums[i][0] - other[0]) / 2.0 / f32::max(count, 1.0);
         offsets[i][1] += (sums[i][1] + other[1]) / 2.0 / f32::max(count, 1.0);
     }

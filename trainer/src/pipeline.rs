@@ -6,7 +6,7 @@
 use crate::align::{self, Accuracy, Jitter};
 use crate::faces::{self, Face, Picture};
 use crate::fit::{AlignedBlob, FitSettings, fit_photographs_cached};
-use crate::head::Head;
+use crate::head::{Head, Wfm};
 use crate::pack::{SectionWriter, blob};
 use crate::{detect, face_section, render, score};
 use anyhow::{Context, Result};
@@ -31,6 +31,10 @@ pub struct Args {
     /// Seed of everything random.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
+    /// The model's 3D face: a Candide-3 wireframe (`.wfm`) in place of the morphable head, which
+    /// still renders.
+    #[arg(long)]
+    pub wireframe: Option<PathBuf>,
     /// Rendered faces to train on.
     #[arg(long, default_value_t = 12_000)]
     pub renders: u64,
@@ -54,7 +58,10 @@ pub fn run(args: &Args) -> Result<()> {
         fits.fits.len(),
         fits.dropped.len()
     );
-    let face = face_section::face_section(&head, Some(&fits.offsets_mm))?;
+    let face = match &args.wireframe {
+        Some(path) => face_section::face_section(&Head::of_wfm(&Wfm::read(path)?)?, None)?,
+        None => face_section::face_section(&head, Some(&fits.offsets_mm))?,
+    };
     let renders = render::run(&render::Args {
         data: args.data.clone(),
         cache: args.cache.clone(),

@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::Result;
 use posewise::detect::Detection;
 use rayon::prelude::*;
 
 use super::grey::Grey;
+use crate::fit::labels;
 
 /// Which people: never train on `Dev`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,22 +36,13 @@ pub fn load(data: &Path, split: Split) -> Result<Vec<Face>> {
     };
     let folder = data.join("faces68");
     let table = folder.join(format!("{name}.csv"));
-    let mut reader = csv::Reader::from_path(&table).with_context(|| table.display().to_string())?;
-    let rows = reader.records().collect::<Result<Vec<_>, _>>()?;
-    rows.par_iter()
+    labels::read(&table)?
+        .into_par_iter()
         .map(|row| {
-            let file = row.get(0).context("a row without a name")?;
-            let numbers = row
-                .iter()
-                .skip(1)
-                .map(|v| v.parse::<f32>())
-                .collect::<Result<Vec<_>, _>>()?;
-            ensure!(numbers.len() == 136, "{file}: not 68 landmarks");
-            let points: Vec<[f32; 2]> = numbers.chunks(2).map(|p| [p[0], p[1]]).collect();
             Ok(Face {
-                name: file.to_string(),
-                picture: Grey::open(&folder.join(name).join(file))?,
-                truth: face_box(&points, None, None),
+                picture: Grey::open(&folder.join(name).join(&row.image))?,
+                truth: face_box(&row.points, None, None),
+                name: row.image,
             })
         })
         .collect()

@@ -303,7 +303,7 @@ fn landmark_mixes(vertices: &[[f32; 3]]) -> Result<Vec<(u32, u32, f32)>> {
     let mut mixes = vec![None; LANDMARKS];
     for (landmark, a, b, t) in RIGHT {
         mixes[landmark] = Some((a, b, t));
-        let other = crate::fit::labels::mirror(landmark);
+        let other = posewise::shape::MIRROR[landmark];
         mixes[other] = Some((mirrored(a)?, mirrored(b)?, t));
     }
     mixes
