@@ -35,8 +35,11 @@ pub const SIDE_Q8: i32 = 333;
 pub struct Options {
     /// Seed of every random choice.
     pub seed: u64,
-    /// Trees of the cascade, and their depth.
+    /// Trees of the cascade, how many of them ship, and their depth. The last trees demand what only
+    /// a detector without a verifier behind it must; the thresholds of those before are set with
+    /// them there.
     pub trees: usize,
+    pub kept: usize,
     pub depth: usize,
     /// Summed score from which merged hits are told. Low: every face told is then aligned and
     /// verified, which tells faces far better than the trees do.
@@ -55,6 +58,7 @@ impl Default for Options {
         Options {
             seed: 1,
             trees: 300,
+            kept: 250,
             depth: 5,
             confirm: 1000,
             positives: 36_000,
@@ -84,6 +88,8 @@ pub fn train(data: &Path, cache: &Path, options: &Options) -> Result<SectionWrit
     let backgrounds = backgrounds::load(data, backgrounds::Part::Train)?;
     let cascade = cascade::train(&faces, &backgrounds, cache, options)?;
     let refiner = refine::train(&faces, cache, options)?;
-    let cascade = calibrate::thresholds(&cascade, &faces);
+    let mut cascade = calibrate::thresholds(&cascade, &faces);
+    cascade.trees.truncate(options.kept);
+    cascade.thresholds.truncate(options.kept);
     Ok(pack::section(&cascade, &refiner, options.confirm))
 }
