@@ -153,13 +153,7 @@ impl Tracker {
         frame: &Frame<'_>,
         timestamp_us: i64,
     ) -> Result<&TrackResult, StepError> {
-        if self
-            .last_timestamp_us
-            .is_some_and(|last| timestamp_us <= last)
-        {
-            return Err(StepError::Time);
-        }
-        self.last_timestamp_us = Some(timestamp_us);
+        self.tick(timestamp_us)?;
         match self.result.state {
             State::Tracking => self.track(model, frame, timestamp_us),
             State::Holding => self.hold(model, frame, timestamp_us),
@@ -180,6 +174,15 @@ impl Tracker {
         timestamp_us: i64,
         face: &Detection,
     ) -> Result<&TrackResult, StepError> {
+        self.tick(timestamp_us)?;
+        if !self.acquire(model, frame, timestamp_us, face, Whose::Stranger) {
+            self.lose(timestamp_us);
+        }
+        Ok(&self.result)
+    }
+
+    /// Moves the clock on; refuses to move it back.
+    fn tick(&mut self, timestamp_us: i64) -> Result<(), StepError> {
         if self
             .last_timestamp_us
             .is_some_and(|last| timestamp_us <= last)
@@ -187,10 +190,7 @@ impl Tracker {
             return Err(StepError::Time);
         }
         self.last_timestamp_us = Some(timestamp_us);
-        if !self.acquire(model, frame, timestamp_us, face, Whose::Stranger) {
-            self.lose(timestamp_us);
-        }
-        Ok(&self.result)
+        Ok(())
     }
 
     /// The answer to the last step.

@@ -1,10 +1,8 @@
 //! Sets the thresholds once all trees are there: of the cascade by what faces need on the scan's
 //! own grid.
 
-use anyhow::Result;
-use posewise::detect::{Detection, DetectorModel, TAG};
+use posewise::detect::Detection;
 use posewise::image::Frame;
-use posewise::model::{ALIGN, Blob, ModelError};
 use rand::Rng;
 use rayon::prelude::*;
 
@@ -89,34 +87,4 @@ fn survivors(
     all.sort_by_key(|sums| std::cmp::Reverse(sums.last().copied()));
     all.truncate(SURVIVORS);
     all
-}
-
-/// Model bytes, aligned as the core wants them.
-pub struct Aligned {
-    bytes: Vec<u8>,
-    start: usize,
-    len: usize,
-}
-
-impl Aligned {
-    /// A copy of the bytes.
-    pub fn new(blob: &[u8]) -> Self {
-        let mut bytes = vec![0; blob.len() + ALIGN];
-        let start = bytes.as_ptr().align_offset(ALIGN);
-        bytes[start..][..blob.len()].copy_from_slice(blob);
-        Aligned {
-            bytes,
-            start,
-            len: blob.len(),
-        }
-    }
-
-    /// The detector in these bytes.
-    ///
-    /// # Errors
-    /// When they hold no valid detector.
-    pub fn detector(&self) -> Result<DetectorModel<'_>, ModelError> {
-        let blob = Blob::open(&self.bytes[self.start..][..self.len])?;
-        DetectorModel::open(blob.section(&TAG)?)
-    }
 }
