@@ -8,10 +8,10 @@
 //! | 0 | [`math`] | fixed-point helpers, similarity transforms, rotations, small solvers |
 //! | 1 | [`image`] | frame views over the caller's bytes, luma, the warp into a canonical crop |
 //! | 1 | [`model`] | the `.posewise` blob: header, sections, zero-copy typed views |
-//! | 2 | [`descriptor`] | local features of a crop |
+//! | 2 | [`network`] | learned local features of a crop |
 //! | 2 | [`shape`] | the 3D face, projection, POSIT, the bounded pose fit |
 //! | 3 | [`detect`] | the multi-view face scan, time-sliced |
-//! | 3 | [`align`] | the cascade of quantised regressors: crop → 68 landmarks |
+//! | 3 | [`align`] | the cascade on learned features: crop → 68 landmarks |
 //! | 3 | [`experts`] | is it a face, which landmarks are right: calibrated probabilities |
 //! | 4 | [`track`] | Searching / Tracking / Holding: what lives across frames |
 //! | 5 | `ffi` | the C ABI |
@@ -29,12 +29,12 @@
 #![deny(unsafe_code)]
 
 pub mod align;
-pub mod descriptor;
 pub mod detect;
 pub mod experts;
 pub mod image;
 pub mod math;
 pub mod model;
+pub mod network;
 pub mod shape;
 pub mod track;
 

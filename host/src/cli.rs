@@ -97,6 +97,10 @@ pub enum EvalCommand {
     Landmarks(LandmarksArgs),
     /// Head pose and landmarks against per-frame truth
     Pose(PoseArgs),
+    /// Lids and closures against per-frame truth
+    Eyes(EyesArgs),
+    /// How much the landmarks of a tracked clip tremble
+    Jitter(JitterArgs),
 }
 
 /// Where the first fit starts.
@@ -145,6 +149,29 @@ pub struct PoseArgs {
     #[arg(long, value_name = "FILE", required = true)]
     pub truth: Vec<PathBuf>,
     /// What `posewise track --csv` wrote for the clip; as many as there are truths, in their order
+    #[arg(long, value_name = "FILE", required = true)]
+    pub csv: Vec<PathBuf>,
+    /// Write the numbers as JSON
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+}
+
+#[derive(Args)]
+pub struct EyesArgs {
+    /// Per-frame truth; repeat for several clips
+    #[arg(long, value_name = "FILE", required = true)]
+    pub truth: Vec<PathBuf>,
+    /// What `posewise track --csv` wrote for the clip; as many as there are truths, in their order
+    #[arg(long, value_name = "FILE", required = true)]
+    pub csv: Vec<PathBuf>,
+    /// Write the numbers as JSON
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+}
+
+#[derive(Args)]
+pub struct JitterArgs {
+    /// What `posewise track --csv` wrote; repeat for several clips
     #[arg(long, value_name = "FILE", required = true)]
     pub csv: Vec<PathBuf>,
     /// Write the numbers as JSON

@@ -45,6 +45,8 @@ fn main() -> ExitCode {
         Command::Demo(args) => demo::run(&args),
         Command::Eval(EvalCommand::Landmarks(args)) => eval::landmarks::run(&args),
         Command::Eval(EvalCommand::Pose(args)) => eval::pose::run(&args),
+        Command::Eval(EvalCommand::Eyes(args)) => eval::eyes::run(&args),
+        Command::Eval(EvalCommand::Jitter(args)) => eval::jitter::run(&args),
         Command::Bench(args) => bench::run(&args),
         Command::Model(ModelCommand::Info { file }) => model_info::run(&file),
         Command::Columns => output::print(&csv::documentation()),

@@ -4,9 +4,10 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use anyhow::{Context, Result, anyhow};
-use posewise::align::{Shape, Workspace, place};
+use posewise::align::{Shape, Workspace};
 use posewise::detect::Scan;
 use posewise::image::Frame;
+use posewise::network::Activations;
 use posewise::shape::{FitOptions, Identity, Intrinsics, MAX_IDENTITIES, Observed, fit};
 use posewise::track::{Config, Model, State, Tracker};
 
@@ -23,41 +24,22 @@ pub fn time(model: &Model<'_>, frames: &[Picture]) -> Result<Vec<Part>> {
     let (picture, shape) = tracked(model, frames)?;
     let frame = picture.frame()?;
     let mut work = Box::new(Workspace::new());
-    let stage = model
-        .align
-        .stages()
-        .last()
-        .context("the cascade has no stage")?;
-    let placed = place(model.align.mean(), &shape, stage.zoom, stage.side, false);
-    let placed = placed.context("the shape has no extent")?;
-    let mut parts = vec![
-        (
-            "warp + describe, one stage",
-            median(|| {
-                work.describe(&frame, &placed, stage.side, stage.grid);
-            }),
-        ),
-        (
-            "project, one stage",
-            median(|| work.project(&stage.projection)),
-        ),
-        (
-            "align, tracking",
-            median(|| {
-                let mut shape = model.align.views().relaxed(&shape);
-                black_box(
-                    model
-                        .align
-                        .run(&frame, model.align.track_from(), &mut shape, &mut work),
-                );
-            }),
-        ),
-    ];
-    let (view, mirrored) = work.view();
+    let mut maps = Box::new(Activations::new());
+    let mut parts = vec![(
+        "align, tracking",
+        median(|| {
+            let mut shape = shape;
+            black_box(model.align.run(&frame, 1, &mut shape, &mut work));
+        }),
+    )];
+    parts.push((
+        "network (part of align)",
+        median(|| model.align.network().run(work.crop(), &mut maps)),
+    ));
     parts.push((
         "judge",
         median(|| {
-            black_box(model.verifier.judge(work.features(), view, mirrored));
+            black_box(model.verifier.judge(work.features(), work.view()));
         }),
     ));
     parts.push(("fit, tracking", time_fit(model, &frame, &shape)?));

@@ -1,22 +1,24 @@
-//! The cascade of quantised regressors: frame and a first guess in, 68 landmarks out.
+//! The cascade: frame and a first guess in, 68 landmarks out.
 //!
-//! Supervised descent (Xiong and De la Torre 2013) as in the thesis, 5.1: each stage cuts a crop
-//! that is upright and of canonical size for the current shape, describes it around the 68
-//! current points, and moves the shape by a linear function of those features:
-//! `x ← x + Q (R φ(x) + b)`, where Q spans similarity and shape modes in the canonical frame. R is
-//! `i8`, one scale per output; everything from pixels to R's sums is integer arithmetic.
+//! Each pass cuts a crop that is upright and of canonical size for the guess and describes it by
+//! the maps of a small convolutional network ([`crate::network`]), the learned local features. A
+//! first answer comes from the coarsest map as a whole; each correction then reads the fine map at
+//! the 68 points where the answer before it put them, and all points' features together move all
+//! points, so that landmarks that are well placed correct their neighbours (coarse-to-fine
+//! correlative regression, thesis 5.1; shape-indexed features as in Cao et al. 2014). From pixels
+//! to the sums that make an answer everything is integer arithmetic.
 //!
-//! A stage has one R per *view*, an amount of turn; left-turned faces are seen in a mirror, so that
-//! both directions share one R.
+//! A guess matters only through the similarity transform that brings the mean shape onto it: a pass
+//! that starts from its own answer does not drift.
 //!
 //! The *canonical frame* is that of the mean shape: origin at its centroid, upright, unit such that
-//! the stage's `zoom` turns it into crop pixels.
+//! the model's `zoom` turns it into crop pixels.
 
 mod cascade;
 mod placement;
 mod views;
 
-pub use cascade::{AlignModel, MAX_MODES, MAX_STAGES, MAX_VIEWS, Regressor, Stage, Workspace};
+pub use cascade::{AlignModel, MAX_FEATURES, MAX_HEADS, MAX_MODES, MAX_VIEWS, Workspace};
 pub use placement::{Placement, mirror, place};
 pub use views::{View, Views};
 

@@ -19,8 +19,6 @@ pub struct View {
     pub index: usize,
     /// Whether it is turned to the image left, so that its mirror image belongs to the view.
     pub mirrored: bool,
-    /// The view's start shape, brought onto the shape (frame px).
-    pub start: Shape,
     /// In-plane rotation that brought it there, clockwise in the image \[rad\].
     pub roll: f32,
 }
@@ -59,7 +57,6 @@ impl Views<'_> {
                         View {
                             index,
                             mirrored,
-                            start,
                             roll: to_frame.angle(),
                         },
                     ));
@@ -67,21 +64,6 @@ impl Views<'_> {
             }
         }
         best.map(|(_, view)| view)
-    }
-
-    /// The shape to start the next frame from when this one ended with `shape` (frame px): halfway
-    /// to the start shape that resembles it most.
-    ///
-    /// A cascade that starts from its own answer drifts, because each run adds a little of the same
-    /// error; pulled back to a shape that the training fixed, it does not (docs/training.md).
-    pub fn relaxed(&self, shape: &Shape) -> Shape {
-        let mut relaxed = *shape;
-        if let Some(view) = self.of(shape) {
-            for (p, q) in relaxed.iter_mut().zip(view.start) {
-                *p = [(p[0] + q[0]) / 2.0, (p[1] + q[1]) / 2.0];
-            }
-        }
-        relaxed
     }
 }
 

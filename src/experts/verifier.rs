@@ -6,7 +6,7 @@
 
 use crate::math::sigmoid;
 use crate::model::{Blob, ModelError};
-use crate::shape::{LANDMARKS, MIRROR};
+use crate::shape::LANDMARKS;
 
 /// A checked view of section `SCOR`.
 #[derive(Clone, Copy, Debug)]
@@ -15,7 +15,7 @@ pub struct Verifier<'m> {
     views: [Option<ViewWeights<'m>>; MAX_VIEWS],
 }
 
-/// The classifiers of one view; left-turned faces are judged in a mirror.
+/// The classifiers of one view; turns to the left and to the right are views of their own.
 #[derive(Clone, Copy, Debug)]
 struct ViewWeights<'m> {
     /// `LANDMARKS` rows of `features`: the face classifier.
@@ -31,7 +31,7 @@ struct ViewWeights<'m> {
 }
 
 /// Most views.
-const MAX_VIEWS: usize = 4;
+const MAX_VIEWS: usize = 7;
 
 /// What the features say.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -79,9 +79,8 @@ impl<'m> Verifier<'m> {
         Ok(verifier)
     }
 
-    /// Judges the features of one fit (`LANDMARKS` × `features`), seen from `view`, in a mirror or
-    /// not.
-    pub fn judge(&self, features: &[i8], view: usize, mirrored: bool) -> Verdict {
+    /// Judges the features of one fit (`LANDMARKS` × `features`), seen from `view`.
+    pub fn judge(&self, features: &[i8], view: usize) -> Verdict {
         let Some(weights) = self.views.get(view).copied().flatten() else {
             return Verdict {
                 face: 0.0,
@@ -101,9 +100,6 @@ impl<'m> Verifier<'m> {
             landmarks.iter_mut().zip(rows).zip(constants)
         {
             *out = sigmoid(scale * dot(weight, own) as f32 + share * logit + bias);
-        }
-        if mirrored {
-            landmarks = MIRROR.map(|from| landmarks.get(from).copied().unwrap_or(0.0));
         }
         Verdict {
             face: sigmoid(logit),

@@ -32,7 +32,7 @@ impl<'m> Model<'m> {
         Ok(Model {
             blob,
             detector: DetectorModel::open(blob.section(&detect::TAG)?)?,
-            verifier: Verifier::open(&blob, align.features(), align.views().starts.len())?,
+            verifier: Verifier::open(&blob, align.features(), align.signed_views())?,
             align,
             face: FaceModel::open(blob.section(&FACE_TAG)?)?,
         })

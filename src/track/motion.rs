@@ -46,6 +46,28 @@ impl Motion {
     }
 }
 
+/// Where to look for a face that was looked for at `last` and is expected at `predicted`: little
+/// differences are mostly the last answer's noise, which would come back as more noise if the crop
+/// followed it.
+pub(super) fn steadied(last: &Shape, predicted: &Shape) -> Shape {
+    let pairs = last.iter().zip(predicted);
+    let sum: f32 = pairs.map(|(a, b)| length([b[0] - a[0], b[1] - a[1]])).sum();
+    let apart = sum / LANDMARKS as f32 / width(predicted).max(1e-6);
+    let share = (apart / FOLLOWED).clamp(LEAST_SHARE, 1.0);
+    core::array::from_fn(|i| {
+        let (a, b) = (
+            last.get(i).copied().unwrap_or_default(),
+            predicted.get(i).copied().unwrap_or_default(),
+        );
+        [a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])]
+    })
+}
+
+/// Distance, in widths of the face, from which on the crop follows at once.
+const FOLLOWED: f32 = 0.08;
+/// Share of a small distance by which it follows.
+const LEAST_SHARE: f32 = 0.1;
+
 fn length([x, y]: [f32; 2]) -> f32 {
     libm::sqrtf(x * x + y * y)
 }

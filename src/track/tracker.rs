@@ -1,12 +1,12 @@
 //! One step: frame in, result out; and the state machine around it.
 //!
 //! Searching runs a slice of the detector's sweep; a face found there is aligned and judged at
-//! once. Tracking starts the cascade's later stages from the shape that the last frames predict.
+//! once. Tracking runs the cascade once from the shape that the last frames predict.
 //! A fit whose probability falls below `KEEP` makes the tracker Holding: the last answer is
 //! repeated, the detector looks around it, and after `HOLD_US` the search starts anew.
 
 use super::config::{Config, ConfigError};
-use super::motion::Motion;
+use super::motion::{Motion, steadied};
 use core::mem::MaybeUninit;
 
 use super::answer::write;
@@ -25,7 +25,7 @@ use crate::shape::{
 const ACCEPT: f32 = 0.5;
 /// A tracked face is given up below this probability: a fit that was right a frame ago deserves
 /// more trust than one out of the blue.
-const KEEP: f32 = 0.25;
+const KEEP: f32 = 0.05;
 /// How long the last answer is held \[µs\].
 const HOLD_US: i64 = 500_000;
 /// Only frames at least this sure teach who it is.
@@ -58,6 +58,8 @@ impl core::error::Error for StepError {}
 #[derive(Clone)]
 struct Subject {
     shape: Shape,
+    /// Where the last frame's crop was placed.
+    guess: Shape,
     motion: Motion,
     /// The 3D face of the last fit.
     face: FaceState,
@@ -69,6 +71,7 @@ struct Subject {
 impl Subject {
     const EMPTY: Subject = Subject {
         shape: [[0.0; 2]; LANDMARKS],
+        guess: [[0.0; 2]; LANDMARKS],
         motion: Motion::STILL,
         face: FaceState::EMPTY,
         // Renewed for every stranger; zero until then, as all of `Tracker::EMPTY`.
@@ -282,14 +285,21 @@ impl Tracker {
         let Some(mut shape) = start.and_then(|start| start_in(&start, face)) else {
             return false;
         };
-        if !model.align.run(frame, 0, &mut shape, &mut self.work) {
+        if !model
+            .align
+            .run(frame, model.align.passes(), &mut shape, &mut self.work)
+        {
             return false;
         }
         let verdict = judged(model, &self.work);
         if verdict.face < ACCEPT {
             return false;
         }
-        self.answer(model, frame, now, &shape, whose, &verdict)
+        let found = self.answer(model, frame, now, &shape, whose, &verdict);
+        if found {
+            self.subject.guess = shape;
+        }
+        found
     }
 
     #[inline(never)]
@@ -297,15 +307,17 @@ impl Tracker {
         let subject = &self.subject;
         let elapsed_us = now - subject.fitted_us;
         let predicted = subject.motion.predict(&subject.shape, elapsed_us);
-        let mut shape = model.align.views().relaxed(&predicted);
-        let first = model.align.track_from();
-        let ran = model.align.run(frame, first, &mut shape, &mut self.work);
+        let mut shape = steadied(&subject.guess, &predicted);
+        let guess = shape;
+        let ran = model.align.run(frame, 1, &mut shape, &mut self.work);
         let verdict = judged(model, &self.work);
         let kept = ran
             && overlaps(&shape, frame)
             && verdict.face >= KEEP
             && self.answer(model, frame, now, &shape, Whose::Tracked, &verdict);
-        if !kept {
+        if kept {
+            self.subject.guess = guess;
+        } else {
             self.keep_holding(now);
         }
     }
@@ -366,6 +378,5 @@ impl Tracker {
 
 /// Judges the cascade's last run.
 fn judged(model: &Model<'_>, work: &Workspace) -> Verdict {
-    let (view, mirrored) = work.view();
-    model.verifier.judge(work.features(), view, mirrored)
+    model.verifier.judge(work.features(), work.view())
 }

@@ -1,5 +1,6 @@
 //! Labelled faces in memory: photographs from a CSV, and renders turned into the same form.
 
+use crate::detect::grey::Grey;
 use crate::fit::labels;
 use anyhow::{Context, Result};
 use posewise::align::Shape;
@@ -40,6 +41,15 @@ impl Picture {
         Picture {
             size: self.size,
             luma: rows.flat_map(|row| row.iter().rev().copied()).collect(),
+        }
+    }
+}
+
+impl From<Grey> for Picture {
+    fn from(grey: Grey) -> Picture {
+        Picture {
+            size: [grey.width, grey.height],
+            luma: grey.luma,
         }
     }
 }

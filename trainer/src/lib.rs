@@ -10,4 +10,5 @@ pub mod head;
 pub mod pack;
 pub mod pipeline;
 pub mod render;
+mod ridge;
 pub mod score;

@@ -19,6 +19,8 @@ enum Command {
     Model(pipeline::Args),
     /// Render faces into the cache.
     Render(render::Args),
+    /// Draw rendered samples with their landmarks, to be looked at.
+    Sheet(render::sheet::Args),
     /// Render the clip that `posewise demo` tracks.
     DemoClip {
         /// The morphable head.
@@ -34,6 +36,7 @@ fn main() -> Result<()> {
     match Cli::parse().command {
         Command::Model(args) => pipeline::run(&args),
         Command::Render(args) => render::run(&args).map(|path| println!("{}", path.display())),
+        Command::Sheet(args) => render::sheet::run(&args),
         Command::DemoClip { facekit, out } => demo_clip::write(&facekit, &out),
     }
 }

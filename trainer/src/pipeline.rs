@@ -4,6 +4,8 @@
 //! goes on where it stopped and a change of one part does not train the others again.
 
 use crate::align::{self, Accuracy, Jitter};
+use crate::detect::backgrounds;
+use crate::detect::grey::Grey;
 use crate::faces::{self, Face, Picture};
 use crate::fit::{AlignedBlob, FitSettings, fit_photographs_cached};
 use crate::head::{Head, Wfm};
@@ -13,6 +15,7 @@ use anyhow::{Context, Result};
 use posewise::align::AlignModel;
 use posewise::model::{Blob, Tag};
 use rayon::prelude::*;
+use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -38,6 +41,13 @@ pub struct Args {
     /// Rendered faces to train on.
     #[arg(long, default_value_t = 12_000)]
     pub renders: u64,
+    /// Batches that the network is trained on.
+    #[arg(long, default_value_t = 30_000)]
+    pub steps: usize,
+    /// Use no photograph: procedural people before procedural backgrounds only. Give it a cache of
+    /// its own.
+    #[arg(long)]
+    pub clean: bool,
 }
 
 /// Trains what the cache does not hold yet and writes the model and its data sheet.
@@ -45,22 +55,27 @@ pub fn run(args: &Args) -> Result<()> {
     let started = Instant::now();
     std::fs::create_dir_all(&args.cache)?;
     let head = Head::load(&args.data.join("facekit.npz"))?;
-    let labels = args.data.join("faces68");
-    let fits = fit_photographs_cached(
-        &head,
-        &labels.join("train.csv"),
-        &labels.join("train"),
-        &FitSettings::default(),
-        &args.cache.join("fits.json"),
-    )?;
-    println!(
-        "3D head fitted to {} photographs, {} dropped",
-        fits.fits.len(),
-        fits.dropped.len()
-    );
+    let offsets = if args.clean {
+        None
+    } else {
+        let labels = args.data.join("faces68");
+        let fits = fit_photographs_cached(
+            &head,
+            &labels.join("train.csv"),
+            &labels.join("train"),
+            &FitSettings::default(),
+            &args.cache.join("fits.json"),
+        )?;
+        println!(
+            "3D head fitted to {} photographs, {} dropped",
+            fits.fits.len(),
+            fits.dropped.len()
+        );
+        Some(fits.offsets_mm)
+    };
     let face = match &args.wireframe {
         Some(path) => face_section::face_section(&Head::of_wfm(&Wfm::read(path)?)?, None)?,
-        None => face_section::face_section(&head, Some(&fits.offsets_mm))?,
+        None => face_section::face_section(&head, offsets.as_deref())?,
     };
     let renders = render::run(&render::Args {
         data: args.data.clone(),
@@ -69,41 +84,35 @@ pub fn run(args: &Args) -> Result<()> {
         seed: args.seed,
         people: 256,
         pictures: 2,
-        clean: false,
+        clean: args.clean,
     })?;
+    let training = Training {
+        args,
+        renders,
+        loaded: OnceCell::new(),
+    };
     let detector = kept(args, b"DTCT", &format!("{}", args.seed), || {
-        let options = detect::Options {
-            seed: args.seed,
-            ..detect::Options::default()
-        };
-        detect::train(&args.data, &args.cache, &options)
+        training.detector()
     })?;
     let options = align::Options {
         seed: args.seed,
+        steps: args.steps,
         ..align::Options::default()
     };
     let key = format!("{options:?}-{}", args.renders);
-    let mut all: Option<Vec<Face>> = None;
-    let mut training_faces = || -> Result<Vec<Face>> {
-        match all.take() {
-            Some(faces) => Ok(faces),
-            None => load_faces(&args.data, &renders, args.renders as usize),
-        }
-    };
     let cascade = kept(args, &AlignModel::TAG, &key, || {
-        let faces = training_faces()?;
-        align::train(&faces, &options)
+        let name = format!(
+            "network-{:08x}.checkpoint",
+            posewise::model::crc32(key.as_bytes())
+        );
+        align::cascade(training.faces()?, &options, &args.cache.join(name))
     })?;
     let alone = AlignedBlob::new(&blob(&[copy(&AlignModel::TAG, &cascade)]));
     let opened = Blob::open(alone.bytes())?;
     let model = AlignModel::open(&opened)?;
     let verifier = kept(args, &posewise::experts::Verifier::TAG, &key, || {
-        score::train(
-            &model,
-            &training_faces()?,
-            &empty_pictures(&args.data)?,
-            args.seed,
-        )
+        let empty: Vec<Picture> = training.empty()?.into_iter().map(Picture::from).collect();
+        score::train(&model, training.faces()?, &empty, args.seed)
     })?;
     let dev = evaluate(&model, &args.data)?;
     let mut info = SectionWriter::new(*b"INFO");
@@ -122,6 +131,51 @@ pub fn run(args: &Args) -> Result<()> {
         started.elapsed()
     );
     Ok(())
+}
+
+/// What the parts are trained on; faces are loaded when first asked for.
+struct Training<'a> {
+    args: &'a Args,
+    renders: PathBuf,
+    loaded: OnceCell<Vec<Face>>,
+}
+
+impl Training<'_> {
+    /// Photographs with their mirrors, and renders; of a clean model renders only.
+    fn faces(&self) -> Result<&[Face]> {
+        if let Some(faces) = self.loaded.get() {
+            return Ok(faces);
+        }
+        let mut faces = vec![];
+        if !self.args.clean {
+            let labels = self.args.data.join("faces68");
+            faces = faces::photographs(&labels.join("train.csv"), &labels.join("train"))?;
+            let mirrors: Vec<Face> = faces.par_iter().map(Face::mirrored).collect();
+            faces.extend(mirrors);
+        }
+        faces.extend(faces::rendered(&self.renders, self.args.renders as usize)?);
+        Ok(self.loaded.get_or_init(|| faces))
+    }
+
+    /// Pictures in which nobody is seen.
+    fn empty(&self) -> Result<Vec<Grey>> {
+        match self.args.clean {
+            true => Ok(backgrounds::made_up(self.args.seed, 600)),
+            false => backgrounds::load(&self.args.data),
+        }
+    }
+
+    fn detector(&self) -> Result<SectionWriter> {
+        let options = detect::Options {
+            seed: self.args.seed,
+            ..detect::Options::default()
+        };
+        let faces = match self.args.clean {
+            true => detect::faces::of_renders(self.faces()?),
+            false => detect::faces::load(&self.args.data)?,
+        };
+        detect::train(&faces, &self.empty()?, &self.args.cache, &options)
+    }
 }
 
 fn copy(tag: &Tag, section: &SectionWriter) -> SectionWriter {
@@ -147,32 +201,6 @@ fn kept(
     Ok(section)
 }
 
-/// Photographs with their mirrors, and renders.
-fn load_faces(data: &Path, renders: &Path, count: usize) -> Result<Vec<Face>> {
-    let labels = data.join("faces68");
-    let mut faces = faces::photographs(&labels.join("train.csv"), &labels.join("train"))?;
-    let mirrors: Vec<Face> = faces.par_iter().map(Face::mirrored).collect();
-    faces.extend(mirrors);
-    faces.extend(faces::rendered(renders, count)?);
-    Ok(faces)
-}
-
-/// Backgrounds in which nobody is seen.
-fn empty_pictures(data: &Path) -> Result<Vec<Picture>> {
-    let folder = data.join("backgrounds");
-    let listed = std::fs::read_to_string(folder.join("with-people.txt"))?;
-    let peopled: std::collections::HashSet<&str> = listed.split_whitespace().collect();
-    let mut paths: Vec<PathBuf> = std::fs::read_dir(&folder)?
-        .map(|f| Ok(f?.path()))
-        .collect::<Result<_>>()?;
-    paths.retain(|p| {
-        let name = p.file_name().and_then(|n| n.to_str()).unwrap_or("");
-        name.ends_with(".jpg") && !peopled.contains(name)
-    });
-    paths.sort();
-    paths.par_iter().map(|p| Picture::read(p)).collect()
-}
-
 /// The cascade alone on the dev photographs, from jittered true boxes.
 fn evaluate(model: &AlignModel<'_>, data: &Path) -> Result<Accuracy> {
     let labels = data.join("faces68");
@@ -184,7 +212,7 @@ fn evaluate(model: &AlignModel<'_>, data: &Path) -> Result<Accuracy> {
     };
     for rounds in [1, 10] {
         let again = Accuracy::of(&align::evaluate(model, &dev, &jitter, 1, rounds));
-        println!("dev, {rounds} more rounds: {again:.2?}");
+        println!("dev, {rounds} more passes: {again:.2?}");
     }
     let accuracy = Accuracy::of(&align::evaluate(model, &dev, &jitter, 3, 0));
     println!("dev: {accuracy:.2?}");
@@ -192,23 +220,41 @@ fn evaluate(model: &AlignModel<'_>, data: &Path) -> Result<Accuracy> {
 }
 
 fn data_sheet(args: &Args, dev: &Accuracy) -> String {
-    format!(
-        "\
-# Data sheet of {name}
-
-Made by `cargo run --release -p posewise-train -- model --seed {seed} --renders {renders}`.
-
-Trained on:
+    let renders = args.renders;
+    let made_from = if args.clean {
+        format!(
+            "\
+- {renders} rendered faces: ICT Face Model Light (MIT, (c) 2020 USC Institute for Creative
+  Technologies) with procedural skin, hair and light before procedural backgrounds;
+- procedural backgrounds as negatives.
+No photograph was used, of anybody or anything. The 3D face holds numbers derived from the ICT Face
+Model Light.
+"
+        )
+    } else {
+        format!(
+            "\
 - 2,986 labelled photographs (video frames of 245 public figures) of the facial-keypoints set
   published by Udacity (repository MIT) out of the YouTube Faces database (research), with mirrors;
 - {renders} rendered faces: ICT Face Model Light (MIT, (c) 2020 USC Institute for Creative
   Technologies) with procedural skin and skin from those photographs, before procedural backgrounds
   and BSDS500 (research);
-- 301 natural photographs without people of BSDS500 (research) as negatives.
+- natural photographs without people of BSDS500 (research) as negatives.
 The 3D face holds numbers derived from the ICT Face Model Light.
 
 Research terms on some of these data may restrict the use of a model trained on them.
+"
+        )
+    };
+    format!(
+        "\
+# Data sheet of {name}
 
+Made by `cargo run --release -p posewise-train -- model{clean} --seed {seed} --renders {renders}
+--steps {steps}`.
+
+Trained on:
+{made_from}
 Cascade on 511 photographs of 42 other people, from boxes 5 % shifted, 8 % resized and 8 degrees
 turned (r.m.s.): mean error over 68 landmarks {mean:.2} % of the inter-ocular distance, median
 {median:.2} %, above 10 %: {failure:.2} %.
@@ -218,8 +264,9 @@ turned (r.m.s.): mean error over 68 landmarks {mean:.2} % of the inter-ocular di
             .file_name()
             .and_then(|n| n.to_str())
             .unwrap_or("the model"),
+        clean = if args.clean { " --clean" } else { "" },
         seed = args.seed,
-        renders = args.renders,
+        steps = args.steps,
         mean = dev.nme68,
         median = dev.nme68_median,
         failure = 100.0 * dev.failure,

@@ -4,14 +4,15 @@
 //! training faces (some of which fail), and from boxes on pictures without a face.
 
 use crate::align::evaluate::{nme, start_of};
-use crate::align::{Jitter, Normal, face_box, normal, start_from_box};
+use crate::align::{Jitter, face_box, normal, start_from_box};
 use crate::faces::{Face, Picture};
 use crate::pack::SectionWriter;
+use crate::ridge::{Linear, Normal, predict};
 use anyhow::Result;
 use faer::Mat;
 use posewise::align::{AlignModel, Workspace};
 use posewise::experts::Verifier;
-use posewise::shape::{LANDMARKS, MIRROR};
+use posewise::shape::LANDMARKS;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -43,7 +44,7 @@ pub fn train(
         "score: {positives} right fits, {} others",
         rows.len() - positives
     );
-    let views = model.views().starts.len();
+    let views = model.signed_views();
     let mut out = SectionWriter::new(Verifier::TAG);
     out.scalar(model.features() as u32).scalar(views as u32);
     for view in 0..views {
@@ -148,27 +149,21 @@ fn on_faces(model: &AlignModel<'_>, faces: &[Face], seed: u64) -> Vec<Row> {
                     let turn = face.turn() + 0.25 * normal(&mut rng);
                     let mut shape = start_from_box(&start_of(model, turn), at, size, roll);
                     let frame = face.picture.frame();
-                    if !model.run(&frame, 0, &mut shape, work) {
-                        continue;
-                    }
-                    if k % 2 == 1 && !model.run(&frame, model.track_from(), &mut shape, work) {
+                    if !model.run(&frame, model.passes() + k % 2, &mut shape, work) {
                         continue;
                     }
                     let limit = RIGHT_PERCENT / 100.0 * face.scale();
                     let right = face.landmarks.iter().zip(&shape);
-                    let mut right: Vec<bool> = right
+                    let right: Vec<bool> = right
                         .map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1]) <= limit)
                         .collect();
-                    if work.view().1 {
-                        right = MIRROR.iter().map(|from| right[*from]).collect();
-                    }
                     let error = nme(face, &shape, 0) * face.inter_ocular() / face.scale();
                     rows.push(Row {
                         features: work.features().to_vec(),
                         right,
                         face: error < RIGHT_PERCENT,
                         fold: face.person.wrapping_mul(0x9E37_79B9) >> 16 & (FOLDS - 1),
-                        view: work.view().0,
+                        view: work.view(),
                     });
                 }
                 rows
@@ -197,27 +192,19 @@ fn on_empty(model: &AlignModel<'_>, empty: &[Picture], seed: u64, count: usize) 
                 let at = [rng.random_range(0.0..w), rng.random_range(0.0..h)];
                 let start = start_of(model, rng.random_range(-1.0..1.0));
                 let mut shape = start_from_box(&start, at, size, 0.3 * normal(&mut rng));
-                let ran = model.run(&picture.frame(), 0, &mut shape, work)
-                    && (index % 2 == 0
-                        || model.run(&picture.frame(), model.track_from(), &mut shape, work));
+                let passes = model.passes() + index % 2;
+                let ran = model.run(&picture.frame(), passes, &mut shape, work);
                 ran.then(|| Row {
                     features: work.features().to_vec(),
                     right: Vec::new(),
                     face: false,
                     fold: which as u32 % FOLDS,
-                    view: work.view().0,
+                    view: work.view(),
                 })
             },
         )
         .flatten()
         .collect()
-}
-
-/// Quantised weights: score = scale·Σ weight·feature + bias.
-struct Linear {
-    weight: Vec<i8>,
-    scale: f32,
-    bias: f32,
 }
 
 /// Least squares to ±1 with both classes of equal weight; also the out-of-fold score of every row.
@@ -265,14 +252,9 @@ fn linear<'a>(
         .collect::<Result<Vec<_>>>()?;
     let scores = rows
         .par_iter()
-        .map(|r| crate::align::predict(&folds[r.fold as usize], features(r))[0])
+        .map(|r| predict(&folds[r.fold as usize], features(r))[0])
         .collect();
-    let quantised = crate::align::RegressorWeights::quantise(&solve(None)?);
-    let linear = Linear {
-        weight: quantised.weight,
-        scale: quantised.scale[0],
-        bias: quantised.bias[0],
-    };
+    let linear = Linear::quantise(&solve(None)?);
     Ok((linear, scores))
 }
 

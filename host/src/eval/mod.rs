@@ -1,5 +1,7 @@
 //! `posewise eval`: accuracy against labelled data. `*_metrics` are the formulas, without files.
 
+pub mod eyes;
+pub mod jitter;
 pub mod landmark_metrics;
 pub mod landmarks;
 pub mod pose;

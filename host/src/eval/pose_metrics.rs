@@ -20,11 +20,7 @@ pub const KEEP_YAW_DEG: f64 = 60.0;
 pub const PROFILE_YAW_DEG: f64 = 60.0;
 
 /// Bands of |true yaw| \[deg\].
-pub const BANDS: [(&str, f64, f64); 3] = [
-    ("0-30", 0.0, 30.0),
-    ("30-60", 30.0, 60.0),
-    ("60-90", 60.0, f64::INFINITY),
-];
+pub const BANDS: [(&str, f64, f64); 2] = [("0-45", 0.0, 45.0), ("45-90", 45.0, f64::INFINITY)];
 
 /// One frame's truth.
 #[derive(Clone, Debug)]

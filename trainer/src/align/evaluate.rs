@@ -65,12 +65,8 @@ pub fn evaluate(
                         let roll = roll + jitter.roll * normal(&mut rng);
                         let turn = face.turn() + 0.2 * rng.random_range(-1.0f32..1.0);
                         let mut shape = start_from_box(&start_of(model, turn), at, size, roll);
-                        model.run(&face.picture.frame(), 0, &mut shape, work);
-                        for _ in 0..rounds {
-                            let first = model.track_from();
-                            shape = model.views().relaxed(&shape);
-                            model.run(&face.picture.frame(), first, &mut shape, work);
-                        }
+                        let passes = model.passes() + rounds;
+                        model.run(&face.picture.frame(), passes, &mut shape, work);
                         (shape, nme(face, &shape, 0), nme(face, &shape, 17))
                     })
                     .collect::<Vec<_>>()

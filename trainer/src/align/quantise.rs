@@ -1,176 +1,300 @@
 //! From floats to the integers of section `ALGN`.
 
-use super::basis::Basis;
-use super::ridge::FEATURE_UNIT;
+use super::graph::{Op, Scratch};
+use super::network::{Head, Network};
 use super::starts::StartShapes;
+use super::train::Trained;
 use crate::pack::SectionWriter;
-use faer::Mat;
-use posewise::align::AlignModel;
-use posewise::descriptor::VALUES;
+use anyhow::{Result, ensure};
+use posewise::align::{AlignModel, Shape};
+use posewise::network::{ARENA, OP_ADD, OP_CONV, OP_DEPTHWISE, OP_INPUT, OP_LATERAL, OP_LINEAR};
+use posewise::shape::LANDMARKS;
 
-/// Standard deviation that projected features are scaled to.
-const FEATURE_DEVIATION: f32 = 32.0;
+/// Outputs whose weights lie together.
+const BLOCK: usize = 8;
+/// What a standardised pixel value of 1 becomes in the input map, around 128.
+const INPUT_SCALE: f32 = 1.0 / 32.0;
+const INPUT_ZERO: f32 = 128.0;
+/// Share of example crops whose largest value of a map must fit its bytes.
+const COVERED: f32 = 0.98;
 
-/// The integers of a `Projection`.
-#[derive(Clone)]
-pub struct ProjectionWeights {
-    pub weight: Vec<i8>,
-    pub bias: Vec<i32>,
-    pub gain: Vec<i32>,
+/// Section `ALGN`, as [`AlignModel::open`] reads it; `examples` are standardised crops that show
+/// how large the maps' values grow.
+pub fn section(
+    trained: &Trained,
+    mean: &Shape,
+    starts: &StartShapes,
+    passes: usize,
+    examples: &[Vec<f32>],
+) -> Result<SectionWriter> {
+    let Trained {
+        network,
+        parameters,
+    } = trained;
+    let sizes = &network.sizes;
+    let mut out = SectionWriter::new(AlignModel::TAG);
+    out.scalar(starts.turns.len() as u32).scalar(passes as u32);
+    out.scalar(sizes.side as u32).scalar(sizes.zoom);
+    out.scalar(network.fine as u32).scalar(network.last as u32);
+    out.scalar(network.heads.len() as u32)
+        .scalar(sizes.modes as u32);
+    let flat = |shape: &Shape| shape.iter().flatten().copied().collect::<Vec<f32>>();
+    out.array(&flat(mean));
+    out.array(&starts.shapes.iter().flat_map(flat).collect::<Vec<_>>());
+    out.array(&starts.turns);
+    let scales = scales(network, parameters, examples);
+    let places = places(network)?;
+    out.scalar(network.graph.nodes.len() as u32);
+    for index in 0..network.graph.nodes.len() {
+        write_node(network, parameters, &scales, &places, index, &mut out);
+    }
+    for (index, head) in network.heads.iter().enumerate() {
+        let read = if index == 0 {
+            network.last
+        } else {
+            network.fine
+        };
+        write_head(head, parameters, scales[read], &mut out);
+    }
+    Ok(out)
 }
 
-impl ProjectionWeights {
-    /// Principal components of descriptors: the leading `features`, each scaled to the same
-    /// deviation.
-    pub fn principal(values: &[[u8; VALUES]], features: usize) -> ProjectionWeights {
-        let n = values.len() as f64;
-        let mean: Vec<f64> = (0..VALUES)
-            .map(|i| values.iter().map(|v| v[i] as f64).sum::<f64>() / n)
+/// What one step of each map's bytes stands for.
+fn scales(network: &Network, parameters: &[f32], examples: &[Vec<f32>]) -> Vec<f32> {
+    let graph = &network.graph;
+    let mut maps = graph.maps();
+    let mut scratch = Scratch::default();
+    let mut largest = vec![Vec::with_capacity(examples.len()); graph.nodes.len()];
+    for crop in examples {
+        maps[0].copy_from_slice(crop);
+        graph.forward(parameters, &mut maps, &mut scratch);
+        for (largest, map) in largest.iter_mut().zip(&maps) {
+            largest.push(map.iter().fold(0.0f32, |m, v| m.max(*v)));
+        }
+    }
+    let mut scales: Vec<f32> = largest
+        .iter_mut()
+        .map(|values| {
+            values.sort_by(f32::total_cmp);
+            let at = (values.len() as f32 * COVERED) as usize;
+            values[at.min(values.len() - 1)].max(1e-6) / 255.0
+        })
+        .collect();
+    scales[0] = INPUT_SCALE;
+    // What a lateral sum adds comes in steps of two.
+    for node in &graph.nodes {
+        if node.op == Op::Lateral {
+            let own = graph
+                .nodes
+                .iter()
+                .position(|n| n.at == node.at && n.op == node.op);
+            scales[node.other] = 2.0 * scales[own.expect("it is one of them")];
+        }
+    }
+    scales
+}
+
+/// First byte of every map: where there is room while it and all that is still read live.
+fn places(network: &Network) -> Result<Vec<usize>> {
+    let nodes = &network.graph.nodes;
+    let size = |k: usize| nodes[k].dims.iter().product::<usize>();
+    let mut last_use: Vec<usize> = (0..nodes.len()).collect();
+    for (index, node) in nodes.iter().enumerate().skip(1) {
+        last_use[node.input] = index;
+        if matches!(node.op, Op::Add | Op::Lateral) {
+            last_use[node.other] = index;
+        }
+    }
+    for kept in [network.fine, network.last] {
+        last_use[kept] = nodes.len();
+    }
+    let mut places: Vec<usize> = vec![];
+    for (index, node) in nodes.iter().enumerate() {
+        if node.op == Op::Add {
+            // In place: nothing else reads the branch that it ends.
+            ensure!(last_use[node.input] == index, "a branch is read twice");
+            places.push(places[node.input]);
+            continue;
+        }
+        let mut alive: Vec<(usize, usize)> = (0..index)
+            .filter(|k| last_use[*k] >= index)
+            .map(|k| (places[k], places[k] + size(k)))
             .collect();
-        let mut covariance = Mat::<f64>::zeros(VALUES, VALUES);
-        for v in values {
-            let d: Vec<f64> = v.iter().zip(&mean).map(|(v, m)| *v as f64 - m).collect();
-            for i in 0..VALUES {
-                for j in 0..VALUES {
-                    covariance[(i, j)] += d[i] * d[j] / n;
-                }
+        alive.sort();
+        let mut at = 0;
+        for (start, end) in alive {
+            if at + size(index) <= start {
+                break;
+            }
+            at = at.max(end);
+        }
+        ensure!(
+            at + size(index) <= ARENA,
+            "the maps need more than {ARENA} bytes"
+        );
+        places.push(at);
+    }
+    Ok(places)
+}
+
+fn write_node(
+    network: &Network,
+    parameters: &[f32],
+    scales: &[f32],
+    places: &[usize],
+    index: usize,
+    out: &mut SectionWriter,
+) {
+    let node = &network.graph.nodes[index];
+    let channels = node.dims[2];
+    let (op, kernel, stride) = match node.op {
+        Op::Input => (OP_INPUT, 1, 1),
+        Op::Conv { kernel, stride } => (OP_CONV, kernel, stride),
+        Op::Depthwise { stride } => (OP_DEPTHWISE, 3, stride),
+        Op::Add => (OP_ADD, 1, 1),
+        Op::Lateral => (OP_LATERAL, 1, 1),
+        Op::Linear => (OP_LINEAR, 1, 1),
+    };
+    let zero = if node.input == 0 && index > 0 {
+        INPUT_ZERO as u32
+    } else {
+        0
+    };
+    let header = |out: &mut SectionWriter, before: u32, after: u32| {
+        for v in [
+            op,
+            kernel as u32,
+            stride as u32,
+            node.input as u32,
+            node.other as u32,
+            channels as u32,
+            places[index] as u32,
+            zero,
+            before,
+            after,
+        ] {
+            out.scalar(v);
+        }
+    };
+    match node.op {
+        Op::Input => {
+            header(out, 0, 1);
+            out.array::<i8>(&[]).array::<i32>(&[]).array::<i32>(&[]);
+        }
+        Op::Add => {
+            let shares = [node.input, node.other].map(|k| scales[k] / scales[index]);
+            let (factors, after) = fixed(&shares);
+            header(out, 0, after);
+            out.array::<i8>(&[]).array(&[0i32; 2]).array(&factors);
+        }
+        _ => {
+            let layer = quantise(network, parameters, scales, index);
+            header(out, layer.before, layer.after);
+            out.array(&layer.weights)
+                .array(&layer.bias)
+                .array(&layer.factor);
+        }
+    }
+}
+
+/// Numbers as integers below 2^15 over a common power of two.
+fn fixed(values: &[f32]) -> (Vec<i32>, u32) {
+    let largest = values.iter().fold(1e-12f32, |m, v| m.max(*v));
+    let after = (32_767.0 / largest).log2().floor().clamp(1.0, 30.0);
+    let factor = |v: &f32| (v * after.exp2()).round().min(32_767.0) as i32;
+    (values.iter().map(factor).collect(), after as u32)
+}
+
+struct Layer {
+    weights: Vec<i8>,
+    bias: Vec<i32>,
+    factor: Vec<i32>,
+    before: u32,
+    after: u32,
+}
+
+fn quantise(network: &Network, parameters: &[f32], scales: &[f32], index: usize) -> Layer {
+    let node = &network.graph.nodes[index];
+    let channels = node.dims[2];
+    let weights = &parameters[node.at..node.at + node.weights];
+    let biases = &parameters[node.at + node.weights..][..channels];
+    let rows = node.weights / channels;
+    let weight_scales: Vec<f32> = (0..channels)
+        .map(|c| {
+            let column = (0..rows).map(|r| weights[r * channels + c].abs());
+            column.fold(1e-9f32, f32::max) / 127.0
+        })
+        .collect();
+    let rounded = |r: usize, c: usize| (weights[r * channels + c] / weight_scales[c]).round() as i8;
+    let input = scales[node.input];
+    let bias: Vec<i32> = biases
+        .iter()
+        .zip(&weight_scales)
+        .map(|(b, s)| (b / (s * input)).round().clamp(-1e8, 1e8) as i32)
+        .collect();
+    // The largest sum that can occur has to fit 16 bits once `before` bits are dropped.
+    let most = (0..channels)
+        .map(|c| {
+            let sum: i64 = (0..rows).map(|r| (rounded(r, c) as i64).abs() * 255).sum();
+            sum + bias[c].unsigned_abs() as i64
+        })
+        .max()
+        .unwrap_or(0);
+    let before = (64 - most.leading_zeros()).saturating_sub(15);
+    let shares: Vec<f32> = weight_scales
+        .iter()
+        .map(|s| s * input / scales[index] * (before as f32).exp2())
+        .collect();
+    let (factor, after) = fixed(&shares);
+    let packed = match node.op {
+        Op::Depthwise { .. } => (0..node.weights)
+            .map(|k| rounded(k / channels, k % channels))
+            .collect(),
+        _ => pack(rows, channels, rounded),
+    };
+    Layer {
+        weights: packed,
+        bias,
+        factor,
+        before,
+        after,
+    }
+}
+
+/// `[output/8][pair of columns][8 outputs][2]`.
+fn pack(rows: usize, channels: usize, weight: impl Fn(usize, usize) -> i8) -> Vec<i8> {
+    let mut packed = Vec::new();
+    for block in (0..channels).step_by(BLOCK) {
+        for pair in (0..rows).step_by(2) {
+            for c in block..block + BLOCK {
+                packed.push(weight(pair, c));
+                packed.push(if pair + 1 < rows {
+                    weight(pair + 1, c)
+                } else {
+                    0
+                });
             }
         }
-        let eigen = covariance
-            .self_adjoint_eigen(faer::Side::Lower)
-            .expect("finite covariance");
-        let mut out = ProjectionWeights {
-            weight: vec![],
-            bias: vec![],
-            gain: vec![],
-        };
-        for k in (VALUES - features..VALUES).rev() {
-            let row: Vec<f32> = (0..VALUES).map(|i| eigen.U()[(i, k)] as f32).collect();
-            out.push(&row, &mean, (eigen.S()[k].max(1e-6).sqrt()) as f32);
-        }
-        out
     }
-
-    /// Adds a feature: weights for descriptor values, the values' mean, the output's deviation.
-    fn push(&mut self, row: &[f32], mean: &[f64], deviation: f32) {
-        let largest = row.iter().fold(1e-9f32, |m, w| m.max(w.abs()));
-        let scale = 127.0 / largest;
-        let start = self.weight.len();
-        self.weight
-            .extend(row.iter().map(|w| (w * scale).round() as i8));
-        let at_mean: f64 = self.weight[start..]
-            .iter()
-            .zip(mean)
-            .map(|(w, m)| *w as f64 * m)
-            .sum();
-        self.bias.push(-at_mean.round() as i32);
-        self.gain
-            .push((FEATURE_DEVIATION / (deviation * scale) * (1 << 24) as f32) as i32);
-    }
-
-    /// What the core computes.
-    pub fn project(&self, values: &[u8; VALUES], out: &mut [i8]) {
-        let rows = self
-            .weight
-            .chunks_exact(VALUES)
-            .zip(&self.bias)
-            .zip(&self.gain);
-        for (((weight, bias), gain), out) in rows.zip(out) {
-            let sum: i32 = weight
-                .iter()
-                .zip(values)
-                .map(|(w, v)| *w as i32 * *v as i32)
-                .sum();
-            *out = (((sum + bias) as i64 * *gain as i64) >> 24).clamp(-127, 127) as i8;
-        }
-    }
-
-    pub fn features(&self) -> usize {
-        self.bias.len()
-    }
-
-    pub fn write(&self, out: &mut SectionWriter) {
-        out.scalar(self.features() as u32);
-        out.array(&self.weight).array(&self.bias).array(&self.gain);
-    }
+    packed
 }
 
-/// The integers of a `Regressor`.
-pub struct RegressorWeights {
-    pub weight: Vec<i8>,
-    pub scale: Vec<f32>,
-    pub bias: Vec<f32>,
-}
-
-impl RegressorWeights {
-    /// Quantises ridge weights: one scale per output.
-    pub fn quantise(weights: &Mat<f32>) -> RegressorWeights {
-        let inputs = weights.nrows() - 1;
-        let mut out = RegressorWeights {
-            weight: vec![],
-            scale: vec![],
-            bias: vec![],
-        };
-        for o in 0..weights.ncols() {
-            let column: Vec<f32> = (0..inputs).map(|i| weights[(i, o)]).collect();
-            let largest = column.iter().fold(1e-9f32, |m, w| m.max(w.abs()));
-            let scale = largest / 127.0;
-            out.weight
-                .extend(column.iter().map(|w| (w / scale).round() as i8));
-            out.scale.push(scale / FEATURE_UNIT);
-            out.bias.push(weights[(inputs, o)]);
-        }
-        out
+fn write_head(head: &Head, parameters: &[f32], feature_scale: f32, out: &mut SectionWriter) {
+    let [squeeze, inner, spread, outer] = head.split(parameters);
+    let (mut weights, mut scale) = (vec![], vec![]);
+    let (mut rows, mut row_scale) = (vec![], vec![]);
+    let to_bytes = |values: &[f32], bytes: &mut Vec<i8>| {
+        let step = values.iter().fold(1e-9f32, |m, v| m.max(v.abs())) / 127.0;
+        bytes.extend(values.iter().map(|v| (v / step).round() as i8));
+        step
+    };
+    for (k, row) in squeeze.chunks_exact(head.inputs).enumerate() {
+        scale.push(to_bytes(row, &mut weights) * feature_scale);
+        let column: Vec<f32> = (0..2 * LANDMARKS)
+            .map(|i| spread[i * head.modes + k])
+            .collect();
+        row_scale.push(to_bytes(&column, &mut rows));
     }
-
-    pub fn write(&self, out: &mut SectionWriter) {
-        out.array(&self.weight).array(&self.scale).array(&self.bias);
-    }
-}
-
-/// A finished stage.
-pub struct StageWeights {
-    pub options: super::StageOptions,
-    pub projection: ProjectionWeights,
-    /// By view.
-    pub regressors: Vec<RegressorWeights>,
-}
-
-/// Section `ALGN`, as [`AlignModel::open`] reads it.
-pub fn section(
-    basis: &Basis,
-    starts: &StartShapes,
-    stages: &[StageWeights],
-    track_from: usize,
-) -> SectionWriter {
-    let mut out = SectionWriter::new(AlignModel::TAG);
-    out.scalar(basis.rows.len() as u32)
-        .scalar(starts.turns.len() as u32);
-    out.scalar(stages.len() as u32).scalar(track_from as u32);
-    out.array(&super::basis::flat(&basis.mean));
-    out.array(
-        &starts
-            .shapes
-            .iter()
-            .flat_map(super::basis::flat)
-            .collect::<Vec<_>>(),
-    );
-    out.array(&starts.turns);
-    let scales: Vec<f32> = basis
-        .rows
-        .iter()
-        .map(|row| row.iter().fold(1e-9f32, |m, v| m.max(v.abs())) / 127.0)
-        .collect();
-    let rows = basis.rows.iter().zip(&scales);
-    let quantised = rows.flat_map(|(r, s)| r.iter().map(move |v| (v / s).round() as i8));
-    out.array(&quantised.collect::<Vec<_>>());
-    out.array(&scales);
-    for stage in stages {
-        let o = &stage.options;
-        out.scalar(o.side as u32).scalar(o.zoom);
-        out.scalar(o.spacing as u32).scalar(o.radius as u32);
-        stage.projection.write(&mut out);
-        stage.regressors.iter().for_each(|r| r.write(&mut out));
-    }
-    out
+    out.array(&weights).array(&scale).array(inner);
+    out.array(&rows).array(&row_scale).array(outer);
 }

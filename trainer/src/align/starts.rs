@@ -1,6 +1,6 @@
 //! First guesses: what the cascade is started from, at work and in training.
 
-use super::basis::{Basis, align};
+use super::mean::align;
 use crate::faces::Face;
 use posewise::align::{Shape, Views, mirror};
 use posewise::math::Similarity;
@@ -18,7 +18,7 @@ pub struct StartShapes {
 
 impl StartShapes {
     /// Mean shapes around `turns`, mirrors of left-turned faces included.
-    pub fn fit(faces: &[Face], basis: &Basis, turns: &[f32]) -> StartShapes {
+    pub fn fit(faces: &[Face], mean: &Shape, turns: &[f32]) -> StartShapes {
         let mean_of = |index: usize| {
             let mut sum = [[0.0f64; 2]; LANDMARKS];
             let mut n = 0.0;
@@ -26,7 +26,7 @@ impl StartShapes {
                 .iter()
                 .filter(|f| index_of(turns, f.turn().abs()) == index)
             {
-                let aligned = align(&face.landmarks, &basis.mean);
+                let aligned = align(&face.landmarks, mean);
                 let other = mirror(&aligned);
                 // The view towards the camera is its own mirror.
                 let (own, opposite) = match (index, face.turn() < 0.0) {
@@ -40,7 +40,7 @@ impl StartShapes {
                 n += own + opposite;
             }
             if n == 0.0 {
-                basis.mean
+                *mean
             } else {
                 sum.map(|[x, y]| [(x / n) as f32, (y / n) as f32])
             }
@@ -137,39 +137,5 @@ impl Jitter {
         let turn = (face.turn() + 0.15 * normal(rng)).clamp(-1.0, 1.0);
         let start = starts.views().start(turn).expect("at least one start");
         start_from_box(&start, shifted, side, roll + normal(rng) * self.roll)
-    }
-
-    /// A start as from the frame before: the truth, moved, with errors along the shape modes.
-    pub fn tracked(&self, face: &Face, basis: &Basis, modes: f32, rng: &mut ChaCha8Rng) -> Shape {
-        let to_frame = Similarity::fit(&basis.mean, &face.landmarks).expect("a face has extent");
-        let mut shape = face.landmarks;
-        for (row, deviation) in basis.rows.iter().zip(&basis.deviation) {
-            let weight = normal(rng) * modes * deviation;
-            for (i, p) in shape.iter_mut().enumerate() {
-                let d = to_frame.apply_vector([row[2 * i] * weight, row[2 * i + 1] * weight]);
-                *p = [p[0] + d[0], p[1] + d[1]];
-            }
-        }
-        self.moved(&shape, basis, rng)
-    }
-
-    /// A shape moved by this jitter.
-    pub fn moved(&self, shape: &Shape, basis: &Basis, rng: &mut ChaCha8Rng) -> Shape {
-        let (_, side, _) = box_at(shape, 0.0);
-        let scale = (normal(rng) * self.log_size).exp();
-        let angle = normal(rng) * self.roll;
-        let shift = [
-            normal(rng) * self.shift * side,
-            normal(rng) * self.shift * side,
-        ];
-        let at = Similarity::fit(&basis.mean, shape).expect("a face has extent");
-        let [cx, cy] = [at.tx, at.ty];
-        let jitter = Similarity {
-            a: scale * angle.cos(),
-            b: scale * angle.sin(),
-            tx: cx + shift[0],
-            ty: cy + shift[1],
-        };
-        shape.map(|[x, y]| jitter.apply([x - cx, y - cy]))
     }
 }

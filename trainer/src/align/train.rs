@@ -1,449 +1,468 @@
-//! Stage by stage: describe, learn a projection, regress, move on.
+//! Stochastic gradient descent (AdamW, Loshchilov and Hutter 2019) on crops that are never twice
+//! the same.
 //!
-//! Each stage is trained on out-of-fold outputs of the stages before it (folds by person), so that
-//! later stages meet the errors that they will meet at work.
+//! The same seed gives the same network on one kind of processor: a batch is split into a fixed
+//! number of parts whose gradients are added in order.
 
-use super::basis::{Basis, flat};
-use super::quantise::{ProjectionWeights, RegressorWeights, StageWeights, section};
-use super::ridge::{Normal, error, predict};
-use super::starts::{Jitter, StartShapes};
+use super::graph::{Maps, Scratch};
+use super::network::{Network, Sizes};
+use super::samples::{Augment, Sample, Start, cut_at, sample, standardise};
+use super::starts::normal;
 use crate::faces::Face;
-use crate::pack::SectionWriter;
-use anyhow::{Result, ensure};
-use faer::Mat;
-use indicatif::{ParallelProgressIterator, ProgressBar, ProgressStyle};
-use posewise::align::{Placement, Shape, Workspace, mirror, place};
-use posewise::descriptor::{HogGrid, VALUES};
-use posewise::shape::LANDMARKS;
+use anyhow::{Context, Result, ensure};
+use indicatif::{ProgressBar, ProgressStyle};
+use posewise::align::Shape;
+use posewise::math::Similarity;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
+use std::path::Path;
 
-/// What one stage looks at.
-#[derive(Clone, Copy, Debug)]
-pub struct StageOptions {
-    /// Side of the crop \[px\].
-    pub side: usize,
-    /// Crop px per canonical unit.
-    pub zoom: f32,
-    /// Distance between cells \[px\].
-    pub spacing: i32,
-    /// Half width of a cell \[px\].
-    pub radius: i32,
-    /// Features per landmark.
-    pub features: usize,
-}
-
-/// How the cascade is trained.
+/// How the network is trained.
 #[derive(Clone, Debug)]
 pub struct Options {
     /// Seed of all randomness.
     pub seed: u64,
-    /// Shape modes besides the similarity's four.
-    pub modes: usize,
-    /// Turns of the views, rising from 0.
+    /// Turns of the start shapes, rising from 0.
     pub turns: Vec<f32>,
-    /// The stages.
-    pub stages: Vec<StageOptions>,
-    /// First stage while tracking.
-    pub track_from: usize,
-    /// Starts per face as after a detection.
-    pub detect_starts: usize,
-    /// Starts per face as from the frame before.
-    pub track_starts: usize,
-    /// Errors of detections.
-    pub detect_jitter: Jitter,
-    /// Motion between frames.
-    pub track_jitter: Jitter,
-    /// Rounds of training on the cascade's own answers.
-    pub closed_loop_rounds: usize,
-    /// Such answers per tracked start.
-    pub closed_loop_share: f32,
-    /// Errors along the shape modes of tracked starts, in standard deviations.
-    pub track_modes: f32,
+    /// Passes after a detection.
+    pub passes: usize,
+    /// How large the network is.
+    pub sizes: Sizes,
+    /// Where crops are cut.
+    pub start: Start,
+    /// How they are disturbed.
+    pub augment: Augment,
+    /// Batches.
+    pub steps: usize,
+    /// Samples of a batch.
+    pub batch: usize,
+    /// Share of renders among them.
+    pub rendered: f32,
+    /// How much more often a photograph of a face in profile is drawn than one from the front.
+    pub turned: f32,
+    /// Largest rate; it rises over `warm_up` steps, then falls as a cosine.
+    pub rate: f32,
+    /// Steps until then.
+    pub warm_up: usize,
+    /// Weight decay.
+    pub decay: f32,
+    /// Weights of the gaps between the lids and between the lips, and the share of the steps after
+    /// which they count.
+    pub gaps: Gaps,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        let stage = |zoom, spacing, radius| StageOptions {
-            side: 112,
-            zoom,
-            spacing,
-            radius,
-            features: 24,
-        };
         Options {
             seed: 1,
-            modes: 60,
             turns: vec![0.0, 0.4, 0.8],
-            stages: vec![stage(1.0, 8, 6), stage(1.0, 7, 6), stage(1.1, 6, 5)],
-            track_from: 1,
-            detect_starts: 6,
-            track_starts: 3,
-            detect_jitter: Jitter {
-                shift: 0.05,
-                log_size: 0.08,
-                roll: 0.14,
+            passes: 3,
+            sizes: Sizes::default(),
+            start: Start::default(),
+            augment: Augment::default(),
+            steps: 30_000,
+            batch: 64,
+            rendered: 0.4,
+            turned: 3.0,
+            rate: 2e-3,
+            warm_up: 300,
+            decay: 0.02,
+            gaps: Gaps {
+                lids: 6.0,
+                lips: 2.0,
+                from: 0.65,
             },
-            track_jitter: Jitter {
-                shift: 0.04,
-                log_size: 0.03,
-                roll: 0.05,
-            },
-            closed_loop_rounds: 1,
-            closed_loop_share: 1.5,
-            track_modes: 0.35,
         }
     }
 }
 
-/// One start on its way through the cascade.
-#[derive(Clone)]
-struct Sample {
-    face: usize,
-    fold: usize,
-    /// First stage that it takes part in.
-    from: usize,
-    shape: Shape,
+/// What a gap's error weighs beside a landmark's.
+#[derive(Clone, Copy, Debug)]
+pub struct Gaps {
+    pub lids: f32,
+    pub lips: f32,
+    pub from: f32,
 }
 
-const FOLDS: usize = 4;
-const RIDGES: [f32; 6] = [1e-3, 1e-2, 3e-2, 0.1, 0.5, 3.0];
+/// Upper and lower lids, upper and lower inner lips.
+const LIDS: [[usize; 2]; 4] = [[37, 41], [38, 40], [43, 47], [44, 46]];
+const LIPS: [[usize; 2]; 3] = [[61, 67], [62, 66], [63, 65]];
 
-/// Trains the cascade on these faces (mirrors included by the caller).
-pub fn train(faces: &[Face], options: &Options) -> Result<SectionWriter> {
-    let basis = Basis::fit(faces, options.modes);
-    let starts = StartShapes::fit(faces, &basis, &options.turns);
-    let mut samples = sample(faces, &basis, &starts, options);
-    println!("{} faces, {} starts", faces.len(), samples.len());
-    let mut stages = Vec::new();
-    for (index, stage) in options.stages.iter().enumerate().take(options.track_from) {
-        stages.push(train_stage(
-            index,
-            stage,
-            faces,
-            &basis,
-            &starts,
-            &mut samples,
-        )?);
-    }
-    let detected: Vec<Sample> = samples.iter().filter(|s| s.from == 0).cloned().collect();
-    for round in 0..=options.closed_loop_rounds {
-        println!("closed-loop round {round}");
-        if round > 0 {
-            samples = closed_loop(&basis, &starts, options, round, &detected, samples);
-        }
-        stages.truncate(options.track_from);
-        for (index, stage) in options.stages.iter().enumerate().skip(options.track_from) {
-            stages.push(train_stage(
-                index,
-                stage,
-                faces,
-                &basis,
-                &starts,
-                &mut samples,
-            )?);
-        }
-    }
-    Ok(section(&basis, &starts, &stages, options.track_from))
+/// A trained network.
+pub struct Trained {
+    /// Its form.
+    pub network: Network,
+    /// Its numbers.
+    pub parameters: Vec<f32>,
 }
 
-/// Samples for another round: the detected starts where the first stages left them, and in place
-/// of made-up tracked starts the cascade's own (out-of-fold) answers, moved on by a frame's motion.
-/// What is trained on these does not drift when it is repeated.
-fn closed_loop(
-    basis: &Basis,
-    starts: &StartShapes,
-    options: &Options,
-    round: usize,
-    detected: &[Sample],
-    answers: Vec<Sample>,
-) -> Vec<Sample> {
-    let mut rng = ChaCha8Rng::seed_from_u64(options.seed ^ ((round as u64) << 32));
-    let mut samples = detected.to_vec();
-    let keep = options.track_starts as f32 / (options.track_starts + options.detect_starts) as f32;
-    for answer in answers {
-        if rng.random_range(0.0..1.0) < keep * options.closed_loop_share {
-            let jitter = motion(&options.track_jitter, &mut rng);
-            let relaxed = starts.views().relaxed(&answer.shape);
-            let shape = jitter.moved(&relaxed, basis, &mut rng);
-            samples.push(Sample {
-                shape,
-                from: options.track_from,
-                ..answer
-            });
-        }
-    }
-    samples
+/// Parts that a batch is split into.
+const PARTS: usize = 8;
+/// Steps between checkpoints.
+const CHECKPOINT: usize = 1000;
+
+/// What a run goes on from.
+struct State {
+    step: usize,
+    parameters: Vec<f32>,
+    /// Adam's means of gradients and of their squares.
+    first: Vec<f32>,
+    second: Vec<f32>,
 }
 
-/// How far a face moves between two frames: mostly little, sometimes much.
-fn motion(largest: &Jitter, rng: &mut ChaCha8Rng) -> Jitter {
-    let amount = rng.random_range(0.0f32..1.0).powi(2) * 1.5;
-    Jitter {
-        shift: largest.shift * amount,
-        log_size: largest.log_size * amount,
-        roll: largest.roll * amount,
-    }
-}
-
-fn sample(faces: &[Face], basis: &Basis, starts: &StartShapes, options: &Options) -> Vec<Sample> {
-    let mut samples = Vec::new();
-    for (index, face) in faces.iter().enumerate() {
-        let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
-        rng.set_stream(index as u64);
-        // A multiplicative hash: neighbours in number spread over the folds.
-        let fold = (face.person.wrapping_mul(0x9E37_79B9) >> 16) as usize % FOLDS;
-        // Renders are many.
-        let share = if face.yaw_deg.is_some() { 2 } else { 1 };
-        for _ in 0..options.detect_starts / share {
-            let shape = options.detect_jitter.detected(face, starts, &mut rng);
-            samples.push(Sample {
-                face: index,
-                fold,
-                from: 0,
-                shape,
-            });
-        }
-        for _ in 0..options.track_starts.div_ceil(share) {
-            let jitter = motion(&options.track_jitter, &mut rng);
-            let shape = jitter.tracked(face, basis, options.track_modes, &mut rng);
-            let shape = starts.views().relaxed(&shape);
-            samples.push(Sample {
-                face: index,
-                fold,
-                from: options.track_from,
-                shape,
-            });
-        }
-    }
-    samples
-}
-
-fn bar(len: usize, what: String) -> ProgressBar {
-    let style = ProgressStyle::with_template("{msg:28} {bar:30} {pos}/{len} {eta}");
-    ProgressBar::new(len as u64)
-        .with_style(style.expect("a valid template"))
-        .with_message(what)
-}
-
-/// A sample as a stage sees it.
-struct Described {
-    values: Box<[[u8; VALUES]; LANDMARKS]>,
-    /// What the stage should answer.
-    target: Vec<f32>,
-    view: usize,
-    placement: Box<Placement>,
-}
-
-/// Descriptors of all samples at their current shapes, and what the stage should answer.
-fn describe(
-    stage: &StageOptions,
-    faces: &[Face],
-    basis: &Basis,
-    starts: &StartShapes,
-    samples: &[&mut Sample],
-    title: String,
-) -> Vec<Described> {
-    let grid = HogGrid {
-        spacing: stage.spacing,
-        radius: stage.radius,
-    };
-    samples
-        .par_iter()
-        .progress_with(bar(samples.len(), title))
-        .map_init(
-            || Box::new(Workspace::new()),
-            |work, sample| {
-                let face = &faces[sample.face];
-                let view = starts
-                    .views()
-                    .of(&sample.shape)
-                    .expect("training shapes have extent");
-                let placed = place(
-                    &basis.mean,
-                    &sample.shape,
-                    stage.zoom,
-                    stage.side,
-                    view.mirrored,
-                );
-                let placed = placed.expect("training shapes have extent");
-                work.describe(&face.picture.frame(), &placed, stage.side, grid);
-                let back = placed
-                    .canonical_to_frame
-                    .inverse()
-                    .expect("a shape has extent");
-                let truth = face.landmarks.map(|p| back.apply(p));
-                let truth = flat(&if view.mirrored { mirror(&truth) } else { truth });
-                let now = flat(&placed.canonical);
-                let residual: Vec<f32> = truth.iter().zip(&now).map(|(t, n)| t - n).collect();
-                Described {
-                    values: Box::new(*work.values()),
-                    target: basis.project(&residual),
-                    view: view.index,
-                    placement: Box::new(placed),
-                }
-            },
-        )
-        .collect()
-}
-
-fn train_stage(
-    index: usize,
-    stage: &StageOptions,
-    faces: &[Face],
-    basis: &Basis,
-    starts: &StartShapes,
-    samples: &mut [Sample],
-) -> Result<StageWeights> {
-    let started = std::time::Instant::now();
-    let mut active: Vec<&mut Sample> = samples.iter_mut().filter(|s| s.from <= index).collect();
-    let title = format!("stage {index}: describe");
-    let described = describe(stage, faces, basis, starts, &active, title);
-    let projection = learn_projection(&described, stage.features);
-    let features = project_all(&described, &projection);
-    let mut regressors = Vec::new();
-    for view in 0..starts.turns.len() {
-        let rows: Vec<Row<'_>> = described
+impl State {
+    fn read(path: &Path, parameters: usize) -> Option<State> {
+        let bytes = std::fs::read(path).ok()?;
+        let (step, rest) = bytes.split_first_chunk::<8>()?;
+        let floats: Vec<f32> = rest
+            .as_chunks::<4>()
+            .0
             .iter()
-            .zip(&features)
-            .zip(&active)
-            .enumerate()
-            .filter(|(_, ((d, _), _))| d.view == view)
-            .map(|(n, ((d, f), sample))| Row {
-                sample: n,
-                features: f,
-                target: &d.target,
-                weight: faces[sample.face].weight,
-                fold: sample.fold,
+            .map(|b| f32::from_le_bytes(*b))
+            .collect();
+        if floats.len() != 3 * parameters {
+            return None;
+        }
+        let mut parts = floats.chunks_exact(parameters).map(<[f32]>::to_vec);
+        Some(State {
+            step: u64::from_le_bytes(*step) as usize,
+            parameters: parts.next()?,
+            first: parts.next()?,
+            second: parts.next()?,
+        })
+    }
+
+    fn write(&self, path: &Path) -> Result<()> {
+        let mut bytes = (self.step as u64).to_le_bytes().to_vec();
+        for part in [&self.parameters, &self.first, &self.second] {
+            part.iter().for_each(|v| bytes.extend(v.to_le_bytes()));
+        }
+        let fresh = path.with_extension("part");
+        std::fs::write(&fresh, bytes).with_context(|| format!("writing {}", fresh.display()))?;
+        std::fs::rename(&fresh, path).with_context(|| format!("writing {}", path.display()))
+    }
+
+    /// One step of AdamW down the gradient.
+    fn descend(&mut self, gradient: &[f32], options: &Options) {
+        let (b1, b2) = (0.9f32, 0.999f32);
+        self.step += 1;
+        let done = self.step as f32 / options.steps as f32;
+        let rise = (self.step as f32 / options.warm_up as f32).min(1.0);
+        let rate = options.rate * rise * 0.5 * (1.0 + (std::f32::consts::PI * done).cos());
+        let (c1, c2) = (
+            1.0 - b1.powi(self.step as i32),
+            1.0 - b2.powi(self.step as i32),
+        );
+        let moments = self.first.iter_mut().zip(&mut self.second);
+        for ((p, g), (m, v)) in self.parameters.iter_mut().zip(gradient).zip(moments) {
+            *m = b1 * *m + (1.0 - b1) * g;
+            *v = b2 * *v + (1.0 - b2) * g * g;
+            *p -= rate * (*m / c1 / ((*v / c2).sqrt() + 1e-8) + options.decay * *p);
+        }
+    }
+}
+
+/// Working memory of one part of a batch.
+struct Part {
+    maps: Maps,
+    work: (Maps, Scratch),
+    gradient: Vec<f32>,
+    /// Sum of losses after each head, and of weights.
+    losses: Vec<f32>,
+    weight: f32,
+}
+
+/// Trains on these faces (mirrors are made here); goes on from the checkpoint if there is one.
+pub fn train(
+    faces: &[Face],
+    mean: &Shape,
+    options: &Options,
+    checkpoint: &Path,
+) -> Result<Trained> {
+    let network = Network::new(&options.sizes);
+    println!("checkpoints in {}", checkpoint.display());
+    println!(
+        "network: {} parameters, {:.1} million multiply-adds",
+        network.parameters,
+        (network.graph.multiply_adds()
+            + network
+                .heads
+                .iter()
+                .map(|h| h.inputs * h.modes)
+                .sum::<usize>()) as f32
+            / 1e6
+    );
+    let draw = Draw::new(faces, options)?;
+    let mut state = match State::read(checkpoint, network.parameters) {
+        Some(state) => {
+            println!("going on from step {}", state.step);
+            state
+        }
+        None => {
+            let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
+            let examples = draw.crops(faces, mean, options, 64, &mut rng);
+            State {
+                step: 0,
+                parameters: network.initial(mean, &examples, &mut rng),
+                first: vec![0.0; network.parameters],
+                second: vec![0.0; network.parameters],
+            }
+        }
+    };
+    let mut parts: Vec<Part> = (0..PARTS)
+        .map(|_| Part {
+            maps: network.graph.maps(),
+            work: (network.graph.maps(), Scratch::default()),
+            gradient: vec![0.0; network.parameters],
+            losses: vec![],
+            weight: 0.0,
+        })
+        .collect();
+    let style = ProgressStyle::with_template("network {bar:30} {pos}/{len} {eta} {msg}");
+    let bar = ProgressBar::new(options.steps as u64).with_style(style.expect("a valid template"));
+    bar.set_position(state.step as u64);
+    let mut running: Vec<f32> = vec![];
+    while state.step < options.steps {
+        let step = state.step;
+        parts.par_iter_mut().enumerate().for_each(|(index, part)| {
+            part.gradient.fill(0.0);
+            part.losses = vec![0.0; network.heads.len()];
+            part.weight = 0.0;
+            for k in 0..options.batch / PARTS {
+                let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
+                rng.set_stream(
+                    1 + (step * options.batch + index * (options.batch / PARTS) + k) as u64,
+                );
+                let (weight, sample) = draw.sample(faces, mean, options, &mut rng);
+                let gaps = (step as f32 >= options.gaps.from * options.steps as f32)
+                    .then_some(&options.gaps);
+                learn(
+                    &network,
+                    &state.parameters,
+                    &sample,
+                    weight,
+                    gaps,
+                    part,
+                    &mut rng,
+                );
+            }
+        });
+        let weight: f32 = parts.iter().map(|p| p.weight).sum();
+        let losses = |k: usize| parts.iter().map(|p| p.losses[k]).sum::<f32>() / weight;
+        let now: Vec<f32> = (0..network.heads.len()).map(losses).collect();
+        running = match running.len() {
+            0 => now,
+            _ => running
+                .iter()
+                .zip(&now)
+                .map(|(r, n)| 0.995 * r + 0.005 * n)
+                .collect(),
+        };
+        let (first, rest) = parts.split_at_mut(1);
+        let gradient = &mut first[0].gradient;
+        for part in rest {
+            gradient
+                .iter_mut()
+                .zip(&part.gradient)
+                .for_each(|(g, p)| *g += p);
+        }
+        let norm = gradient
+            .iter()
+            .map(|g| (*g as f64).powi(2))
+            .sum::<f64>()
+            .sqrt() as f32;
+        ensure!(norm.is_finite(), "the network's gradient is not finite");
+        let by = (5.0 / (norm / weight + 1e-9)).min(1.0) / weight;
+        gradient.iter_mut().for_each(|g| *g *= by);
+        state.descend(gradient, options);
+        if state.step % 50 == 0 {
+            bar.set_position(state.step as u64);
+            bar.set_message(format!("mean error {running:.2?} px"));
+        }
+        if state.step % CHECKPOINT == 0 || state.step == options.steps {
+            state.write(checkpoint)?;
+            println!("step {}: mean error {running:.3?} px", state.step);
+        }
+    }
+    bar.finish();
+    Ok(Trained {
+        network,
+        parameters: state.parameters,
+    })
+}
+
+/// Standardised crops as the network meets them in training.
+pub fn examples(
+    faces: &[Face],
+    mean: &Shape,
+    options: &Options,
+    count: usize,
+) -> Result<Vec<Vec<f32>>> {
+    let mut rng = ChaCha8Rng::seed_from_u64(options.seed ^ 2);
+    Ok(Draw::new(faces, options)?.crops(faces, mean, options, count, &mut rng))
+}
+
+/// Which face comes next.
+struct Draw {
+    photographs: Vec<usize>,
+    /// Running sums of the photographs' shares.
+    sums: Vec<f32>,
+    renders: Vec<usize>,
+}
+
+impl Draw {
+    fn new(faces: &[Face], options: &Options) -> Result<Draw> {
+        let of = |rendered: bool| {
+            let chosen = |k: &usize| faces[*k].yaw_deg.is_some() == rendered;
+            (0..faces.len()).filter(chosen).collect::<Vec<_>>()
+        };
+        let (photographs, renders) = (of(false), of(true));
+        ensure!(!faces.is_empty(), "no faces to train on");
+        let mut sum = 0.0;
+        let sums = photographs
+            .iter()
+            .map(|k| {
+                sum += 1.0 + options.turned * faces[*k].turn().abs();
+                sum
             })
             .collect();
-        let solved = regress(&rows, &format!("stage {index} view {view}"))?;
-        for (n, delta) in solved.answers {
-            active[n].shape = moved(basis, &described[n].placement, &delta);
-        }
-        regressors.push(RegressorWeights::quantise(&solved.weights));
+        Ok(Draw {
+            photographs,
+            sums,
+            renders,
+        })
     }
-    println!("stage {index}: {:.0?}", started.elapsed());
-    Ok(StageWeights {
-        options: *stage,
-        projection,
-        regressors,
-    })
+
+    fn crops(
+        &self,
+        faces: &[Face],
+        mean: &Shape,
+        options: &Options,
+        count: usize,
+        rng: &mut ChaCha8Rng,
+    ) -> Vec<Vec<f32>> {
+        let one = |_| self.sample(faces, mean, options, rng).1.crop;
+        (0..count).map(one).collect()
+    }
+
+    /// A weight and a sample.
+    fn sample(
+        &self,
+        faces: &[Face],
+        mean: &Shape,
+        options: &Options,
+        rng: &mut ChaCha8Rng,
+    ) -> (f32, Sample) {
+        let rendered = match (self.photographs.is_empty(), self.renders.is_empty()) {
+            (true, _) => true,
+            (_, true) => false,
+            _ => rng.random_range(0.0..1.0) < options.rendered,
+        };
+        let face = if rendered {
+            self.renders[rng.random_range(0..self.renders.len())]
+        } else {
+            let at = rng.random_range(0.0..*self.sums.last().expect("photographs"));
+            let k = self.sums.partition_point(|s| *s <= at);
+            self.photographs[k.min(self.photographs.len() - 1)]
+        };
+        let face = &faces[face];
+        let sample = sample(
+            face,
+            mean,
+            &options.sizes,
+            &options.start,
+            &options.augment,
+            rng,
+        );
+        (face.weight, sample)
+    }
 }
 
-/// One sample of a regression.
-struct Row<'a> {
-    sample: usize,
-    features: &'a [i8],
-    target: &'a [f32],
+/// Adds one sample's gradient.
+fn learn(
+    network: &Network,
+    parameters: &[f32],
+    sample: &Sample,
     weight: f32,
-    fold: usize,
-}
-
-struct Solved {
-    weights: Mat<f32>,
-    /// Sample and out-of-fold answer.
-    answers: Vec<(usize, Vec<f32>)>,
-}
-
-/// Ridge regression with the ridge that serves a held-out fold best.
-fn regress(rows: &[Row<'_>], title: &str) -> Result<Solved> {
-    ensure!(!rows.is_empty(), "{title}: no samples");
-    faer::set_global_parallelism(faer::Par::Seq);
-    let (inputs, outputs) = (rows[0].features.len(), rows[0].target.len());
-    let of_fold = |fold: usize| -> (Vec<&[i8]>, Vec<&[f32]>, Vec<f32>) {
-        let chosen = || rows.iter().filter(|r| r.fold == fold);
-        (
-            chosen().map(|r| r.features).collect(),
-            chosen().map(|r| r.target).collect(),
-            chosen().map(|r| r.weight).collect(),
-        )
-    };
-    let folds: Vec<Normal> = (0..FOLDS)
-        .map(|fold| {
-            let (x, y, w) = of_fold(fold);
-            let mut normal = Normal::new(inputs, outputs);
-            normal.add(&x, &y, &w);
-            normal
-        })
-        .collect();
-    let sum_without = |fold: Option<usize>| {
-        let mut sum = Normal::new(inputs, outputs);
-        let kept = folds.iter().enumerate().filter(|(f, _)| Some(*f) != fold);
-        kept.for_each(|(_, n)| sum.merge(n));
-        sum
-    };
-    let (x, y, w) = of_fold(0);
-    let held_out = sum_without(Some(0));
-    let errors = RIDGES
-        .par_iter()
-        .map(|ridge| Ok((error(&held_out.solve(*ridge)?, &x, &y, &w), *ridge)))
-        .collect::<Result<Vec<_>>>()?;
-    let best = errors
-        .into_iter()
-        .min_by(|a, b| a.0.total_cmp(&b.0))
-        .expect("ridges to try");
-    let squares = |y: &&[f32]| y.iter().map(|v| v * v).sum::<f32>() as f64;
-    let before = y
+    gaps: Option<&Gaps>,
+    part: &mut Part,
+    rng: &mut ChaCha8Rng,
+) {
+    part.maps[0].copy_from_slice(&sample.crop);
+    let shake = || [0, 0].map(|_| normal(rng) * 0.5);
+    let answer = network.forward(parameters, &mut part.maps, &mut part.work.1, shake);
+    let n = sample.truth.len() as f32;
+    let slopes: Vec<Vec<f32>> = answer
+        .shapes
         .iter()
-        .zip(&w)
-        .map(|(y, w)| squares(y) * *w as f64)
-        .sum::<f64>()
-        / w.iter().map(|w| *w as f64).sum::<f64>();
-    let rms = |e: f64| (e / LANDMARKS as f64).sqrt() / 36.0 * 100.0;
-    println!(
-        "{title}: {} samples, ridge {}, held-out point error {:.2} → {:.2} (r.m.s., % of the inter-ocular distance)",
-        rows.len(),
-        best.1,
-        rms(before),
-        rms(best.0)
-    );
-    let out_of_fold = (0..FOLDS)
-        .into_par_iter()
-        .map(|fold| sum_without(Some(fold)).solve(best.1))
-        .collect::<Result<Vec<_>>>()?;
-    let answers = rows
-        .par_iter()
-        .map(|r| (r.sample, predict(&out_of_fold[r.fold], r.features)))
-        .collect();
-    Ok(Solved {
-        weights: sum_without(None).solve(best.1)?,
-        answers,
-    })
-}
-
-/// Where a stage's answer moves a shape.
-fn moved(basis: &Basis, placement: &Placement, answer: &[f32]) -> Shape {
-    let mut delta = [[0.0; 2]; LANDMARKS];
-    for (row, d) in basis.rows.iter().zip(answer) {
-        for (i, p) in delta.iter_mut().enumerate() {
-            *p = [p[0] + d * row[2 * i], p[1] + d * row[2 * i + 1]];
-        }
-    }
-    placement.moved(&delta)
-}
-
-fn learn_projection(described: &[Described], features: usize) -> ProjectionWeights {
-    // Every sample gives a few landmarks: 200,000 descriptors fix 72×72 covariances well.
-    let step = (described.len() * LANDMARKS / 200_000).max(1);
-    let chosen: Vec<[u8; VALUES]> = (0..described.len() * LANDMARKS)
-        .step_by(step)
-        .map(|k| described[k / LANDMARKS].values[(k + k / LANDMARKS) % LANDMARKS])
-        .collect();
-    ProjectionWeights::principal(&chosen, features)
-}
-
-fn project_all(described: &[Described], weights: &ProjectionWeights) -> Vec<Vec<i8>> {
-    let features = weights.features();
-    described
-        .par_iter()
-        .map(|Described { values, .. }| {
-            let mut out = vec![0i8; LANDMARKS * features];
-            for (v, out) in values.iter().zip(out.chunks_exact_mut(features)) {
-                weights.project(v, out);
+        .zip(&mut part.losses)
+        .map(|(shape, loss)| {
+            let pairs = shape.iter().zip(&sample.truth);
+            let mut slopes: Vec<f32> = pairs
+                .flat_map(|(p, t)| {
+                    // The distance itself, rounded off at 0.1 px: labels have outliers.
+                    let d = [p[0] - t[0], p[1] - t[1]];
+                    let length = (d[0] * d[0] + d[1] * d[1] + 0.01).sqrt();
+                    *loss += weight * length / n;
+                    d.map(|v| weight * v / length / n)
+                })
+                .collect();
+            // Landmarks alone leave closing lids and opening lips half way: most faces show
+            // neither, and half a gap costs two points little.
+            for (gaps, pairs) in gaps
+                .iter()
+                .flat_map(|g| [(g.lids, &LIDS[..]), (g.lips, &LIPS)])
+            {
+                for [a, b] in pairs {
+                    let off = |k: usize| {
+                        (shape[*a][k] - shape[*b][k]) - (sample.truth[*a][k] - sample.truth[*b][k])
+                    };
+                    let d = [off(0), off(1)];
+                    let length = (d[0] * d[0] + d[1] * d[1] + 0.01).sqrt();
+                    for k in 0..2 {
+                        let slope = weight * gaps * d[k] / length / n;
+                        slopes[2 * a + k] += slope;
+                        slopes[2 * b + k] -= slope;
+                    }
+                }
             }
-            out
+            slopes
         })
-        .collect()
+        .collect();
+    part.weight += weight;
+    network.backward(
+        parameters,
+        &part.maps,
+        &answer,
+        &slopes,
+        &mut part.gradient,
+        &mut part.work,
+    );
+}
+
+impl Trained {
+    /// One pass in `f32`: a guess in frame px in, the shape after each head out.
+    pub fn run(&self, face: &Face, mean: &Shape, guess: &Shape) -> Vec<Shape> {
+        let sizes = &self.network.sizes;
+        let canonical = Similarity::fit(mean, guess).expect("a guess has extent");
+        let to_canonical = Similarity {
+            a: 1.0 / sizes.zoom,
+            ..Similarity::IDENTITY
+        };
+        let to_frame = to_canonical.then(&canonical);
+        let mut crop = cut_at(face, &to_frame, sizes.side);
+        standardise(&mut crop);
+        let mut maps = self.network.graph.maps();
+        maps[0].copy_from_slice(&crop);
+        let answer =
+            self.network
+                .forward(&self.parameters, &mut maps, &mut Scratch::default(), || {
+                    [0.0; 2]
+                });
+        let shapes = answer.shapes.into_iter();
+        shapes
+            .map(|shape| shape.map(|p| to_frame.apply(p)))
+            .collect()
+    }
 }

@@ -1,4 +1,4 @@
-//! Photographs without people.
+//! Pictures without people: photographs and made-up ones.
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -7,19 +7,14 @@ use anyhow::{Context, Result};
 use rayon::prelude::*;
 
 use super::grey::Grey;
+use crate::render::background::procedural;
 
-/// Each fifth picture is kept from training.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Part {
-    Train,
-    HeldOut,
-}
-
-/// The usable backgrounds of a part, in the order of their names.
+/// The usable photographs, in the order of their names, but for each fifth: on those, false alarms
+/// can be measured.
 ///
 /// # Errors
 /// When a file cannot be read.
-pub fn load(data: &Path, part: Part) -> Result<Vec<Grey>> {
+pub fn load(data: &Path) -> Result<Vec<Grey>> {
     let folder = data.join("backgrounds");
     let listed = std::fs::read_to_string(folder.join("with-people.txt"))
         .context("backgrounds/with-people.txt")?;
@@ -36,7 +31,26 @@ pub fn load(data: &Path, part: Part) -> Result<Vec<Grey>> {
     paths
         .par_iter()
         .enumerate()
-        .filter(|(i, _)| (i % 5 == 4) == (part == Part::HeldOut))
+        .filter(|(i, _)| i % 5 != 4)
         .map(|(_, path)| Grey::open(path))
+        .collect()
+}
+
+/// Made-up backgrounds, for a model that owes nothing to photographs.
+pub fn made_up(seed: u64, count: u64) -> Vec<Grey> {
+    const SIZE: [u32; 2] = [480, 320];
+    (0..count)
+        .into_par_iter()
+        .map(|index| {
+            let mut rng = super::rng_for(seed, 0x4D41_4445, index);
+            let [width, height] = SIZE;
+            let light = procedural(&mut rng, width as usize, height as usize);
+            let level = |l: f32| (255.0 * l.clamp(0.0, 1.0).powf(1.0 / 2.2)).round() as u8;
+            Grey {
+                width,
+                height,
+                luma: light.into_iter().map(level).collect(),
+            }
+        })
         .collect()
 }

@@ -9,13 +9,6 @@ use rayon::prelude::*;
 use super::grey::Grey;
 use crate::fit::labels;
 
-/// Which people: never train on `Dev`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Split {
-    Train,
-    Dev,
-}
-
 /// A picture with one labelled face.
 pub struct Face {
     /// File name, whose first part names the person.
@@ -25,27 +18,42 @@ pub struct Face {
     pub truth: Detection,
 }
 
-/// All faces of a split of `faces68`.
+/// All training photographs of `faces68`.
 ///
 /// # Errors
 /// When a file is missing or not as documented.
-pub fn load(data: &Path, split: Split) -> Result<Vec<Face>> {
-    let name = match split {
-        Split::Train => "train",
-        Split::Dev => "dev",
-    };
+pub fn load(data: &Path) -> Result<Vec<Face>> {
     let folder = data.join("faces68");
-    let table = folder.join(format!("{name}.csv"));
+    let table = folder.join("train.csv");
     labels::read(&table)?
         .into_par_iter()
         .map(|row| {
             Ok(Face {
-                picture: Grey::open(&folder.join(name).join(&row.image))?,
+                picture: Grey::open(&folder.join("train").join(&row.image))?,
                 truth: face_box(&row.points, None, None),
                 name: row.image,
             })
         })
         .collect()
+}
+
+/// Renders as faces with boxes, those that are turned so far that the eye line does not tell the
+/// roll left out.
+pub fn of_renders(renders: &[crate::faces::Face]) -> Vec<Face> {
+    const MOST_YAW_DEG: f32 = 60.0;
+    let chosen = renders.iter().enumerate().filter_map(|(k, face)| {
+        let yaw_deg = face.yaw_deg.filter(|yaw| yaw.abs() <= MOST_YAW_DEG)?;
+        Some(Face {
+            name: format!("render_{k}"),
+            picture: Grey {
+                width: face.picture.size[0],
+                height: face.picture.size[1],
+                luma: face.picture.luma.clone(),
+            },
+            truth: face_box(&face.landmarks, None, Some(yaw_deg.to_radians())),
+        })
+    });
+    chosen.collect()
 }
 
 /// The box of 68 landmarks. Roll and yaw \[rad\] where they are known, else from the points.

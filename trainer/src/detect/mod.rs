@@ -1,16 +1,15 @@
 //! Trains section `DTCT`: soft cascades of pixel comparisons and the forest that refines a hit.
 //!
-//! In: labelled photographs, rendered faces and backgrounds. Out: a [`SectionWriter`]. The order
+//! In: faces with boxes, and backgrounds. Out: a [`SectionWriter`]. The order
 //! is that of the files: [`faces`] and [`backgrounds`] are read into memory, [`sample`] cuts
 //! augmented patches, [`boost`] grows trees on them, [`cascade`] alternates with [`mine`] for hard
 //! negatives, [`refine`] fits the regression forest, [`calibrate`] sets the thresholds, and
-//! [`pack`] writes. [`eval`] measures on pictures that training never saw.
+//! [`pack`] writes.
 
 pub mod backgrounds;
 pub mod boost;
 pub mod calibrate;
 pub mod cascade;
-pub mod eval;
 pub mod faces;
 pub mod grey;
 pub mod mine;
@@ -77,18 +76,21 @@ pub(crate) fn rng_for(seed: u64, purpose: u64, index: u64) -> ChaCha8Rng {
     rng
 }
 
-/// Trains everything from `data` (the folder with `faces68` and `backgrounds`), keeping
-/// intermediate results in `cache`, from which an interrupted run goes on.
+/// Trains everything on these faces and backgrounds, keeping intermediate results in `cache`, from
+/// which an interrupted run goes on.
 ///
 /// # Errors
-/// When data cannot be read or the cache cannot be written.
-pub fn train(data: &Path, cache: &Path, options: &Options) -> Result<SectionWriter> {
+/// When the cache cannot be written.
+pub fn train(
+    faces: &[faces::Face],
+    backgrounds: &[grey::Grey],
+    cache: &Path,
+    options: &Options,
+) -> Result<SectionWriter> {
     std::fs::create_dir_all(cache)?;
-    let faces = faces::load(data, faces::Split::Train)?;
-    let backgrounds = backgrounds::load(data, backgrounds::Part::Train)?;
-    let cascade = cascade::train(&faces, &backgrounds, cache, options)?;
-    let refiner = refine::train(&faces, cache, options)?;
-    let mut cascade = calibrate::thresholds(&cascade, &faces);
+    let cascade = cascade::train(faces, backgrounds, cache, options)?;
+    let refiner = refine::train(faces, cache, options)?;
+    let mut cascade = calibrate::thresholds(&cascade, faces);
     cascade.trees.truncate(options.kept);
     cascade.thresholds.truncate(options.kept);
     Ok(pack::section(&cascade, &refiner, options.confirm))

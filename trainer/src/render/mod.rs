@@ -21,6 +21,7 @@ pub mod photo;
 pub mod props;
 pub mod raster;
 pub mod sample;
+pub mod sheet;
 pub mod skin;
 pub mod texture;
 

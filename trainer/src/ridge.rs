@@ -112,20 +112,6 @@ impl Normal {
     }
 }
 
-/// Mean squared error of the weights on samples (summed over outputs).
-pub fn error(weights: &Mat<f32>, x: &[&[i8]], y: &[&[f32]], sample_weight: &[f32]) -> f64 {
-    let total: f64 = sample_weight.iter().map(|w| *w as f64).sum();
-    let sum: f64 = (0..x.len())
-        .into_par_iter()
-        .map(|n| {
-            let p = predict(weights, x[n]);
-            let e: f32 = p.iter().zip(y[n]).map(|(p, y)| (p - y) * (p - y)).sum();
-            (e * sample_weight[n]) as f64
-        })
-        .sum();
-    sum / total
-}
-
 /// Output of the weights for one row of features.
 pub fn predict(weights: &Mat<f32>, x: &[i8]) -> Vec<f32> {
     let n = weights.nrows() - 1;
@@ -140,4 +126,25 @@ pub fn predict(weights: &Mat<f32>, x: &[i8]) -> Vec<f32> {
             dot / FEATURE_UNIT + column[n]
         })
         .collect()
+}
+/// Quantised weights of one output: `scale·Σ weight·feature + bias`.
+pub struct Linear {
+    pub weight: Vec<i8>,
+    pub scale: f32,
+    pub bias: f32,
+}
+
+impl Linear {
+    /// From a solution with one output.
+    pub fn quantise(weights: &Mat<f32>) -> Linear {
+        let inputs = weights.nrows() - 1;
+        let column: Vec<f32> = (0..inputs).map(|i| weights[(i, 0)]).collect();
+        let largest = column.iter().fold(1e-9f32, |m, w| m.max(w.abs()));
+        let scale = largest / 127.0;
+        Linear {
+            weight: column.iter().map(|w| (w / scale).round() as i8).collect(),
+            scale: scale / FEATURE_UNIT,
+            bias: weights[(inputs, 0)],
+        }
+    }
 }

@@ -1,0 +1,406 @@
+//! The network: a small convolutional trunk, a first answer from its last map, and corrections
+//! from a fine map read at the landmarks.
+
+use super::graph::{Graph, Maps, Op, Scratch};
+use posewise::align::Shape;
+use posewise::shape::LANDMARKS;
+use rand::Rng;
+use rand_chacha::ChaCha8Rng;
+
+/// Coordinates of a shape.
+pub const COORDINATES: usize = 2 * LANDMARKS;
+/// Crop px per pixel of the fine map.
+pub const FINE_STRIDE: f32 = 4.0;
+
+/// How large the network is.
+#[derive(Clone, Debug)]
+pub struct Sizes {
+    /// Side of the crop \[px\].
+    pub side: usize,
+    /// Crop px per canonical unit.
+    pub zoom: f32,
+    /// Channels of the maps at 1/2, 1/4 (twice) and 1/8 of the crop's resolution.
+    pub channels: [usize; 4],
+    /// Channels of the fine map.
+    pub fine: usize,
+    /// Separable layers at 1/4 and 1/8.
+    pub depth: [usize; 2],
+    /// Dimensions of an answer before it is spread over the coordinates.
+    pub modes: usize,
+    /// Corrections from the fine map.
+    pub corrections: usize,
+}
+
+impl Default for Sizes {
+    fn default() -> Self {
+        Sizes {
+            side: 112,
+            zoom: 1.15,
+            channels: [8, 24, 32, 80],
+            fine: 32,
+            depth: [2, 3],
+            modes: 64,
+            corrections: 2,
+        }
+    }
+}
+
+/// `out = spread·(squeeze·features + inner) + outer`: two matrices, rows of outputs.
+#[derive(Clone, Debug)]
+pub struct Head {
+    /// Features read.
+    pub inputs: usize,
+    /// Dimensions between.
+    pub modes: usize,
+    /// First of `[modes][inputs]`, `[modes]`, `[COORDINATES][modes]`, `[COORDINATES]`.
+    pub at: usize,
+}
+
+impl Head {
+    fn size(&self) -> usize {
+        self.modes * (self.inputs + 1) + COORDINATES * (self.modes + 1)
+    }
+
+    /// The four parts of this head's parameters.
+    pub fn split<'a>(&self, parameters: &'a [f32]) -> [&'a [f32]; 4] {
+        let (squeeze, rest) = parameters[self.at..].split_at(self.modes * self.inputs);
+        let (inner, rest) = rest.split_at(self.modes);
+        let (spread, rest) = rest.split_at(COORDINATES * self.modes);
+        [squeeze, inner, spread, &rest[..COORDINATES]]
+    }
+
+    fn forward(&self, parameters: &[f32], features: &[f32], inner: &mut [f32]) -> Vec<f32> {
+        let [squeeze, bias, spread, outer] = self.split(parameters);
+        for ((i, row), b) in inner
+            .iter_mut()
+            .zip(squeeze.chunks_exact(self.inputs))
+            .zip(bias)
+        {
+            *i = dot(row, features) + b;
+        }
+        let rows = spread.chunks_exact(self.modes).zip(outer);
+        rows.map(|(row, o)| dot(row, inner) + o).collect()
+    }
+
+    /// Adds to the gradient; gives the gradient by the features.
+    fn backward(
+        &self,
+        parameters: &[f32],
+        features: &[f32],
+        inner: &[f32],
+        slope: &[f32],
+        gradient: &mut [f32],
+        by_features: &mut [f32],
+    ) {
+        let [squeeze, _, spread, _] = self.split(parameters);
+        let gradient = &mut gradient[self.at..self.at + self.size()];
+        let (g_squeeze, rest) = gradient.split_at_mut(self.modes * self.inputs);
+        let (g_inner, rest) = rest.split_at_mut(self.modes);
+        let (g_spread, g_outer) = rest.split_at_mut(COORDINATES * self.modes);
+        let mut by_inner = vec![0.0; self.modes];
+        for (((s, w), g), o) in slope
+            .iter()
+            .zip(spread.chunks_exact(self.modes))
+            .zip(g_spread.chunks_exact_mut(self.modes))
+            .zip(g_outer)
+        {
+            *o += s;
+            add_scaled(g, inner, *s);
+            add_scaled(&mut by_inner, w, *s);
+        }
+        by_features.fill(0.0);
+        for (((s, w), g), i) in by_inner
+            .iter()
+            .zip(squeeze.chunks_exact(self.inputs))
+            .zip(g_squeeze.chunks_exact_mut(self.inputs))
+            .zip(g_inner)
+        {
+            *i += s;
+            add_scaled(g, features, *s);
+            add_scaled(by_features, w, *s);
+        }
+    }
+}
+
+fn dot(a: &[f32], b: &[f32]) -> f32 {
+    // Eight sums side by side, so that the compiler may use vectors.
+    let mut sums = [0.0f32; 8];
+    let (a8, b8) = (a.as_chunks::<8>(), b.as_chunks::<8>());
+    for (x, y) in a8.0.iter().zip(b8.0) {
+        for k in 0..8 {
+            sums[k] += x[k] * y[k];
+        }
+    }
+    let rest: f32 = a8.1.iter().zip(b8.1).map(|(x, y)| x * y).sum();
+    sums.iter().sum::<f32>() + rest
+}
+
+fn add_scaled(to: &mut [f32], from: &[f32], by: f32) {
+    to.iter_mut().zip(from).for_each(|(t, f)| *t += by * f);
+}
+
+/// Trunk and heads.
+#[derive(Clone, Debug)]
+pub struct Network {
+    /// How large it is.
+    pub sizes: Sizes,
+    /// The trunk.
+    pub graph: Graph,
+    /// Node of the fine map.
+    pub fine: usize,
+    /// Node of the last map.
+    pub last: usize,
+    /// First answer, then the corrections.
+    pub heads: Vec<Head>,
+    /// Parameters in all.
+    pub parameters: usize,
+}
+
+/// Shapes in crop px from the crop's centre, one after each head, and what led to them.
+pub struct Answer {
+    /// After the first answer, after each correction.
+    pub shapes: Vec<Shape>,
+    features: Vec<Vec<f32>>,
+    inner: Vec<Vec<f32>>,
+    /// Where each correction read the fine map.
+    points: Vec<Shape>,
+}
+
+impl Network {
+    /// The network of these sizes.
+    pub fn new(sizes: &Sizes) -> Network {
+        let [c1, c2, c3, c4] = sizes.channels;
+        let mut graph = Graph::new(sizes.side);
+        let conv = |kernel, stride| Op::Conv { kernel, stride };
+        let mut at = graph.add(conv(5, 2), 0, 0, c1);
+        at = graph.add(conv(3, 2), at, 0, c2);
+        for _ in 0..sizes.depth[0] {
+            at = graph.separable(at, c3, 1);
+        }
+        let quarter = at;
+        at = graph.separable(at, c4, 2);
+        for _ in 1..sizes.depth[1] {
+            at = graph.separable(at, c4, 1);
+        }
+        let context = graph.add(Op::Linear, at, 0, sizes.fine);
+        let last = graph.separable(at, c4, 2);
+        let fine = graph.add(Op::Lateral, quarter, context, sizes.fine);
+        let mut parameters = graph.parameters;
+        let from_last = graph.nodes[last].dims.iter().product();
+        let inputs = (0..=sizes.corrections).map(|k| match k {
+            0 => from_last,
+            _ => LANDMARKS * sizes.fine,
+        });
+        let heads = inputs
+            .map(|inputs| {
+                let head = Head {
+                    inputs,
+                    modes: sizes.modes,
+                    at: parameters,
+                };
+                parameters += head.size();
+                head
+            })
+            .collect();
+        Network {
+            sizes: sizes.clone(),
+            graph,
+            fine,
+            last,
+            heads,
+            parameters,
+        }
+    }
+
+    /// Random parameters, scaled on example crops so that every map has unit deviation.
+    pub fn initial(&self, mean: &Shape, crops: &[Vec<f32>], rng: &mut ChaCha8Rng) -> Vec<f32> {
+        let mut parameters = vec![0.0f32; self.parameters];
+        for node in &self.graph.nodes[1..] {
+            let channels = node.dims[2].max(1);
+            let bound = (3.0 * channels as f32 / node.weights.max(1) as f32).sqrt();
+            for w in &mut parameters[node.at..node.at + node.weights] {
+                *w = rng.random_range(-bound..bound);
+            }
+        }
+        for (k, head) in self.heads.iter().enumerate() {
+            let bound = |n: usize| 1.0 / (n as f32).sqrt();
+            let (inputs, modes) = (bound(head.inputs), bound(head.modes));
+            let squeeze = head.at..head.at + head.modes * head.inputs;
+            parameters[squeeze.clone()]
+                .iter_mut()
+                .for_each(|w| *w = rng.random_range(-inputs..inputs));
+            let spread = squeeze.end + head.modes..squeeze.end + head.modes * (1 + COORDINATES);
+            parameters[spread.clone()]
+                .iter_mut()
+                .for_each(|w| *w = rng.random_range(-modes..modes));
+            if k == 0 {
+                let outer = &mut parameters[spread.end..spread.end + COORDINATES];
+                for (o, m) in outer.iter_mut().zip(mean.iter().flatten()) {
+                    *o = m * self.sizes.zoom;
+                }
+            }
+        }
+        self.normalise(&mut parameters, crops);
+        parameters
+    }
+
+    /// Layer by layer, scales weights and sets biases so that outputs before ReLU have mean 0 and
+    /// deviation 1 on these crops.
+    fn normalise(&self, parameters: &mut [f32], crops: &[Vec<f32>]) {
+        let mut maps: Vec<Maps> = crops
+            .iter()
+            .map(|crop| {
+                let mut maps = self.graph.maps();
+                maps[0].copy_from_slice(crop);
+                maps
+            })
+            .collect();
+        let mut scratch = Scratch::default();
+        for index in 1..self.graph.nodes.len() {
+            let node = &self.graph.nodes[index];
+            let channels = node.dims[2];
+            if node.weights > 0 {
+                let (mut sums, mut squares) = (vec![0.0f64; channels], vec![0.0f64; channels]);
+                let mut count = 0.0;
+                for maps in &mut maps {
+                    self.graph
+                        .forward_node(index, parameters, maps, &mut scratch, false);
+                    for values in maps[index].chunks_exact(channels) {
+                        count += 1.0;
+                        for (k, v) in values.iter().enumerate() {
+                            sums[k] += *v as f64;
+                            squares[k] += (*v as f64).powi(2);
+                        }
+                    }
+                }
+                let (weights, biases) = parameters[node.at..node.at + node.weights + channels]
+                    .split_at_mut(node.weights);
+                for k in 0..channels {
+                    let mean = sums[k] / count;
+                    let gain = 1.0 / (squares[k] / count - mean * mean).max(1e-8).sqrt();
+                    weights[k..]
+                        .iter_mut()
+                        .step_by(channels)
+                        .for_each(|w| *w *= gain as f32);
+                    biases[k] = (-mean * gain) as f32;
+                }
+            }
+            for maps in &mut maps {
+                self.graph
+                    .forward_node(index, parameters, maps, &mut scratch, true);
+            }
+        }
+    }
+
+    /// Runs on the crop in `maps[0]`; `shake` moves where corrections read, while training.
+    pub fn forward(
+        &self,
+        parameters: &[f32],
+        maps: &mut Maps,
+        scratch: &mut Scratch,
+        mut shake: impl FnMut() -> [f32; 2],
+    ) -> Answer {
+        self.graph.forward(parameters, maps, scratch);
+        let mut answer = Answer {
+            shapes: vec![],
+            features: vec![],
+            inner: vec![],
+            points: vec![],
+        };
+        for (k, head) in self.heads.iter().enumerate() {
+            let features = match answer.shapes.last() {
+                None => maps[self.last].clone(),
+                Some(shape) => {
+                    let [dx, dy] = shake();
+                    let points = shape.map(|[x, y]| [x + dx, y + dy]);
+                    answer.points.push(points);
+                    self.read(&maps[self.fine], &points)
+                }
+            };
+            let mut inner = vec![0.0; head.modes];
+            let moved = head.forward(parameters, &features, &mut inner);
+            let before = match k {
+                0 => [[0.0; 2]; LANDMARKS],
+                _ => *answer.points.last().expect("a correction has points"),
+            };
+            let shape = std::array::from_fn(|i| {
+                [before[i][0] + moved[2 * i], before[i][1] + moved[2 * i + 1]]
+            });
+            answer.shapes.push(shape);
+            answer.features.push(features);
+            answer.inner.push(inner);
+        }
+        answer
+    }
+
+    /// Adds the gradient of a loss whose slopes by each of the answer's shapes are given; every
+    /// head learns for itself: where a correction reads is taken as given.
+    pub fn backward(
+        &self,
+        parameters: &[f32],
+        maps: &Maps,
+        answer: &Answer,
+        slopes: &[Vec<f32>],
+        gradient: &mut [f32],
+        work: &mut (Maps, Scratch),
+    ) {
+        let (map_slopes, scratch) = work;
+        for (k, head) in self.heads.iter().enumerate() {
+            let mut by_features = vec![0.0; head.inputs];
+            head.backward(
+                parameters,
+                &answer.features[k],
+                &answer.inner[k],
+                &slopes[k],
+                gradient,
+                &mut by_features,
+            );
+            match k {
+                0 => add_scaled(&mut map_slopes[self.last], &by_features, 1.0),
+                _ => self.read_back(
+                    &mut map_slopes[self.fine],
+                    &answer.points[k - 1],
+                    &by_features,
+                ),
+            }
+        }
+        self.graph
+            .backward(parameters, maps, map_slopes, gradient, scratch);
+    }
+
+    /// The four pixels of the fine map around a point, and their shares.
+    fn corners(&self, [x, y]: [f32; 2]) -> [(usize, f32); 4] {
+        let side = self.graph.nodes[self.fine].dims[1];
+        let centre = (self.sizes.side as f32 - 1.0) / 2.0;
+        let at = |v: f32| ((v + centre) / FINE_STRIDE).clamp(0.0, side as f32 - 1.001);
+        let (x, y) = (at(x), at(y));
+        let (fx, fy) = (x.fract(), y.fract());
+        let first = y as usize * side + x as usize;
+        [
+            (first, (1.0 - fx) * (1.0 - fy)),
+            (first + 1, fx * (1.0 - fy)),
+            (first + side, (1.0 - fx) * fy),
+            (first + side + 1, fx * fy),
+        ]
+    }
+
+    fn read(&self, fine: &[f32], points: &Shape) -> Vec<f32> {
+        let n = self.sizes.fine;
+        let mut features = vec![0.0; LANDMARKS * n];
+        for (point, out) in points.iter().zip(features.chunks_exact_mut(n)) {
+            for (pixel, share) in self.corners(*point) {
+                add_scaled(out, &fine[pixel * n..(pixel + 1) * n], share);
+            }
+        }
+        features
+    }
+
+    fn read_back(&self, slopes: &mut [f32], points: &Shape, by_features: &[f32]) {
+        let n = self.sizes.fine;
+        for (point, slope) in points.iter().zip(by_features.chunks_exact(n)) {
+            for (pixel, share) in self.corners(*point) {
+                add_scaled(&mut slopes[pixel * n..(pixel + 1) * n], slope, share);
+            }
+        }
+    }
+}

@@ -1,0 +1,214 @@
+//! Training samples: crops around labelled faces as the tracker would cut them, disturbed as
+//! cameras and light disturb them.
+
+use super::network::Sizes;
+use super::starts::{Jitter, normal};
+use crate::faces::Face;
+use posewise::align::{Shape, mirror};
+use posewise::image::{Crop, warp};
+use posewise::math::Similarity;
+use rand::Rng;
+use rand_chacha::ChaCha8Rng;
+
+/// How far crops lie from where the true landmarks would put them.
+#[derive(Clone, Copy, Debug)]
+pub struct Start {
+    /// Errors as after a detection.
+    pub detected: Jitter,
+    /// Errors as from the frame before, or in a second pass.
+    pub tracked: Jitter,
+    /// Share of the first kind.
+    pub detected_share: f32,
+}
+
+impl Default for Start {
+    fn default() -> Self {
+        Start {
+            detected: Jitter {
+                shift: 0.08,
+                log_size: 0.13,
+                roll: 0.20,
+            },
+            tracked: Jitter {
+                shift: 0.03,
+                log_size: 0.04,
+                roll: 0.05,
+            },
+            detected_share: 0.4,
+        }
+    }
+}
+
+/// Disturbances of a crop.
+#[derive(Clone, Copy, Debug)]
+pub struct Augment {
+    /// Deviation of the logarithm of contrast.
+    pub contrast: f32,
+    /// Deviation of brightness.
+    pub brightness: f32,
+    /// Largest deviation of noise.
+    pub noise: f32,
+    /// Largest change of brightness across the crop.
+    pub slope: f32,
+    /// Share of blurred crops.
+    pub blur: f32,
+    /// Share of crops at half resolution.
+    pub coarse: f32,
+    /// Share of crops with a patch painted over.
+    pub patch: f32,
+}
+
+impl Default for Augment {
+    fn default() -> Self {
+        Augment {
+            contrast: 0.3,
+            brightness: 15.0,
+            noise: 12.0,
+            slope: 40.0,
+            blur: 0.15,
+            coarse: 0.15,
+            patch: 0.2,
+        }
+    }
+}
+
+/// A crop and where its landmarks are, in crop px from its centre.
+pub struct Sample {
+    pub crop: Vec<f32>,
+    pub truth: Shape,
+}
+
+/// Width of a mean face's box, in canonical units: what jitter's shifts are shares of.
+const BOX: f32 = 64.0;
+
+/// One sample of a face.
+pub fn sample(
+    face: &Face,
+    mean: &Shape,
+    sizes: &Sizes,
+    start: &Start,
+    augment: &Augment,
+    rng: &mut ChaCha8Rng,
+) -> Sample {
+    let detected = rng.random_range(0.0..1.0) < start.detected_share;
+    let jitter = if detected {
+        &start.detected
+    } else {
+        &start.tracked
+    };
+    let scale = (normal(rng) * jitter.log_size).exp() / sizes.zoom;
+    let angle = normal(rng) * jitter.roll;
+    let mut sample = cut(
+        face,
+        mean,
+        sizes.side,
+        Similarity {
+            a: scale * angle.cos(),
+            b: scale * angle.sin(),
+            tx: normal(rng) * jitter.shift * BOX,
+            ty: normal(rng) * jitter.shift * BOX,
+        },
+        rng.random_bool(0.5),
+    );
+    disturb(&mut sample.crop, sizes.side, augment, rng);
+    standardise(&mut sample.crop);
+    sample
+}
+
+/// The crop of a face whose centred px lie at `to_canonical` of the true canonical frame.
+pub fn cut(
+    face: &Face,
+    mean: &Shape,
+    side: usize,
+    to_canonical: Similarity,
+    mirrored: bool,
+) -> Sample {
+    let canonical = Similarity::fit(mean, &face.landmarks).expect("a face has extent");
+    let to_frame = to_canonical.then(&canonical);
+    let mut crop = cut_at(face, &to_frame, side);
+    let back = to_frame.inverse().expect("a face has extent");
+    let mut truth = face.landmarks.map(|p| back.apply(p));
+    if mirrored {
+        crop.chunks_exact_mut(side).for_each(<[f32]>::reverse);
+        truth = mirror(&truth);
+    }
+    Sample { crop, truth }
+}
+
+/// The crop whose px, from its centre, lie at `to_frame` in the picture.
+pub fn cut_at(face: &Face, to_frame: &Similarity, side: usize) -> Vec<f32> {
+    let centre = (side as f32 - 1.0) / 2.0;
+    let [tx, ty] = to_frame.apply([-centre, -centre]);
+    let mut crop = Crop::new();
+    let from_corner = Similarity {
+        tx,
+        ty,
+        ..*to_frame
+    };
+    warp(&face.picture.frame(), &from_corner, side, &mut crop);
+    crop.luma().iter().map(|v| *v as f32).collect()
+}
+
+fn disturb(crop: &mut [f32], side: usize, augment: &Augment, rng: &mut ChaCha8Rng) {
+    let chance = |share: f32, rng: &mut ChaCha8Rng| rng.random_range(0.0..1.0) < share;
+    if chance(augment.coarse, rng) {
+        for y in (0..side - 1).step_by(2) {
+            for x in (0..side - 1).step_by(2) {
+                let four = [0, 1, side, side + 1].map(|d| y * side + x + d);
+                let mean = four.iter().map(|k| crop[*k]).sum::<f32>() / 4.0;
+                four.iter().for_each(|k| crop[*k] = mean);
+            }
+        }
+        blur(crop, side);
+    } else if chance(augment.blur, rng) {
+        blur(crop, side);
+    }
+    let gain = (normal(rng) * augment.contrast).exp();
+    let offset = normal(rng) * augment.brightness;
+    let slope = rng.random_range(-1.0f32..1.0) * augment.slope / side as f32;
+    let [sx, sy] = [
+        slope,
+        rng.random_range(-1.0f32..1.0) * augment.slope / side as f32,
+    ];
+    let noise = rng.random_range(0.0f32..1.0).powi(3) * augment.noise;
+    let centre = side as f32 / 2.0;
+    for (at, v) in crop.iter_mut().enumerate() {
+        let (x, y) = ((at % side) as f32 - centre, (at / side) as f32 - centre);
+        // A sum of four uniform numbers is normal enough for noise.
+        let n = (0..4).map(|_| rng.random_range(-0.5f32..0.5)).sum::<f32>() * 1.73 * noise;
+        *v = ((*v - 128.0) * gain + 128.0 + offset + sx * x + sy * y + n).clamp(0.0, 255.0);
+    }
+    if chance(augment.patch, rng) {
+        let [w, h] = [0, 0].map(|_| rng.random_range(side / 12..side / 3));
+        let (x0, y0) = (rng.random_range(0..side - w), rng.random_range(0..side - h));
+        let value = rng.random_range(0.0..255.0);
+        for y in y0..y0 + h {
+            crop[y * side + x0..y * side + x0 + w].fill(value);
+        }
+    }
+}
+
+/// 3×3 means.
+fn blur(crop: &mut [f32], side: usize) {
+    let from = crop.to_vec();
+    for y in 0..side {
+        for x in 0..side {
+            let mut sum = 0.0;
+            for v in [y.saturating_sub(1), y, (y + 1).min(side - 1)] {
+                for u in [x.saturating_sub(1), x, (x + 1).min(side - 1)] {
+                    sum += from[v * side + u];
+                }
+            }
+            crop[y * side + x] = sum / 9.0;
+        }
+    }
+}
+
+/// Takes the mean off and divides by the deviation, as the core does.
+pub fn standardise(crop: &mut [f32]) {
+    let n = crop.len() as f32;
+    let mean = crop.iter().sum::<f32>() / n;
+    let variance = crop.iter().map(|v| (v - mean).powi(2)).sum::<f32>() / n;
+    let gain = 1.0 / (variance.sqrt() + 8.0);
+    crop.iter_mut().for_each(|v| *v = (*v - mean) * gain);
+}
