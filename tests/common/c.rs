@@ -45,6 +45,18 @@ pub fn exists(program: &str) -> bool {
     Command::new(program).arg("--version").output().is_ok()
 }
 
+/// Whether a program is there; says that the test is skipped if not. Where everything must be there,
+/// as on the machine of .ci/run, a missing one is a failure.
+pub fn require(program: &str) -> bool {
+    let there = exists(program);
+    let must = std::env::var_os("POSEWISE_REQUIRE_TARGETS").is_some();
+    assert!(there || !must, "there is no {program}");
+    if !there {
+        eprintln!("skipped: no {program}");
+    }
+    there
+}
+
 /// The static library, built once.
 pub fn library() -> &'static Path {
     static LIBRARY: OnceLock<PathBuf> = OnceLock::new();

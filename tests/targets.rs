@@ -1,0 +1,116 @@
+//! Other machines, emulated: the static library, built as the Makefile builds it for them, gives the
+//! same answers there to the last bit, and its structs lie the same.
+//!
+//! Skipped where compilers or emulators are missing, unless `POSEWISE_REQUIRE_TARGETS` is set.
+
+mod common;
+
+use common::c::{STRICT, cc, exists, library, require, succeed};
+use common::{root, scratch};
+use std::process::Command;
+use std::sync::OnceLock;
+
+/// Frames of the demo clip that each machine tracks: enough to search, find, track and lose.
+const FRAMES: usize = 100;
+
+fn make(goal: &str) -> Command {
+    let mut make = Command::new("make");
+    make.arg("-s").arg("-C").arg(root()).arg(goal);
+    // The folder that `library` uses too; cargo shares what is the same.
+    make.arg(format!("TARGET_DIR={}", scratch("dist").display()));
+    make
+}
+
+/// What every machine must print, as this one does.
+fn expected() -> &'static str {
+    static EXPECTED: OnceLock<String> = OnceLock::new();
+    EXPECTED.get_or_init(|| {
+        library();
+        let line = replay(None);
+        let tracked = line.split(' ').rev().nth(1).and_then(|n| n.parse().ok());
+        assert!(tracked > Some(FRAMES / 2), "{line}");
+        line
+    })
+}
+
+/// Builds and runs tests/c/replay.c on a machine and gives the line that it prints.
+fn replay(target: Option<&str>) -> String {
+    let clip = scratch("targets").join("demo.y4m");
+    if !clip.exists() {
+        let demo = common::demo().expect("tests/data/demo.y4m.gz");
+        std::fs::write(&clip, demo.y4m).expect("target/ is writable");
+    }
+    let mut make = make("replay");
+    make.arg(format!("CLIP={}", clip.display()))
+        .arg(format!("FRAMES={FRAMES}"));
+    if let Some(target) = target {
+        make.arg(format!("TARGET={target}"));
+    }
+    let line = succeed(&mut make);
+    print!("{}: {line}", target.unwrap_or("this machine"));
+    line
+}
+
+/// Whether a library can be built for a machine, and programs compiled and run.
+fn possible(target: &str, programs: &[&str]) -> bool {
+    if !programs.iter().all(|program| require(program)) {
+        return false;
+    }
+    let mut dry = make("lib");
+    let dry = dry.arg("--dry-run").arg(format!("TARGET={target}"));
+    let rust = dry.output().is_ok_and(|output| output.status.success());
+    rust || require(&format!("Rust for {target}"))
+}
+
+fn answers_alike(target: &str, programs: &[&str]) {
+    if require("make") && possible(target, programs) {
+        assert_eq!(
+            replay(Some(target)),
+            expected(),
+            "this machine at the right"
+        );
+    }
+}
+
+#[test]
+fn aarch64_answers_alike() {
+    let programs = ["aarch64-linux-gnu-gcc", "qemu-aarch64-static"];
+    answers_alike("aarch64-unknown-linux-gnu", &programs);
+}
+
+#[test]
+fn armv7_answers_alike() {
+    let programs = ["arm-linux-gnueabihf-gcc", "qemu-arm-static"];
+    answers_alike("armv7-unknown-linux-gnueabihf", &programs);
+}
+
+#[test]
+fn cortex_m_answers_alike() {
+    let programs = ["arm-none-eabi-gcc", "qemu-system-arm"];
+    answers_alike("thumbv7em-none-eabihf", &programs);
+}
+
+#[test]
+fn structs_lie_alike() {
+    let check = |compiler: &str, flags: &[&str]| {
+        let mut command = Command::new(compiler);
+        command.args(flags).args(STRICT).arg("-Wpadded");
+        command
+            .args(["-fsyntax-only", "-I"])
+            .arg(root().join("include"));
+        succeed(command.arg(root().join("tests/c/abi.c")));
+    };
+    check(&cc(), &["-std=c99"]);
+    let cortex_m = ["-std=c99", "-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard"];
+    let cross: [(&str, &[&str]); 3] = [
+        ("aarch64-linux-gnu-gcc", &["-std=c99"]),
+        // Short enums, as some ARM compilers have them, must not matter.
+        ("arm-linux-gnueabihf-gcc", &["-std=c99", "-fshort-enums"]),
+        ("arm-none-eabi-gcc", &cortex_m),
+    ];
+    for (compiler, flags) in cross {
+        if exists(compiler) || require(compiler) {
+            check(compiler, flags);
+        }
+    }
+}
