@@ -100,13 +100,13 @@ $(REPLAY): lib
 replay: $(REPLAY)
 	@$(RUN) $(REPLAY) $(if $(BOARD),,$(CLIP) $(FRAMES)) </dev/null
 
-# Linking takes only what can be reached: everything the header declares.
-size:
-	$(MAKE) -s -f $(ROOT)/Makefile lib MODEL=none TARGET_DIR=$(TARGET_DIR)/size
-	$(CROSS_CC) -r -nostdlib -Wl,--gc-sections,--gc-keep-exported $(addprefix -Wl$(comma)-u$(comma),\
-		$(shell sed -n 's/^[a-z].*[ *]\(posewise_[a-z_]*\)(.*/\1/p' $(ROOT)/include/posewise.h)) \
-		$(TARGET_DIR)/size/$(if $(TARGET),$(TARGET)/)dist/libposewise.a -o $(TARGET_DIR)/size/whole.o
-	$(CROSS_SIZE) $(TARGET_DIR)/size/whole.o
 override comma := ,
+# Linking takes what the header's functions reach; without posewise_default_model() no model.
+override FUNCTIONS := $(filter-out posewise_default_model,$(shell \
+	sed -n 's/^[a-z].*[ *]\(posewise_[a-z_]*\)(.*)*$$/\1/p' $(ROOT)/include/posewise.h))
+size: lib
+	$(CROSS_CC) -r -nostdlib -Wl,--gc-sections $(addprefix -Wl$(comma)-u$(comma),$(FUNCTIONS)) \
+		$(LIB) -o $(TARGET_DIR)/whole-$(NAME).o
+	$(CROSS_SIZE) $(TARGET_DIR)/whole-$(NAME).o
 
 .PHONY: all lib install dist replay size

@@ -7,6 +7,7 @@ mod common;
 
 use common::c::{STRICT, cc, exists, library, require, succeed};
 use common::{root, scratch};
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
 
@@ -33,13 +34,20 @@ fn expected() -> &'static str {
     })
 }
 
-/// Builds and runs tests/c/replay.c on a machine and gives the line that it prints.
-fn replay(target: Option<&str>) -> String {
-    let clip = scratch("targets").join("demo.y4m");
-    if !clip.exists() {
+/// The demo clip, unpacked once.
+fn clip() -> &'static Path {
+    static CLIP: OnceLock<PathBuf> = OnceLock::new();
+    CLIP.get_or_init(|| {
+        let clip = scratch("targets").join("demo.y4m");
         let demo = common::demo().expect("tests/data/demo.y4m.gz");
         std::fs::write(&clip, demo.y4m).expect("target/ is writable");
-    }
+        clip
+    })
+}
+
+/// Builds and runs tests/c/replay.c on a machine and gives the line that it prints.
+fn replay(target: Option<&str>) -> String {
+    let clip = clip();
     let mut make = make("replay");
     make.arg(format!("CLIP={}", clip.display()))
         .arg(format!("FRAMES={FRAMES}"));
@@ -88,6 +96,23 @@ fn armv7_answers_alike() {
 fn cortex_m_answers_alike() {
     let programs = ["arm-none-eabi-gcc", "qemu-system-arm"];
     answers_alike("thumbv7em-none-eabihf", &programs);
+}
+
+/// Code and constants that a program gets at most, the model not counted \[bytes\].
+const CODE_LIMIT: usize = 256 * 1024;
+
+#[test]
+fn code_is_small() {
+    let target = "aarch64-unknown-linux-gnu";
+    if !require("make") || !possible(target, &["aarch64-linux-gnu-gcc", "aarch64-linux-gnu-size"]) {
+        return;
+    }
+    let table = succeed(make("size").arg(format!("TARGET={target}")));
+    println!("{table}");
+    let sizes = table.lines().nth(1).expect("a line below the head");
+    let text = sizes.split_whitespace().next().and_then(|n| n.parse().ok());
+    let text: usize = text.expect("a number");
+    assert!(text <= CODE_LIMIT, "{text} bytes of code");
 }
 
 #[test]
