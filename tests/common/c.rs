@@ -76,10 +76,12 @@ pub fn library() -> &'static Path {
     })
 }
 
-/// Compiles one C file against the library.
+/// Compiles one C file against the library; `-l…` among the flags are further libraries.
 pub fn program(source: &str, name: &str, flags: &[&str]) -> PathBuf {
     let program = scratch("c").join(name);
     let mut command = Command::new(cc());
+    let (libraries, flags): (Vec<&str>, Vec<&str>) =
+        flags.iter().partition(|flag| flag.starts_with("-l"));
     command
         .args(["-std=c99", "-O1", "-g"])
         .args(STRICT)
@@ -87,6 +89,7 @@ pub fn program(source: &str, name: &str, flags: &[&str]) -> PathBuf {
     command.arg("-I").arg(root().join("include"));
     command.arg(root().join(source)).arg(library());
     command
+        .args(libraries)
         .args(["-Wl,--gc-sections", "-lm", "-o"])
         .arg(&program);
     succeed(&mut command);
