@@ -27,7 +27,7 @@ fn expected() -> &'static str {
     static EXPECTED: OnceLock<String> = OnceLock::new();
     EXPECTED.get_or_init(|| {
         library();
-        let line = replay(None);
+        let line = run_replay(None).0;
         let tracked = line.split(' ').rev().nth(1).and_then(|n| n.parse().ok());
         assert!(tracked > Some(FRAMES / 2), "{line}");
         line
@@ -45,18 +45,20 @@ fn clip() -> &'static Path {
     })
 }
 
-/// Builds and runs tests/c/replay.c on a machine and gives the line that it prints.
-fn replay(target: Option<&str>) -> String {
-    let clip = clip();
+/// Builds and runs tests/c/replay.c on a machine; gives what it prints and what it says besides.
+fn run_replay(target: Option<&str>) -> (String, String) {
     let mut make = make("replay");
-    make.arg(format!("CLIP={}", clip.display()))
+    make.arg(format!("CLIP={}", clip().display()))
         .arg(format!("FRAMES={FRAMES}"));
     if let Some(target) = target {
         make.arg(format!("TARGET={target}"));
     }
-    let line = succeed(&mut make);
+    let output = make.output().expect("make runs");
+    let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
+    let (line, said) = (text(output.stdout), text(output.stderr));
+    assert!(output.status.success(), "{make:?}\n{line}{said}");
     print!("{}: {line}", target.unwrap_or("this machine"));
-    line
+    (line, said)
 }
 
 /// Whether a library can be built for a machine, and programs compiled and run.
@@ -70,14 +72,14 @@ fn possible(target: &str, programs: &[&str]) -> bool {
     rust || require(&format!("Rust for {target}"))
 }
 
-fn answers_alike(target: &str, programs: &[&str]) {
-    if require("make") && possible(target, programs) {
-        assert_eq!(
-            replay(Some(target)),
-            expected(),
-            "this machine at the right"
-        );
+/// Runs the clip on a machine, if that is possible, and gives what was said besides the answer.
+fn answers_alike(target: &str, programs: &[&str]) -> Option<String> {
+    if !require("make") || !possible(target, programs) {
+        return None;
     }
+    let (line, said) = run_replay(Some(target));
+    assert_eq!(line, expected(), "this machine at the right");
+    Some(said)
 }
 
 #[test]
@@ -92,10 +94,19 @@ fn armv7_answers_alike() {
     answers_alike("armv7-unknown-linux-gnueabihf", &programs);
 }
 
+/// What the header promises of a call; here the program around it must fit in, too \[bytes\].
+const STACK_LIMIT: usize = 32 * 1024;
+
 #[test]
 fn cortex_m_answers_alike() {
     let programs = ["arm-none-eabi-gcc", "qemu-system-arm"];
-    answers_alike("thumbv7em-none-eabihf", &programs);
+    let Some(said) = answers_alike("thumbv7em-none-eabihf", &programs) else {
+        return;
+    };
+    let stack = said.lines().find_map(|line| line.strip_prefix("stack: "));
+    let bytes = stack.and_then(|s| s.split(' ').next()?.parse::<usize>().ok());
+    println!("stack of the whole program: {bytes:?}");
+    assert!(bytes.expect("start.c tells it") <= STACK_LIMIT);
 }
 
 /// Code and constants that a program gets at most, the model not counted \[bytes\].
