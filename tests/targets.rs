@@ -105,8 +105,10 @@ fn cortex_m_answers_alike() {
     };
     let stack = said.lines().find_map(|line| line.strip_prefix("stack: "));
     let bytes = stack.and_then(|s| s.split(' ').next()?.parse::<usize>().ok());
-    println!("stack of the whole program: {bytes:?}");
-    assert!(bytes.expect("start.c tells it") <= STACK_LIMIT);
+    let bytes = bytes.expect("start.c tells it");
+    println!("stack of the whole program: {bytes}");
+    assert!(bytes <= STACK_LIMIT);
+    common::check_documented("stack of a whole program, Cortex-M4", bytes, 0.1);
 }
 
 /// Code and constants that a program gets at most, the model not counted \[bytes\].
@@ -124,6 +126,7 @@ fn code_is_small() {
     let text = sizes.split_whitespace().next().and_then(|n| n.parse().ok());
     let text: usize = text.expect("a number");
     assert!(text <= CODE_LIMIT, "{text} bytes of code");
+    common::check_documented("code and constants without model, AArch64", text, 0.03);
 }
 
 #[test]
