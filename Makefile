@@ -10,7 +10,7 @@
 # TARGET`; or `rustup component add rust-src`, or Debian's packages rustc-web, cargo-web and
 # rust-web-src, from which its core is then built.
 # TARGET_DIR is cargo's build folder. MODEL=none builds no model in.
-TARGET_DIR ?= target
+TARGET_DIR ?= $(or $(CARGO_TARGET_DIR),target)
 PREFIX ?= /usr/local
 CARGO ?= cargo
 CLIP ?= tests/data/demo.y4m
@@ -47,11 +47,11 @@ CROSS_SIZE ?= size
 else ifeq ($(TARGET),aarch64-unknown-linux-gnu)
 CROSS_CC ?= aarch64-linux-gnu-gcc -static
 CROSS_SIZE ?= aarch64-linux-gnu-size
-RUN ?= qemu-aarch64-static -cpu cortex-a76
+RUN ?= timeout 300 qemu-aarch64-static -cpu cortex-a76
 else ifeq ($(TARGET),armv7-unknown-linux-gnueabihf)
 CROSS_CC ?= arm-linux-gnueabihf-gcc -static
 CROSS_SIZE ?= arm-linux-gnueabihf-size
-RUN ?= qemu-arm-static -cpu cortex-a7
+RUN ?= timeout 300 qemu-arm-static -cpu cortex-a7
 # Rust's target of that name has no NEON; every ARMv7 board with Linux and a camera has.
 export RUSTFLAGS := -Ctarget-feature=+neon
 else ifeq ($(TARGET),thumbv7em-none-eabihf)
@@ -61,7 +61,7 @@ CROSS_SIZE ?= arm-none-eabi-size
 BOARD := --specs=rdimon.specs -nostartfiles -Wl,--no-warn-execstack \
 	-T $(ROOT)/ffi-examples/bare-metal/mps2-an386.ld \
 	$(ROOT)/ffi-examples/bare-metal/start.c
-RUN ?= qemu-system-arm -M mps2-an386 -nographic -monitor none -serial null \
+RUN ?= timeout 300 qemu-system-arm -M mps2-an386 -nographic -monitor none -serial null \
 	-semihosting-config enable=on,target=native,arg=replay,arg=$(CLIP),arg=$(FRAMES) -kernel
 endif
 

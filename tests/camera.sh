@@ -1,16 +1,20 @@
 #!/bin/sh
-# camera.sh KERNEL PROGRAM CONTROL WORK - runs the V4L2 example in an emulated machine whose kernel
-# has vivid, the kernel's own virtual camera (a test pattern), and prints what it prints.
+# camera.sh KERNEL V4L2 CONTROL FEED CLIP WORK - runs the V4L2 example in an emulated machine whose
+# kernel has vivid, the kernel's own virtual video device, and prints what it prints.
 #
-# KERNEL is an unpacked Linux image (boot/, lib/modules/), PROGRAM ffi-examples/v4l2.c and CONTROL
-# tests/c/control.c, both linked statically; WORK a folder for the machine's disk.
+# There, /dev/video0 is a camera that shows a test pattern; what is shown on the output /dev/video2
+# comes in at /dev/video1. KERNEL is an unpacked Linux image (boot/, lib/modules/); V4L2, CONTROL and
+# FEED are ffi-examples/v4l2.c and two of tests/c, linked statically; CLIP is a grey y4m file, WORK a
+# folder for the machine's disk.
 set -eu
-kernel=$1 program=$2 control=$3 work=$4
+kernel=$1 v4l2=$2 control=$3 feed=$4 clip=$5 work=$6
 rm -rf "$work"
 mkdir -p "$work/bin" "$work/modules" "$work/proc" "$work/sys" "$work/dev"
 cp "$(command -v busybox)" "$work/bin/busybox"
-cp "$program" "$work/bin/v4l2"
+cp "$v4l2" "$work/bin/v4l2"
 cp "$control" "$work/bin/control"
+cp "$feed" "$work/bin/feed"
+cp "$clip" "$work/clip.y4m"
 
 # vivid and what it needs, in the order in which the kernel wants it.
 order=
@@ -35,7 +39,8 @@ mount -t sysfs sysfs /sys
 mount -t devtmpfs dev /dev
 for module in $order; do
     options=
-    [ \$module != vivid ] || options="n_devs=1 node_types=0x1 num_inputs=1 input_types=0"
+    [ \$module != vivid ] || options="n_devs=2 node_types=0x1,0x101 num_inputs=1,1 input_types=0,3
+        num_outputs=1,1 output_types=1,1" # a webcam; HDMI in and out
     insmod /modules/\$module.ko \$options
 done
 run() {
@@ -72,11 +77,15 @@ unplug() { control /dev/video0 Disconnect; }
 during interrupt
 during spoil
 during unplug
+control /dev/video1 "Loop Video"
+feed /dev/video2 /clip.y4m &
+sleep 1
+run v4l2 /dev/video1 100 GREY
 poweroff -f
 INIT
 chmod +x "$work/init"
 (cd "$work" && find . | cpio --quiet -o -H newc | gzip -1) >"$work.cpio.gz"
-# Without KVM: it is not there in many containers, and seconds are enough.
+# Without kernel messages in between. Without KVM: it is not there in many containers, and seconds are enough.
 exec timeout 300 qemu-system-x86_64 -M pc -m 512 -nographic -no-reboot -nic none \
     -kernel "$(find "$kernel/boot" -name 'vmlinuz-*' | head -n 1)" -initrd "$work.cpio.gz" \
-    -append "console=ttyS0 panic=-1 quiet" </dev/null
+    -append "console=ttyS0 panic=-1 quiet loglevel=1" </dev/null

@@ -5,7 +5,7 @@
 
 mod common;
 
-use common::c::{STRICT, cc, exists, library, require, succeed};
+use common::c::{STRICT, cc, cxx, exists, library, require, succeed};
 use common::{root, scratch};
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -140,6 +140,9 @@ fn structs_lie_alike() {
         succeed(command.arg(root().join("tests/c/abi.c")));
     };
     check(&cc(), &["-std=c99"]);
+    if let Some(cxx) = cxx() {
+        check(&cxx, &["-x", "c++", "-std=c++11"]);
+    }
     let cortex_m = ["-std=c99", "-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard"];
     let cross: [(&str, &[&str]); 3] = [
         ("aarch64-linux-gnu-gcc", &["-std=c99"]),

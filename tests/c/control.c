@@ -1,4 +1,4 @@
-/* control.c DEVICE NAME - presses a V4L2 device's button by its name. Linux. */
+/* control.c DEVICE NAME - presses a V4L2 device's button, or sets a switch, by its name. Linux. */
 #define _DEFAULT_SOURCE
 #include <fcntl.h>
 #include <linux/videodev2.h>
