@@ -52,7 +52,7 @@ else ifeq ($(TARGET),armv7-unknown-linux-gnueabihf)
 CROSS_CC ?= arm-linux-gnueabihf-gcc -static
 CROSS_SIZE ?= arm-linux-gnueabihf-size
 RUN ?= timeout 300 qemu-arm-static -cpu cortex-a7
-# Rust's target of that name has no NEON; every ARMv7 board with Linux and a camera has.
+# Rust's target of that name has no NEON, nearly every such processor has. RUSTFLAGS= does without.
 export RUSTFLAGS := -Ctarget-feature=+neon
 else ifeq ($(TARGET),thumbv7em-none-eabihf)
 CROSS_CC ?= arm-none-eabi-gcc -mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16
