@@ -250,6 +250,10 @@ const char *posewise_animation_name(uint32_t index);
 // Forgets the face, the person and the clock; model and settings stay.
 posewise_status posewise_reset(posewise_tracker *tracker);
 
+// Forgets the person, as when somebody else takes the seat: the shape of the head is learnt anew
+// from the next frames. The face goes on being tracked, and the answer to the last step stays.
+posewise_status posewise_forget_person(posewise_tracker *tracker);
+
 // Changes the camera (zoom, another resolution) from the next step on. NULL or all zero: the
 // default, a 60 degree horizontal field of view.
 posewise_status posewise_set_intrinsics(posewise_tracker *tracker,

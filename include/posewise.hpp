@@ -116,6 +116,8 @@ public:
 
     posewise_status reset() { return posewise_reset(tracker_); }
 
+    posewise_status forget_person() { return posewise_forget_person(tracker_); }
+
     Tracker copy() const {
         Tracker other;
         if (tracker_ == nullptr || !(other.memory_ = allocate(size_))) {

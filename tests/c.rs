@@ -214,8 +214,10 @@ fn makefile_builds_the_examples() {
     let mut make = Command::new("make");
     make.arg("-C").arg(root().join("ffi-examples"));
     make.arg(format!("TARGET_DIR={}", target.display()));
-    succeed(make.arg("CFLAGS=-O2 -Werror"));
-    for example in ["y4m", "static_memory"] {
+    make.arg("all");
+    let linux = cfg!(target_os = "linux").then_some("v4l2");
+    succeed(make.args(linux).arg("CFLAGS=-O2 -Werror"));
+    for example in ["y4m", "static_memory"].into_iter().chain(linux) {
         assert!(
             target.join("ffi-examples").join(example).exists(),
             "{example}"

@@ -7,7 +7,7 @@ mod common;
 mod types;
 
 use common::c::{arguments, cc, example, exists, library, program, succeed};
-use common::{root, scratch};
+use common::{check_documented, root, scratch};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
@@ -36,8 +36,14 @@ fn stack_and_memory_are_bounded() {
             "posewise_{call} uses {used} bytes of stack"
         );
     }
+    if cfg!(target_arch = "x86_64") {
+        check_documented("stack of `posewise_init`, x86-64", figure("init"), 0.1);
+        check_documented("stack of `posewise_step`, x86-64", figure("step"), 0.1);
+    }
     let (need, stated) = (figure("memory"), types::POSEWISE_MEMORY_SIZE as usize);
     assert!(need <= stated);
+    check_documented("tracker, 64-bit machine", need, 0.03);
+    check_documented("… at most, known when compiling", stated, 0.0);
     assert!(
         need < MEMORY_FLOOR || stated as f64 <= need as f64 * MEMORY_SLACK,
         "POSEWISE_MEMORY_SIZE is {stated}, a tracker needs {need}: lower it in ffi/types.rs"

@@ -243,6 +243,19 @@ pub unsafe extern "C" fn posewise_reset(tracker: *mut posewise_tracker) -> posew
     })
 }
 
+/// Forgets the person, as when somebody else takes the seat: the shape of the head is learnt anew
+/// from the next frames. The face goes on being tracked, and the answer to the last step stays.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn posewise_forget_person(tracker: *mut posewise_tracker) -> posewise_status {
+    status(|| {
+        // SAFETY: the caller's promise.
+        unsafe { memory::block_mut(tracker)? }
+            .tracker
+            .forget_person();
+        Ok(())
+    })
+}
+
 /// Changes the camera (zoom, another resolution) from the next step on. NULL or all zero: the
 /// default, a 60 degree horizontal field of view.
 #[unsafe(no_mangle)]

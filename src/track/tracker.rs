@@ -213,6 +213,13 @@ impl Tracker {
         self.scan.restart();
     }
 
+    /// Forgets whose face it is, as when somebody else takes the seat: the identity is learnt anew
+    /// from the next trusted frames. The face goes on being tracked.
+    pub fn forget_person(&mut self) {
+        self.subject.identity = IdentityEstimator::new();
+        self.subject.face.identity = [0.0; MAX_IDENTITIES];
+    }
+
     /// Changes the camera from the next step on.
     ///
     /// # Errors

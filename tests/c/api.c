@@ -226,6 +226,7 @@ static void no_tracker(posewise_tracker *t) {
     CHECK_STATUS(posewise_landmarks(t, a.landmarks, POSEWISE_LANDMARKS), POSEWISE_E_ARG);
     CHECK_STATUS(posewise_animation(t, a.animation, POSEWISE_ANIMATIONS), POSEWISE_E_ARG);
     CHECK_STATUS(posewise_reset(t), POSEWISE_E_ARG);
+    CHECK_STATUS(posewise_forget_person(t), POSEWISE_E_ARG);
     CHECK_STATUS(posewise_set_intrinsics(t, NULL), POSEWISE_E_ARG);
     CHECK(memcmp(&a, &before, sizeof a) == 0);
 }
@@ -454,6 +455,57 @@ static void test_intrinsics(void) {
     guarded_free(memory);
 }
 
+/* A camera of twice the focal length sees the same picture from twice as far. */
+static void test_zoom(void) {
+    guarded memory = tracker_memory(0);
+    posewise_tracker *t = init(memory, NULL);
+    posewise_intrinsics camera = {400, 400, 160, 120};
+    posewise_frame f;
+    answer a, zoomed;
+    size_t i;
+    memset(&a, 0, sizeof a);
+    CHECK_STATUS(posewise_set_intrinsics(t, &camera), POSEWISE_OK);
+    for (i = 0; i < frames.count; i++) {
+        f = clip_frame(&frames, i);
+        CHECK_STATUS(step(t, &f, &a), POSEWISE_OK);
+    }
+    camera.fx = camera.fy = 800;
+    CHECK_STATUS(posewise_set_intrinsics(t, &camera), POSEWISE_OK);
+    f.timestamp_us++;
+    CHECK_STATUS(step(t, &f, &zoomed), POSEWISE_OK);
+    CHECK(zoomed.result.state == a.result.state);
+    if (a.result.state == POSEWISE_TRACKING) {
+        const float times = zoomed.result.translation_mm[2] / a.result.translation_mm[2];
+        CHECK(times > 1.8f && times < 2.2f);
+    }
+    guarded_free(memory);
+}
+
+/* The face goes on being tracked, the head's shape starts anew. */
+static void test_forget_person(void) {
+    guarded kept = tracker_memory(0), forgot = tracker_memory(0);
+    posewise_tracker *a = init(kept, NULL), *b = init(forgot, NULL);
+    const size_t when = frames.count / 2;
+    answer of_a, of_b;
+    size_t i, differ = 0;
+    CHECK_STATUS(posewise_forget_person(b), POSEWISE_OK); /* of nobody: no effect */
+    for (i = 0; i < frames.count; i++) {
+        const posewise_frame f = clip_frame(&frames, i);
+        CHECK_STATUS(step(a, &f, &of_a), POSEWISE_OK);
+        CHECK_STATUS(step(b, &f, &of_b), POSEWISE_OK);
+        CHECK(of_a.result.state == of_b.result.state);
+        differ += memcmp(&of_a, &of_b, sizeof of_a) != 0;
+        if (i < when)
+            CHECK(differ == 0);
+        if (i == when)
+            CHECK_STATUS(posewise_forget_person(b), POSEWISE_OK);
+    }
+    if (of_a.result.state == POSEWISE_TRACKING)
+        CHECK(differ > 0);
+    guarded_free(kept);
+    guarded_free(forgot);
+}
+
 /* Memory full of zeros or ones, a reset, a copy elsewhere: the same answers bit for bit. */
 static void test_same_answers(void) {
     guarded zeros = tracker_memory(0x00), ones = tracker_memory(0xFF), moved = tracker_memory(0xA5);
@@ -511,6 +563,8 @@ int main(int argc, char **argv) {
     test_formats();
     test_extreme_times();
     test_intrinsics();
+    test_zoom();
+    test_forget_person();
     test_same_answers();
     CHECK(memcmp(model.start, before.start, model.len) == 0);
     guarded_free(before);

@@ -45,6 +45,18 @@ pub fn exists(program: &str) -> bool {
     Command::new(program).arg("--version").output().is_ok()
 }
 
+/// Whether a program is there; says that the test is skipped if not. Where everything must be there,
+/// as on the machine of .ci/run, a missing one is a failure.
+pub fn require(program: &str) -> bool {
+    let there = exists(program);
+    let must = std::env::var_os("POSEWISE_REQUIRE_TARGETS").is_some();
+    assert!(there || !must, "there is no {program}");
+    if !there {
+        eprintln!("skipped: no {program}");
+    }
+    there
+}
+
 /// The static library, built once.
 pub fn library() -> &'static Path {
     static LIBRARY: OnceLock<PathBuf> = OnceLock::new();
@@ -64,10 +76,12 @@ pub fn library() -> &'static Path {
     })
 }
 
-/// Compiles one C file against the library.
+/// Compiles one C file against the library; `-l…` among the flags are further libraries.
 pub fn program(source: &str, name: &str, flags: &[&str]) -> PathBuf {
     let program = scratch("c").join(name);
     let mut command = Command::new(cc());
+    let (libraries, flags): (Vec<&str>, Vec<&str>) =
+        flags.iter().partition(|flag| flag.starts_with("-l"));
     command
         .args(["-std=c99", "-O1", "-g"])
         .args(STRICT)
@@ -75,6 +89,7 @@ pub fn program(source: &str, name: &str, flags: &[&str]) -> PathBuf {
     command.arg("-I").arg(root().join("include"));
     command.arg(root().join(source)).arg(library());
     command
+        .args(libraries)
         .args(["-Wl,--gc-sections", "-lm", "-o"])
         .arg(&program);
     succeed(&mut command);

@@ -18,6 +18,20 @@ pub fn scratch(name: &str) -> PathBuf {
     path
 }
 
+/// Fails when docs/memory.md, in the row that starts so, states a figure that is off by more than the
+/// part given.
+pub fn check_documented(row: &str, measured: usize, part: f64) {
+    let page = std::fs::read_to_string(root().join("docs/memory.md")).expect("docs/memory.md");
+    let start = format!("| {row} | ");
+    let line = page.lines().find_map(|line| line.strip_prefix(&start));
+    let figure = line.and_then(|rest| rest.split(' ').next()).expect("a row");
+    let figure: f64 = figure.replace(',', "").parse().expect("a number");
+    assert!(
+        (measured as f64 - figure).abs() <= part * figure,
+        "docs/memory.md says {figure} in the row '{row}', measured: {measured}"
+    );
+}
+
 /// A video in memory: 8-bit luma, one frame after the other.
 pub struct Clip {
     /// As the y4m file has it, chroma and all.

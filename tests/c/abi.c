@@ -1,0 +1,59 @@
+/* abi.c - sizes and offsets of every struct, the same for every compiler and machine but for the
+ * width of a pointer. Compiles, or does not. */
+#include "posewise.h"
+
+#define HOLDS(name, condition) typedef char name[(condition) ? 1 : -1]
+#define SIZE(type, bytes) HOLDS(type##_size, sizeof(type) == (bytes))
+#define FIELD(type, field, at) HOLDS(type##_##field, offsetof(type, field) == (at))
+
+HOLDS(posewise_status_size, sizeof(posewise_status) == 4);
+
+SIZE(posewise_intrinsics, 16);
+FIELD(posewise_intrinsics, fx, 0);
+FIELD(posewise_intrinsics, fy, 4);
+FIELD(posewise_intrinsics, cx, 8);
+FIELD(posewise_intrinsics, cy, 12);
+
+SIZE(posewise_config, 32);
+FIELD(posewise_config, struct_size, 0);
+FIELD(posewise_config, flags, 4);
+FIELD(posewise_config, min_face_px, 8);
+FIELD(posewise_config, scan_budget, 12);
+FIELD(posewise_config, intrinsics, 16);
+
+SIZE(posewise_frame, 40 + sizeof(size_t) + sizeof(void *));
+FIELD(posewise_frame, struct_size, 0);
+FIELD(posewise_frame, format, 4);
+FIELD(posewise_frame, timestamp_us, 8);
+FIELD(posewise_frame, width, 16);
+FIELD(posewise_frame, height, 20);
+FIELD(posewise_frame, stride, 24);
+FIELD(posewise_frame, rotation_deg, 28);
+FIELD(posewise_frame, flags, 32);
+FIELD(posewise_frame, reserved, 36);
+FIELD(posewise_frame, data_len, 40);
+FIELD(posewise_frame, data, 40 + sizeof(size_t));
+
+SIZE(posewise_result, 96);
+FIELD(posewise_result, struct_size, 0);
+FIELD(posewise_result, state, 4);
+FIELD(posewise_result, timestamp_us, 8);
+FIELD(posewise_result, age_us, 16);
+FIELD(posewise_result, landmark_count, 24);
+FIELD(posewise_result, score, 28);
+FIELD(posewise_result, face_box, 32);
+FIELD(posewise_result, rotation, 48);
+FIELD(posewise_result, yaw_deg, 64);
+FIELD(posewise_result, pitch_deg, 68);
+FIELD(posewise_result, roll_deg, 72);
+FIELD(posewise_result, translation_mm, 76);
+FIELD(posewise_result, eye_open, 88);
+
+SIZE(posewise_landmark, 28);
+FIELD(posewise_landmark, x, 0);
+FIELD(posewise_landmark, y, 4);
+FIELD(posewise_landmark, confidence, 8);
+FIELD(posewise_landmark, visibility, 12);
+FIELD(posewise_landmark, x_mm, 16);
+FIELD(posewise_landmark, y_mm, 20);
+FIELD(posewise_landmark, z_mm, 24);

@@ -1,0 +1,77 @@
+/* replay.c VIDEO.y4m FRAMES - one line with a hash of every byte of every answer to the video's
+ * first frames. The line is the same on every machine. C99; reads 8-bit mono y4m. */
+#include "posewise.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+/* FNV-1a, 64 bits. */
+static uint64_t hash = 0xCBF29CE484222325u;
+
+static void hash_bytes(const void *bytes, size_t len) {
+    const uint8_t *at = bytes;
+    while (len-- > 0)
+        hash = (hash ^ *at++) * 0x100000001B3u;
+}
+
+/* Small enough for a board: the frame is the largest. */
+static uint8_t memory[POSEWISE_MEMORY_SIZE + POSEWISE_ALIGN];
+static uint8_t pixels[640 * 480];
+static posewise_landmark landmarks[POSEWISE_LANDMARKS];
+static float animation[POSEWISE_ANIMATIONS];
+
+static int fail(const char *what) {
+    fprintf(stderr, "replay: %s\n", what);
+    return 1;
+}
+
+int main(int argc, char **argv) {
+    uint8_t *aligned = memory + (POSEWISE_ALIGN - (uintptr_t)memory % POSEWISE_ALIGN);
+    posewise_frame frame = {.struct_size = sizeof frame};
+    posewise_result result = {.struct_size = sizeof result};
+    posewise_tracker *tracker;
+    posewise_status status;
+    unsigned width, height;
+    size_t model_len, len;
+    const void *model = posewise_default_model(&model_len);
+    long count = 0, tracked = 0;
+    FILE *video = argc == 3 ? fopen(argv[1], "rb") : NULL;
+    char line[128];
+
+    if (video == NULL)
+        return fail("usage: replay VIDEO.y4m FRAMES");
+    if (fgets(line, sizeof line, video) == NULL ||
+        sscanf(line, "YUV4MPEG2 W%u H%u", &width, &height) != 2 ||
+        (len = (size_t)width * height) > sizeof pixels)
+        return fail("the video is not y4m, or too large");
+    status = posewise_init(&tracker, aligned, POSEWISE_MEMORY_SIZE, model, model_len, NULL);
+    if (status != POSEWISE_OK)
+        return fail(posewise_strerror(status));
+    frame.format = POSEWISE_FMT_GREY;
+    frame.width = width;
+    frame.height = height;
+    frame.stride = width;
+    frame.data_len = len;
+    frame.data = pixels;
+    while (count < strtol(argv[2], NULL, 10) && fgets(line, sizeof line, video) != NULL) {
+        if (fread(pixels, 1, len, video) != len)
+            return fail("the video is cut");
+        frame.timestamp_us = count * INT64_C(50000);
+        status = posewise_step(tracker, &frame, &result);
+        if (status == POSEWISE_OK)
+            status = posewise_landmarks(tracker, landmarks, POSEWISE_LANDMARKS);
+        if (status == POSEWISE_OK)
+            status = posewise_animation(tracker, animation, POSEWISE_ANIMATIONS);
+        if (status != POSEWISE_OK)
+            return fail(posewise_strerror(status));
+        hash_bytes(&result, sizeof result);
+        hash_bytes(landmarks, sizeof landmarks);
+        hash_bytes(animation, sizeof animation);
+        tracked += result.state == POSEWISE_TRACKING;
+        count++;
+    }
+    /* In halves, because the smallest C libraries do not print 64 bits. */
+    printf("%08lx%08lx %ld frames, %ld tracked\n", (unsigned long)(hash >> 32),
+           (unsigned long)(hash & 0xFFFFFFFFu), count, tracked);
+    return 0;
+}

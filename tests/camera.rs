@@ -1,0 +1,164 @@
+//! ffi-examples/v4l2.c on a real V4L2 device: vivid, the kernel's virtual camera, in an emulated
+//! machine. It shows a test pattern, on which the capture is checked, and then the demo clip.
+//!
+//! `POSEWISE_KERNEL` names the folder of an unpacked Linux image that has vivid.
+#![cfg(target_os = "linux")]
+
+mod common;
+
+use common::c::{arguments, exists, program, require, succeed};
+use common::{root, scratch};
+use std::process::Command;
+
+/// What one run of the example printed: its frames' lines, what it said, and its exit status.
+struct Run {
+    /// Timestamp \[µs\] and size.
+    frames: Vec<(i64, String)>,
+    /// Of the frames, those with a face.
+    tracking: usize,
+    said: Vec<String>,
+    status: i32,
+}
+
+/// Cuts the emulated machine's console into runs, by their command lines.
+fn runs(console: &str) -> Vec<(String, Run)> {
+    let mut runs = Vec::new();
+    let mut command = None;
+    let (mut frames, mut tracking, mut said) = (Vec::new(), 0, Vec::new());
+    for line in console.lines().map(str::trim_end) {
+        if let Some(status) = line.strip_prefix("== status ") {
+            let run = Run {
+                frames: std::mem::take(&mut frames),
+                tracking: std::mem::take(&mut tracking),
+                said: std::mem::take(&mut said),
+                status: status.parse().expect("a status"),
+            };
+            runs.push((command.take().expect("a command before its status"), run));
+        } else if let Some((_, line)) = line.split_once("== ") {
+            command = Some(line.to_string());
+        } else if let Some(words) = line.strip_prefix("v4l2: ") {
+            said.push(words.to_string());
+        } else if let [index, time_us, "us", size, state, ..] =
+            line.split(' ').collect::<Vec<_>>()[..]
+        {
+            tracking += usize::from(state == "tracking");
+            assert_eq!(index, frames.len().to_string(), "{line}");
+            frames.push((time_us.parse().expect("a time"), size.to_string()));
+        }
+    }
+    runs
+}
+
+#[test]
+fn captures_from_a_device() {
+    let Some(kernel) = std::env::var_os("POSEWISE_KERNEL") else {
+        require("POSEWISE_KERNEL");
+        return;
+    };
+    let programs = ["qemu-system-x86_64", "busybox", "cpio", "sh"];
+    if !programs.iter().all(|program| require(program)) {
+        return;
+    }
+    let v4l2 = program("ffi-examples/v4l2.c", "v4l2-static", &["-O2", "-static"]);
+    let control = program("tests/c/control.c", "control-static", &["-static"]);
+    let feed = program("tests/c/feed.c", "feed-static", &["-static"]);
+    let face = scratch("camera").join("demo.y4m");
+    let demo = common::demo().expect("tests/data/demo.y4m.gz");
+    std::fs::write(&face, demo.y4m).expect("target/ is writable");
+    let mut machine = Command::new(root().join("tests/camera.sh"));
+    machine.arg(kernel).arg(v4l2).arg(control);
+    machine.arg(feed).arg(face);
+    let console = succeed(machine.arg(scratch("camera").join("disk")));
+    println!("{console}");
+    let runs = runs(&console);
+    let run = |command: &str| {
+        let found = runs.iter().find(|(line, _)| line == command);
+        &found.unwrap_or_else(|| panic!("no run of '{command}'")).1
+    };
+    for (_, run) in &runs {
+        assert!(run.frames.is_sorted_by(|a, b| a.0 < b.0), "times increase");
+        assert!(run.frames.iter().all(|(_, size)| size == "640x480"));
+    }
+    for format in ["GREY", "NV12", "YUYV"] {
+        let run = run(&format!("v4l2 /dev/video0 5 {format}"));
+        let said = [format!("{format} 640x480"), "5 frames".into()];
+        assert_eq!((run.status, run.frames.len()), (0, 5));
+        assert_eq!(run.said, said);
+    }
+    let chosen = run("v4l2 /dev/video0 3");
+    assert_eq!((chosen.status, chosen.frames.len()), (0, 3));
+    assert_eq!(chosen.said[0], "GREY 640x480", "the cheapest comes first");
+    for (command, why) in [
+        ("v4l2 /dev/video0 3 H264", "no format"),
+        ("v4l2 /dev/video9 3", "/dev/video9: No such file"),
+    ] {
+        let run = run(command);
+        assert_eq!(run.status, 1);
+        assert!(run.said[0].starts_with(why), "{:?}", run.said);
+    }
+    let interrupted = run("interrupt");
+    assert_eq!(interrupted.status, 0, "Ctrl-C is a clean end");
+    assert!(interrupted.frames.len() >= 3);
+    // A buffer that the driver calls spoilt is left out; the next ones are not.
+    let spoilt = run("spoil");
+    let gaps = spoilt.frames.windows(2).map(|pair| pair[1].0 - pair[0].0);
+    let (shortest, longest) = (gaps.clone().min(), gaps.max());
+    assert_eq!(spoilt.status, 0);
+    assert!(
+        longest > shortest.map(|us| us * 3 / 2),
+        "a frame is missing"
+    );
+    let unplugged = run("unplug");
+    assert_eq!(unplugged.status, 1);
+    assert!(unplugged.frames.len() >= 3);
+    assert_eq!(unplugged.said[1], "the camera is gone: No such device");
+    // The clip through an output, a scaler and an input: few frames come in time in an emulator, but
+    // the face is there.
+    let face = run("v4l2 /dev/video1 100 GREY");
+    assert_eq!((face.status, face.frames.len()), (0, 100));
+    assert!(
+        face.tracking >= 50,
+        "{} of 100 frames tracked",
+        face.tracking
+    );
+}
+
+#[test]
+fn decodes_motion_jpeg() {
+    if !require("ffmpeg") {
+        return;
+    }
+    let [_, frames, width, height] = arguments();
+    let jpeg = scratch("camera").join("x.jpg");
+    let mut encode = Command::new("ffmpeg");
+    encode.args([
+        "-v", "error", "-y", "-f", "rawvideo", "-pix_fmt", "gray", "-s",
+    ]);
+    encode.arg(format!("{width}x{height}")).args(["-i", frames]);
+    encode.args(["-frames:v", "1", "-q:v", "2", "-pix_fmt", "yuvj422p"]);
+    succeed(encode.arg(&jpeg));
+    if !exists("pkg-config")
+        || !Command::new("pkg-config")
+            .arg("libjpeg")
+            .status()
+            .is_ok_and(|s| s.success())
+    {
+        require("libjpeg");
+        return;
+    }
+    let flags = [
+        "-DWITH_JPEG",
+        "-ljpeg",
+        "-fsanitize=address,undefined",
+        "-fno-sanitize-recover=all",
+    ];
+    let test = program("tests/c/mjpg.c", "mjpg", &flags);
+    let mut test = Command::new(test);
+    test.env("ASAN_OPTIONS", "detect_leaks=0").arg(jpeg);
+    print!("{}", succeed(test.args([frames, width, height])));
+    program(
+        "ffi-examples/v4l2.c",
+        "v4l2-jpeg",
+        &["-DWITH_JPEG", "-ljpeg"],
+    );
+}

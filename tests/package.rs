@@ -1,0 +1,153 @@
+//! What `make install` and `make dist` give: programs find it by pkg-config and by CMake, wherever it
+//! lies, and track the demo clip with it.
+
+mod common;
+
+use common::c::{cc, example, library, require, succeed};
+use common::{root, scratch};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::sync::OnceLock;
+
+const FILES: [&str; 8] = [
+    "include/posewise.h",
+    "include/posewise.hpp",
+    "lib/cmake/posewise/posewise-config-version.cmake",
+    "lib/cmake/posewise/posewise-config.cmake",
+    "lib/libposewise.a",
+    "lib/pkgconfig/posewise.pc",
+    "share/posewise/LICENSE",
+    "share/posewise/default.posewise",
+];
+
+fn make(arguments: &[String]) -> String {
+    let mut make = Command::new("make");
+    make.arg("-s").arg("-C").arg(root());
+    make.arg(format!("TARGET_DIR={}", scratch("dist").display()));
+    succeed(make.args(arguments))
+}
+
+/// An installed tree that was moved after it was made, or nothing where there is no make.
+fn installed() -> Option<&'static Path> {
+    static INSTALLED: OnceLock<Option<PathBuf>> = OnceLock::new();
+    let tree = INSTALLED.get_or_init(|| {
+        if !require("make") {
+            return None;
+        }
+        library();
+        let (stage, moved) = (scratch("package").join("stage"), scratch("package/moved"));
+        std::fs::remove_dir_all(&moved).expect("target/ is writable");
+        let destination = format!("DESTDIR={}", stage.display());
+        make(&["install".into(), destination, "PREFIX=/opt/p".into()]);
+        std::fs::rename(stage.join("opt/p"), &moved).expect("both in target/");
+        Some(moved)
+    });
+    tree.as_deref()
+}
+
+/// The demo clip, unpacked once.
+fn clip() -> &'static Path {
+    static CLIP: OnceLock<PathBuf> = OnceLock::new();
+    CLIP.get_or_init(|| {
+        let clip = scratch("package").join("demo.y4m");
+        let demo = common::demo().expect("tests/data/demo.y4m.gz");
+        std::fs::write(&clip, demo.y4m).expect("target/ is writable");
+        clip
+    })
+}
+
+/// What a program makes of the demo clip with a model.
+fn track(program: &Path, model: &Path) -> String {
+    let mut command = Command::new(program);
+    command.arg(model).stdout(Stdio::piped());
+    let csv = succeed(command.stdin(std::fs::File::open(clip()).expect("just unpacked")));
+    assert!(csv.matches(",tracking,").count() > 100, "{csv}");
+    csv
+}
+
+/// What the example that cargo's library was linked into makes of it.
+fn expected() -> String {
+    track(example(), &root().join("models/default.posewise"))
+}
+
+#[test]
+fn pkg_config_finds_it() {
+    let Some(tree) = installed() else { return };
+    if !require("pkg-config") {
+        return;
+    }
+    let ask = |what: &[&str]| {
+        let mut command = Command::new("pkg-config");
+        command.env("PKG_CONFIG_PATH", tree.join("lib/pkgconfig"));
+        succeed(command.args(what).arg("posewise"))
+            .trim()
+            .to_string()
+    };
+    assert_eq!(ask(&["--modversion"]), env!("CARGO_PKG_VERSION"));
+    let program = scratch("package").join("by-pkg-config");
+    let mut compile = Command::new(cc());
+    compile
+        .arg("-std=c99")
+        .arg(root().join("ffi-examples/y4m.c"));
+    compile.args(ask(&["--cflags", "--libs"]).split_whitespace());
+    succeed(compile.arg("-o").arg(&program));
+    let model = Path::new(&ask(&["--variable=modeldir"])).join("default.posewise");
+    assert_eq!(track(&program, &model), expected());
+}
+
+#[test]
+fn cmake_finds_it() {
+    let Some(tree) = installed() else { return };
+    if !require("cmake") {
+        return;
+    }
+    let build = scratch("package/cmake");
+    let mut configure = Command::new("cmake");
+    configure.arg("-S").arg(root().join("ffi-examples"));
+    configure.arg("-B").arg(&build);
+    configure.arg(format!("-DCMAKE_PREFIX_PATH={}", tree.display()));
+    succeed(&mut configure);
+    succeed(Command::new("cmake").arg("--build").arg(&build));
+    let model = tree.join("share/posewise/default.posewise");
+    assert_eq!(track(&build.join("y4m"), &model), expected());
+
+    // Another series of versions is refused.
+    std::fs::write(scratch("package/other").join("CMakeLists.txt"), OTHER).expect("writable");
+    let mut other = Command::new("cmake");
+    other.arg("-S").arg(scratch("package/other"));
+    other.arg("-B").arg(scratch("package/other/build"));
+    other.arg(format!("-DCMAKE_PREFIX_PATH={}", tree.display()));
+    print!("{}", succeed(&mut other));
+}
+
+const OTHER: &str = "cmake_minimum_required(VERSION 3.16)
+project(other C)
+find_package(posewise 0.1.0 REQUIRED)
+if(NOT posewise_VERSION OR NOT EXISTS ${posewise_MODEL})
+  message(FATAL_ERROR \"no version, or no model at ${posewise_MODEL}\")
+endif()
+foreach(version 0.0.1 0.1.99 0.2 1.0)
+  find_package(posewise ${version} QUIET)
+  if(posewise_FOUND)
+    message(FATAL_ERROR \"${posewise_VERSION} passes for ${version}\")
+  endif()
+endforeach()
+";
+
+#[test]
+fn archive_holds_all() {
+    if !require("make") {
+        return;
+    }
+    library();
+    let archive = make(&["dist".into()]);
+    let list = succeed(Command::new("tar").arg("-tzf").arg(archive.trim()));
+    let mut files: Vec<_> = list
+        .lines()
+        .filter(|line| !line.ends_with('/'))
+        .filter_map(|line| line.split_once('/'))
+        .map(|(_, file)| file)
+        .collect();
+    files.sort_unstable();
+    assert_eq!(files, FILES);
+}
