@@ -126,7 +126,7 @@ impl<'m> AlignModel<'m> {
         let missing = s.error("it lacks a map");
         let (fine, last) = network.map(fine).zip(network.map(last)).ok_or(missing)?;
         s.require(
-            fine.channels <= MAX_FEATURES && fine.side > 1,
+            fine.channels() <= MAX_FEATURES && fine.side() > 1,
             "too many features per landmark",
         )?;
         let apart =
@@ -147,7 +147,7 @@ impl<'m> AlignModel<'m> {
         for (index, head) in model.heads.iter_mut().take(heads).enumerate() {
             let inputs = match index {
                 0 => last.range().len(),
-                _ => LANDMARKS * fine.channels,
+                _ => LANDMARKS * fine.channels(),
             };
             *head = Some(Head::read(s, inputs, modes)?);
         }
@@ -177,7 +177,7 @@ impl<'m> AlignModel<'m> {
 
     /// Features per landmark.
     pub fn features(&self) -> usize {
-        self.fine.channels
+        self.fine.channels()
     }
 
     /// Passes to run after a detection; one is enough from the frame before.
@@ -219,7 +219,7 @@ impl<'m> AlignModel<'m> {
         self.network.run(&work.crop, &mut work.maps);
         // In crop px from the crop's centre.
         let mut points = [[0.0f32; 2]; LANDMARKS];
-        work.used = LANDMARKS * self.fine.channels;
+        work.used = LANDMARKS * self.fine.channels();
         for (index, head) in self.heads.iter().flatten().enumerate() {
             if index == 0 {
                 head.add(work.maps.values(&self.last), &mut points);
@@ -238,7 +238,7 @@ impl<'m> AlignModel<'m> {
 
     /// Reads the fine map at the points, between its pixels.
     fn read(&self, points: &Shape, work: &mut Workspace) {
-        let (side, n) = (self.fine.side, self.fine.channels);
+        let (side, n) = (self.fine.side(), self.fine.channels());
         let values = work.maps.values(&self.fine);
         // Crop px per pixel of the map, which its strides fix to a whole number.
         let step = self.side.div_ceil(side.max(1)).max(1);

@@ -82,20 +82,22 @@ fn standardise(crop: &Crop, node: &Node<'_>, work: &mut Activations) {
 /// The sum's share of the next layer's bytes.
 #[inline]
 fn requantise(sum: i32, factor: i32, node: &Node<'_>) -> i32 {
-    let kept = sum >> (node.before & 31);
-    let round = 1i32 << ((node.after - 1) & 31);
-    kept.wrapping_mul(factor).wrapping_add(round) >> (node.after & 31)
+    let (before, after) = (node.before as u32, node.after as u32);
+    let kept = sum >> (before & 31);
+    let round = 1i32 << (after.wrapping_sub(1) & 31);
+    kept.wrapping_mul(factor).wrapping_add(round) >> (after & 31)
 }
 
 fn convolve(node: &Node<'_>, work: &mut Activations) {
     let (from, to) = (node.input, node.output);
+    let kernel = node.kernel as usize;
     let Some(wide) = work.weights.get_mut(..node.weights.len()) else {
         return;
     };
     for (wide, weight) in wide.iter_mut().zip(node.weights) {
         *wide = *weight as i16;
     }
-    let count = (node.kernel * node.kernel * from.channels).next_multiple_of(2);
+    let count = (kernel * kernel * from.channels()).next_multiple_of(2);
     let Some(columns) = work.columns.get_mut(..count) else {
         return;
     };
@@ -111,13 +113,13 @@ fn convolve(node: &Node<'_>, work: &mut Activations) {
         return;
     };
     let floor = if node.op == OP_LINEAR { 128 } else { 0 };
-    let pixels = output.chunks_exact_mut(to.channels.max(1));
+    let pixels = output.chunks_exact_mut(to.channels().max(1));
     for (at, pixel) in pixels.enumerate() {
-        let (y, x) = (at / to.side.max(1), at % to.side.max(1));
+        let (y, x) = (at / to.side().max(1), at % to.side().max(1));
         window(node, input, y, x, columns);
         let coarse = if lateral {
-            let first = ((y / 2) * node.other.side + x / 2) * to.channels;
-            other.get(first..first + to.channels).unwrap_or(&[])
+            let first = ((y / 2) * node.other.side() + x / 2) * to.channels();
+            other.get(first..first + to.channels()).unwrap_or(&[])
         } else {
             &[]
         };
@@ -151,29 +153,30 @@ fn convolve(node: &Node<'_>, work: &mut Activations) {
 #[inline]
 fn window(node: &Node<'_>, input: &[u8], y: usize, x: usize, columns: &mut [i16]) {
     let from = node.input;
+    let (kernel, stride) = (node.kernel as usize, node.stride as usize);
     let zero = node.zero as i16;
-    let reach = node.kernel / 2;
-    let width = node.kernel * from.channels;
-    if node.kernel == 1 {
-        let at = (y * node.stride * from.side + x * node.stride) * from.channels;
-        if let Some(values) = input.get(at..at + from.channels) {
+    let reach = kernel / 2;
+    let width = kernel * from.channels();
+    if kernel == 1 {
+        let at = (y * stride * from.side() + x * stride) * from.channels();
+        if let Some(values) = input.get(at..at + from.channels()) {
             for (c, v) in columns.iter_mut().zip(values) {
                 *c = *v as i16 - zero;
             }
         }
         return;
     }
-    let left = (x * node.stride).saturating_sub(reach);
-    let right = (x * node.stride + reach + 1).min(from.side);
-    let skipped = (left + reach - x * node.stride) * from.channels;
-    let len = right.saturating_sub(left) * from.channels;
+    let left = (x * stride).saturating_sub(reach);
+    let right = (x * stride + reach + 1).min(from.side());
+    let skipped = (left + reach - x * stride) * from.channels();
+    let len = right.saturating_sub(left) * from.channels();
     for (row, columns) in columns.chunks_exact_mut(width.max(1)).enumerate() {
-        let sy = (y * node.stride + row).wrapping_sub(reach);
+        let sy = (y * stride + row).wrapping_sub(reach);
         let at = sy
-            .wrapping_mul(from.side)
+            .wrapping_mul(from.side())
             .wrapping_add(left)
-            .wrapping_mul(from.channels);
-        let values = match sy < from.side {
+            .wrapping_mul(from.channels());
+        let values = match sy < from.side() {
             true => input.get(at..at + len).unwrap_or(&[]),
             false => &[],
         };
@@ -190,24 +193,25 @@ fn window(node: &Node<'_>, input: &[u8], y: usize, x: usize, columns: &mut [i16]
 
 fn depthwise(node: &Node<'_>, work: &mut Activations) {
     let (from, to) = (node.input, node.output);
+    let stride = node.stride as usize;
     let Ok([input, output]) = work.arena.get_disjoint_mut([from.range(), to.range()]) else {
         return;
     };
-    let channels = to.channels.min(MAX_CHANNELS);
+    let channels = to.channels().min(MAX_CHANNELS);
     let mut sums = [0i32; MAX_CHANNELS];
     let Some(sums) = sums.get_mut(..channels) else {
         return;
     };
     for (at, pixel) in output.chunks_exact_mut(channels.max(1)).enumerate() {
-        let (y, x) = (at / to.side.max(1), at % to.side.max(1));
+        let (y, x) = (at / to.side().max(1), at % to.side().max(1));
         sums.iter_mut().zip(node.bias).for_each(|(s, b)| *s = *b);
         for (tap, weights) in node.weights.chunks_exact(channels.max(1)).enumerate() {
-            let sy = (y * node.stride + tap / 3).wrapping_sub(1);
-            let sx = (x * node.stride + tap % 3).wrapping_sub(1);
-            if sy >= from.side || sx >= from.side {
+            let sy = (y * stride + tap / 3).wrapping_sub(1);
+            let sx = (x * stride + tap % 3).wrapping_sub(1);
+            if sy >= from.side() || sx >= from.side() {
                 continue;
             }
-            let at = (sy * from.side + sx) * channels;
+            let at = (sy * from.side() + sx) * channels;
             let values = input.get(at..at + channels).unwrap_or(&[]);
             for ((sum, value), weight) in sums.iter_mut().zip(values).zip(weights) {
                 // 255·127 fits 16 bits.

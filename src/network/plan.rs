@@ -4,7 +4,7 @@ use crate::image::CROP_MAX;
 use crate::model::{ModelError, Section};
 
 /// Most nodes.
-pub const MAX_NODES: usize = 32;
+pub const MAX_NODES: usize = 24;
 /// Most channels of a map.
 pub const MAX_CHANNELS: usize = 96;
 /// Most inputs of one output of a full convolution: kernel² × channels.
@@ -15,42 +15,50 @@ pub const MAX_WEIGHTS: usize = 80 * 80;
 pub const ARENA: usize = 96 * 1024;
 
 /// The picture.
-pub const OP_INPUT: u32 = 0;
+pub const OP_INPUT: u8 = 0;
 /// Full convolution, then ReLU.
-pub const OP_CONV: u32 = 1;
+pub const OP_CONV: u8 = 1;
 /// 3×3 convolution of each channel by itself, then ReLU.
-pub const OP_DEPTHWISE: u32 = 2;
+pub const OP_DEPTHWISE: u8 = 2;
 /// Adds a map to another, in place.
-pub const OP_ADD: u32 = 3;
+pub const OP_ADD: u8 = 3;
 /// 1×1 convolution plus a map of half the size at its nearest pixel, then ReLU.
-pub const OP_LATERAL: u32 = 4;
+pub const OP_LATERAL: u8 = 4;
 /// 1×1 convolution around 128 instead of a ReLU: what `OP_LATERAL` adds.
-pub const OP_LINEAR: u32 = 5;
+pub const OP_LINEAR: u8 = 5;
 
-/// Where a map lies, and its size.
+/// Where a map lies, and its size. Narrow numbers: a model is copied on small stacks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Map {
-    /// First byte in the arena.
-    pub at: usize,
-    /// Height and width \[px\].
-    pub side: usize,
-    /// Values per pixel.
-    pub channels: usize,
+    at: u32,
+    side: u16,
+    channels: u16,
 }
 
 impl Map {
     /// Its bytes in the arena.
     pub fn range(&self) -> core::ops::Range<usize> {
-        self.at..self.at + self.side * self.side * self.channels
+        let start = self.at as usize;
+        start..start + self.side() * self.side() * self.channels()
+    }
+
+    /// Height and width \[px\].
+    pub fn side(&self) -> usize {
+        self.side as usize
+    }
+
+    /// Values per pixel.
+    pub fn channels(&self) -> usize {
+        self.channels as usize
     }
 }
 
 /// One node.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Node<'m> {
-    pub op: u32,
-    pub kernel: usize,
-    pub stride: usize,
+    pub op: u8,
+    pub kernel: u8,
+    pub stride: u8,
     pub input: Map,
     pub other: Map,
     pub output: Map,
@@ -61,8 +69,8 @@ pub(super) struct Node<'m> {
     pub bias: &'m [i32],
     /// By channel: the sum's factor, after `before` bits are dropped and before `after` bits are.
     pub factor: &'m [i32],
-    pub before: u32,
-    pub after: u32,
+    pub before: u8,
+    pub after: u8,
 }
 
 /// A checked network.
@@ -98,7 +106,7 @@ impl<'m> Network<'m> {
         } else {
             (OP_CONV, OP_LINEAR)
         };
-        let op = s.count(first as usize, last as usize, "node")? as u32;
+        let op = s.count(first as usize, last as usize, "node")? as u8;
         let kernel = s.count(1, 5, "kernel")?;
         let stride = s.count(1, 2, "stride")?;
         let before = index.saturating_sub(1);
@@ -109,23 +117,24 @@ impl<'m> Network<'m> {
         let zero = s.count(0, 255, "zero")? as u8;
         let (before, after) = (s.count(0, 24, "shift")?, s.count(1, 30, "shift")?);
         let (from, second) = (self.map(input), self.map(other));
+        let map = |side: usize| Map {
+            at: at as u32,
+            side: side as u16,
+            channels: channels as u16,
+        };
         let output = match (index, from) {
-            (0, _) => Map { at, side, channels },
-            (_, Some(from)) => Map {
-                at,
-                side: from.side.div_ceil(stride),
-                channels,
-            },
+            (0, _) => map(side),
+            (_, Some(from)) => map(from.side().div_ceil(stride)),
             (_, None) => return Err(s.error("a node has no input")),
         };
-        s.require(output.side <= CROP_MAX, "a map is too large")?;
+        s.require(output.side() <= CROP_MAX, "a map is too large")?;
         s.require(output.range().end <= ARENA, "a map leaves the memory")?;
         let (input, other) = (from.unwrap_or(output), second.unwrap_or(output));
         let apart = |a: &Map, b: &Map| {
             let (a, b) = (a.range(), b.range());
             a.end <= b.start || b.end <= a.start
         };
-        let columns = (kernel * kernel * input.channels).next_multiple_of(2);
+        let columns = (kernel * kernel * input.channels()).next_multiple_of(2);
         let (weights, biases, sound) = match op {
             OP_INPUT => (0, 0, channels == 1),
             OP_CONV => (
@@ -140,13 +149,13 @@ impl<'m> Network<'m> {
                     && stride == 1
                     && channels.is_multiple_of(8)
                     && (op == OP_LINEAR
-                        || other.side * 2 == output.side && other.channels == channels),
+                        || other.side() * 2 == output.side() && other.channels() == channels),
             ),
-            OP_DEPTHWISE => (9 * channels, channels, channels == input.channels),
+            OP_DEPTHWISE => (9 * channels, channels, channels == input.channels()),
             _ => (
                 0,
                 2,
-                output == input && other.side == output.side && other.channels == channels,
+                output == input && other.side() == output.side() && other.channels() == channels,
             ),
         };
         s.require(sound && weights <= MAX_WEIGHTS, "a node's sizes do not fit")?;
@@ -159,8 +168,8 @@ impl<'m> Network<'m> {
         s.require(free, "a node overwrites its input")?;
         let node = Node {
             op,
-            kernel,
-            stride,
+            kernel: kernel as u8,
+            stride: stride as u8,
             input,
             other,
             output,
@@ -168,8 +177,8 @@ impl<'m> Network<'m> {
             weights: s.i8s(weights)?,
             bias: s.i32s(biases)?,
             factor: s.i32s(biases)?,
-            before: before as u32,
-            after: after as u32,
+            before: before as u8,
+            after: after as u8,
         };
         // |Σ weight·value| < 576·128·255 < 2^25; the sum is dropped to 16 bits before the factor.
         let bound = |v: &i32, bits: u32| v.unsigned_abs() < 1 << bits;
@@ -192,7 +201,7 @@ impl<'m> Network<'m> {
 
     /// Multiply-adds of one run.
     pub fn multiply_adds(&self) -> usize {
-        let pixels = |n: &Node<'_>| n.output.side * n.output.side * n.weights.len();
+        let pixels = |n: &Node<'_>| n.output.side() * n.output.side() * n.weights.len();
         self.nodes.iter().flatten().map(pixels).sum()
     }
 }

@@ -22,10 +22,10 @@ use crate::shape::{
 };
 
 /// A detection becomes a tracked face from this probability on.
-const ACCEPT: f32 = 0.5;
+const ACCEPT: f32 = 0.8;
 /// A tracked face is given up below this probability: a fit that was right a frame ago deserves
 /// more trust than one out of the blue.
-const KEEP: f32 = 0.05;
+const KEEP: f32 = 0.1;
 /// How long the last answer is held \[µs\].
 const HOLD_US: i64 = 500_000;
 /// Only frames at least this sure teach who it is.
@@ -37,7 +37,7 @@ const NEAR_BUDGET: u32 = 1500;
 
 /// What aligning and judging a candidate costs, in the detector's units (measured with
 /// `posewise bench`: align plus fit over detector slice).
-const ACQUIRE_UNITS: u32 = 1000;
+const ACQUIRE_UNITS: u32 = 4000;
 
 /// Why a frame was not taken; the tracker is then as before the call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -278,7 +278,7 @@ impl Tracker {
         self.result.timestamp_us = now;
     }
 
-    /// Aligns to a detection from the first stage on; true when it is a face.
+    /// Aligns to a detection; true when it is a face.
     #[inline(never)]
     fn acquire(
         &mut self,

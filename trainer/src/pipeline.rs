@@ -13,6 +13,7 @@ use crate::pack::{SectionWriter, blob};
 use crate::{detect, face_section, render, score};
 use anyhow::{Context, Result};
 use posewise::align::AlignModel;
+use posewise::detect::DetectorModel;
 use posewise::model::{Blob, Tag};
 use rayon::prelude::*;
 use std::cell::OnceCell;
@@ -110,9 +111,12 @@ pub fn run(args: &Args) -> Result<()> {
     let alone = AlignedBlob::new(&blob(&[copy(&AlignModel::TAG, &cascade)]));
     let opened = Blob::open(alone.bytes())?;
     let model = AlignModel::open(&opened)?;
+    let alone = AlignedBlob::new(&blob(&[copy(b"DTCT", &detector)]));
+    let with_detector = Blob::open(alone.bytes())?;
+    let scan = DetectorModel::open(with_detector.section(b"DTCT")?)?;
     let verifier = kept(args, &posewise::experts::Verifier::TAG, &key, || {
         let empty: Vec<Picture> = training.empty()?.into_iter().map(Picture::from).collect();
-        score::train(&model, training.faces()?, &empty, args.seed)
+        score::train(&model, &scan, training.faces()?, &empty, args.seed)
     })?;
     let dev = evaluate(&model, &args.data)?;
     let mut info = SectionWriter::new(*b"INFO");

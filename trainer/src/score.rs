@@ -1,7 +1,8 @@
 //! Trains the classifiers that tell truth from guess (section `SCOR`).
 //!
 //! Positives and negatives come from running the finished cascade: from jittered boxes on the
-//! training faces (some of which fail), and from boxes on pictures without a face.
+//! training faces (some of which fail), and on pictures without a face from random boxes and from
+//! every place that the detector takes for one.
 
 use crate::align::evaluate::{nme, start_of};
 use crate::align::{Jitter, face_box, normal, start_from_box};
@@ -11,6 +12,7 @@ use crate::ridge::{Linear, Normal, predict};
 use anyhow::Result;
 use faer::Mat;
 use posewise::align::{AlignModel, Workspace};
+use posewise::detect::{DetectorModel, Scan, Swept};
 use posewise::experts::Verifier;
 use posewise::shape::LANDMARKS;
 use rand::{Rng, SeedableRng};
@@ -20,6 +22,8 @@ use rayon::prelude::*;
 /// Right means within this share of the inter-ocular distance \[%\].
 const RIGHT_PERCENT: f32 = 10.0;
 const FOLDS: u32 = 4;
+/// Smallest face that false alarms are looked for at \[px\].
+const MIN_FACE_PX: i32 = 30;
 
 struct Row {
     features: Vec<i8>,
@@ -33,12 +37,16 @@ struct Row {
 /// Trains the face's and the landmarks' classifiers.
 pub fn train(
     model: &AlignModel<'_>,
+    detector: &DetectorModel<'_>,
     faces: &[Face],
     empty: &[Picture],
     seed: u64,
 ) -> Result<SectionWriter> {
     let mut rows = on_faces(model, faces, seed);
-    rows.extend(on_empty(model, empty, seed ^ 1, rows.len() / 2));
+    rows.extend(on_empty(model, empty, seed ^ 1, rows.len() / 4));
+    let alarms = on_alarms(model, detector, empty);
+    println!("score: {} false alarms of the detector", alarms.len());
+    rows.extend(alarms);
     let positives = rows.iter().filter(|r| r.face).count();
     println!(
         "score: {positives} right fits, {} others",
@@ -201,6 +209,45 @@ fn on_empty(model: &AlignModel<'_>, empty: &[Picture], seed: u64, count: usize) 
                     fold: which as u32 % FOLDS,
                     view: work.view(),
                 })
+            },
+        )
+        .flatten()
+        .collect()
+}
+
+/// Runs the cascade where the detector sees a face though there is none.
+fn on_alarms(model: &AlignModel<'_>, detector: &DetectorModel<'_>, empty: &[Picture]) -> Vec<Row> {
+    empty
+        .par_iter()
+        .enumerate()
+        .map_init(
+            || Box::new(Workspace::new()),
+            |work, (index, picture)| {
+                let mut rows = Vec::new();
+                for picture in [picture, &picture.mirrored()] {
+                    let frame = picture.frame();
+                    let mut scan = Scan::new();
+                    loop {
+                        let found = match scan.advance(detector, &frame, MIN_FACE_PX, u32::MAX) {
+                            Swept::Found(found) => found,
+                            Swept::Unfinished => continue,
+                            Swept::Nothing => break,
+                        };
+                        let start = start_of(model, found.turn);
+                        let at = [found.x, found.y];
+                        let mut shape = start_from_box(&start, at, found.size, found.roll);
+                        if model.run(&frame, model.passes(), &mut shape, work) {
+                            rows.push(Row {
+                                features: work.features().to_vec(),
+                                right: Vec::new(),
+                                face: false,
+                                fold: index as u32 % FOLDS,
+                                view: work.view(),
+                            });
+                        }
+                    }
+                }
+                rows
             },
         )
         .flatten()

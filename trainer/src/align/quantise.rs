@@ -162,7 +162,7 @@ fn write_node(
     };
     let header = |out: &mut SectionWriter, before: u32, after: u32| {
         for v in [
-            op,
+            op as u32,
             kernel as u32,
             stride as u32,
             node.input as u32,
