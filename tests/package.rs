@@ -102,6 +102,8 @@ fn cmake_finds_it() {
         return;
     }
     let build = scratch("package/cmake");
+    // CMake refuses a folder that another checkout has configured.
+    std::fs::remove_dir_all(&build).expect("its own folder");
     let mut configure = Command::new("cmake");
     configure.arg("-S").arg(root().join("ffi-examples"));
     configure.arg("-B").arg(&build);
