@@ -5,7 +5,9 @@ mod common;
 #[allow(dead_code, missing_docs, non_camel_case_types)]
 mod types;
 
-use common::c::{STRICT, arguments, cc, clip, cxx, example, exists, library, program, succeed};
+use common::c::{
+    STRICT, arguments, cc, clip, cxx, example, exists, library, program, require, succeed,
+};
 use common::{root, scratch};
 use std::io::Write;
 use std::path::Path;
@@ -116,6 +118,18 @@ fn every_wrong_call_is_answered_under_sanitizers() {
 }
 
 /// Feeds a video to the y4m example.
+/// Memory that was never written is what sanitizers do not see.
+#[test]
+fn every_wrong_call_is_answered_under_valgrind() {
+    if !require("valgrind") {
+        return;
+    }
+    let api = program("tests/c/api.c", "api-valgrind", &["-g"]);
+    let mut command = Command::new("valgrind");
+    command.args(["--quiet", "--error-exitcode=9"]).arg(api);
+    succeed(command.args(arguments()));
+}
+
 fn y4m(program: &Path, arguments: &[&Path], video: &[u8]) -> Output {
     let mut command = Command::new(program);
     command.args(arguments).stdin(Stdio::piped());

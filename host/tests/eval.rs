@@ -62,8 +62,8 @@ fn pose_numbers_by_hand() {
     near("translation_mm", 10.0);
     near("landmarks", 0.1);
     near("lost_within_60", 0.0);
-    assert_eq!(json["yaw_bands"]["60-90"]["p_s"].as_f64(), Some(0.0));
-    assert_eq!(json["yaw_bands"]["30-60"]["p_s"].as_f64(), Some(1.0));
+    assert_eq!(json["yaw_bands"]["45-90"]["p_s"].as_f64(), Some(0.5));
+    assert_eq!(json["yaw_bands"]["0-45"]["p_s"].as_f64(), Some(1.0));
 }
 
 #[test]
