@@ -96,9 +96,9 @@ pub enum EvalCommand {
     /// 68 landmarks on labelled stills
     Landmarks(LandmarksArgs),
     /// Head pose and landmarks against per-frame truth
-    Pose(PoseArgs),
+    Pose(ClipsArgs),
     /// Lids and closures against per-frame truth
-    Eyes(EyesArgs),
+    Eyes(ClipsArgs),
     /// How much the landmarks of a tracked clip tremble
     Jitter(JitterArgs),
 }
@@ -144,20 +144,7 @@ pub struct LandmarksArgs {
 }
 
 #[derive(Args)]
-pub struct PoseArgs {
-    /// Per-frame truth; repeat for several clips
-    #[arg(long, value_name = "FILE", required = true)]
-    pub truth: Vec<PathBuf>,
-    /// What `posewise track --csv` wrote for the clip; as many as there are truths, in their order
-    #[arg(long, value_name = "FILE", required = true)]
-    pub csv: Vec<PathBuf>,
-    /// Write the numbers as JSON
-    #[arg(long, value_name = "FILE")]
-    pub json: Option<PathBuf>,
-}
-
-#[derive(Args)]
-pub struct EyesArgs {
+pub struct ClipsArgs {
     /// Per-frame truth; repeat for several clips
     #[arg(long, value_name = "FILE", required = true)]
     pub truth: Vec<PathBuf>,

@@ -129,9 +129,7 @@ impl<'m> AlignModel<'m> {
             fine.channels() <= MAX_FEATURES && fine.side() > 1,
             "too many features per landmark",
         )?;
-        let apart =
-            fine.range().end <= last.range().start || last.range().end <= fine.range().start;
-        s.require(apart, "an answer's map is overwritten")?;
+        s.require(fine.apart(&last), "an answer's map is overwritten")?;
         let mut model = AlignModel {
             mean: shapes_of(mean).first().ok_or(missing)?,
             starts: shapes_of(starts),
@@ -199,9 +197,10 @@ impl<'m> AlignModel<'m> {
         shape: &mut Shape,
         work: &mut Workspace,
     ) -> bool {
-        let ran = (0..passes).all(|_| self.pass(frame, shape, work));
-        let view = self.views().of(shape);
-        let Some(view) = view.filter(|_| ran) else {
+        if !(0..passes).all(|_| self.pass(frame, shape, work)) {
+            return false;
+        }
+        let Some(view) = self.views().of(shape) else {
             return false;
         };
         work.view = match view.mirrored {

@@ -42,6 +42,12 @@ impl Map {
         start..start + self.side() * self.side() * self.channels()
     }
 
+    /// Whether the two share no byte.
+    pub fn apart(&self, other: &Map) -> bool {
+        let (a, b) = (self.range(), other.range());
+        a.end <= b.start || b.end <= a.start
+    }
+
     /// Height and width \[px\].
     pub fn side(&self) -> usize {
         self.side as usize
@@ -130,10 +136,6 @@ impl<'m> Network<'m> {
         s.require(output.side() <= CROP_MAX, "a map is too large")?;
         s.require(output.range().end <= ARENA, "a map leaves the memory")?;
         let (input, other) = (from.unwrap_or(output), second.unwrap_or(output));
-        let apart = |a: &Map, b: &Map| {
-            let (a, b) = (a.range(), b.range());
-            a.end <= b.start || b.end <= a.start
-        };
         let columns = (kernel * kernel * input.channels()).next_multiple_of(2);
         let (weights, biases, sound) = match op {
             OP_INPUT => (0, 0, channels == 1),
@@ -161,9 +163,9 @@ impl<'m> Network<'m> {
         s.require(sound && weights <= MAX_WEIGHTS, "a node's sizes do not fit")?;
         let free = match op {
             OP_INPUT => true,
-            OP_ADD => apart(&other, &output),
-            OP_LATERAL => apart(&input, &output) && apart(&other, &output) && apart(&input, &other),
-            _ => apart(&input, &output),
+            OP_ADD => other.apart(&output),
+            OP_LATERAL => input.apart(&output) && other.apart(&output) && input.apart(&other),
+            _ => input.apart(&output),
         };
         s.require(free, "a node overwrites its input")?;
         let node = Node {

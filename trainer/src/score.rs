@@ -181,6 +181,17 @@ fn on_faces(model: &AlignModel<'_>, faces: &[Face], seed: u64) -> Vec<Row> {
         .collect()
 }
 
+/// The run that was last, on a picture without a face.
+fn no_face(work: &Workspace, picture: usize) -> Row {
+    Row {
+        features: work.features().to_vec(),
+        right: Vec::new(),
+        face: false,
+        fold: picture as u32 % FOLDS,
+        view: work.view(),
+    }
+}
+
 /// Runs the cascade on random boxes in pictures without a face.
 fn on_empty(model: &AlignModel<'_>, empty: &[Picture], seed: u64, count: usize) -> Vec<Row> {
     if empty.is_empty() {
@@ -202,13 +213,7 @@ fn on_empty(model: &AlignModel<'_>, empty: &[Picture], seed: u64, count: usize) 
                 let mut shape = start_from_box(&start, at, size, 0.3 * normal(&mut rng));
                 let passes = model.passes() + index % 2;
                 let ran = model.run(&picture.frame(), passes, &mut shape, work);
-                ran.then(|| Row {
-                    features: work.features().to_vec(),
-                    right: Vec::new(),
-                    face: false,
-                    fold: which as u32 % FOLDS,
-                    view: work.view(),
-                })
+                ran.then(|| no_face(work, which))
             },
         )
         .flatten()
@@ -237,13 +242,7 @@ fn on_alarms(model: &AlignModel<'_>, detector: &DetectorModel<'_>, empty: &[Pict
                         let at = [found.x, found.y];
                         let mut shape = start_from_box(&start, at, found.size, found.roll);
                         if model.run(&frame, model.passes(), &mut shape, work) {
-                            rows.push(Row {
-                                features: work.features().to_vec(),
-                                right: Vec::new(),
-                                face: false,
-                                fold: index as u32 % FOLDS,
-                                view: work.view(),
-                            });
+                            rows.push(no_face(work, index));
                         }
                     }
                 }

@@ -6,12 +6,12 @@
 
 use std::fmt::Write as _;
 
-use anyhow::{Result, bail};
+use anyhow::Result;
 use serde_json::json;
 
-use super::mean;
 use super::table::Table;
-use crate::cli::EyesArgs;
+use super::{clips_of, mean};
+use crate::cli::ClipsArgs;
 use crate::output;
 
 /// Largest |yaw| that counts \[deg\].
@@ -38,14 +38,11 @@ struct Frame {
 }
 
 /// Runs the command.
-pub fn run(args: &EyesArgs) -> Result<()> {
-    if args.truth.len() != args.csv.len() {
-        bail!("give one --csv per --truth");
-    }
+pub fn run(args: &ClipsArgs) -> Result<()> {
     let mut out = String::new();
     let (mut clips, mut all) = (Vec::new(), Vec::new());
     let (mut missed, mut invented, mut closures) = (0, 0, 0);
-    for (truth, csv) in args.truth.iter().zip(&args.csv) {
+    for (truth, csv) in clips_of(args)? {
         let frames = compare(&Table::read(truth)?, &Table::read(csv)?)?;
         let (m, i, n) = count(&frames);
         let name = truth.display().to_string();

@@ -8,6 +8,24 @@ pub mod pose;
 pub mod pose_metrics;
 pub mod table;
 
+use std::path::PathBuf;
+
+use anyhow::{Result, bail};
+
+use crate::cli::ClipsArgs;
+
+/// Each clip's truth and table.
+fn clips_of(args: &ClipsArgs) -> Result<impl Iterator<Item = (&PathBuf, &PathBuf)>> {
+    if args.truth.len() != args.csv.len() {
+        bail!(
+            "{} --truth files but {} --csv files: give one CSV per truth",
+            args.truth.len(),
+            args.csv.len()
+        );
+    }
+    Ok(args.truth.iter().zip(&args.csv))
+}
+
 /// Mean of the values; `None` of none.
 pub fn mean(values: &[f64]) -> Option<f64> {
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)

@@ -3,28 +3,22 @@
 use std::collections::HashMap;
 use std::fmt::Write as _;
 
-use anyhow::{Result, bail};
+use anyhow::Result;
 use serde_json::{Map, Value};
 
+use super::clips_of;
 use super::pose_metrics::{BANDS, FrameOutcome, Summary, Tracked, Truth};
 use super::pose_metrics::{summarize, summarize_band};
 use super::table::Table;
-use crate::cli::PoseArgs;
+use crate::cli::ClipsArgs;
 use crate::output;
 
 /// Runs the command.
-pub fn run(args: &PoseArgs) -> Result<()> {
-    if args.truth.len() != args.csv.len() {
-        bail!(
-            "{} --truth files but {} --csv files: give one CSV per truth",
-            args.truth.len(),
-            args.csv.len()
-        );
-    }
+pub fn run(args: &ClipsArgs) -> Result<()> {
     let mut out = String::new();
     let mut clips = Vec::new();
     let mut all = Vec::new();
-    for (truth, csv) in args.truth.iter().zip(&args.csv) {
+    for (truth, csv) in clips_of(args)? {
         let outcomes = compare(&Table::read(truth)?, &Table::read(csv)?)?;
         if args.truth.len() > 1 {
             report(&mut out, &truth.display().to_string(), &outcomes);

@@ -161,7 +161,8 @@ impl Graph {
         };
         match node.op {
             Op::Input => {}
-            Op::Conv { kernel, stride } => {
+            Op::Conv { .. } | Op::Linear | Op::Lateral => {
+                let (kernel, stride) = node.window();
                 let columns = kernel * kernel * from[2];
                 let rows = node.dims[0] * node.dims[1];
                 out.chunks_exact_mut(channels)
@@ -172,12 +173,6 @@ impl Graph {
                     unroll(input, from, kernel, stride, node.dims, &mut scratch.columns);
                     product(out, [rows, channels], &scratch.columns, weights, columns);
                 }
-            }
-            Op::Linear | Op::Lateral => {
-                out.chunks_exact_mut(channels)
-                    .for_each(|o| o.copy_from_slice(biases));
-                let rows = node.dims[0] * node.dims[1];
-                product(out, [rows, channels], input, weights, from[2]);
                 if node.op == Op::Lateral {
                     let coarse = &before[node.other];
                     let half = self.nodes[node.other].dims[1];
@@ -243,57 +238,27 @@ impl Graph {
             let by_weights = &mut gradient[node.at..node.at + node.weights];
             match node.op {
                 Op::Input => {}
-                Op::Conv { kernel, stride } => {
+                Op::Conv { .. } | Op::Linear | Op::Lateral => {
+                    let (kernel, stride) = node.window();
                     let columns = kernel * kernel * from[2];
-                    let direct = kernel == 1 && stride == 1;
-                    if direct {
-                        product_of_transpose(by_weights, [columns, channels], input, slope, rows);
-                        // The picture has no use for its gradient.
-                        product_by_transpose(
-                            &mut before[node.input],
-                            [rows, columns],
-                            slope,
-                            weights,
-                            channels,
-                        );
+                    let of_weights = [columns, channels];
+                    let of_input = [rows, columns];
+                    if kernel == 1 && stride == 1 {
+                        product_of_transpose(by_weights, of_weights, input, slope, rows);
+                        let by_input = &mut before[node.input];
+                        product_by_transpose(by_input, of_input, slope, weights, channels);
                     } else {
-                        unroll(input, from, kernel, stride, node.dims, &mut scratch.columns);
-                        product_of_transpose(
-                            by_weights,
-                            [columns, channels],
-                            &scratch.columns,
-                            slope,
-                            rows,
-                        );
+                        let unrolled = &mut scratch.columns;
+                        unroll(input, from, kernel, stride, node.dims, unrolled);
+                        product_of_transpose(by_weights, of_weights, unrolled, slope, rows);
+                        // The picture has no use for its gradient.
                         if node.input != 0 {
-                            scratch.columns.fill(0.0);
-                            product_by_transpose(
-                                &mut scratch.columns,
-                                [rows, columns],
-                                slope,
-                                weights,
-                                channels,
-                            );
-                            roll(
-                                &scratch.columns,
-                                from,
-                                kernel,
-                                stride,
-                                node.dims,
-                                &mut before[node.input],
-                            );
+                            unrolled.fill(0.0);
+                            product_by_transpose(unrolled, of_input, slope, weights, channels);
+                            let by_input = &mut before[node.input];
+                            roll(unrolled, from, kernel, stride, node.dims, by_input);
                         }
                     }
-                }
-                Op::Linear | Op::Lateral => {
-                    product_of_transpose(by_weights, [from[2], channels], input, slope, rows);
-                    product_by_transpose(
-                        &mut before[node.input],
-                        [rows, from[2]],
-                        slope,
-                        weights,
-                        channels,
-                    );
                     if node.op == Op::Lateral {
                         let coarse = &mut before[node.other];
                         let half = self.nodes[node.other].dims[1];
@@ -336,6 +301,14 @@ impl Graph {
 }
 
 impl Node {
+    /// Width and stride of a full convolution's window.
+    fn window(&self) -> (usize, usize) {
+        match self.op {
+            Op::Conv { kernel, stride } => (kernel, stride),
+            _ => (1, 1),
+        }
+    }
+
     /// Whether what it makes is never negative.
     pub fn has_relu(&self) -> bool {
         matches!(
@@ -352,51 +325,29 @@ pub struct Scratch {
 }
 
 /// out += a·b; a is `rows × inner`.
-fn product(out: &mut [f32], [rows, columns]: [usize; 2], a: &[f32], b: &[f32], inner: usize) {
-    matmul(
-        MatMut::from_row_major_slice_mut(out, rows, columns),
-        Accum::Add,
-        MatRef::from_row_major_slice(&a[..rows * inner], rows, inner),
-        MatRef::from_row_major_slice(b, inner, columns),
-        1.0,
-        Par::Seq,
-    );
+fn product(out: &mut [f32], size: [usize; 2], a: &[f32], b: &[f32], inner: usize) {
+    let a = MatRef::from_row_major_slice(&a[..size[0] * inner], size[0], inner);
+    let b = MatRef::from_row_major_slice(b, inner, size[1]);
+    add_product(out, size, a, b);
 }
 
 /// out += aᵀ·b; a is `inner × rows`.
-fn product_of_transpose(
-    out: &mut [f32],
-    [rows, columns]: [usize; 2],
-    a: &[f32],
-    b: &[f32],
-    inner: usize,
-) {
-    matmul(
-        MatMut::from_row_major_slice_mut(out, rows, columns),
-        Accum::Add,
-        MatRef::from_row_major_slice(&a[..rows * inner], inner, rows).transpose(),
-        MatRef::from_row_major_slice(b, inner, columns),
-        1.0,
-        Par::Seq,
-    );
+fn product_of_transpose(out: &mut [f32], size: [usize; 2], a: &[f32], b: &[f32], inner: usize) {
+    let a = MatRef::from_row_major_slice(&a[..size[0] * inner], inner, size[0]);
+    let b = MatRef::from_row_major_slice(b, inner, size[1]);
+    add_product(out, size, a.transpose(), b);
 }
 
 /// out += a·bᵀ; b is `columns × inner`.
-fn product_by_transpose(
-    out: &mut [f32],
-    [rows, columns]: [usize; 2],
-    a: &[f32],
-    b: &[f32],
-    inner: usize,
-) {
-    matmul(
-        MatMut::from_row_major_slice_mut(&mut out[..rows * columns], rows, columns),
-        Accum::Add,
-        MatRef::from_row_major_slice(a, rows, inner),
-        MatRef::from_row_major_slice(b, columns, inner).transpose(),
-        1.0,
-        Par::Seq,
-    );
+fn product_by_transpose(out: &mut [f32], size: [usize; 2], a: &[f32], b: &[f32], inner: usize) {
+    let a = MatRef::from_row_major_slice(a, size[0], inner);
+    let b = MatRef::from_row_major_slice(b, size[1], inner);
+    add_product(&mut out[..size[0] * size[1]], size, a, b.transpose());
+}
+
+fn add_product(out: &mut [f32], [rows, columns]: [usize; 2], a: MatRef<f32>, b: MatRef<f32>) {
+    let out = MatMut::from_row_major_slice_mut(out, rows, columns);
+    matmul(out, Accum::Add, a, b, 1.0, Par::Seq);
 }
 
 /// Calls `each(tap, input index, output index)` for the 3×3 windows, borders left out.

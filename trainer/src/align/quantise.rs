@@ -82,13 +82,9 @@ fn scales(network: &Network, parameters: &[f32], examples: &[Vec<f32>]) -> Vec<f
         .collect();
     scales[0] = INPUT_SCALE;
     // What a lateral sum adds comes in steps of two.
-    for node in &graph.nodes {
+    for (index, node) in graph.nodes.iter().enumerate() {
         if node.op == Op::Lateral {
-            let own = graph
-                .nodes
-                .iter()
-                .position(|n| n.at == node.at && n.op == node.op);
-            scales[node.other] = 2.0 * scales[own.expect("it is one of them")];
+            scales[node.other] = 2.0 * scales[index];
         }
     }
     scales

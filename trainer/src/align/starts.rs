@@ -123,19 +123,3 @@ pub fn normal(rng: &mut ChaCha8Rng) -> f32 {
     let v: f32 = rng.random_range(0.0..std::f32::consts::TAU);
     (-2.0 * u.ln()).sqrt() * v.cos()
 }
-
-impl Jitter {
-    /// A start as after a detection.
-    pub fn detected(&self, face: &Face, starts: &StartShapes, rng: &mut ChaCha8Rng) -> Shape {
-        let (centre, side, roll) = face_box(&starts.views(), &face.landmarks);
-        let shifted = [
-            centre[0] + normal(rng) * self.shift * side,
-            centre[1] + normal(rng) * self.shift * side,
-        ];
-        let side = side * (normal(rng) * self.log_size).exp();
-        // The detector's turn is rough.
-        let turn = (face.turn() + 0.15 * normal(rng)).clamp(-1.0, 1.0);
-        let start = starts.views().start(turn).expect("at least one start");
-        start_from_box(&start, shifted, side, roll + normal(rng) * self.roll)
-    }
-}
