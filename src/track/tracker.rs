@@ -312,7 +312,7 @@ impl Tracker {
     #[inline(never)]
     fn track(&mut self, model: &Model<'_>, frame: &Frame<'_>, now: i64) {
         let subject = &self.subject;
-        let elapsed_us = now - subject.fitted_us;
+        let elapsed_us = now.saturating_sub(subject.fitted_us);
         let predicted = subject.motion.predict(&subject.shape, elapsed_us);
         let mut shape = steadied(&subject.guess, &predicted);
         let guess = shape;
@@ -366,7 +366,10 @@ impl Tracker {
             subject.identity = IdentityEstimator::new();
         }
         subject.motion = match whose {
-            Whose::Tracked => Motion::between(&subject.shape, shape, now - subject.fitted_us),
+            Whose::Tracked => {
+                let elapsed_us = now.saturating_sub(subject.fitted_us);
+                Motion::between(&subject.shape, shape, elapsed_us)
+            }
             Whose::Stranger | Whose::Lost => Motion::STILL,
         };
         subject.shape = *shape;
