@@ -1,0 +1,160 @@
+//! A tracker in guarded memory, and everything that it tells after a step, checked.
+
+use super::memory::{Exact, Guarded};
+use crate::ffi::{api::*, types::*};
+use std::mem::size_of;
+
+/// Result, landmarks and animation weights, byte by byte.
+#[derive(Clone, PartialEq, Eq)]
+pub struct Answer(Vec<u8>);
+
+const RESULT: usize = size_of::<posewise_result>();
+const LANDMARK: usize = size_of::<posewise_landmark>();
+const LANDMARKS: usize = POSEWISE_LANDMARKS as usize;
+const ANIMATIONS: usize = POSEWISE_ANIMATIONS as usize;
+
+/// The four-byte words of some bytes.
+fn words(bytes: &[u8]) -> impl Iterator<Item = u32> + '_ {
+    let (words, _) = bytes.as_chunks::<4>();
+    words.iter().map(|b| u32::from_le_bytes(*b))
+}
+
+impl Answer {
+    /// What a tracker that just answered `result` (its bytes) tells.
+    pub fn of(tracker: *const posewise_tracker, result: &[u8]) -> Answer {
+        let landmarks = Guarded::new(LANDMARKS * LANDMARK, 0x77);
+        let weights = Guarded::new(ANIMATIONS * 4, 0x77);
+        // SAFETY: the memory is as long as the capacities say.
+        unsafe {
+            let status = posewise_landmarks(tracker, landmarks.ptr().cast(), LANDMARKS);
+            assert_eq!(status, POSEWISE_OK);
+            let status = posewise_animation(tracker, weights.ptr().cast(), ANIMATIONS);
+            assert_eq!(status, POSEWISE_OK);
+        }
+        landmarks.check();
+        weights.check();
+        let answer = Answer([&result[..RESULT], landmarks.get(), weights.get()].concat());
+        answer.check();
+        answer
+    }
+
+    pub fn bytes(&self) -> &[u8] {
+        &self.0
+    }
+
+    pub fn landmarks(&self) -> &[u8] {
+        &self.0[RESULT..RESULT + LANDMARKS * LANDMARK]
+    }
+
+    pub fn animation(&self) -> &[u8] {
+        &self.0[RESULT + LANDMARKS * LANDMARK..]
+    }
+
+    pub fn timestamp_us(&self) -> i64 {
+        self.result().timestamp_us
+    }
+
+    pub fn is_tracking(&self) -> bool {
+        self.result().state == POSEWISE_TRACKING
+    }
+
+    fn result(&self) -> posewise_result {
+        // SAFETY: as long as the struct, in which every bit pattern is valid.
+        unsafe { self.0.as_ptr().cast::<posewise_result>().read_unaligned() }
+    }
+
+    /// What the header promises of every answer.
+    fn check(&self) {
+        let r = self.result();
+        let numbers = RESULT - size_of::<[f32; 17]>();
+        assert!(
+            words(&self.0[numbers..]).all(|w| f32::from_bits(w).is_finite()),
+            "a number is not finite: {r:?}"
+        );
+        let weights: Vec<f32> = words(self.animation()).map(f32::from_bits).collect();
+        let unit = |v: &f32| (0.0..=1.0).contains(v);
+        assert!(weights.iter().all(unit), "{weights:?}");
+        assert!(unit(&r.score), "{r:?}");
+        for landmark in self.landmarks().chunks_exact(LANDMARK) {
+            let v: Vec<f32> = words(landmark).map(f32::from_bits).collect();
+            assert!(unit(&v[2]) && (v[3] == 0.0 || v[3] == 1.0), "{v:?}");
+        }
+        match r.state {
+            POSEWISE_SEARCHING => {
+                assert!(
+                    words(&self.0[16..]).all(|w| w == 0),
+                    "searching, but not zero: {r:?}"
+                );
+            }
+            POSEWISE_TRACKING | POSEWISE_HOLDING => {
+                assert_eq!(r.landmark_count, POSEWISE_LANDMARKS);
+                assert!(r.age_us >= 0 && (r.state == POSEWISE_HOLDING || r.age_us == 0));
+                let norm: f32 = r.rotation.iter().map(|v| v * v).sum();
+                assert!((norm - 1.0).abs() < 1e-3, "no unit quaternion: {r:?}");
+                assert!(
+                    r.yaw_deg.abs() <= 180.01 && r.roll_deg.abs() <= 180.01,
+                    "{r:?}"
+                );
+                assert!(r.pitch_deg.abs() <= 90.01, "{r:?}");
+                assert!(r.eye_open.iter().all(|v| unit(v) || *v == -1.0), "{r:?}");
+            }
+            other => panic!("state {other}"),
+        }
+    }
+}
+
+/// A tracker of its own.
+pub struct Tracker {
+    memory: Guarded,
+    out: Guarded,
+}
+
+impl Tracker {
+    /// In memory full of `fill`; or why not, when the memory must be untouched.
+    pub fn new(
+        model: &Exact,
+        config: Option<&posewise_config>,
+        fill: u8,
+    ) -> Result<Tracker, posewise_status> {
+        let config = config.map_or(std::ptr::null(), std::ptr::from_ref);
+        // SAFETY: NULL or a whole struct.
+        let size = unsafe { posewise_memory_size(config) };
+        let memory = Guarded::new(size, fill);
+        let mut tracker = std::ptr::null_mut();
+        // SAFETY: the memory is as long as stated, and the caller keeps the model.
+        let status = unsafe {
+            let len = model.get().len();
+            let (start, model) = (memory.ptr().cast(), model.ptr().cast());
+            posewise_init(&mut tracker, start, size, model, len, config)
+        };
+        memory.check();
+        if status != POSEWISE_OK {
+            assert!(tracker.is_null() && memory.get().iter().all(|b| *b == fill));
+            return Err(status);
+        }
+        assert_eq!(tracker.cast::<u8>(), memory.ptr());
+        let out = Guarded::new(RESULT, 0);
+        Ok(Tracker { memory, out })
+    }
+
+    /// One step, whose output is untouched if it fails.
+    ///
+    /// # Safety
+    /// `frame` is NULL or as `posewise.h` describes it.
+    pub unsafe fn step(&mut self, frame: *const posewise_frame) -> Result<Answer, posewise_status> {
+        let tracker = self.memory.ptr().cast();
+        let size = RESULT as u32;
+        self.out.get_mut().fill(0x77);
+        self.out.get_mut()[..4].copy_from_slice(&size.to_ne_bytes());
+        // SAFETY: the caller's promise.
+        let status = unsafe { posewise_step(tracker, frame, self.out.ptr().cast()) };
+        self.memory.check();
+        self.out.check();
+        assert_eq!(self.out.get()[..4], size.to_ne_bytes());
+        if status != POSEWISE_OK {
+            assert!(self.out.get()[4..].iter().all(|b| *b == 0x77));
+            return Err(status);
+        }
+        Ok(Answer::of(tracker, self.out.get()))
+    }
+}
