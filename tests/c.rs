@@ -117,7 +117,6 @@ fn every_wrong_call_is_answered_under_sanitizers() {
     );
 }
 
-/// Feeds a video to the y4m example.
 /// Memory that was never written is what sanitizers do not see.
 #[test]
 fn every_wrong_call_is_answered_under_valgrind() {
@@ -130,6 +129,7 @@ fn every_wrong_call_is_answered_under_valgrind() {
     succeed(command.args(arguments()));
 }
 
+/// Feeds a video to the y4m example.
 fn y4m(program: &Path, arguments: &[&Path], video: &[u8]) -> Output {
     let mut command = Command::new(program);
     command.args(arguments).stdin(Stdio::piped());

@@ -1,5 +1,6 @@
 /* api.c MODEL FRAMES WIDTH HEIGHT - every function with everything that can be wrong with a call.
  * Compiled as C99, also with sanitizers. Prints each check that fails; silent success. */
+#define _POSIX_C_SOURCE 200112L /* posix_memalign */
 #include "check.h"
 
 #include <limits.h>
@@ -15,19 +16,42 @@ typedef struct {
     float animation[POSEWISE_ANIMATIONS];
 } answer;
 
+/* Each output lies between guards of its own. */
 static posewise_status step(posewise_tracker *t, const posewise_frame *f, answer *a) {
+    guarded result = guarded_new(sizeof a->result, 0x77);
+    guarded landmarks = guarded_new(sizeof a->landmarks, 0x77);
+    guarded animation = guarded_new(sizeof a->animation, 0x77);
+    posewise_result *r = (posewise_result *)(void *)result.start;
     posewise_status status;
-    memset(a, 0x77, sizeof *a);
-    a->result.struct_size = sizeof a->result;
-    status = posewise_step(t, f, &a->result);
+    r->struct_size = sizeof *r;
+    status = posewise_step(t, f, r);
     if (status == POSEWISE_OK) {
-        CHECK_STATUS(posewise_landmarks(t, a->landmarks, POSEWISE_LANDMARKS), POSEWISE_OK);
-        CHECK_STATUS(posewise_animation(t, a->animation, POSEWISE_ANIMATIONS), POSEWISE_OK);
-        CHECK(a->result.struct_size == sizeof a->result);
-        CHECK(a->result.timestamp_us == f->timestamp_us);
-        CHECK(a->result.state <= POSEWISE_HOLDING);
+        CHECK_STATUS(posewise_landmarks(t, (posewise_landmark *)(void *)landmarks.start,
+                                        POSEWISE_LANDMARKS),
+                     POSEWISE_OK);
+        CHECK_STATUS(posewise_animation(t, (float *)(void *)animation.start, POSEWISE_ANIMATIONS),
+                     POSEWISE_OK);
+        CHECK(r->struct_size == sizeof *r);
+        CHECK(r->timestamp_us == f->timestamp_us);
+        CHECK(r->state <= POSEWISE_HOLDING);
     }
+    memcpy(&a->result, result.start, sizeof a->result);
+    memcpy(a->landmarks, landmarks.start, sizeof a->landmarks);
+    memcpy(a->animation, animation.start, sizeof a->animation);
+    guarded_free(result);
+    guarded_free(landmarks);
+    guarded_free(animation);
     return status;
+}
+
+/* Aligned memory that ends where it says: sanitizers and valgrind see what is read beyond it. */
+static void *exact_new(const void *content, size_t len) {
+    void *start;
+    if (posix_memalign(&start, POSEWISE_ALIGN, len) != 0)
+        exit(2);
+    if (content != NULL)
+        memcpy(start, content, len);
+    return start;
 }
 
 static posewise_tracker *init(guarded memory, const posewise_config *config) {
@@ -71,6 +95,11 @@ static void test_default_model(void) {
     if (built_in != NULL)
         CHECK_STATUS(posewise_model_check(built_in, len), POSEWISE_OK);
     CHECK(posewise_default_model(NULL) == NULL);
+    {
+        size_t lens[2] = {3, 3};
+        CHECK(posewise_default_model((size_t *)(void *)((char *)lens + 1)) == NULL);
+        CHECK(lens[0] == 3 && lens[1] == 3);
+    }
 }
 
 /* posewise_memory_size() refuses the settings, and so does posewise_init(). */
@@ -94,7 +123,11 @@ static void test_config(void) {
         posewise_config known;
         uint32_t unknown[2];
     } later;
+    guarded alone = guarded_new(sizeof c, 0xFF);
     size_t i;
+    memcpy(alone.start, &zero, sizeof zero.struct_size);
+    CHECK_STATUS(posewise_config_default((posewise_config *)(void *)alone.start), POSEWISE_OK);
+    guarded_free(alone);
     CHECK_STATUS(posewise_config_default(NULL), POSEWISE_E_ARG);
     CHECK_STATUS(posewise_config_default((posewise_config *)(void *)((char *)&later + 1)),
                  POSEWISE_E_ARG);
@@ -247,6 +280,115 @@ static void test_wrong_order(void) {
     no_tracker((posewise_tracker *)(void *)(memory.start + 1));
     no_tracker((posewise_tracker *)(void *)(memory.start + 64));
     guarded_free(memory);
+}
+
+/* What a tracker says before its first step and after a reset. */
+static void nothing_seen(posewise_tracker *t) {
+    posewise_landmark l[POSEWISE_LANDMARKS];
+    float w[POSEWISE_ANIMATIONS];
+    memset(l, 0x33, sizeof l);
+    memset(w, 0x33, sizeof w);
+    CHECK_STATUS(posewise_landmarks(t, l, POSEWISE_LANDMARKS), POSEWISE_OK);
+    CHECK_STATUS(posewise_animation(t, w, POSEWISE_ANIMATIONS), POSEWISE_OK);
+    CHECK(filled((uint8_t *)l, sizeof l, 0));
+    CHECK(filled((uint8_t *)w, sizeof w, 0));
+}
+
+/* Calls that come early, late or twice. */
+static void test_any_order(void) {
+    guarded memory = tracker_memory(0xFF), other = tracker_memory(0x00);
+    posewise_tracker *t = init(memory, NULL), *calm = init(other, NULL), *refused = NULL;
+    const posewise_config wrong = {.struct_size = sizeof wrong, .flags = 1};
+    posewise_frame f;
+    answer a, b;
+    size_t i, round;
+    nothing_seen(t);
+    CHECK_STATUS(posewise_forget_person(t), POSEWISE_OK);
+    CHECK_STATUS(posewise_reset(t), POSEWISE_OK);
+    CHECK_STATUS(posewise_reset(t), POSEWISE_OK);
+    nothing_seen(t);
+    for (round = 0; round < 2; round++) {
+        for (i = 0; i < frames.count && i < 10; i++) {
+            f = clip_frame(&frames, i);
+            CHECK_STATUS(step(t, &f, &a), POSEWISE_OK);
+            if (round == 0)
+                CHECK_STATUS(step(calm, &f, &b), POSEWISE_OK);
+            /* An init that fails leaves the tracker at work that lies there. */
+            CHECK_STATUS(posewise_init(&refused, memory.start, memory.len, model.start, model.len,
+                                       &wrong),
+                         POSEWISE_E_ARG);
+            CHECK_STATUS(posewise_init(&refused, memory.start, memory.len, model.start,
+                                       model.len - 1, NULL),
+                         POSEWISE_E_MODEL_TRUNCATED);
+        }
+        CHECK(refused == NULL);
+        CHECK(memcmp(&a, &b, sizeof a) == 0);
+        /* An init that succeeds is a new tracker in the same memory. */
+        t = init(memory, NULL);
+        nothing_seen(t);
+    }
+    guarded_free(memory);
+    guarded_free(other);
+}
+
+/* All of the caller's memory ends where it says. */
+static void test_past_the_end(void) {
+    const size_t need = posewise_memory_size(NULL), image = (size_t)frames.width * frames.height;
+    static const uint32_t sizes[] = {0, 4, 31, 4097, UINT32_MAX};
+    void *own_model = exact_new(model.start, model.len), *memory = exact_new(NULL, need);
+    posewise_tracker **out = exact_new(NULL, sizeof *out);
+    posewise_config *c = exact_new(NULL, sizeof *c);
+    posewise_intrinsics *camera = exact_new(NULL, sizeof *camera);
+    posewise_frame *f = exact_new(NULL, sizeof *f);
+    posewise_result *r = exact_new(NULL, sizeof *r);
+    posewise_landmark *l = exact_new(NULL, POSEWISE_LANDMARKS * sizeof *l);
+    float *w = exact_new(NULL, POSEWISE_ANIMATIONS * sizeof *w);
+    size_t *len = exact_new(NULL, sizeof *len), i;
+    uint32_t *head = exact_new(NULL, sizeof *head);
+    posewise_tracker *t;
+    posewise_default_model(len);
+    c->struct_size = sizeof *c;
+    CHECK_STATUS(posewise_config_default(c), POSEWISE_OK);
+    CHECK(posewise_memory_size(c) == need);
+    CHECK_STATUS(posewise_model_check(own_model, model.len), POSEWISE_OK);
+    CHECK_STATUS(posewise_init(out, memory, need, own_model, model.len, c), POSEWISE_OK);
+    t = *out;
+    camera->fx = camera->fy = 400;
+    camera->cx = camera->cy = 100;
+    CHECK_STATUS(posewise_set_intrinsics(t, camera), POSEWISE_OK);
+    for (i = 0; i < frames.count && i < 10; i++) {
+        uint8_t *data;
+        *f = clip_frame(&frames, i);
+        data = exact_new(f->data, image);
+        f->data = data;
+        r->struct_size = sizeof *r;
+        CHECK_STATUS(posewise_step(t, f, r), POSEWISE_OK);
+        free(data);
+        CHECK_STATUS(posewise_landmarks(t, l, POSEWISE_LANDMARKS), POSEWISE_OK);
+        CHECK_STATUS(posewise_landmarks(t, l + POSEWISE_LANDMARKS - 1, 1), POSEWISE_OK);
+        CHECK_STATUS(posewise_animation(t, w, POSEWISE_ANIMATIONS), POSEWISE_OK);
+        CHECK_STATUS(posewise_animation(t, w + POSEWISE_ANIMATIONS - 1, 1), POSEWISE_OK);
+    }
+    /* Of a struct whose size is wrong, nothing but that is there. */
+    *f = clip_frame(&frames, frames.count);
+    for (i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        *head = sizes[i];
+        CHECK_STATUS(posewise_config_default((posewise_config *)(void *)head), POSEWISE_E_ARG);
+        CHECK(posewise_memory_size((posewise_config *)(void *)head) == 0);
+        CHECK_STATUS(posewise_init(out, memory, need, own_model, model.len,
+                                   (posewise_config *)(void *)head),
+                     POSEWISE_E_ARG);
+        CHECK_STATUS(posewise_step(t, (posewise_frame *)(void *)head, r), POSEWISE_E_ARG);
+        CHECK_STATUS(posewise_step(t, f, (posewise_result *)(void *)head), POSEWISE_E_ARG);
+        CHECK(*head == sizes[i]);
+    }
+    for (i = 1; i < model.len; i += i < 256 ? 1 : model.len / 23) {
+        void *cut = exact_new(model.start, i);
+        CHECK_STATUS(posewise_model_check(cut, i), POSEWISE_E_MODEL_TRUNCATED);
+        free(cut);
+    }
+    free(own_model), free(memory), free(out), free(c), free(camera), free(f), free(r);
+    free(l), free(w), free(len), free(head);
 }
 
 static void test_step_pointers(void) {
@@ -545,18 +687,21 @@ static void test_same_answers(void) {
 }
 
 int main(int argc, char **argv) {
-    guarded before;
+    guarded before, frames_before;
     if (argc != 5)
         return 2;
     model = guarded_file(argv[1]);
     frames = clip_read(argv[2], argv[3], argv[4]);
     before = guarded_file(argv[1]);
+    frames_before = guarded_file(argv[2]);
     test_constants();
     test_default_model();
     test_config();
     test_model();
     test_init();
     test_wrong_order();
+    test_any_order();
+    test_past_the_end();
     test_step_pointers();
     test_outputs();
     test_bad_frames_change_nothing();
@@ -567,7 +712,9 @@ int main(int argc, char **argv) {
     test_forget_person();
     test_same_answers();
     CHECK(memcmp(model.start, before.start, model.len) == 0);
+    CHECK(memcmp(frames.bytes.start, frames_before.start, frames.bytes.len) == 0);
     guarded_free(before);
+    guarded_free(frames_before);
     guarded_free(model);
     guarded_free(frames.bytes);
     return failures != 0;
