@@ -39,6 +39,12 @@ fn calls() {
     replay("calls", targets::calls::run);
 }
 
+/// Calls on pictures without a face: all of the unsafe code, and nothing that takes Miri minutes.
+#[test]
+fn calls_without_a_face() {
+    targets::calls::run(include_bytes!("../fuzz/seeds/calls/flat"));
+}
+
 /// Were it refused, or blind, most of the inputs would test nothing.
 #[test]
 fn tiny_model_tracks() {

@@ -27,10 +27,7 @@ pub fn run(data: &[u8]) {
     let first = play(data, fill);
     let second = play(data, !fill);
     assert!(first == second, "old content of the memory shows");
-    assert!(
-        tiny::model().get() == tiny::blob(),
-        "the model was written to"
-    );
+    assert!(tiny::is_whole(), "the model was written to");
 }
 
 /// All statuses and answers of one run.
@@ -208,8 +205,8 @@ impl World {
     fn answered(&mut self, slot: usize, status: posewise_status, good: bool, before: &[u8]) {
         assert_eq!(status == POSEWISE_OK, good, "status {status}");
         assert!((-11..=0).contains(&status));
-        let same = || self.slots[slot].memory.get() == before;
-        assert!(good || same(), "a call that failed has changed the tracker");
+        let same = good || self.is_as(slot, before);
+        assert!(same, "a call that failed has changed the tracker");
         self.log.extend(status.to_le_bytes());
     }
 
@@ -221,6 +218,12 @@ impl World {
 
     fn snapshot(&self, slot: usize) -> Vec<u8> {
         self.slots[slot].memory.get().to_vec()
+    }
+
+    /// Whether the tracker's bytes are those of a snapshot. Padding is among them, which Miri does
+    /// not let anybody read.
+    fn is_as(&self, slot: usize, before: &[u8]) -> bool {
+        cfg!(miri) || self.slots[slot].memory.get() == before
     }
 
     fn config_default(&mut self, input: &mut Input<'_>, pointer: u8) {
@@ -451,7 +454,7 @@ impl World {
         for status in statuses {
             self.answered(slot, status, good, &before);
         }
-        assert!(self.slots[slot].memory.get() == before);
+        assert!(self.is_as(slot, &before));
         let live = self.slots[slot].live.as_ref().filter(|_| good);
         let answer = live.and_then(|live| live.answer.as_ref());
         let untouched = |bytes: &[u8]| bytes.iter().all(|b| *b == 0x33);
@@ -544,7 +547,7 @@ impl Picture {
             *luma = match kind & 7 {
                 0 => (x * 4 + y + seed) as u8,
                 1 => scramble(&mut seed),
-                2 => (x * seed / 8 ^ y) as u8,
+                2 => ((x * seed / 8) ^ y) as u8,
                 3 => seed as u8,
                 4 => 255u32.wrapping_sub(x * 4) as u8,
                 _ => 100 + ((x * x + y * y) / (1 + seed)) as u8 % 64,

@@ -14,14 +14,23 @@ const SIDE: usize = 16;
 const CHANNELS: usize = 8;
 const MODES: usize = 2;
 
+static MODEL: OnceLock<(Exact, Vec<u8>)> = OnceLock::new();
+
 /// The model, built once.
 pub fn model() -> &'static Exact {
-    static MODEL: OnceLock<Exact> = OnceLock::new();
-    MODEL.get_or_init(|| Exact::of(&blob(), ALIGN))
+    let build = || {
+        let blob = blob();
+        (Exact::of(&blob, ALIGN), blob)
+    };
+    &MODEL.get_or_init(build).0
 }
 
-/// The model's bytes.
-pub fn blob() -> Vec<u8> {
+/// Whether the model is as it was built.
+pub fn is_whole() -> bool {
+    MODEL.get().is_none_or(|(model, blob)| model.get() == blob)
+}
+
+fn blob() -> Vec<u8> {
     let sections: [(&[u8; 4], Vec<u8>); SECTIONS] = [
         (b"FACE", face()),
         (b"DTCT", detector()),
@@ -192,7 +201,7 @@ fn cascade() -> Vec<u8> {
     for value in [OP_INPUT as usize, 1, 1, 0, 0, 1, 0, 0, 0, 1] {
         w.u32(value);
     }
-    (w.bytes([]), w.bytes([]), w.bytes([]));
+    (0..3).for_each(|_| w.bytes([])); // no weights, biases, factors
     for (input, at, columns) in [(0, fine_at, 10), (1, coarse_at, 9 * CHANNELS)] {
         for value in [OP_CONV as usize, 3, 2, input, 0, CHANNELS, at, 128, 0, 14] {
             w.u32(value);
