@@ -18,6 +18,8 @@ const SLOTS: usize = 3;
 const MOST_CALLS: usize = 48;
 /// Longest struct that the library takes.
 const LONGEST_STRUCT: u32 = 4096;
+/// Of the structs that state their size, the shortest that there ever was.
+const FIRST: u32 = 32;
 const CONFIG: u32 = size_of::<posewise_config>() as u32;
 const FRAME: u32 = size_of::<posewise_frame>() as u32;
 const RESULT: u32 = size_of::<posewise_result>() as u32;
@@ -91,11 +93,15 @@ fn stated(input: &mut Input<'_>, own: u32) -> u32 {
     match input.u8() {
         0..192 => own,
         192..208 => own + 16,
-        208..224 => own - 4,
+        208..224 => FIRST - 4,
         224..232 => LONGEST_STRUCT,
         232..240 => LONGEST_STRUCT + 1,
         240..248 => 0,
-        _ => input.u32(),
+        // Sizes of an older header would be answered in part.
+        _ => match input.u32() {
+            FIRST.. => own + 4,
+            shorter => shorter,
+        },
     }
 }
 
