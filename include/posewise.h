@@ -72,9 +72,14 @@
 
 #define POSEWISE_FRAME_MIRRORED    1u           // Stored left to right reversed ("selfie")
 
-#define POSEWISE_SEARCHING         0u           // No face; fields below timestamp_us are 0
+#define POSEWISE_SEARCHING         0u           // No face; fields below timestamp_us are 0, but for loss
 #define POSEWISE_TRACKING          1u           // Fitted on this frame
 #define POSEWISE_HOLDING           2u           // Not fitted: the last fit, age_us old
+
+#define POSEWISE_LOSS_NONE         0u           // It is tracked, or there was none yet
+#define POSEWISE_LOSS_DOUBT        1u           // It no longer looked like a face with landmarks where they should be
+#define POSEWISE_LOSS_LEFT         2u           // Its middle left the frame
+#define POSEWISE_LOSS_POSE         3u           // No head pose explains the landmarks
 
 // A tracker: opaque, it starts where the caller's memory starts. It holds no pointer into itself,
 // so a memcpy of posewise_memory_size() bytes to memory of the same alignment is a second tracker
@@ -106,7 +111,7 @@ typedef struct posewise_config {
     // Narrowest face searched for [px], 24..4096. 0: the default, 40.
     uint32_t min_face_px;
     // Windows tested per step while searching, 100..10000000: bounds the time of a step, at the
-    // price of finding a face later. 0: the default, 1800.
+    // price of finding a face later. 0: the default, 2000.
     uint32_t scan_budget;
     // The camera; see posewise_set_intrinsics().
     posewise_intrinsics intrinsics;
@@ -166,6 +171,15 @@ typedef struct posewise_result {
     float translation_mm[3];
     // The subject's left and right eye: 0 shut .. 1 open, -1 unknown.
     float eye_open[2];
+    // POSEWISE_LOSS_*: why the face was lost that is now held or searched for.
+    uint32_t loss;
+    // Mean visibility of the landmarks, 0..1: low when much of the face is covered.
+    float seen_share;
+    // Standard deviations of the rotation about the camera's x, y and z axes [deg], from how far
+    // the landmarks of this frame lie from the 3D face.
+    float rotation_sigma_deg[3];
+    // Standard deviations of translation_mm [mm], likewise.
+    float translation_sigma_mm[3];
 } posewise_result;
 
 // One landmark. This struct is complete and never grows, so that arrays of it stay the same.
@@ -177,7 +191,8 @@ typedef struct posewise_landmark {
     // Calibrated probability that (x, y) is right to a tenth of the distance between the eyes'
     // outer corners, as it is on a face that looks into the camera, 0..1.
     float confidence;
-    // 1: the camera sees it; 0: the head itself hides it.
+    // Calibrated probability that the camera sees it: that neither the head itself nor anything
+    // before it hides it, 0..1.
     float visibility;
     // The point of the 3D face, camera frame [mm]; for points 0..16 a fixed place on the jaw.
     float x_mm;

@@ -1,6 +1,6 @@
 //! The scan on a planted pattern: a tiny hand-made model, no training data.
 
-use posewise::detect::{Detection, DetectorModel, Scan, Swept, TAG, search_near};
+use posewise::detect::{Detection, DetectorModel, Scan, Sizes, Swept, TAG, search_near};
 use posewise::image::{Frame, FrameLayout, Rotation};
 use posewise::model::{Blob, FORMAT_VERSION, HEADER_LEN, MAGIC, ModelError, crc32};
 
@@ -109,7 +109,7 @@ fn layout() -> FrameLayout {
 fn sweep(model: &DetectorModel<'_>, frame: &Frame<'_>, budget: u32) -> Option<Detection> {
     let mut scan = Scan::new();
     for _ in 0..1_000_000 {
-        match scan.advance(model, frame, 24, budget) {
+        match scan.advance(model, frame, Sizes::from(24), budget) {
             Swept::Unfinished => {}
             Swept::Found(found) => return Some(found),
             Swept::Nothing => return None,
@@ -122,7 +122,7 @@ fn sweep(model: &DetectorModel<'_>, frame: &Frame<'_>, budget: u32) -> Option<De
 fn told(model: &DetectorModel<'_>, frame: &Frame<'_>) -> Vec<Detection> {
     let mut scan = Scan::new();
     let mut told = Vec::new();
-    while let Swept::Found(found) = scan.advance(model, frame, 24, u32::MAX) {
+    while let Swept::Found(found) = scan.advance(model, frame, Sizes::from(24), u32::MAX) {
         told.push(found);
         assert!(told.len() < 100, "each candidate is told once");
     }
@@ -250,7 +250,7 @@ fn broken_sections_are_refused_or_harmless() {
         bad[bit / 8] ^= 1 << (bit % 8);
         with_model(&bad, |model| {
             if let Ok(model) = model {
-                Scan::new().advance(&model, &frame, 40, 300);
+                Scan::new().advance(&model, &frame, Sizes::from(40), 300);
             }
         });
     }

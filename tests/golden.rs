@@ -36,20 +36,26 @@ impl Hash {
             roll_deg,
             translation_mm,
             eye_open,
+            loss,
+            seen_share,
+            rotation_sigma_deg,
+            translation_sigma_mm,
             landmarks,
             points_mm,
             animation,
         } = result;
-        self.bytes(&[*state as u8]);
+        self.bytes(&[*state as u8, *loss as u8]);
         self.bytes(&timestamp_us.to_le_bytes());
         self.bytes(&age_us.to_le_bytes());
         let points = landmarks.iter();
-        [score, yaw_deg, pitch_deg, roll_deg]
+        [score, yaw_deg, pitch_deg, roll_deg, seen_share]
             .into_iter()
             .chain(face_box)
             .chain(rotation)
             .chain(translation_mm)
             .chain(eye_open)
+            .chain(rotation_sigma_deg)
+            .chain(translation_sigma_mm)
             .chain(points.flat_map(|p| [&p.x, &p.y, &p.confidence, &p.visibility]))
             .chain(points_mm.iter().flatten())
             .chain(animation)

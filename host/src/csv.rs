@@ -201,7 +201,7 @@ pub const COLUMNS: &[Column] = &[
     per_landmark(
         "vis",
         "0..1",
-        "visibility: 0 where the 3D face hides the landmark from the camera",
+        "visibility: probability that nothing hides the landmark from the camera",
         |r, i| num(landmark(r, i).visibility, 2),
     ),
     one(
@@ -239,6 +239,54 @@ pub const COLUMNS: &[Column] = &[
         "µs",
         "time since the frame that the fit belongs to; 0 when tracking",
         |r, _| Cell::Number(r.result.age_us as f64, 0),
+    ),
+    one(
+        "loss",
+        "0..3",
+        "why the face was lost: 0 it was not, 1 doubt, 2 it left the frame, 3 no pose explains it",
+        |r, _| Cell::Number(f64::from(r.result.loss as u8), 0),
+    ),
+    one(
+        "seen_share",
+        "0..1",
+        "mean visibility of the landmarks",
+        |r, _| num(r.result.seen_share, 3),
+    ),
+    one(
+        "R_sigma_x",
+        "deg",
+        "standard deviation of the rotation about the camera's x axis",
+        |r, _| num(r.result.rotation_sigma_deg[0], 3),
+    ),
+    one(
+        "R_sigma_y",
+        "deg",
+        "standard deviation of the rotation about the camera's y axis",
+        |r, _| num(r.result.rotation_sigma_deg[1], 3),
+    ),
+    one(
+        "R_sigma_z",
+        "deg",
+        "standard deviation of the rotation about the camera's z axis",
+        |r, _| num(r.result.rotation_sigma_deg[2], 3),
+    ),
+    one(
+        "T_sigma_x",
+        "mm",
+        "standard deviation of pose_Tx",
+        |r, _| num(r.result.translation_sigma_mm[0], 2),
+    ),
+    one(
+        "T_sigma_y",
+        "mm",
+        "standard deviation of pose_Ty",
+        |r, _| num(r.result.translation_sigma_mm[1], 2),
+    ),
+    one(
+        "T_sigma_z",
+        "mm",
+        "standard deviation of pose_Tz",
+        |r, _| num(r.result.translation_sigma_mm[2], 2),
     ),
 ];
 
@@ -367,7 +415,7 @@ mod tests {
             result: &result,
         };
         assert_eq!(names().len(), values(&row).len());
-        assert_eq!(names().len(), 22 + 7 * LANDMARKS + ANIMATION_NAMES.len());
+        assert_eq!(names().len(), 30 + 7 * LANDMARKS + ANIMATION_NAMES.len());
     }
 
     #[test]

@@ -5,9 +5,8 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, anyhow};
 use posewise::align::{Shape, Workspace};
-use posewise::detect::Scan;
+use posewise::detect::{Scan, Sizes};
 use posewise::image::Frame;
-use posewise::network::Activations;
 use posewise::shape::{FitOptions, Identity, Intrinsics, MAX_IDENTITIES, Observed, fit};
 use posewise::track::{Config, Model, State, Tracker};
 
@@ -24,7 +23,6 @@ pub fn time(model: &Model<'_>, frames: &[Picture]) -> Result<Vec<Part>> {
     let (picture, shape) = tracked(model, frames)?;
     let frame = picture.frame()?;
     let mut work = Box::new(Workspace::new());
-    let mut maps = Box::new(Activations::new());
     let mut parts = vec![(
         "align, tracking",
         median(|| {
@@ -33,8 +31,11 @@ pub fn time(model: &Model<'_>, frames: &[Picture]) -> Result<Vec<Part>> {
         }),
     )];
     parts.push((
-        "network (part of align)",
-        median(|| model.align.network().run(work.crop(), &mut maps)),
+        "global stage (part of align)",
+        median(|| {
+            let mut shape = shape;
+            black_box(model.align.pass(&frame, &mut shape, &mut work));
+        }),
     ));
     parts.push((
         "judge",
@@ -89,8 +90,8 @@ fn time_scan(model: &Model<'_>, frame: &Frame<'_>) -> u64 {
     let config = Config::default();
     let mut scan = Scan::new();
     median(|| {
-        let min_px = config.min_face_px as i32;
-        black_box(scan.advance(&model.detector, frame, min_px, config.scan_budget));
+        let sizes = Sizes::from(config.min_face_px as i32);
+        black_box(scan.advance(&model.detector, frame, sizes, config.scan_budget));
     })
 }
 

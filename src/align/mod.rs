@@ -1,12 +1,13 @@
 //! The cascade: frame and a first guess in, 68 landmarks out.
 //!
-//! Each pass cuts a crop that is upright and of canonical size for the guess and describes it by
-//! the maps of a small convolutional network ([`crate::network`]), the learned local features. A
+//! The global stage cuts a crop that is upright and of canonical size for the guess and describes it
+//! by the maps of a small convolutional network ([`crate::network`]), the learned local features. A
 //! first answer comes from the coarsest map as a whole; each correction then reads the fine map at
 //! the 68 points where the answer before it put them, and all points' features together move all
 //! points, so that landmarks that are well placed correct their neighbours (coarse-to-fine
-//! correlative regression, thesis 5.1; shape-indexed features as in Cao et al. 2014). From pixels
-//! to the sums that make an answer everything is integer arithmetic.
+//! correlative regression, thesis 5.1; shape-indexed features as in Cao et al. 2014). Fine stages of
+//! the same kind then see eyes with brows and the mouth closer by. From pixels to the sums that make
+//! an answer everything is integer arithmetic.
 //!
 //! A guess matters only through the similarity transform that brings the mean shape onto it: a pass
 //! that starts from its own answer does not drift.
@@ -15,11 +16,15 @@
 //! the model's `zoom` turns it into crop pixels.
 
 mod cascade;
+mod parts;
 mod placement;
+mod regressor;
 mod views;
 
-pub use cascade::{AlignModel, MAX_FEATURES, MAX_HEADS, MAX_MODES, MAX_VIEWS, Workspace};
+pub use cascade::{AlignModel, MAX_VIEWS, Workspace};
+pub use parts::{MAX_PARTS, MAX_POINTS, Parts, placed};
 pub use placement::{Placement, mirror, place};
+pub use regressor::{MAX_FEATURES, MAX_HEADS, MAX_INPUTS, MAX_MODES, READS_FINE, READS_LAST};
 pub use views::{View, Views};
 
 use crate::shape::LANDMARKS;

@@ -22,7 +22,7 @@ mod window;
 pub use model::{DetectorModel, ENSEMBLES_MAX, Ensemble, REFINE_OUTPUTS, ROLLS_MAX, Refiner, TAG};
 pub use near::search_near;
 pub use refine::refine;
-pub use scan::{Scan, Swept};
+pub use scan::{Scan, Sizes, Swept};
 pub use window::{Window, judge};
 
 /// A face candidate: a square that is turned with the head.

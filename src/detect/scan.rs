@@ -28,13 +28,33 @@ pub enum Swept {
     Nothing,
 }
 
+/// Which faces a sweep looks for, by [`Detection::size`] \[px\]: within a step of the grid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sizes {
+    /// Narrowest, at least 16.
+    pub min_px: i32,
+    /// Widest.
+    pub max_px: i32,
+}
+
+impl Sizes {
+    /// All from this one on.
+    pub const fn from(min_px: i32) -> Self {
+        Sizes {
+            min_px,
+            max_px: i32::MAX,
+        }
+    }
+}
+
 /// State of a sweep: plain data of fixed size.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Scan {
-    // What the sweep was started for; another frame size or smallest face starts it anew.
+    // What the sweep was started for; another frame size or other faces start it anew.
     width: i32,
     height: i32,
     min_px: i32,
+    max_px: i32,
     // Size of this pass [1/16 px]; 0 before the start.
     size: i32,
     pass: u16,
@@ -78,6 +98,7 @@ impl Scan {
             width: 0,
             height: 0,
             min_px: 0,
+            max_px: 0,
             size: 0,
             pass: 0,
             turned: false,
@@ -98,18 +119,17 @@ impl Scan {
     ///
     /// A window costs one unit and one more for every 16 trees that it needs, so a call asks at
     /// most 16·`budget` trees plus those of one window, and once those of [`refine`]. How the work
-    /// is cut into slices does not change what is found on a still frame. `min_face_px` (at least
-    /// 16) bounds [`Detection::size`] from below, within a step of the grid.
+    /// is cut into slices does not change what is found on a still frame.
     pub fn advance(
         &mut self,
         model: &DetectorModel<'_>,
         frame: &Frame<'_>,
-        min_face_px: i32,
+        sizes: Sizes,
         budget: u32,
     ) -> Swept {
-        let min_px = min_face_px.max(FACE_MIN_PX);
-        let wanted = (frame.width(), frame.height(), min_px);
-        if self.size == 0 || wanted != (self.width, self.height, self.min_px) {
+        let min_px = sizes.min_px.max(FACE_MIN_PX);
+        let wanted = [frame.width(), frame.height(), min_px, sizes.max_px];
+        if self.size == 0 || wanted != self.wanted() {
             self.begin(wanted, false);
         }
         let mut left = budget.max(1) as i64;
@@ -139,12 +159,18 @@ impl Scan {
         if self.turned { turned } else { upright }
     }
 
-    fn begin(&mut self, (width, height, min_px): (i32, i32, i32), turned: bool) {
+    fn wanted(&self) -> [i32; 4] {
+        [self.width, self.height, self.min_px, self.max_px]
+    }
+
+    fn begin(&mut self, wanted: [i32; 4], turned: bool) {
+        let [width, height, min_px, max_px] = wanted;
         *self = Scan {
             width,
             height,
             min_px,
-            size: width.min(height).max(min_px) * Q4,
+            max_px,
+            size: width.min(height).min(max_px).max(min_px) * Q4,
             turned,
             ..Self::default()
         };
@@ -195,7 +221,7 @@ impl Scan {
             return Some(Swept::Found(refine(model, frame, &best)));
         }
         if last && !self.turned {
-            self.begin((self.width, self.height, self.min_px), true);
+            self.begin(self.wanted(), true);
             return None;
         }
         if last {

@@ -1,8 +1,10 @@
 //! Linear classifiers on the cascade's features, calibrated to probabilities (section `SCOR`).
 //!
 //! One looks at all landmarks' features at once and tells a well-fitted face from anything else;
-//! one per landmark looks at that landmark's features alone. Outputs pass through a fitted logistic
-//! (Platt 1999). Weights are `i8`, sums are integers.
+//! one per landmark looks at that landmark's features alone and tells whether it is right. Whether a
+//! landmark is seen is asked in two rounds: first of its own features, then of all landmarks' first
+//! answers, because what covers one mostly covers its neighbours. Outputs pass through a fitted
+//! logistic (Platt 1999). Weights are `i8`, sums are integers.
 
 use crate::math::sigmoid;
 use crate::model::{Blob, ModelError};
@@ -28,6 +30,14 @@ struct ViewWeights<'m> {
     local_bias: &'m [f32],
     /// Share of the face's logit in every landmark's.
     local_face: &'m [f32],
+    /// `LANDMARKS` rows of `features`: first answers on whether a landmark is seen.
+    seen: &'m [i8],
+    seen_scale: &'m [f32],
+    seen_bias: &'m [f32],
+    /// `LANDMARKS` rows of `LANDMARKS`: second answers from the first ones.
+    context: &'m [i8],
+    context_scale: &'m [f32],
+    context_bias: &'m [f32],
 }
 
 /// Most views.
@@ -42,6 +52,18 @@ pub struct Verdict {
     /// Per landmark, probability that it lies within a tenth of the inter-ocular distance of the
     /// truth.
     pub landmarks: [f32; LANDMARKS],
+    /// Per landmark, probability that nothing hides it from the camera, neither the head itself nor
+    /// anything before it.
+    pub seen: [f32; LANDMARKS],
+}
+
+impl Verdict {
+    /// Nothing right, nothing seen.
+    const NONE: Verdict = Verdict {
+        face: 0.0,
+        landmarks: [0.0; LANDMARKS],
+        seen: [0.0; LANDMARKS],
+    };
 }
 
 impl<'m> Verifier<'m> {
@@ -74,6 +96,12 @@ impl<'m> Verifier<'m> {
                 local_scale: s.f32s(LANDMARKS)?,
                 local_bias: s.f32s(LANDMARKS)?,
                 local_face: s.f32s(LANDMARKS)?,
+                seen: s.i8s(LANDMARKS * features)?,
+                seen_scale: s.f32s(LANDMARKS)?,
+                seen_bias: s.f32s(LANDMARKS)?,
+                context: s.i8s(LANDMARKS * LANDMARKS)?,
+                context_scale: s.f32s(LANDMARKS)?,
+                context_bias: s.f32s(LANDMARKS)?,
             });
         }
         Ok(verifier)
@@ -82,14 +110,14 @@ impl<'m> Verifier<'m> {
     /// Judges the features of one fit (`LANDMARKS` × `features`), seen from `view`.
     pub fn judge(&self, features: &[i8], view: usize) -> Verdict {
         let Some(weights) = self.views.get(view).copied().flatten() else {
-            return Verdict {
-                face: 0.0,
-                landmarks: [0.0; LANDMARKS],
-            };
+            return Verdict::NONE;
         };
         let logit = weights.face_scale * dot(weights.face, features) as f32 + weights.face_bias;
         let n = self.features.max(1);
-        let mut landmarks = [0.0; LANDMARKS];
+        let mut verdict = Verdict {
+            face: sigmoid(logit),
+            ..Verdict::NONE
+        };
         let rows = weights.local.chunks_exact(n).zip(features.chunks_exact(n));
         let constants = weights
             .local_scale
@@ -97,15 +125,28 @@ impl<'m> Verifier<'m> {
             .zip(weights.local_bias)
             .zip(weights.local_face);
         for ((out, (weight, own)), ((scale, bias), share)) in
-            landmarks.iter_mut().zip(rows).zip(constants)
+            verdict.landmarks.iter_mut().zip(rows).zip(constants)
         {
             *out = sigmoid(scale * dot(weight, own) as f32 + share * logit + bias);
         }
-        Verdict {
-            face: sigmoid(logit),
-            landmarks,
+        let mut first = [0i8; LANDMARKS];
+        let rows = weights.seen.chunks_exact(n).zip(features.chunks_exact(n));
+        let constants = weights.seen_scale.iter().zip(weights.seen_bias);
+        for ((out, (weight, own)), (scale, bias)) in first.iter_mut().zip(rows).zip(constants) {
+            *out = first_answer(scale * dot(weight, own) as f32 + bias);
         }
+        let rows = weights.context.chunks_exact(LANDMARKS);
+        let constants = weights.context_scale.iter().zip(weights.context_bias);
+        for ((out, row), (scale, bias)) in verdict.seen.iter_mut().zip(rows).zip(constants) {
+            *out = sigmoid(scale * dot(row, &first) as f32 + bias);
+        }
+        verdict
     }
+}
+
+/// A first answer (about −1 … 1) in the byte that the second ones read.
+pub fn first_answer(score: f32) -> i8 {
+    libm::roundf(score * 48.0).clamp(-127.0, 127.0) as i8
 }
 
 fn dot(a: &[i8], b: &[i8]) -> i32 {

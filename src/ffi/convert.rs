@@ -5,7 +5,7 @@ use super::types::*;
 use crate::image::{Frame, FrameLayout, PixelFormat, Rotation};
 use crate::model::ModelError;
 use crate::shape::Intrinsics;
-use crate::track::{Config, Model, State, TrackResult};
+use crate::track::{Config, Loss, Model, State, TrackResult};
 use core::ffi::c_void;
 
 /// # Safety
@@ -106,6 +106,15 @@ pub(super) fn result_to(result: &TrackResult) -> posewise_result {
         roll_deg: result.roll_deg,
         translation_mm: result.translation_mm,
         eye_open: result.eye_open,
+        loss: match result.loss {
+            Loss::None => POSEWISE_LOSS_NONE,
+            Loss::Doubt => POSEWISE_LOSS_DOUBT,
+            Loss::Left => POSEWISE_LOSS_LEFT,
+            Loss::Pose => POSEWISE_LOSS_POSE,
+        },
+        seen_share: result.seen_share,
+        rotation_sigma_deg: result.rotation_sigma_deg,
+        translation_sigma_mm: result.translation_sigma_mm,
     }
 }
 

@@ -30,7 +30,7 @@ unsafe impl Growing for posewise_frame {
 }
 // SAFETY: as above.
 unsafe impl Growing for posewise_result {
-    const FIRST_SIZE: usize = 96;
+    const FIRST_SIZE: usize = 128;
 }
 
 /// `POSEWISE_E_ARG` unless the pointer is usable as one to `T`.

@@ -86,12 +86,21 @@ pub const POSEWISE_FMT_RA24: u32 = 0x3432_4152;
 /// Stored left to right reversed ("selfie").
 pub const POSEWISE_FRAME_MIRRORED: u32 = 1;
 
-/// No face; fields below timestamp_us are 0.
+/// No face; fields below timestamp_us are 0, but for loss.
 pub const POSEWISE_SEARCHING: u32 = 0;
 /// Fitted on this frame.
 pub const POSEWISE_TRACKING: u32 = 1;
 /// Not fitted: the last fit, age_us old.
 pub const POSEWISE_HOLDING: u32 = 2;
+
+/// It is tracked, or there was none yet.
+pub const POSEWISE_LOSS_NONE: u32 = 0;
+/// It no longer looked like a face with landmarks where they should be.
+pub const POSEWISE_LOSS_DOUBT: u32 = 1;
+/// Its middle left the frame.
+pub const POSEWISE_LOSS_LEFT: u32 = 2;
+/// No head pose explains the landmarks.
+pub const POSEWISE_LOSS_POSE: u32 = 3;
 
 /// A pinhole camera without distortion, in pixels of the upright frame. All four 0: a camera with
 /// a 60 degree horizontal field of view and the principal point in the middle. This struct is
@@ -118,7 +127,7 @@ pub struct posewise_config {
     /// Narrowest face searched for \[px\], 24..4096. 0: the default, 40.
     pub min_face_px: u32,
     /// Windows tested per step while searching, 100..10000000: bounds the time of a step, at the
-    /// price of finding a face later. 0: the default, 1800.
+    /// price of finding a face later. 0: the default, 2000.
     pub scan_budget: u32,
     /// The camera; see posewise_set_intrinsics().
     pub intrinsics: posewise_intrinsics,
@@ -182,6 +191,15 @@ pub struct posewise_result {
     pub translation_mm: [f32; 3],
     /// The subject's left and right eye: 0 shut .. 1 open, -1 unknown.
     pub eye_open: [f32; 2],
+    /// POSEWISE_LOSS_*: why the face was lost that is now held or searched for.
+    pub loss: u32,
+    /// Mean visibility of the landmarks, 0..1: low when much of the face is covered.
+    pub seen_share: f32,
+    /// Standard deviations of the rotation about the camera's x, y and z axes \[deg\], from how far
+    /// the landmarks of this frame lie from the 3D face.
+    pub rotation_sigma_deg: [f32; 3],
+    /// Standard deviations of translation_mm \[mm\], likewise.
+    pub translation_sigma_mm: [f32; 3],
 }
 
 /// One landmark. This struct is complete and never grows, so that arrays of it stay the same.
@@ -195,7 +213,8 @@ pub struct posewise_landmark {
     /// Calibrated probability that (x, y) is right to a tenth of the distance between the eyes'
     /// outer corners, as it is on a face that looks into the camera, 0..1.
     pub confidence: f32,
-    /// 1: the camera sees it; 0: the head itself hides it.
+    /// Calibrated probability that the camera sees it: that neither the head itself nor anything
+    /// before it hides it, 0..1.
     pub visibility: f32,
     /// The point of the 3D face, camera frame \[mm\]; for points 0..16 a fixed place on the jaw.
     pub x_mm: f32,
@@ -232,6 +251,7 @@ assert_no_padding!(posewise_frame: struct_size: u32, format: u32, timestamp_us: 
     data: *const u8);
 assert_no_padding!(posewise_result: struct_size: u32, state: u32, timestamp_us: i64, age_us: i64,
     landmark_count: u32, score: f32, face_box: [f32; 4], rotation: [f32; 4], yaw_deg: f32,
-    pitch_deg: f32, roll_deg: f32, translation_mm: [f32; 3], eye_open: [f32; 2]);
+    pitch_deg: f32, roll_deg: f32, translation_mm: [f32; 3], eye_open: [f32; 2],
+    loss: u32, seen_share: f32, rotation_sigma_deg: [f32; 3], translation_sigma_mm: [f32; 3]);
 assert_no_padding!(posewise_landmark: x: f32, y: f32, confidence: f32, visibility: f32,
     x_mm: f32, y_mm: f32, z_mm: f32);

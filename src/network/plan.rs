@@ -4,7 +4,7 @@ use crate::image::CROP_MAX;
 use crate::model::{ModelError, Section};
 
 /// Most nodes.
-pub const MAX_NODES: usize = 24;
+pub const MAX_NODES: usize = 20;
 /// Most channels of a map.
 pub const MAX_CHANNELS: usize = 96;
 /// Most inputs of one output of a full convolution: kernel² × channels.

@@ -5,6 +5,7 @@ mod camera;
 mod face;
 mod fit;
 mod identity;
+mod lids;
 mod linear;
 mod posit;
 mod step;
@@ -14,6 +15,7 @@ pub use face::{Contour, FACE_TAG, FIXED_CONTOUR, FaceModel, JAW, MAX_EXTRA, MAX_
 pub use face::{VIEW_AZIMUTHS, VIEW_BYTES, VIEW_ELEVATIONS, VIEW_STEP_DEG};
 pub use fit::{FaceFit, FaceState, FitOptions, fit};
 pub use identity::{FRAME_WEIGHT, IdentityEstimator};
+pub use lids::eye_open;
 pub use linear::Observed;
 pub use posit::posit;
 

@@ -1,15 +1,16 @@
 //! A fitted face as the answer to a frame.
 
 use super::place::bounds;
-use super::{Landmark, State, TrackResult};
+use super::{Landmark, Loss, State, TrackResult};
 use crate::align::Shape;
 use crate::experts::Verdict;
-use crate::shape::FaceFit;
+use crate::shape::{FaceFit, FaceModel, Intrinsics, LANDMARKS, eye_open};
 
 /// Writes all of a result.
 pub(super) fn write(
     to: &mut TrackResult,
     now: i64,
+    (face, camera): (&FaceModel<'_>, &Intrinsics),
     shape: &Shape,
     verdict: &Verdict,
     fitted: &FaceFit,
@@ -27,7 +28,11 @@ pub(super) fn write(
         pitch_deg,
         roll_deg,
         translation_mm,
-        eye_open: eyes,
+        eye_open,
+        loss,
+        seen_share,
+        rotation_sigma_deg,
+        translation_sigma_mm,
         landmarks,
         points_mm,
         animation,
@@ -39,15 +44,23 @@ pub(super) fn write(
     *rotation = pose.quaternion();
     (*yaw_deg, *pitch_deg, *roll_deg) = (angles.yaw_deg, angles.pitch_deg, angles.roll_deg);
     *translation_mm = pose.translation_mm.to_array();
-    *eyes = eye_open(fitted);
-    let parts = shape.iter().zip(&verdict.landmarks).zip(&fitted.visible);
-    for (out, (([x, y], confidence), visible)) in landmarks.iter_mut().zip(parts) {
-        let visibility = if *visible { 1.0 } else { 0.0 };
+    *eye_open = eyes(face, camera, fitted, shape, verdict);
+    *loss = Loss::None;
+    *seen_share = verdict.seen.iter().sum::<f32>() / LANDMARKS as f32;
+    let sigma = |k: usize| {
+        let row = fitted.covariance.get(k);
+        let variance = row.and_then(|row| row.get(k)).copied().unwrap_or(0.0);
+        libm::sqrtf(variance.max(0.0))
+    };
+    *rotation_sigma_deg = [0, 1, 2].map(|k| sigma(k).to_degrees());
+    *translation_sigma_mm = [3, 4, 5].map(sigma);
+    let parts = shape.iter().zip(&verdict.landmarks).zip(&verdict.seen);
+    for (out, (([x, y], confidence), seen)) in landmarks.iter_mut().zip(parts) {
         *out = Landmark {
             x: *x,
             y: *y,
             confidence: *confidence,
-            visibility,
+            visibility: *seen,
         };
     }
     for (out, p) in points_mm.iter_mut().zip(&fitted.points_mm) {
@@ -56,19 +69,21 @@ pub(super) fn write(
     *animation = fitted.state.animation;
 }
 
-/// Openness of the subject's left and right eye from the animation; −1 for an eye that the head
-/// hides.
-fn eye_open(fitted: &FaceFit) -> [f32; 2] {
+/// Openness of the subject's left and right eye; −1 for an eye that is hidden by the head or by
+/// something before it, so that a hand does not shut it.
+fn eyes(
+    face: &FaceModel<'_>,
+    camera: &Intrinsics,
+    fitted: &FaceFit,
+    shape: &Shape,
+    verdict: &Verdict,
+) -> [f32; 2] {
     let eye = |blink: usize, first: usize| {
-        let seen = fitted
-            .visible
-            .iter()
-            .skip(first)
-            .take(6)
-            .filter(|v| **v)
-            .count();
-        let closed = fitted.state.animation.get(blink).copied().unwrap_or(0.0);
-        if seen >= 4 { 1.0 - closed } else { -1.0 }
+        let lids = fitted.visible.iter().skip(first).take(6);
+        let turned_here = lids.filter(|v| **v).count() >= 4;
+        let seen: f32 = verdict.seen.iter().skip(first).take(6).sum();
+        let open = eye_open(face, camera, &fitted.state, shape, first, blink);
+        open.filter(|_| turned_here && seen >= 3.0).unwrap_or(-1.0)
     };
     // browDown ×2, browInnerUp, browOuterUp ×2 come before eyeBlinkLeft, eyeBlinkRight.
     [eye(5, 42), eye(6, 36)]

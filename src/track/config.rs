@@ -19,7 +19,7 @@ impl Default for Config {
         Config {
             intrinsics: None,
             min_face_px: 40,
-            scan_budget: 1800,
+            scan_budget: 2000,
         }
     }
 }

@@ -10,5 +10,5 @@ mod tracker;
 
 pub use config::{Config, ConfigError};
 pub use model::Model;
-pub use result::{Landmark, State, TrackResult};
+pub use result::{Landmark, Loss, State, TrackResult};
 pub use tracker::{StepError, Tracker};

@@ -1,13 +1,13 @@
 //! All of a model's sections, opened and checked once.
 
-use crate::align::AlignModel;
+use crate::align::{AlignModel, Parts};
 use crate::detect::{self, DetectorModel};
 use crate::experts::Verifier;
 use crate::model::{Blob, ModelError};
 use crate::shape::{FACE_TAG, FaceModel};
 
 /// A checked model: views into the blob's bytes. Many trackers can share one.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Model<'m> {
     blob: Blob<'m>,
     /// The face detector.
@@ -28,7 +28,7 @@ impl<'m> Model<'m> {
     /// The first thing found wrong.
     pub fn load(bytes: &'m [u8]) -> Result<Self, ModelError> {
         let blob = Blob::open(bytes)?;
-        let align = AlignModel::open(&blob)?;
+        let align = AlignModel::open(&blob, Parts::open(&blob)?)?;
         Ok(Model {
             blob,
             detector: DetectorModel::open(blob.section(&detect::TAG)?)?,

@@ -14,6 +14,20 @@ pub enum State {
     Holding,
 }
 
+/// Why a face was lost.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Loss {
+    /// It is tracked, or there was none yet.
+    #[default]
+    None,
+    /// What was found no longer looked like a face with landmarks where they should be.
+    Doubt,
+    /// Its middle left the frame.
+    Left,
+    /// No head pose explains the landmarks.
+    Pose,
+}
+
 /// One landmark in the image.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Landmark {
@@ -25,7 +39,8 @@ pub struct Landmark {
     /// of the truth, 0..1. The distance is that between the outer eye corners (36, 45) of a face
     /// that looks into the camera: turning the head does not shorten it.
     pub confidence: f32,
-    /// 1 when the 3D face does not hide it from the camera, 0 when it does.
+    /// Calibrated probability that nothing hides it from the camera, neither the head itself nor
+    /// anything before it, 0..1.
     pub visibility: f32,
 }
 
@@ -65,6 +80,15 @@ pub struct TrackResult {
     pub translation_mm: [f32; 3],
     /// Openness of the subject's left and right eye: 0 shut, 1 open, −1 unknown.
     pub eye_open: [f32; 2],
+    /// Why the face was lost that is now held or searched for.
+    pub loss: Loss,
+    /// Mean visibility of the landmarks, 0..1.
+    pub seen_share: f32,
+    /// Standard deviations of the rotation, about the camera's x, y and z axes \[deg\]; of this fit
+    /// alone, from the spread of its landmarks around the 3D face.
+    pub rotation_sigma_deg: [f32; 3],
+    /// Standard deviations of `translation_mm` \[mm\], likewise.
+    pub translation_sigma_mm: [f32; 3],
     /// iBUG 68 landmarks; the jaw (0–16) follows the visible contour.
     pub landmarks: [Landmark; LANDMARKS],
     /// The landmarks as points of the 3D face, camera frame \[mm\].
@@ -87,6 +111,10 @@ impl TrackResult {
         roll_deg: 0.0,
         translation_mm: [0.0; 3],
         eye_open: [0.0; 2],
+        loss: Loss::None,
+        seen_share: 0.0,
+        rotation_sigma_deg: [0.0; 3],
+        translation_sigma_mm: [0.0; 3],
         landmarks: [Landmark::EMPTY; LANDMARKS],
         points_mm: [[0.0; 3]; LANDMARKS],
         animation: [0.0; ANIMATIONS],

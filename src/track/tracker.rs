@@ -1,9 +1,9 @@
 //! One step: frame in, result out; and the state machine around it.
 //!
 //! Searching runs a slice of the detector's sweep; a face found there is aligned and judged at
-//! once. Tracking runs the cascade once from the shape that the last frames predict.
+//! once. A face that was lost not long ago is mostly looked for at its own size, wherever it is. Tracking runs the cascade once from the shape that the last frames predict.
 //! A fit whose probability falls below `KEEP` makes the tracker Holding: the last answer is
-//! repeated, the detector looks around it, and after `HOLD_US` the search starts anew.
+//! repeated, the detector looks around it and elsewhere, and after `HOLD_US` the search starts anew.
 
 use super::config::{Config, ConfigError};
 use super::motion::{Motion, steadied};
@@ -11,9 +11,9 @@ use core::mem::MaybeUninit;
 
 use super::answer::write;
 use super::place::{overlaps, place_of, start_in};
-use super::{Model, State, TrackResult};
+use super::{Loss, Model, State, TrackResult};
 use crate::align::{Shape, Workspace};
-use crate::detect::{Detection, Scan, Swept, search_near};
+use crate::detect::{Detection, Scan, Sizes, Swept, search_near};
 use crate::experts::Verdict;
 use crate::image::Frame;
 use crate::shape::{
@@ -22,12 +22,20 @@ use crate::shape::{
 };
 
 /// A detection becomes a tracked face from this probability on.
-const ACCEPT: f32 = 0.8;
+const ACCEPT: f32 = 0.6;
+/// A candidate at the second look, because it has had two chances to look like a face.
+const ACCEPT_SECOND: f32 = 0.9;
+/// A candidate gets a second look from this probability on.
+const DOUBT: f32 = 0.02;
 /// A tracked face is given up below this probability: a fit that was right a frame ago deserves
 /// more trust than one out of the blue.
-const KEEP: f32 = 0.1;
+const KEEP: f32 = 0.02;
 /// How long the last answer is held \[µs\].
 const HOLD_US: i64 = 500_000;
+/// How long a lost face is expected back at about the same size \[µs\].
+const RECALL_US: i64 = 10_000_000;
+/// Of so many slices of the search for it one goes to faces of all sizes.
+const RECALL_TURNS: u32 = 4;
 /// Only frames at least this sure teach who it is.
 const TRUST: f32 = 0.9;
 /// Trusted frames after which every frame's identity estimate no longer replaces the last.
@@ -37,7 +45,7 @@ const NEAR_BUDGET: u32 = 1500;
 
 /// What aligning and judging a candidate costs, in the detector's units (measured with
 /// `posewise bench`: align plus fit over detector slice).
-const ACQUIRE_UNITS: u32 = 4000;
+const ACQUIRE_UNITS: u32 = 2800;
 
 /// Why a frame was not taken; the tracker is then as before the call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,6 +72,9 @@ struct Subject {
     /// The 3D face of the last fit.
     face: FaceState,
     identity: IdentityEstimator,
+    /// Whether it was sure at least once since it was found: only then may it become as doubtful as
+    /// a covered face is.
+    trusted: bool,
     /// When it was last fitted \[µs\].
     fitted_us: i64,
 }
@@ -76,7 +87,23 @@ impl Subject {
         face: FaceState::EMPTY,
         // Renewed for every stranger; zero until then, as all of `Tracker::EMPTY`.
         identity: IdentityEstimator::with_memory(0.0),
+        trusted: false,
         fitted_us: 0,
+    };
+}
+
+/// A face that was there not long ago.
+#[derive(Clone, Copy)]
+struct Lost {
+    /// As the detector has it; 0 for nobody.
+    size_px: f32,
+    when_us: i64,
+}
+
+impl Lost {
+    const NOBODY: Lost = Lost {
+        size_px: 0.0,
+        when_us: 0,
     };
 }
 
@@ -98,6 +125,14 @@ pub struct Tracker {
     result: TrackResult,
     last_timestamp_us: Option<i64>,
     scan: Scan,
+    /// The sweep for a face that was lost.
+    recall: Scan,
+    lost: Lost,
+    /// The likeliest of the last frame's candidates that were refused; 0 if there was none.
+    doubt: f32,
+    doubtful: Shape,
+    /// Counts steps without a face.
+    turn: u32,
     /// Meaningful unless Searching.
     subject: Subject,
     work: Workspace,
@@ -115,6 +150,11 @@ impl Tracker {
         result: TrackResult::EMPTY,
         last_timestamp_us: None,
         scan: Scan::new(),
+        recall: Scan::new(),
+        lost: Lost::NOBODY,
+        doubt: 0.0,
+        doubtful: [[0.0; 2]; LANDMARKS],
+        turn: 0,
         subject: Subject::EMPTY,
         work: Workspace::new(),
     };
@@ -211,6 +251,10 @@ impl Tracker {
         self.result = TrackResult::default();
         self.last_timestamp_us = None;
         self.scan.restart();
+        self.recall.restart();
+        self.lost = Lost::NOBODY;
+        self.doubt = 0.0;
+        self.turn = 0;
     }
 
     /// Forgets whose face it is, as when somebody else takes the seat: the identity is learnt anew
@@ -234,37 +278,84 @@ impl Tracker {
         Ok(())
     }
 
+    /// One slice of a sweep: over all sizes, or mostly, while a face was lost not long ago, over those
+    /// near its own, which takes a few frames.
     fn search(&mut self, model: &Model<'_>, frame: &Frame<'_>, now: i64) {
-        let min_px = self.config.min_face_px as i32;
-        let mut budget = self.config.scan_budget;
-        let mut found = false;
-        while budget > 0 && !found {
-            let swept = self.scan.advance(&model.detector, frame, min_px, budget);
-            let Swept::Found(face) = swept else { break };
-            found = self.acquire(model, frame, now, &face, Whose::Stranger);
-            budget = self.scan.left().saturating_sub(ACQUIRE_UNITS);
-        }
-        if found {
-            self.scan.restart();
-        } else {
+        let age_us = now.saturating_sub(self.lost.when_us);
+        self.turn = self.turn.wrapping_add(1);
+        let recent = self.lost.size_px > 0.0 && age_us < RECALL_US;
+        let recalled = (recent && !self.turn.is_multiple_of(RECALL_TURNS)).then_some(self.lost);
+        if !self.sweep(model, frame, now, recalled) {
             self.lose(now);
         }
     }
 
-    /// Looks for a face that was lost a moment ago where it should be by now.
+    /// Goes on with the sweep over faces of about that size, or with that over all; true when a face
+    /// is found and taken.
+    fn sweep(
+        &mut self,
+        model: &Model<'_>,
+        frame: &Frame<'_>,
+        now: i64,
+        recalled: Option<Lost>,
+    ) -> bool {
+        let smallest = self.config.min_face_px as i32;
+        let sizes = match recalled {
+            None => Sizes::from(smallest),
+            Some(lost) => Sizes {
+                min_px: ((lost.size_px * 0.8) as i32).max(smallest),
+                max_px: (lost.size_px * 1.25) as i32,
+            },
+        };
+        let mut budget = self.config.scan_budget;
+        let mut found = self.second_look(model, frame, now);
+        while budget > 0 && !found {
+            let scan = match recalled {
+                None => &mut self.scan,
+                Some(_) => &mut self.recall,
+            };
+            let swept = scan.advance(&model.detector, frame, sizes, budget);
+            let Swept::Found(face) = swept else { break };
+            budget = scan.left().saturating_sub(ACQUIRE_UNITS);
+            found = self.acquire(model, frame, now, &face, Whose::Stranger);
+        }
+        if found {
+            self.scan.restart();
+            self.recall.restart();
+            self.lost = Lost::NOBODY;
+            self.doubt = 0.0;
+        }
+        found
+    }
+
+    /// Looks for a face that was lost a moment ago where it should be by now, and every other time
+    /// anywhere: it may have jumped.
     fn hold(&mut self, model: &Model<'_>, frame: &Frame<'_>, now: i64) {
         let around = place_of(model, &self.subject.shape);
-        let found = search_near(&model.detector, frame, &around, NEAR_BUDGET)
-            .is_some_and(|face| self.acquire(model, frame, now, &face, Whose::Lost));
+        self.turn = self.turn.wrapping_add(1);
+        let found = if self.turn.is_multiple_of(2) {
+            search_near(&model.detector, frame, &around, NEAR_BUDGET)
+                .is_some_and(|face| self.acquire(model, frame, now, &face, Whose::Lost))
+        } else {
+            let jumped = Lost {
+                size_px: around.size,
+                when_us: now,
+            };
+            self.sweep(model, frame, now, Some(jumped))
+        };
         if !found {
-            self.keep_holding(now);
+            self.keep_holding(model, now);
         }
     }
 
-    fn keep_holding(&mut self, now: i64) {
+    fn keep_holding(&mut self, model: &Model<'_>, now: i64) {
         let age_us = now.saturating_sub(self.subject.fitted_us);
         if age_us > HOLD_US {
             self.scan.restart();
+            self.lost = Lost {
+                size_px: place_of(model, &self.subject.shape).size,
+                when_us: now,
+            };
             self.lose(now);
         } else {
             self.result.state = State::Holding;
@@ -274,8 +365,11 @@ impl Tracker {
     }
 
     fn lose(&mut self, now: i64) {
-        self.result = TrackResult::EMPTY;
-        self.result.timestamp_us = now;
+        self.result = TrackResult {
+            timestamp_us: now,
+            loss: self.result.loss,
+            ..TrackResult::EMPTY
+        };
     }
 
     /// Aligns to a detection; true when it is a face.
@@ -292,21 +386,63 @@ impl Tracker {
         let Some(mut shape) = start.and_then(|start| start_in(&start, face)) else {
             return false;
         };
-        if !model
-            .align
-            .run(frame, model.align.passes(), &mut shape, &mut self.work)
-        {
+        let passes = model.align.passes();
+        let Some(verdict) = self.look(model, frame, passes, &mut shape) else {
             return false;
-        }
-        let verdict = judged(model, &self.work);
+        };
         if verdict.face < ACCEPT {
+            if verdict.face > self.doubt {
+                (self.doubt, self.doubtful) = (verdict.face, shape);
+            }
             return false;
         }
-        let found = self.answer(model, frame, now, &shape, whose, &verdict);
-        if found {
-            self.subject.guess = shape;
+        self.take(model, frame, now, &shape, whose, &verdict)
+    }
+
+    /// A second look, on the next frame, at what might have become a face: from a poor start the
+    /// cascade takes a pass more.
+    #[inline(never)]
+    fn second_look(&mut self, model: &Model<'_>, frame: &Frame<'_>, now: i64) -> bool {
+        let (doubt, mut shape) = (self.doubt, self.doubtful);
+        self.doubt = 0.0;
+        if doubt < DOUBT {
+            return false;
         }
-        found
+        match self.look(model, frame, 1, &mut shape) {
+            Some(verdict) if verdict.face >= ACCEPT_SECOND => {
+                self.take(model, frame, now, &shape, Whose::Stranger, &verdict)
+            }
+            _ => false,
+        }
+    }
+
+    /// Aligns and judges; `None` when the shape lost its extent.
+    fn look(
+        &mut self,
+        model: &Model<'_>,
+        frame: &Frame<'_>,
+        passes: usize,
+        shape: &mut Shape,
+    ) -> Option<Verdict> {
+        let ran = model.align.run(frame, passes, shape, &mut self.work);
+        ran.then(|| judged(model, &self.work))
+    }
+
+    /// Makes an accepted shape the subject's; true unless no pose explains it.
+    fn take(
+        &mut self,
+        model: &Model<'_>,
+        frame: &Frame<'_>,
+        now: i64,
+        shape: &Shape,
+        whose: Whose,
+        verdict: &Verdict,
+    ) -> bool {
+        let taken = self.answer(model, frame, now, shape, whose, verdict);
+        if taken {
+            self.subject.guess = *shape;
+        }
+        taken
     }
 
     #[inline(never)]
@@ -318,15 +454,19 @@ impl Tracker {
         let guess = shape;
         let ran = model.align.run(frame, 1, &mut shape, &mut self.work);
         let verdict = judged(model, &self.work);
-        let kept = ran
-            && overlaps(&shape, frame)
-            && verdict.face >= KEEP
-            && self.answer(model, frame, now, &shape, Whose::Tracked, &verdict);
-        if kept {
-            self.subject.guess = guess;
+        let keep = if self.subject.trusted { KEEP } else { ACCEPT };
+        let loss = if !ran || verdict.face < keep {
+            Loss::Doubt
+        } else if !overlaps(&shape, frame) {
+            Loss::Left
+        } else if !self.answer(model, frame, now, &shape, Whose::Tracked, &verdict) {
+            Loss::Pose
         } else {
-            self.keep_holding(now);
-        }
+            self.subject.guess = guess;
+            return;
+        };
+        self.result.loss = loss;
+        self.keep_holding(model, now);
     }
 
     /// Fits the 3D face to a shape on this frame, moves the subject there and writes the result;
@@ -345,8 +485,11 @@ impl Tracker {
             Some(camera) => camera,
             None => Intrinsics::of_frame(frame.width(), frame.height()),
         };
-        // A landmark that is probably wrong still says a little.
-        let weights = verdict.landmarks.map(|p| 0.05 + p);
+        // A landmark that is probably wrong, or a guess because it is hidden, still says a little.
+        let mut weights = verdict.landmarks;
+        for (weight, seen) in weights.iter_mut().zip(&verdict.seen) {
+            *weight = 0.05 + *weight * (0.2 + 0.8 * seen);
+        }
         let observed = Observed {
             points: shape,
             weights: &weights,
@@ -375,13 +518,15 @@ impl Tracker {
         subject.shape = *shape;
         subject.fitted_us = now;
         subject.face = fitted.state;
+        subject.trusted = verdict.face >= TRUST || subject.trusted && whose != Whose::Stranger;
         if verdict.face >= TRUST && subject.identity.frames() < IDENTITY_FRAMES {
             subject
                 .identity
                 .add(&model.face, &camera, &observed, fitted, FRAME_WEIGHT);
             subject.face.identity = subject.identity.estimate();
         }
-        write(&mut self.result, now, shape, verdict, fitted);
+        let seen_by = (&model.face, &camera);
+        write(&mut self.result, now, seen_by, shape, verdict, fitted);
         true
     }
 }

@@ -34,7 +34,7 @@ FIELD(posewise_frame, reserved, 36);
 FIELD(posewise_frame, data_len, 40);
 FIELD(posewise_frame, data, 40 + sizeof(size_t));
 
-SIZE(posewise_result, 96);
+SIZE(posewise_result, 128);
 FIELD(posewise_result, struct_size, 0);
 FIELD(posewise_result, state, 4);
 FIELD(posewise_result, timestamp_us, 8);
@@ -48,6 +48,10 @@ FIELD(posewise_result, pitch_deg, 68);
 FIELD(posewise_result, roll_deg, 72);
 FIELD(posewise_result, translation_mm, 76);
 FIELD(posewise_result, eye_open, 88);
+FIELD(posewise_result, loss, 96);
+FIELD(posewise_result, seen_share, 100);
+FIELD(posewise_result, rotation_sigma_deg, 104);
+FIELD(posewise_result, translation_sigma_mm, 116);
 
 SIZE(posewise_landmark, 28);
 FIELD(posewise_landmark, x, 0);

@@ -44,6 +44,10 @@ int main(void) {
     FIELD(posewise_result, roll_deg);
     FIELD(posewise_result, translation_mm);
     FIELD(posewise_result, eye_open);
+    FIELD(posewise_result, loss);
+    FIELD(posewise_result, seen_share);
+    FIELD(posewise_result, rotation_sigma_deg);
+    FIELD(posewise_result, translation_sigma_mm);
     SIZE(posewise_landmark);
     FIELD(posewise_landmark, x);
     FIELD(posewise_landmark, y);

@@ -67,6 +67,8 @@ pub struct Face {
     pub yaw_deg: Option<f32>,
     /// Weight in training.
     pub weight: f32,
+    /// Landmarks that are seen, as far as it is known.
+    pub visible: [bool; LANDMARKS],
 }
 
 impl Face {
@@ -82,6 +84,7 @@ impl Face {
             picture: Arc::new(self.picture.mirrored()),
             landmarks,
             yaw_deg: self.yaw_deg.map(|yaw| -yaw),
+            visible: MIRROR.map(|from| self.visible[from]),
             ..self.clone()
         }
     }
@@ -138,6 +141,7 @@ pub fn photographs(csv_path: &Path, images: &Path) -> Result<Vec<Face>> {
                 person: people[labels::person(&row.image)],
                 yaw_deg: None,
                 weight: 1.0,
+                visible: [true; LANDMARKS],
             })
         })
         .collect()
@@ -158,6 +162,7 @@ pub fn rendered(path: &Path, count: usize) -> Result<Vec<Face>> {
             }),
             person: sample.person,
             yaw_deg: Some(sample.angles.yaw_deg),
+            visible: sample.visible,
         })
         .collect())
 }

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
-use posewise_train::{demo_clip, pipeline, render};
+use posewise_train::{demo_clip, pack, pipeline, render};
 use std::path::PathBuf;
 
 /// Trains the models of posewise.
@@ -21,6 +21,16 @@ enum Command {
     Render(render::Args),
     /// Draw rendered samples with their landmarks, to be looked at.
     Sheet(render::sheet::Args),
+    /// Leave sections out of a model: PART (fine stages) or INFO (the data sheet).
+    Trim {
+        /// The model.
+        model: PathBuf,
+        /// Where the smaller one goes.
+        out: PathBuf,
+        /// A section's tag; repeat for several.
+        #[arg(long, required = true)]
+        without: Vec<String>,
+    },
     /// Render the clip that `posewise demo` tracks.
     DemoClip {
         /// The morphable head.
@@ -37,6 +47,14 @@ fn main() -> Result<()> {
         Command::Model(args) => pipeline::run(&args),
         Command::Render(args) => render::run(&args).map(|path| println!("{}", path.display())),
         Command::Sheet(args) => render::sheet::run(&args),
+        Command::Trim {
+            model,
+            out,
+            without,
+        } => {
+            let bytes = std::fs::read(&model)?;
+            Ok(std::fs::write(&out, pack::trimmed(&bytes, &without)?)?)
+        }
         Command::DemoClip { facekit, out } => demo_clip::write(&facekit, &out),
     }
 }

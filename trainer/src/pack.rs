@@ -88,3 +88,15 @@ pub fn blob(sections: &[SectionWriter]) -> Vec<u8> {
     out.extend(body);
     out
 }
+
+/// A model's file without some of its sections, as builds that do not read them can use it.
+pub fn trimmed(bytes: &[u8], without: &[String]) -> anyhow::Result<Vec<u8>> {
+    let aligned = crate::fit::AlignedBlob::new(bytes);
+    let opened = posewise::model::Blob::open(aligned.bytes())?;
+    let kept: Vec<SectionWriter> = opened
+        .sections()
+        .filter(|(tag, _)| !without.iter().any(|w| w.as_bytes() == tag))
+        .map(|(tag, content)| SectionWriter::of_bytes(tag, content.to_vec()))
+        .collect();
+    Ok(blob(&kept))
+}

@@ -12,7 +12,7 @@ use crate::head::{Head, Wfm};
 use crate::pack::{SectionWriter, blob};
 use crate::{detect, face_section, render, score};
 use anyhow::{Context, Result};
-use posewise::align::AlignModel;
+use posewise::align::{AlignModel, Parts};
 use posewise::detect::DetectorModel;
 use posewise::model::{Blob, Tag};
 use rayon::prelude::*;
@@ -95,22 +95,18 @@ pub fn run(args: &Args) -> Result<()> {
     let detector = kept(args, b"DTCT", &format!("{}", args.seed), || {
         training.detector()
     })?;
-    let options = align::Options {
-        seed: args.seed,
-        steps: args.steps,
-        ..align::Options::default()
-    };
-    let key = format!("{options:?}-{}", args.renders);
-    let cascade = kept(args, &AlignModel::TAG, &key, || {
-        let name = format!(
-            "network-{:08x}.checkpoint",
-            posewise::model::crc32(key.as_bytes())
-        );
-        align::cascade(training.faces()?, &options, &args.cache.join(name))
-    })?;
-    let alone = AlignedBlob::new(&blob(&[copy(&AlignModel::TAG, &cascade)]));
+    let Cascade {
+        key,
+        global: cascade,
+        parts,
+        trained,
+    } = training.cascade()?;
+    let alone = AlignedBlob::new(&blob(&[
+        copy(&AlignModel::TAG, &cascade),
+        copy(&Parts::TAG, &parts),
+    ]));
     let opened = Blob::open(alone.bytes())?;
-    let model = AlignModel::open(&opened)?;
+    let model = AlignModel::open(&opened, Parts::open(&opened)?)?;
     let alone = AlignedBlob::new(&blob(&[copy(b"DTCT", &detector)]));
     let with_detector = Blob::open(alone.bytes())?;
     let scan = DetectorModel::open(with_detector.section(b"DTCT")?)?;
@@ -118,11 +114,13 @@ pub fn run(args: &Args) -> Result<()> {
         let empty: Vec<Picture> = training.empty()?.into_iter().map(Picture::from).collect();
         score::train(&model, &scan, training.faces()?, &empty, args.seed)
     })?;
-    let dev = evaluate(&model, &args.data)?;
+    let dev = with_model(&cascade, |global| {
+        evaluate(&model, global, trained.as_ref(), &args.data)
+    })?;
     let mut info = SectionWriter::new(*b"INFO");
     let sheet = data_sheet(args, &dev);
     info.array(sheet.as_bytes());
-    let bytes = blob(&[face, detector, cascade, verifier, info]);
+    let bytes = blob(&[face, detector, cascade, parts, verifier, info]);
     std::fs::write(&args.out, &bytes).with_context(|| format!("writing {}", args.out.display()))?;
     std::fs::write(
         args.out.with_extension("md"),
@@ -135,6 +133,16 @@ pub fn run(args: &Args) -> Result<()> {
         started.elapsed()
     );
     Ok(())
+}
+
+/// Sections of the cascade.
+struct Cascade {
+    /// Of the settings that it was made with.
+    key: String,
+    global: SectionWriter,
+    parts: SectionWriter,
+    /// The global stage before it was turned into integers, where its checkpoint is left.
+    trained: Option<align::Trained>,
 }
 
 /// What the parts are trained on; faces are loaded when first asked for.
@@ -180,6 +188,91 @@ impl Training<'_> {
         };
         detect::train(&faces, &self.empty()?, &self.args.cache, &options)
     }
+
+    /// The cascade: global and fine stages. The global stage is trained on the labels as they are, then, where there are photographs,
+    /// goes on with labels that it has bettered.
+    fn cascade(&self) -> Result<Cascade> {
+        let args = self.args;
+        let mut options = align::Options {
+            seed: args.seed,
+            steps: args.steps,
+            covered: if args.clean { 0.25 } else { 0.0 },
+            ..align::Options::default()
+        };
+        let mut key = format!("{options:?}-{}", args.renders);
+        let mut checkpoint = self.checkpoint(&key);
+        let mut global = kept(args, &AlignModel::TAG, &key, || {
+            align::cascade(self.faces()?, &options, &checkpoint, None)
+        })?;
+        if !args.clean {
+            options = align::Options {
+                seed: args.seed ^ 0x5eed,
+                ..options.second()
+            };
+            key = format!("{options:?}-{key}");
+            let second = self.checkpoint(&key);
+            global = kept(args, &AlignModel::TAG, &key, || {
+                let faces = with_model(&global, |teacher| self.bettered(teacher))?;
+                align::cascade(&faces, &options, &second, Some(&checkpoint))
+            })?;
+            checkpoint = second;
+        }
+        let trained = align::Trained::read(&checkpoint, &options.sizes);
+        let options = align::parts::options(args.seed, args.steps / 2);
+        let key = format!("{options:?}-{key}");
+        let parts = kept(args, &Parts::TAG, &key, || {
+            let hash = posewise::model::crc32(key.as_bytes());
+            with_model(&global, |model| {
+                let train = |faces: &[Face]| {
+                    align::parts::train_parts(model, faces, &options, &args.cache, hash)
+                };
+                match args.clean {
+                    true => train(self.faces()?),
+                    false => train(&self.bettered(model)?),
+                }
+            })
+        })?;
+        Ok(Cascade {
+            key,
+            global,
+            parts,
+            trained,
+        })
+    }
+
+    /// The faces with labels as a trained cascade would have them, and those in photographs that
+    /// have no labels.
+    fn bettered(&self, teacher: &AlignModel<'_>) -> Result<Vec<Face>> {
+        let labels = self.args.data.join("faces68");
+        let photographs = faces::photographs(&labels.join("train.csv"), &labels.join("train"))?;
+        let mut faces = align::relabel::blended(teacher, &photographs);
+        let unlabelled = self.args.data.join("faces-unlabelled");
+        let (found, dropped) = align::relabel::found(teacher, &unlabelled)?;
+        println!(
+            "{} faces without labels taken, {dropped} dropped",
+            found.len()
+        );
+        faces.extend(found);
+        faces.extend(faces::rendered(&self.renders, self.args.renders as usize)?);
+        Ok(faces)
+    }
+
+    fn checkpoint(&self, key: &str) -> PathBuf {
+        let hash = posewise::model::crc32(key.as_bytes());
+        self.args
+            .cache
+            .join(format!("network-{hash:08x}.checkpoint"))
+    }
+}
+
+/// Opens a cascade of global stages alone.
+fn with_model<T>(
+    global: &SectionWriter,
+    run: impl FnOnce(&AlignModel<'_>) -> Result<T>,
+) -> Result<T> {
+    let bytes = AlignedBlob::new(&blob(&[copy(&AlignModel::TAG, global)]));
+    let opened = Blob::open(bytes.bytes())?;
+    run(&AlignModel::open(&opened, Parts::default())?)
 }
 
 fn copy(tag: &Tag, section: &SectionWriter) -> SectionWriter {
@@ -205,20 +298,35 @@ fn kept(
     Ok(section)
 }
 
-/// The cascade alone on the dev photographs, from jittered true boxes.
-fn evaluate(model: &AlignModel<'_>, data: &Path) -> Result<Accuracy> {
+/// The cascade alone on the dev photographs, from jittered true boxes; its global stage also before
+/// it was turned into integers.
+fn evaluate(
+    model: &AlignModel<'_>,
+    global: &AlignModel<'_>,
+    trained: Option<&align::Trained>,
+    data: &Path,
+) -> Result<Accuracy> {
     let labels = data.join("faces68");
     let dev = faces::photographs(&labels.join("dev.csv"), &labels.join("dev"))?;
-    let jitter = Jitter {
-        shift: 0.05,
-        log_size: 0.08,
-        roll: 0.14,
+    let boxes = |count| align::Boxes {
+        jitter: Jitter {
+            shift: 0.05,
+            log_size: 0.08,
+            roll: 0.14,
+        },
+        count,
     };
+    if let Some(trained) = trained {
+        let float = Accuracy::of(&align::evaluate_float(global, trained, &dev, &boxes(1)));
+        println!("dev, global stage in f32: {float:.3?}");
+        let integers = Accuracy::of(&align::evaluate(global, &dev, &boxes(1), 0));
+        println!("dev, global stage in i8: {integers:.3?}");
+    }
     for rounds in [1, 10] {
-        let again = Accuracy::of(&align::evaluate(model, &dev, &jitter, 1, rounds));
+        let again = Accuracy::of(&align::evaluate(model, &dev, &boxes(1), rounds));
         println!("dev, {rounds} more passes: {again:.2?}");
     }
-    let accuracy = Accuracy::of(&align::evaluate(model, &dev, &jitter, 3, 0));
+    let accuracy = Accuracy::of(&align::evaluate(model, &dev, &boxes(3), 0));
     println!("dev: {accuracy:.2?}");
     Ok(accuracy)
 }
@@ -240,6 +348,7 @@ Model Light.
             "\
 - 2,986 labelled photographs (video frames of 245 public figures) of the facial-keypoints set
   published by Udacity (repository MIT) out of the YouTube Faces database (research), with mirrors;
+- news photographs of 115 people out of Labeled Faces in the Wild (research), without labels;
 - {renders} rendered faces: ICT Face Model Light (MIT, (c) 2020 USC Institute for Creative
   Technologies) with procedural skin and skin from those photographs, before procedural backgrounds
   and BSDS500 (research);

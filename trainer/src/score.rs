@@ -4,6 +4,7 @@
 //! training faces (some of which fail), and on pictures without a face from random boxes and from
 //! every place that the detector takes for one.
 
+use crate::align::cover::covered;
 use crate::align::evaluate::{nme, start_of};
 use crate::align::{Jitter, face_box, normal, start_from_box};
 use crate::faces::{Face, Picture};
@@ -12,8 +13,8 @@ use crate::ridge::{Linear, Normal, predict};
 use anyhow::Result;
 use faer::Mat;
 use posewise::align::{AlignModel, Workspace};
-use posewise::detect::{DetectorModel, Scan, Swept};
-use posewise::experts::Verifier;
+use posewise::detect::{DetectorModel, Scan, Sizes, Swept};
+use posewise::experts::{Verifier, first_answer};
 use posewise::shape::LANDMARKS;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -29,6 +30,8 @@ struct Row {
     features: Vec<i8>,
     /// Per landmark: right. Empty without a face.
     right: Vec<bool>,
+    /// Per landmark: seen. Empty where it is not known.
+    seen: Vec<bool>,
     face: bool,
     fold: u32,
     view: usize,
@@ -60,6 +63,7 @@ pub fn train(
         println!("score: view {view}, {} fits", rows.len());
         let logits = train_face(&rows, &mut out)?;
         train_landmarks(&rows, &logits, model.features(), &mut out)?;
+        train_seen(&rows, model.features(), &mut out)?;
     }
     Ok(out)
 }
@@ -130,9 +134,75 @@ fn train_landmarks(
     Ok(())
 }
 
+/// The classifiers of what is seen, of one view: from a landmark's own features, then from all
+/// landmarks' first answers.
+fn train_seen(rows: &[&Row], features: usize, out: &mut SectionWriter) -> Result<()> {
+    let chosen: Vec<&Row> = rows
+        .iter()
+        .copied()
+        .filter(|r| !r.seen.is_empty())
+        .collect();
+    let first = (0..LANDMARKS)
+        .into_par_iter()
+        .map(|landmark| {
+            let own = landmark * features..(landmark + 1) * features;
+            linear(
+                &chosen,
+                |r| &r.features[own.clone()],
+                |r| r.seen[landmark],
+                0.01,
+            )
+        })
+        .collect::<Result<Vec<_>>>()?;
+    let answers: Vec<Row> = chosen
+        .iter()
+        .enumerate()
+        .map(|(k, row)| Row {
+            features: first.iter().map(|(_, s)| first_answer(s[k])).collect(),
+            right: vec![],
+            seen: row.seen.clone(),
+            ..**row
+        })
+        .collect();
+    let answers: Vec<&Row> = answers.iter().collect();
+    let second = (0..LANDMARKS)
+        .into_par_iter()
+        .map(|landmark| {
+            let label = |r: &Row| r.seen[landmark];
+            let (w, s) = linear(&answers, |r| r.features.as_slice(), label, 0.01)?;
+            let labels: Vec<bool> = answers.iter().map(|r| label(r)).collect();
+            let (slope, offset) = platt(&s, &labels, &vec![0.0; s.len()], 0.0);
+            let logits: Vec<f32> = s.iter().map(|s| s * slope[0] + offset).collect();
+            Ok((w, slope[0], offset, logits, labels))
+        })
+        .collect::<Result<Vec<_>>>()?;
+    let pooled: (Vec<f32>, Vec<bool>) = second
+        .iter()
+        .flat_map(|(_, _, _, logits, labels)| logits.iter().copied().zip(labels.iter().copied()))
+        .unzip();
+    report("seen", &pooled.0, &pooled.1);
+    let weights = |all: Vec<&Linear>| {
+        all.iter()
+            .flat_map(|w| w.weight.clone())
+            .collect::<Vec<i8>>()
+    };
+    out.array(&weights(first.iter().map(|f| &f.0).collect()));
+    out.array(&first.iter().map(|f| f.0.scale).collect::<Vec<f32>>());
+    out.array(&first.iter().map(|f| f.0.bias).collect::<Vec<f32>>());
+    out.array(&weights(second.iter().map(|f| &f.0).collect()));
+    out.array(&second.iter().map(|f| f.0.scale * f.1).collect::<Vec<f32>>());
+    out.array(
+        &second
+            .iter()
+            .map(|f| f.0.bias * f.1 + f.2)
+            .collect::<Vec<f32>>(),
+    );
+    Ok(())
+}
+
 /// Runs the cascade on the faces, from boxes as good as a detector's to hopeless ones.
 fn on_faces(model: &AlignModel<'_>, faces: &[Face], seed: u64) -> Vec<Row> {
-    let per_face = (40_000 / faces.len().max(1)).clamp(1, 6);
+    let per_face = (48_000 / faces.len().max(1)).clamp(1, 6);
     faces
         .par_iter()
         .enumerate()
@@ -156,6 +226,12 @@ fn on_faces(model: &AlignModel<'_>, faces: &[Face], seed: u64) -> Vec<Row> {
                     let roll = roll + jitter.roll * normal(&mut rng);
                     let turn = face.turn() + 0.25 * normal(&mut rng);
                     let mut shape = start_from_box(&start_of(model, turn), at, size, roll);
+                    // Of every four, one has something before it.
+                    let hidden = (rng.random_range(0..4) == 0).then(|| {
+                        let other = &faces[rng.random_range(0..faces.len())];
+                        covered(face, other, &mut rng)
+                    });
+                    let face = hidden.as_ref().unwrap_or(face);
                     let frame = face.picture.frame();
                     if !model.run(&frame, model.passes() + k % 2, &mut shape, work) {
                         continue;
@@ -166,9 +242,16 @@ fn on_faces(model: &AlignModel<'_>, faces: &[Face], seed: u64) -> Vec<Row> {
                         .map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1]) <= limit)
                         .collect();
                     let error = nme(face, &shape, 0) * face.inter_ocular() / face.scale();
+                    // Photographs say nothing of what turning hides.
+                    let known = face.yaw_deg.is_some() || face.turn().abs() < 0.3;
                     rows.push(Row {
                         features: work.features().to_vec(),
                         right,
+                        seen: if known && error < RIGHT_PERCENT {
+                            face.visible.to_vec()
+                        } else {
+                            vec![]
+                        },
                         face: error < RIGHT_PERCENT,
                         fold: face.person.wrapping_mul(0x9E37_79B9) >> 16 & (FOLDS - 1),
                         view: work.view(),
@@ -186,6 +269,7 @@ fn no_face(work: &Workspace, picture: usize) -> Row {
     Row {
         features: work.features().to_vec(),
         right: Vec::new(),
+        seen: Vec::new(),
         face: false,
         fold: picture as u32 % FOLDS,
         view: work.view(),
@@ -233,7 +317,12 @@ fn on_alarms(model: &AlignModel<'_>, detector: &DetectorModel<'_>, empty: &[Pict
                     let frame = picture.frame();
                     let mut scan = Scan::new();
                     loop {
-                        let found = match scan.advance(detector, &frame, MIN_FACE_PX, u32::MAX) {
+                        let found = match scan.advance(
+                            detector,
+                            &frame,
+                            Sizes::from(MIN_FACE_PX),
+                            u32::MAX,
+                        ) {
                             Swept::Found(found) => found,
                             Swept::Unfinished => continue,
                             Swept::Nothing => break,

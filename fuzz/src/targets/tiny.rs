@@ -2,13 +2,14 @@
 //! picture, and a hundred times as often as with a model that was trained.
 
 use super::memory::Exact;
+use posewise::align::{READS_FINE, READS_LAST};
 use posewise::model::{ALIGN, FORMAT_VERSION, HEADER_LEN, MAGIC, crc32};
 use posewise::network::{OP_CONV, OP_INPUT};
 use posewise::shape::{ANIMATIONS, JAW, LANDMARKS, VIEW_BYTES};
 use std::sync::OnceLock;
 
 /// Sections in the order in which they lie in the model.
-pub const SECTIONS: usize = 4;
+pub const SECTIONS: usize = 5;
 
 const SIDE: usize = 16;
 const CHANNELS: usize = 8;
@@ -35,6 +36,7 @@ fn blob() -> Vec<u8> {
         (b"FACE", face()),
         (b"DTCT", detector()),
         (b"ALGN", cascade()),
+        (b"PART", parts()),
         (b"SCOR", verifier()),
     ];
     let mut table = Vec::new();
@@ -183,17 +185,35 @@ fn cascade() -> Vec<u8> {
     let mut w = Writer::default();
     w.u32(2); // views
     w.u32(2); // passes
-    w.u32(SIDE);
-    w.f32(0.08); // crop px per unit
-    w.u32(1); // what the corrections read
-    w.u32(2); // what the first answer reads
-    w.u32(2); // answers
-    w.u32(MODES);
     let mean = points().map(|[x, y, _]| [x, y]);
     let turned = points().map(|[x, y, z]| [0.8 * x - 0.6 * z, y]);
     w.f32s(mean.as_flattened());
     w.f32s([mean, turned].as_flattened().as_flattened());
     w.f32s(&[0.0, 1.0]);
+    regressor(&mut w, LANDMARKS, &[READS_LAST, READS_FINE]);
+    w.0
+}
+
+fn parts() -> Vec<u8> {
+    let mut w = Writer::default();
+    w.u32(2);
+    for (twin, landmarks) in [(1, 36..42), (0, 48..68)] {
+        w.u32(landmarks.len());
+        w.u32(twin);
+        w.bytes(landmarks.clone().flat_map(u32::to_le_bytes));
+        regressor(&mut w, landmarks.len(), &[READS_LAST | READS_FINE]);
+    }
+    w.0
+}
+
+/// A network of two layers, and answers that read these maps.
+fn regressor(w: &mut Writer, points: usize, reads: &[u32]) {
+    w.u32(SIDE);
+    w.f32(0.08); // crop px per unit
+    w.u32(1); // fine map
+    w.u32(2); // last map
+    w.u32(reads.len());
+    w.u32(MODES);
     let fine_at = SIDE * SIDE;
     let coarse_at = fine_at + (SIDE / 2) * (SIDE / 2) * CHANNELS;
     w.u32(3);
@@ -210,16 +230,17 @@ fn cascade() -> Vec<u8> {
         w.i32s(&[900; CHANNELS]);
         w.i32s(&[600; CHANNELS]);
     }
-    let inputs = [(SIDE / 4) * (SIDE / 4) * CHANNELS, LANDMARKS * CHANNELS];
-    for count in inputs {
-        w.i8s(MODES * count, |i| noise(i, 20));
+    for reads in reads {
+        let whole = (SIDE / 4) * (SIDE / 4) * CHANNELS * usize::from(reads & READS_LAST != 0);
+        let local = points * CHANNELS * usize::from(reads & READS_FINE != 0);
+        w.u32(*reads as usize);
+        w.i8s(MODES * (whole + local), |i| noise(i, 20));
         w.f32s(&[1e-3; MODES]);
         w.f32s(&[0.0; MODES]);
-        w.i8s(MODES * 2 * LANDMARKS, |i| noise(i, 100));
+        w.i8s(MODES * 2 * points, |i| noise(i, 100));
         w.f32s(&[1e-3; MODES]);
-        w.f32s(&[0.0; 2 * LANDMARKS]);
+        w.f32s(&vec![0.0; 2 * points]);
     }
-    w.0
 }
 
 fn verifier() -> Vec<u8> {
@@ -235,6 +256,12 @@ fn verifier() -> Vec<u8> {
         w.f32s(&[1e-3; LANDMARKS]);
         w.f32s(&[1.0; LANDMARKS]);
         w.f32s(&[0.3; LANDMARKS]);
+        w.i8s(LANDMARKS * CHANNELS, |i| noise(i + 3, 30));
+        w.f32s(&[1e-3; LANDMARKS]);
+        w.f32s(&[0.2; LANDMARKS]);
+        w.i8s(LANDMARKS * LANDMARKS, |i| noise(i + 5, 30));
+        w.f32s(&[1e-3; LANDMARKS]);
+        w.f32s(&[0.5; LANDMARKS]);
     }
     w.0
 }

@@ -6,6 +6,7 @@
 
 use serde_json::{Map, Value, json};
 
+use super::trust::calibration_error;
 use super::{mean, median};
 
 /// Labelled or found landmarks \[px\].
@@ -55,6 +56,20 @@ pub struct Outcome {
     /// Distances per landmark over the inter-ocular distance; `None` when the labelled face was
     /// not found.
     pub errors: Option<[f64; 68]>,
+    /// What the tracker thought of that, if anybody asked.
+    pub trust: Option<Trust>,
+    /// The face's size that confidences refer to, over the inter-ocular distance: 1 towards the
+    /// camera, more where turning shortens that distance.
+    scale: f64,
+}
+
+/// Probabilities that came with a fit.
+#[derive(Clone, Debug)]
+pub struct Trust {
+    /// That the landmarks are right on average.
+    pub score: f64,
+    /// That each landmark is right.
+    pub confidence: [f64; 68],
 }
 
 impl Outcome {
@@ -64,7 +79,24 @@ impl Outcome {
         Outcome {
             band: yaw_band(label),
             errors: same.map(|f| errors(label, f)),
+            trust: None,
+            scale: scale(label),
         }
+    }
+
+    /// The face's probability and whether it was right.
+    fn face(&self) -> Option<(f64, bool)> {
+        let right = self.nme(0, 68).is_some_and(|e| e < RIGHT * self.scale);
+        Some((self.trust.as_ref()?.score, right))
+    }
+
+    /// The landmarks' probabilities and whether each was right.
+    fn landmarks(&self) -> Vec<(f64, bool)> {
+        let (Some(trust), Some(errors)) = (&self.trust, &self.errors) else {
+            return vec![];
+        };
+        let pairs = trust.confidence.iter().zip(errors);
+        pairs.map(|(p, e)| (*p, *e <= RIGHT * self.scale)).collect()
     }
 
     /// Mean error of landmarks `from..to`.
@@ -77,6 +109,17 @@ impl Outcome {
         // A NaN is a failure too.
         !self.nme(0, 68).is_some_and(|e| e <= FAILURE_NME)
     }
+}
+
+/// A landmark is right within this share of the face's size.
+const RIGHT: f64 = 0.1;
+
+/// The eye corners' distance that the face would have if it were not turned (at least 0.42 of the
+/// root of its box's area) over the one that it has.
+fn scale(label: &Points) -> f64 {
+    let [l, t, r, b] = bounds(label);
+    let iod = distance(label[36], label[45]).max(1e-9);
+    (0.42 * ((r - l) * (b - t)).sqrt() / iod).max(1.0)
 }
 
 fn errors(label: &Points, found: &Points) -> [f64; 68] {
@@ -139,6 +182,8 @@ pub struct Summary {
     pub auc: (f64, f64),
     /// Mean NME of each of [`PARTS`].
     pub parts: [Option<f64>; 5],
+    /// Expected calibration errors of the landmarks' confidence and of the face's score.
+    pub calibration: (Option<f64>, Option<f64>),
 }
 
 /// Sums up.
@@ -160,6 +205,10 @@ pub fn summarize<'a>(outcomes: impl Iterator<Item = &'a Outcome>) -> Summary {
         nme51: (mean(&inner51), median(&inner51)),
         auc: (auc(&all68), auc(&inner51)),
         parts: PARTS.map(|(_, from, to)| mean(&nme(from, to))),
+        calibration: (
+            calibration_error(&all.iter().flat_map(|o| o.landmarks()).collect::<Vec<_>>()),
+            calibration_error(&all.iter().filter_map(|o| o.face()).collect::<Vec<_>>()),
+        ),
     }
 }
 
@@ -182,6 +231,8 @@ impl Summary {
             "auc68": self.auc.0,
             "auc51": self.auc.1,
             "parts": parts,
+            "calibration_landmarks": self.calibration.0,
+            "calibration_face": self.calibration.1,
         })
     }
 }

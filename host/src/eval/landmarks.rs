@@ -14,7 +14,7 @@ use posewise::track::{Config, Model, State, Tracker};
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
-use super::landmark_metrics::{Outcome, PARTS, Points, Summary, YawBand, bounds, summarize};
+use super::landmark_metrics::{Outcome, PARTS, Points, Summary, Trust, YawBand, bounds, summarize};
 use super::table::Table;
 use crate::cli::{LandmarksArgs, Start};
 use crate::model_file::ModelFile;
@@ -65,7 +65,10 @@ pub fn run(args: &LandmarksArgs) -> Result<()> {
                 let start = (args.start == Start::Box).then(|| detection_of(&label.points));
                 let found = fit_still(&model, &config, picture, start, args.steps)
                     .with_context(|| label.image.clone())?;
-                Ok(Outcome::new(&label.points, found.as_ref()))
+                let (points, trust) = found.unzip();
+                let mut outcome = Outcome::new(&label.points, points.as_ref());
+                outcome.trust = trust;
+                Ok(outcome)
             })
             .collect::<Result<_>>()
     })?;
@@ -107,7 +110,7 @@ fn fit_still(
     mut picture: Picture,
     mut start: Option<Detection>,
     more_steps: u32,
-) -> Result<Option<Points>> {
+) -> Result<Option<(Points, Trust)>> {
     let mut tracker = Box::new(Tracker::new(config).map_err(|e| anyhow!("{e}"))?);
     let mut found = None;
     let mut left = MAX_SEARCH_STEPS;
@@ -125,7 +128,12 @@ fn fit_still(
             if found.is_none() {
                 left = more_steps;
             }
-            found = Some(result.landmarks.map(|l| [f64::from(l.x), f64::from(l.y)]));
+            let points = result.landmarks.map(|l| [f64::from(l.x), f64::from(l.y)]);
+            let trust = Trust {
+                score: f64::from(result.score),
+                confidence: result.landmarks.map(|l| f64::from(l.confidence)),
+            };
+            found = Some((points, trust));
         }
     }
     Ok(found)
@@ -174,7 +182,15 @@ fn report(total: &Summary, bands: &[(&str, Summary)]) -> String {
         let _ = write!(out, "{name} {}  ", percent(value));
     }
     out.truncate(out.trim_end().len());
-    out + "\n"
+    let cell = |v: Option<f64>| v.map_or("–".into(), |v| format!("{v:.3}"));
+    let (landmarks, face) = total.calibration;
+    let _ = writeln!(
+        out,
+        "\ncalibration error: landmarks {}, face {}",
+        cell(landmarks),
+        cell(face)
+    );
+    out
 }
 
 fn to_json(args: &LandmarksArgs, total: &Summary, bands: &[(&str, Summary)]) -> Value {

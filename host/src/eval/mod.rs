@@ -7,6 +7,7 @@ pub mod landmarks;
 pub mod pose;
 pub mod pose_metrics;
 pub mod table;
+pub mod trust;
 
 use std::path::PathBuf;
 

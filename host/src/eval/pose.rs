@@ -107,6 +107,7 @@ fn read_tracked(table: &Table) -> Result<HashMap<i64, Option<Tracked>>> {
     ];
     let translation = [column("pose_Tx")?, column("pose_Ty")?, column("pose_Tz")?];
     let (xs, ys) = (table.columns68("x_")?, table.columns68("y_")?);
+    let (seen, right) = (table.columns68("vis_")?, table.columns68("c_")?);
     (0..table.len())
         .map(|row| {
             let number = |column: usize| table.number(row, column);
@@ -118,6 +119,8 @@ fn read_tracked(table: &Table) -> Result<HashMap<i64, Option<Tracked>>> {
                 angles: [0.0; 3],
                 translation: [0.0; 3],
                 points: [[0.0; 2]; 68],
+                visibility: [0.0; 68],
+                confidence: [0.0; 68],
             };
             for i in 0..3 {
                 tracked.angles[i] = number(angles[i])?;
@@ -125,6 +128,8 @@ fn read_tracked(table: &Table) -> Result<HashMap<i64, Option<Tracked>>> {
             }
             for (i, p) in tracked.points.iter_mut().enumerate() {
                 *p = [number(xs[i])?, number(ys[i])?];
+                tracked.visibility[i] = number(seen[i])?;
+                tracked.confidence[i] = number(right[i])?;
             }
             Ok((frame, Some(tracked)))
         })
@@ -181,10 +186,17 @@ fn report(out: &mut String, title: &str, outcomes: &[FrameOutcome]) {
             cell(s.landmarks.map(|v| 100.0 * v)),
         );
     }
+    let area = |k: usize| total.seen_auc[k].map_or("–".into(), |v| format!("{v:.3}"));
     let _ = writeln!(
         out,
         "lost within ±60°: {}; more than 30° off: {}; sign flips beyond ±60°: {}; \
-         tracked without a face: {}",
-        total.lost_within_60, total.wrong, total.sign_flips, total.false_tracks
+         tracked without a face: {}\n\
+         inner landmarks seen or hidden, area under the ROC: visibility {}, confidence {}",
+        total.lost_within_60,
+        total.wrong,
+        total.sign_flips,
+        total.false_tracks,
+        area(0),
+        area(1),
     );
 }

@@ -7,6 +7,7 @@
 use serde_json::{Map, Value, json};
 
 use super::mean;
+use super::trust::auc;
 
 /// Share of landmarks inside the picture from which on a frame counts.
 pub const MIN_IN_FRAME: f64 = 0.5;
@@ -46,6 +47,10 @@ pub struct Tracked {
     pub translation: [f64; 3],
     /// Landmarks \[px\].
     pub points: [[f64; 2]; 68],
+    /// Probability that each landmark is seen.
+    pub visibility: [f64; 68],
+    /// Probability that each landmark is right.
+    pub confidence: [f64; 68],
 }
 
 /// What one frame adds to the numbers.
@@ -64,6 +69,8 @@ struct Errors {
     depth: f64,
     landmarks: Option<f64>,
     flipped: bool,
+    /// Visibility and confidence of each inner landmark, and whether it is seen.
+    seen: Vec<[(f64, bool); 2]>,
 }
 
 impl FrameOutcome {
@@ -94,6 +101,9 @@ fn errors(truth: &Truth, tracked: &Tracked) -> Errors {
         depth: d[2].abs(),
         landmarks: landmark_error(truth, tracked),
         flipped: true_yaw.abs() >= PROFILE_YAW_DEG && true_yaw.signum() != yaw.signum(),
+        seen: (17..68)
+            .map(|i| [tracked.visibility[i], tracked.confidence[i]].map(|v| (v, truth.visible[i])))
+            .collect(),
     }
 }
 
@@ -135,6 +145,9 @@ pub struct Summary {
     pub sign_flips: usize,
     /// Frames without a face in the picture that were tracked.
     pub false_tracks: usize,
+    /// How well visibility and confidence tell inner landmarks that are seen from those that are
+    /// not: areas under the ROC.
+    pub seen_auc: [Option<f64>; 2],
 }
 
 /// Sums up.
@@ -167,6 +180,10 @@ pub fn summarize<'a>(outcomes: impl Iterator<Item = &'a FrameOutcome>) -> Summar
             .iter()
             .filter(|o| o.absent && o.errors.is_some())
             .count(),
+        seen_auc: [0, 1].map(|k| {
+            let pairs = errors.iter().flat_map(|e| e.seen.iter().map(|s| s[k]));
+            auc(&pairs.collect::<Vec<_>>())
+        }),
     }
 }
 
@@ -212,6 +229,8 @@ impl Summary {
         put("lost_within_60", json!(self.lost_within_60));
         put("sign_flips", json!(self.sign_flips));
         put("false_tracks", json!(self.false_tracks));
+        put("visibility_auc", json!(self.seen_auc[0]));
+        put("confidence_auc", json!(self.seen_auc[1]));
         Value::Object(map)
     }
 }
@@ -239,6 +258,8 @@ mod tests {
             angles: std::array::from_fn(|i| truth.angles[i] + angles[i]),
             translation: [3.0, 0.0, 604.0],
             points: truth.points,
+            visibility: [1.0; 68],
+            confidence: [1.0; 68],
         }
     }
 

@@ -1,5 +1,6 @@
 //! Errors of a finished cascade on labelled faces, by the core's own code.
 
+use super::Trained;
 use super::starts::{Jitter, face_box, normal, start_from_box};
 use crate::faces::Face;
 use posewise::align::{AlignModel, Shape, Workspace};
@@ -36,14 +37,47 @@ pub fn start_of(model: &AlignModel<'_>, turn: f32) -> Shape {
         .expect("a model has a start shape")
 }
 
-/// Runs the cascade from `starts` boxes per face, jittered as by a detector, and `rounds` times
-/// more from its own answer as while tracking.
+/// Where evaluation starts: boxes around the truth, jittered as by a detector.
+#[derive(Clone, Copy, Debug)]
+pub struct Boxes {
+    /// How far off.
+    pub jitter: Jitter,
+    /// Per face.
+    pub count: usize,
+}
+
+/// Runs the cascade from boxes, and `rounds` times more from its own answer as while tracking.
 pub fn evaluate(
     model: &AlignModel<'_>,
     faces: &[Face],
-    jitter: &Jitter,
-    starts: usize,
+    boxes: &Boxes,
     rounds: usize,
+) -> Vec<(Shape, f32, f32)> {
+    let passes = model.passes() + rounds;
+    from_boxes(model, faces, boxes, |face, shape, work| {
+        model.run(&face.picture.frame(), passes, shape, work);
+    })
+}
+
+/// The same for the global stage alone, before it was turned into integers.
+pub fn evaluate_float(
+    model: &AlignModel<'_>,
+    trained: &Trained,
+    faces: &[Face],
+    boxes: &Boxes,
+) -> Vec<(Shape, f32, f32)> {
+    from_boxes(model, faces, boxes, |face, shape, _| {
+        for _ in 0..model.passes() {
+            *shape = trained.pass(face, model.mean(), shape);
+        }
+    })
+}
+
+fn from_boxes(
+    model: &AlignModel<'_>,
+    faces: &[Face],
+    boxes: &Boxes,
+    run: impl Fn(&Face, &mut Shape, &mut Workspace) + Sync,
 ) -> Vec<(Shape, f32, f32)> {
     faces
         .par_iter()
@@ -53,8 +87,9 @@ pub fn evaluate(
             |work, (index, face)| {
                 let mut rng = ChaCha8Rng::seed_from_u64(7);
                 rng.set_stream(index as u64);
-                (0..starts)
+                (0..boxes.count)
                     .map(|_| {
+                        let jitter = &boxes.jitter;
                         let (centre, size, roll) = face_box(&model.views(), &face.landmarks);
                         let shift = jitter.shift * size;
                         let at = [
@@ -65,8 +100,7 @@ pub fn evaluate(
                         let roll = roll + jitter.roll * normal(&mut rng);
                         let turn = face.turn() + 0.2 * rng.random_range(-1.0f32..1.0);
                         let mut shape = start_from_box(&start_of(model, turn), at, size, roll);
-                        let passes = model.passes() + rounds;
-                        model.run(&face.picture.frame(), passes, &mut shape, work);
+                        run(face, &mut shape, work);
                         (shape, nme(face, &shape, 0), nme(face, &shape, 17))
                     })
                     .collect::<Vec<_>>()

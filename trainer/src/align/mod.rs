@@ -1,18 +1,20 @@
 //! Trains the cascade (section `ALGN`).
 
+pub mod cover;
 pub mod evaluate;
 mod graph;
 mod mean;
 mod network;
+pub mod parts;
 mod quantise;
+pub mod relabel;
 mod samples;
 mod starts;
 mod train;
 
-pub use evaluate::{Accuracy, evaluate};
+pub use evaluate::{Accuracy, Boxes, evaluate, evaluate_float};
 pub use mean::mean_shape;
 pub use network::{Network, Sizes};
-pub use quantise::section;
 pub use samples::{Augment, Start};
 pub(crate) use starts::normal;
 pub use starts::{Jitter, StartShapes, face_box, start_from_box};
@@ -21,16 +23,32 @@ pub use train::{Options, Trained, train};
 use crate::faces::Face;
 use crate::pack::SectionWriter;
 use anyhow::Result;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
 use std::path::Path;
+use train::Source;
 
 /// Crops that show how large the maps' values grow.
 const EXAMPLES: usize = 512;
 
-/// Trains section `ALGN` on these faces; goes on from the checkpoint if there is one.
-pub fn cascade(faces: &[Face], options: &Options, checkpoint: &Path) -> Result<SectionWriter> {
+/// Trains section `ALGN` on these faces; goes on from the checkpoint if there is one, else starts
+/// from what the network of another checkpoint has learnt.
+pub fn cascade(
+    faces: &[Face],
+    options: &Options,
+    checkpoint: &Path,
+    taught_by: Option<&Path>,
+) -> Result<SectionWriter> {
     let mean = mean_shape(faces);
     let starts = StartShapes::fit(faces, &mean, &options.turns);
-    let trained = train(faces, &mean, options, checkpoint)?;
-    let examples = train::examples(faces, &mean, options, EXAMPLES)?;
-    section(&trained, &mean, &starts, options.passes, &examples)
+    let initial = taught_by.and_then(|path| Trained::read(path, &options.sizes));
+    let source = train::Faces {
+        faces,
+        mean: &mean,
+        options,
+        draw: train::Draw::new(faces, options, |_| 1.0)?,
+    };
+    let trained = train(&source, options, checkpoint, initial.map(|t| t.parameters))?;
+    let examples = source.crops(EXAMPLES, &mut ChaCha8Rng::seed_from_u64(options.seed ^ 2));
+    quantise::face_section(&trained, &mean, &starts, options.passes, &examples)
 }

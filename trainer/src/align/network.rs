@@ -1,14 +1,14 @@
-//! The network: a small convolutional trunk, a first answer from its last map, and corrections
-//! from a fine map read at the landmarks.
+//! A network: a small convolutional trunk, and answers from its last map as a whole and from a fine
+//! map read at the points.
 
 use super::graph::{Graph, Maps, Op, Scratch};
-use posewise::align::Shape;
+use posewise::align::{READS_FINE, READS_LAST};
 use posewise::shape::LANDMARKS;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 
-/// Coordinates of a shape.
-pub const COORDINATES: usize = 2 * LANDMARKS;
+/// Points in a crop \[px\], from its centre.
+pub type Points = Vec<[f32; 2]>;
 /// Crop px per pixel of the fine map.
 pub const FINE_STRIDE: f32 = 4.0;
 
@@ -27,8 +27,10 @@ pub struct Sizes {
     pub depth: [usize; 2],
     /// Dimensions of an answer before it is spread over the coordinates.
     pub modes: usize,
-    /// Corrections from the fine map.
-    pub corrections: usize,
+    /// Points that it places.
+    pub points: usize,
+    /// What each answer reads: `READS_LAST`, `READS_FINE` or both.
+    pub reads: Vec<u32>,
 }
 
 impl Default for Sizes {
@@ -40,7 +42,24 @@ impl Default for Sizes {
             fine: 32,
             depth: [2, 3],
             modes: 64,
-            corrections: 2,
+            points: LANDMARKS,
+            reads: vec![READS_LAST, READS_FINE, READS_FINE],
+        }
+    }
+}
+
+impl Sizes {
+    /// Of a part's fine stage.
+    pub fn of_part(points: usize, zoom: f32) -> Sizes {
+        Sizes {
+            side: 56,
+            zoom,
+            channels: [8, 24, 32, 64],
+            fine: 24,
+            depth: [1, 2],
+            modes: 32,
+            points,
+            reads: vec![READS_LAST | READS_FINE; 2],
         }
     }
 }
@@ -52,21 +71,25 @@ pub struct Head {
     pub inputs: usize,
     /// Dimensions between.
     pub modes: usize,
-    /// First of `[modes][inputs]`, `[modes]`, `[COORDINATES][modes]`, `[COORDINATES]`.
+    /// Coordinates written: two per point.
+    pub outputs: usize,
+    /// What it reads.
+    pub reads: u32,
+    /// First of `[modes][inputs]`, `[modes]`, `[outputs][modes]`, `[outputs]`.
     pub at: usize,
 }
 
 impl Head {
     fn size(&self) -> usize {
-        self.modes * (self.inputs + 1) + COORDINATES * (self.modes + 1)
+        self.modes * (self.inputs + 1) + self.outputs * (self.modes + 1)
     }
 
     /// The four parts of this head's parameters.
     pub fn split<'a>(&self, parameters: &'a [f32]) -> [&'a [f32]; 4] {
         let (squeeze, rest) = parameters[self.at..].split_at(self.modes * self.inputs);
         let (inner, rest) = rest.split_at(self.modes);
-        let (spread, rest) = rest.split_at(COORDINATES * self.modes);
-        [squeeze, inner, spread, &rest[..COORDINATES]]
+        let (spread, rest) = rest.split_at(self.outputs * self.modes);
+        [squeeze, inner, spread, &rest[..self.outputs]]
     }
 
     fn forward(&self, parameters: &[f32], features: &[f32], inner: &mut [f32]) -> Vec<f32> {
@@ -96,7 +119,7 @@ impl Head {
         let gradient = &mut gradient[self.at..self.at + self.size()];
         let (g_squeeze, rest) = gradient.split_at_mut(self.modes * self.inputs);
         let (g_inner, rest) = rest.split_at_mut(self.modes);
-        let (g_spread, g_outer) = rest.split_at_mut(COORDINATES * self.modes);
+        let (g_spread, g_outer) = rest.split_at_mut(self.outputs * self.modes);
         let mut by_inner = vec![0.0; self.modes];
         for (((s, w), g), o) in slope
             .iter()
@@ -150,20 +173,20 @@ pub struct Network {
     pub fine: usize,
     /// Node of the last map.
     pub last: usize,
-    /// First answer, then the corrections.
+    /// The answers, one after the other.
     pub heads: Vec<Head>,
     /// Parameters in all.
     pub parameters: usize,
 }
 
-/// Shapes in crop px from the crop's centre, one after each head, and what led to them.
+/// Points after each head, and what led to them.
 pub struct Answer {
-    /// After the first answer, after each correction.
-    pub shapes: Vec<Shape>,
+    /// After each answer.
+    pub shapes: Vec<Points>,
     features: Vec<Vec<f32>>,
     inner: Vec<Vec<f32>>,
-    /// Where each correction read the fine map.
-    points: Vec<Shape>,
+    /// Where each answer began, and read the fine map.
+    points: Vec<Points>,
 }
 
 impl Network {
@@ -186,16 +209,26 @@ impl Network {
         let last = graph.separable(at, c4, 2);
         let fine = graph.add(Op::Lateral, quarter, context, sizes.fine);
         let mut parameters = graph.parameters;
-        let from_last = graph.nodes[last].dims.iter().product();
-        let inputs = (0..=sizes.corrections).map(|k| match k {
-            0 => from_last,
-            _ => LANDMARKS * sizes.fine,
-        });
-        let heads = inputs
-            .map(|inputs| {
+        let from_last = graph.nodes[last].dims.iter().product::<usize>();
+        let heads = sizes
+            .reads
+            .iter()
+            .map(|reads| {
+                let whole = if reads & READS_LAST != 0 {
+                    from_last
+                } else {
+                    0
+                };
+                let local = if reads & READS_FINE != 0 {
+                    sizes.points * sizes.fine
+                } else {
+                    0
+                };
                 let head = Head {
-                    inputs,
+                    inputs: whole + local,
                     modes: sizes.modes,
+                    outputs: 2 * sizes.points,
+                    reads: *reads,
                     at: parameters,
                 };
                 parameters += head.size();
@@ -212,8 +245,9 @@ impl Network {
         }
     }
 
-    /// Random parameters, scaled on example crops so that every map has unit deviation.
-    pub fn initial(&self, mean: &Shape, crops: &[Vec<f32>], rng: &mut ChaCha8Rng) -> Vec<f32> {
+    /// Random parameters, scaled on example crops so that every map has unit deviation; the first
+    /// answer begins with `offset`.
+    pub fn initial(&self, offset: &Points, crops: &[Vec<f32>], rng: &mut ChaCha8Rng) -> Vec<f32> {
         let mut parameters = vec![0.0f32; self.parameters];
         for node in &self.graph.nodes[1..] {
             let channels = node.dims[2].max(1);
@@ -229,15 +263,16 @@ impl Network {
             parameters[squeeze.clone()]
                 .iter_mut()
                 .for_each(|w| *w = rng.random_range(-inputs..inputs));
-            let spread = squeeze.end + head.modes..squeeze.end + head.modes * (1 + COORDINATES);
+            let spread = squeeze.end + head.modes..squeeze.end + head.modes * (1 + head.outputs);
             parameters[spread.clone()]
                 .iter_mut()
                 .for_each(|w| *w = rng.random_range(-modes..modes));
             if k == 0 {
-                let outer = &mut parameters[spread.end..spread.end + COORDINATES];
-                for (o, m) in outer.iter_mut().zip(mean.iter().flatten()) {
-                    *o = m * self.sizes.zoom;
-                }
+                let outer = &mut parameters[spread.end..spread.end + head.outputs];
+                outer
+                    .iter_mut()
+                    .zip(offset.iter().flatten())
+                    .for_each(|(o, v)| *o = *v);
             }
         }
         self.normalise(&mut parameters, crops);
@@ -292,12 +327,14 @@ impl Network {
         }
     }
 
-    /// Runs on the crop in `maps[0]`; `shake` moves where corrections read, while training.
+    /// Runs on the crop in `maps[0]`, beginning at `start`; `shake` moves where an answer begins,
+    /// while training.
     pub fn forward(
         &self,
         parameters: &[f32],
         maps: &mut Maps,
         scratch: &mut Scratch,
+        start: &Points,
         mut shake: impl FnMut() -> [f32; 2],
     ) -> Answer {
         self.graph.forward(parameters, maps, scratch);
@@ -307,28 +344,27 @@ impl Network {
             inner: vec![],
             points: vec![],
         };
-        for (k, head) in self.heads.iter().enumerate() {
-            let features = match answer.shapes.last() {
-                None => maps[self.last].clone(),
-                Some(shape) => {
-                    let [dx, dy] = shake();
-                    let points = shape.map(|[x, y]| [x + dx, y + dy]);
-                    answer.points.push(points);
-                    self.read(&maps[self.fine], &points)
-                }
-            };
+        for head in &self.heads {
+            let mut points = answer.shapes.last().unwrap_or(start).clone();
+            if !answer.shapes.is_empty() {
+                let [dx, dy] = shake();
+                points.iter_mut().for_each(|p| *p = [p[0] + dx, p[1] + dy]);
+            }
+            let mut features = vec![];
+            if head.reads & READS_FINE != 0 {
+                features = self.read(&maps[self.fine], &points);
+            }
+            if head.reads & READS_LAST != 0 {
+                features.extend(&maps[self.last]);
+            }
             let mut inner = vec![0.0; head.modes];
             let moved = head.forward(parameters, &features, &mut inner);
-            let before = match k {
-                0 => [[0.0; 2]; LANDMARKS],
-                _ => *answer.points.last().expect("a correction has points"),
-            };
-            let shape = std::array::from_fn(|i| {
-                [before[i][0] + moved[2 * i], before[i][1] + moved[2 * i + 1]]
-            });
+            let pairs = points.iter().zip(moved.as_chunks::<2>().0);
+            let shape = pairs.map(|(p, m)| [p[0] + m[0], p[1] + m[1]]).collect();
             answer.shapes.push(shape);
             answer.features.push(features);
             answer.inner.push(inner);
+            answer.points.push(points);
         }
         answer
     }
@@ -355,14 +391,11 @@ impl Network {
                 gradient,
                 &mut by_features,
             );
-            match k {
-                0 => add_scaled(&mut map_slopes[self.last], &by_features, 1.0),
-                _ => self.read_back(
-                    &mut map_slopes[self.fine],
-                    &answer.points[k - 1],
-                    &by_features,
-                ),
-            }
+            let local =
+                head.inputs - map_slopes[self.last].len() * (head.reads & READS_LAST) as usize;
+            let (local, whole) = by_features.split_at(local);
+            add_scaled(&mut map_slopes[self.last], whole, 1.0);
+            self.read_back(&mut map_slopes[self.fine], &answer.points[k], local);
         }
         self.graph
             .backward(parameters, maps, map_slopes, gradient, scratch);
@@ -384,9 +417,9 @@ impl Network {
         ]
     }
 
-    fn read(&self, fine: &[f32], points: &Shape) -> Vec<f32> {
+    fn read(&self, fine: &[f32], points: &Points) -> Vec<f32> {
         let n = self.sizes.fine;
-        let mut features = vec![0.0; LANDMARKS * n];
+        let mut features = vec![0.0; points.len() * n];
         for (point, out) in points.iter().zip(features.chunks_exact_mut(n)) {
             for (pixel, share) in self.corners(*point) {
                 add_scaled(out, &fine[pixel * n..(pixel + 1) * n], share);
@@ -395,7 +428,7 @@ impl Network {
         features
     }
 
-    fn read_back(&self, slopes: &mut [f32], points: &Shape, by_features: &[f32]) {
+    fn read_back(&self, slopes: &mut [f32], points: &Points, by_features: &[f32]) {
         let n = self.sizes.fine;
         for (point, slope) in points.iter().zip(by_features.chunks_exact(n)) {
             for (pixel, share) in self.corners(*point) {

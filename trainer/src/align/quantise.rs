@@ -6,9 +6,8 @@ use super::starts::StartShapes;
 use super::train::Trained;
 use crate::pack::SectionWriter;
 use anyhow::{Result, ensure};
-use posewise::align::{AlignModel, Shape};
+use posewise::align::{AlignModel, READS_FINE, Shape};
 use posewise::network::{ARENA, OP_ADD, OP_CONV, OP_DEPTHWISE, OP_INPUT, OP_LATERAL, OP_LINEAR};
-use posewise::shape::LANDMARKS;
 
 /// Outputs whose weights lie together.
 const BLOCK: usize = 8;
@@ -20,43 +19,72 @@ const COVERED: f32 = 0.98;
 
 /// Section `ALGN`, as [`AlignModel::open`] reads it; `examples` are standardised crops that show
 /// how large the maps' values grow.
-pub fn section(
+pub fn face_section(
     trained: &Trained,
     mean: &Shape,
     starts: &StartShapes,
     passes: usize,
     examples: &[Vec<f32>],
 ) -> Result<SectionWriter> {
+    let mut out = SectionWriter::new(AlignModel::TAG);
+    out.scalar(starts.turns.len() as u32).scalar(passes as u32);
+    let flat = |shape: &Shape| shape.iter().flatten().copied().collect::<Vec<f32>>();
+    out.array(&flat(mean));
+    out.array(&starts.shapes.iter().flat_map(flat).collect::<Vec<_>>());
+    out.array(&starts.turns);
+    write_regressor(trained, examples, &mut out)?;
+    Ok(out)
+}
+
+/// A part of section `PART`, as [`posewise::align::Parts::open`] reads it.
+pub fn write_part(
+    trained: &Trained,
+    landmarks: &[usize],
+    twin: bool,
+    examples: &[Vec<f32>],
+    out: &mut SectionWriter,
+) -> Result<()> {
+    out.scalar(landmarks.len() as u32).scalar(u32::from(twin));
+    out.array(&landmarks.iter().map(|k| *k as u32).collect::<Vec<_>>());
+    write_regressor(trained, examples, out)
+}
+
+fn write_regressor(
+    trained: &Trained,
+    examples: &[Vec<f32>],
+    out: &mut SectionWriter,
+) -> Result<()> {
     let Trained {
         network,
         parameters,
     } = trained;
     let sizes = &network.sizes;
-    let mut out = SectionWriter::new(AlignModel::TAG);
-    out.scalar(starts.turns.len() as u32).scalar(passes as u32);
     out.scalar(sizes.side as u32).scalar(sizes.zoom);
     out.scalar(network.fine as u32).scalar(network.last as u32);
     out.scalar(network.heads.len() as u32)
         .scalar(sizes.modes as u32);
-    let flat = |shape: &Shape| shape.iter().flatten().copied().collect::<Vec<f32>>();
-    out.array(&flat(mean));
-    out.array(&starts.shapes.iter().flat_map(flat).collect::<Vec<_>>());
-    out.array(&starts.turns);
     let scales = scales(network, parameters, examples);
     let places = places(network)?;
     out.scalar(network.graph.nodes.len() as u32);
     for index in 0..network.graph.nodes.len() {
-        write_node(network, parameters, &scales, &places, index, &mut out);
+        write_node(network, parameters, &scales, &places, index, out);
     }
-    for (index, head) in network.heads.iter().enumerate() {
-        let read = if index == 0 {
-            network.last
+    for head in &network.heads {
+        let local = if head.reads & READS_FINE != 0 {
+            sizes.points * sizes.fine
         } else {
-            network.fine
+            0
         };
-        write_head(head, parameters, scales[read], &mut out);
+        let scale_of = |k: usize| {
+            scales[if k < local {
+                network.fine
+            } else {
+                network.last
+            }]
+        };
+        write_head(head, parameters, scale_of, out);
     }
-    Ok(out)
+    Ok(())
 }
 
 /// What one step of each map's bytes stands for.
@@ -275,7 +303,12 @@ fn pack(rows: usize, channels: usize, weight: impl Fn(usize, usize) -> i8) -> Ve
     packed
 }
 
-fn write_head(head: &Head, parameters: &[f32], feature_scale: f32, out: &mut SectionWriter) {
+fn write_head(
+    head: &Head,
+    parameters: &[f32],
+    scale_of: impl Fn(usize) -> f32,
+    out: &mut SectionWriter,
+) {
     let [squeeze, inner, spread, outer] = head.split(parameters);
     let (mut weights, mut scale) = (vec![], vec![]);
     let (mut rows, mut row_scale) = (vec![], vec![]);
@@ -285,12 +318,18 @@ fn write_head(head: &Head, parameters: &[f32], feature_scale: f32, out: &mut Sec
         step
     };
     for (k, row) in squeeze.chunks_exact(head.inputs).enumerate() {
-        scale.push(to_bytes(row, &mut weights) * feature_scale);
-        let column: Vec<f32> = (0..2 * LANDMARKS)
+        let row: Vec<f32> = row
+            .iter()
+            .enumerate()
+            .map(|(i, w)| w * scale_of(i))
+            .collect();
+        scale.push(to_bytes(&row, &mut weights));
+        let column: Vec<f32> = (0..head.outputs)
             .map(|i| spread[i * head.modes + k])
             .collect();
         row_scale.push(to_bytes(&column, &mut rows));
     }
+    out.scalar(head.reads);
     out.array(&weights).array(&scale).array(inner);
     out.array(&rows).array(&row_scale).array(outer);
 }

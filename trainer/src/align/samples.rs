@@ -1,12 +1,13 @@
 //! Training samples: crops around labelled faces as the tracker would cut them, disturbed as
 //! cameras and light disturb them.
 
-use super::network::Sizes;
+use super::network::{Points, Sizes};
 use super::starts::{Jitter, normal};
 use crate::faces::Face;
 use posewise::align::{Shape, mirror};
 use posewise::image::{Crop, warp};
 use posewise::math::Similarity;
+use posewise::shape::LANDMARKS;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 
@@ -72,10 +73,13 @@ impl Default for Augment {
     }
 }
 
-/// A crop and where its landmarks are, in crop px from its centre.
+/// A crop, where the network begins and where its points belong, in crop px from the crop's centre.
 pub struct Sample {
     pub crop: Vec<f32>,
-    pub truth: Shape,
+    pub start: Points,
+    pub truth: Points,
+    /// Of each point's error.
+    pub weights: Vec<f32>,
 }
 
 /// Width of a mean face's box, in canonical units: what jitter's shifts are shares of.
@@ -132,7 +136,12 @@ pub fn cut(
         crop.chunks_exact_mut(side).for_each(<[f32]>::reverse);
         truth = mirror(&truth);
     }
-    Sample { crop, truth }
+    Sample {
+        crop,
+        start: vec![[0.0; 2]; LANDMARKS],
+        truth: truth.to_vec(),
+        weights: vec![face.weight; LANDMARKS],
+    }
 }
 
 /// The crop whose px, from its centre, lie at `to_frame` in the picture.
@@ -149,7 +158,8 @@ pub fn cut_at(face: &Face, to_frame: &Similarity, side: usize) -> Vec<f32> {
     crop.luma().iter().map(|v| *v as f32).collect()
 }
 
-fn disturb(crop: &mut [f32], side: usize, augment: &Augment, rng: &mut ChaCha8Rng) {
+/// Contrast, brightness, noise, blur and patches.
+pub fn disturb(crop: &mut [f32], side: usize, augment: &Augment, rng: &mut ChaCha8Rng) {
     let chance = |share: f32, rng: &mut ChaCha8Rng| rng.random_range(0.0..1.0) < share;
     if chance(augment.coarse, rng) {
         for y in (0..side - 1).step_by(2) {

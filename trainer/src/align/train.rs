@@ -4,15 +4,16 @@
 //! The same seed gives the same network on one kind of processor: a batch is split into a fixed
 //! number of parts whose gradients are added in order.
 
+use super::cover::covered;
 use super::graph::{Maps, Scratch};
-use super::network::{Network, Sizes};
+use super::network::{Network, Points, Sizes};
 use super::samples::{Augment, Sample, Start, cut_at, sample, standardise};
 use super::starts::normal;
 use crate::faces::Face;
 use anyhow::{Context, Result, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
-use posewise::align::Shape;
-use posewise::math::Similarity;
+use posewise::align::{Shape, place};
+use posewise::shape::LANDMARKS;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -39,6 +40,8 @@ pub struct Options {
     pub batch: usize,
     /// Share of renders among them.
     pub rendered: f32,
+    /// Share of faces with something before them.
+    pub covered: f32,
     /// How much more often a photograph of a face in profile is drawn than one from the front.
     pub turned: f32,
     /// Largest rate; it rises over `warm_up` steps, then falls as a cosine.
@@ -57,13 +60,14 @@ impl Default for Options {
         Options {
             seed: 1,
             turns: vec![0.0, 0.4, 0.8],
-            passes: 3,
+            passes: 2,
             sizes: Sizes::default(),
             start: Start::default(),
             augment: Augment::default(),
             steps: 30_000,
             batch: 64,
             rendered: 0.4,
+            covered: 0.0,
             turned: 3.0,
             rate: 2e-3,
             warm_up: 300,
@@ -73,6 +77,22 @@ impl Default for Options {
                 lips: 2.0,
                 from: 0.65,
             },
+        }
+    }
+}
+
+impl Options {
+    /// As these, for a network that has been trained with them and goes on with better labels.
+    pub fn second(self) -> Options {
+        Options {
+            rate: 0.5 * self.rate,
+            covered: 0.25,
+            steps: self.steps * 4 / 5,
+            gaps: Gaps {
+                from: 0.3,
+                ..self.gaps
+            },
+            ..self
         }
     }
 }
@@ -88,6 +108,14 @@ pub struct Gaps {
 /// Upper and lower lids, upper and lower inner lips.
 const LIDS: [[usize; 2]; 4] = [[37, 41], [38, 40], [43, 47], [44, 46]];
 const LIPS: [[usize; 2]; 3] = [[61, 67], [62, 66], [63, 65]];
+
+impl Gaps {
+    /// Pairs of landmarks, and what their gap weighs.
+    pub fn pairs(&self) -> impl Iterator<Item = ([usize; 2], f32)> {
+        let lids = LIDS.map(|pair| (pair, self.lids));
+        lids.into_iter().chain(LIPS.map(|pair| (pair, self.lips)))
+    }
+}
 
 /// A trained network.
 pub struct Trained {
@@ -173,27 +201,39 @@ struct Part {
     weight: f32,
 }
 
-/// Trains on these faces (mirrors are made here); goes on from the checkpoint if there is one.
+/// Where samples come from.
+pub trait Source: Sync {
+    /// A sample.
+    fn draw(&self, rng: &mut ChaCha8Rng) -> Sample;
+
+    /// Pairs of points whose gap counts by itself, and what it weighs.
+    fn gaps(&self, gaps: &Gaps) -> Vec<([usize; 2], f32)>;
+
+    /// What the first answer begins with.
+    fn offset(&self) -> Points;
+
+    /// Standardised crops as the network meets them in training.
+    fn crops(&self, count: usize, rng: &mut ChaCha8Rng) -> Vec<Vec<f32>> {
+        (0..count).map(|_| self.draw(rng).crop).collect()
+    }
+}
+
+/// Trains a network; goes on from the checkpoint if there is one, else starts from the numbers
+/// given, else from random ones.
 pub fn train(
-    faces: &[Face],
-    mean: &Shape,
+    source: &impl Source,
     options: &Options,
     checkpoint: &Path,
+    initial: Option<Vec<f32>>,
 ) -> Result<Trained> {
     let network = Network::new(&options.sizes);
     println!("checkpoints in {}", checkpoint.display());
+    let of_heads: usize = network.heads.iter().map(|h| h.inputs * h.modes).sum();
     println!(
         "network: {} parameters, {:.1} million multiply-adds",
         network.parameters,
-        (network.graph.multiply_adds()
-            + network
-                .heads
-                .iter()
-                .map(|h| h.inputs * h.modes)
-                .sum::<usize>()) as f32
-            / 1e6
+        (network.graph.multiply_adds() + of_heads) as f32 / 1e6
     );
-    let draw = Draw::new(faces, options)?;
     let mut state = match State::read(checkpoint, network.parameters) {
         Some(state) => {
             println!("going on from step {}", state.step);
@@ -201,15 +241,19 @@ pub fn train(
         }
         None => {
             let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
-            let examples = draw.crops(faces, mean, options, 64, &mut rng);
+            let examples = source.crops(64, &mut rng);
             State {
                 step: 0,
-                parameters: network.initial(mean, &examples, &mut rng),
+                parameters: match initial {
+                    Some(parameters) if parameters.len() == network.parameters => parameters,
+                    _ => network.initial(&source.offset(), &examples, &mut rng),
+                },
                 first: vec![0.0; network.parameters],
                 second: vec![0.0; network.parameters],
             }
         }
     };
+    let gap_pairs = source.gaps(&options.gaps);
     let mut parts: Vec<Part> = (0..PARTS)
         .map(|_| Part {
             maps: network.graph.maps(),
@@ -234,18 +278,10 @@ pub fn train(
                 rng.set_stream(
                     1 + (step * options.batch + index * (options.batch / PARTS) + k) as u64,
                 );
-                let (weight, sample) = draw.sample(faces, mean, options, &mut rng);
-                let gaps = (step as f32 >= options.gaps.from * options.steps as f32)
-                    .then_some(&options.gaps);
-                learn(
-                    &network,
-                    &state.parameters,
-                    &sample,
-                    weight,
-                    gaps,
-                    part,
-                    &mut rng,
-                );
+                let sample = source.draw(&mut rng);
+                let late = step as f32 >= options.gaps.from * options.steps as f32;
+                let gaps = if late { &gap_pairs[..] } else { &[] };
+                learn(&network, &state.parameters, &sample, gaps, part, &mut rng);
             }
         });
         let weight: f32 = parts.iter().map(|p| p.weight).sum();
@@ -292,115 +328,28 @@ pub fn train(
     })
 }
 
-/// Standardised crops as the network meets them in training.
-pub fn examples(
-    faces: &[Face],
-    mean: &Shape,
-    options: &Options,
-    count: usize,
-) -> Result<Vec<Vec<f32>>> {
-    let mut rng = ChaCha8Rng::seed_from_u64(options.seed ^ 2);
-    Ok(Draw::new(faces, options)?.crops(faces, mean, options, count, &mut rng))
-}
-
-/// Which face comes next.
-struct Draw {
-    photographs: Vec<usize>,
-    /// Running sums of the photographs' shares.
-    sums: Vec<f32>,
-    renders: Vec<usize>,
-}
-
-impl Draw {
-    fn new(faces: &[Face], options: &Options) -> Result<Draw> {
-        let of = |rendered: bool| {
-            let chosen = |k: &usize| faces[*k].yaw_deg.is_some() == rendered;
-            (0..faces.len()).filter(chosen).collect::<Vec<_>>()
-        };
-        let (photographs, renders) = (of(false), of(true));
-        ensure!(!faces.is_empty(), "no faces to train on");
-        let mut sum = 0.0;
-        let sums = photographs
-            .iter()
-            .map(|k| {
-                sum += 1.0 + options.turned * faces[*k].turn().abs();
-                sum
-            })
-            .collect();
-        Ok(Draw {
-            photographs,
-            sums,
-            renders,
-        })
-    }
-
-    fn crops(
-        &self,
-        faces: &[Face],
-        mean: &Shape,
-        options: &Options,
-        count: usize,
-        rng: &mut ChaCha8Rng,
-    ) -> Vec<Vec<f32>> {
-        let one = |_| self.sample(faces, mean, options, rng).1.crop;
-        (0..count).map(one).collect()
-    }
-
-    /// A weight and a sample.
-    fn sample(
-        &self,
-        faces: &[Face],
-        mean: &Shape,
-        options: &Options,
-        rng: &mut ChaCha8Rng,
-    ) -> (f32, Sample) {
-        let rendered = match (self.photographs.is_empty(), self.renders.is_empty()) {
-            (true, _) => true,
-            (_, true) => false,
-            _ => rng.random_range(0.0..1.0) < options.rendered,
-        };
-        let face = if rendered {
-            self.renders[rng.random_range(0..self.renders.len())]
-        } else {
-            let at = rng.random_range(0.0..*self.sums.last().expect("photographs"));
-            let k = self.sums.partition_point(|s| *s <= at);
-            self.photographs[k.min(self.photographs.len() - 1)]
-        };
-        let face = &faces[face];
-        let sample = sample(
-            face,
-            mean,
-            &options.sizes,
-            &options.start,
-            &options.augment,
-            rng,
-        );
-        (face.weight, sample)
-    }
-}
-
 /// Adds one sample's gradient.
 fn learn(
     network: &Network,
     parameters: &[f32],
     sample: &Sample,
-    weight: f32,
-    gaps: Option<&Gaps>,
+    gaps: &[([usize; 2], f32)],
     part: &mut Part,
     rng: &mut ChaCha8Rng,
 ) {
     part.maps[0].copy_from_slice(&sample.crop);
     let shake = || [0, 0].map(|_| normal(rng) * 0.5);
-    let answer = network.forward(parameters, &mut part.maps, &mut part.work.1, shake);
+    let (maps, scratch) = (&mut part.maps, &mut part.work.1);
+    let answer = network.forward(parameters, maps, scratch, &sample.start, shake);
     let n = sample.truth.len() as f32;
     let slopes: Vec<Vec<f32>> = answer
         .shapes
         .iter()
         .zip(&mut part.losses)
         .map(|(shape, loss)| {
-            let pairs = shape.iter().zip(&sample.truth);
+            let pairs = shape.iter().zip(&sample.truth).zip(&sample.weights);
             let mut slopes: Vec<f32> = pairs
-                .flat_map(|(p, t)| {
+                .flat_map(|((p, t), weight)| {
                     // The distance itself, rounded off at 0.1 px: labels have outliers.
                     let d = [p[0] - t[0], p[1] - t[1]];
                     let length = (d[0] * d[0] + d[1] * d[1] + 0.01).sqrt();
@@ -410,27 +359,23 @@ fn learn(
                 .collect();
             // Landmarks alone leave closing lids and opening lips half way: most faces show
             // neither, and half a gap costs two points little.
-            for (gaps, pairs) in gaps
-                .iter()
-                .flat_map(|g| [(g.lids, &LIDS[..]), (g.lips, &LIPS)])
-            {
-                for [a, b] in pairs {
-                    let off = |k: usize| {
-                        (shape[*a][k] - shape[*b][k]) - (sample.truth[*a][k] - sample.truth[*b][k])
-                    };
-                    let d = [off(0), off(1)];
-                    let length = (d[0] * d[0] + d[1] * d[1] + 0.01).sqrt();
-                    for k in 0..2 {
-                        let slope = weight * gaps * d[k] / length / n;
-                        slopes[2 * a + k] += slope;
-                        slopes[2 * b + k] -= slope;
-                    }
+            for ([a, b], share) in gaps {
+                let weight = share * sample.weights[*a].min(sample.weights[*b]);
+                let off = |k: usize| {
+                    (shape[*a][k] - shape[*b][k]) - (sample.truth[*a][k] - sample.truth[*b][k])
+                };
+                let d = [off(0), off(1)];
+                let length = (d[0] * d[0] + d[1] * d[1] + 0.01).sqrt();
+                for k in 0..2 {
+                    let slope = weight * d[k] / length / n;
+                    slopes[2 * a + k] += slope;
+                    slopes[2 * b + k] -= slope;
                 }
             }
             slopes
         })
         .collect();
-    part.weight += weight;
+    part.weight += sample.weights.iter().sum::<f32>() / n;
     network.backward(
         parameters,
         &part.maps,
@@ -441,28 +386,128 @@ fn learn(
     );
 }
 
-impl Trained {
-    /// One pass in `f32`: a guess in frame px in, the shape after each head out.
-    pub fn run(&self, face: &Face, mean: &Shape, guess: &Shape) -> Vec<Shape> {
-        let sizes = &self.network.sizes;
-        let canonical = Similarity::fit(mean, guess).expect("a guess has extent");
-        let to_canonical = Similarity {
-            a: 1.0 / sizes.zoom,
-            ..Similarity::IDENTITY
+/// Which face comes next.
+pub struct Draw {
+    photographs: Weighted,
+    renders: Weighted,
+    rendered: f32,
+}
+
+/// Indices that are drawn according to their weights.
+struct Weighted {
+    indices: Vec<usize>,
+    /// Running sums of the weights.
+    sums: Vec<f32>,
+}
+
+impl Weighted {
+    fn new(indices: Vec<usize>, weight: impl Fn(usize) -> f32) -> Weighted {
+        let mut sum = 0.0;
+        let add = |k: &usize| {
+            sum += weight(*k);
+            sum
         };
-        let to_frame = to_canonical.then(&canonical);
-        let mut crop = cut_at(face, &to_frame, sizes.side);
+        Weighted {
+            sums: indices.iter().map(add).collect(),
+            indices,
+        }
+    }
+
+    fn next(&self, rng: &mut ChaCha8Rng) -> usize {
+        let at = rng.random_range(0.0..*self.sums.last().expect("faces to draw from"));
+        let k = self.sums.partition_point(|s| *s <= at);
+        self.indices[k.min(self.indices.len() - 1)]
+    }
+}
+
+impl Draw {
+    /// Photographs of turned faces come more often, and so do faces of interest.
+    pub fn new(faces: &[Face], options: &Options, interest: impl Fn(&Face) -> f32) -> Result<Draw> {
+        ensure!(!faces.is_empty(), "no faces to train on");
+        let of = |rendered: bool| {
+            let chosen = |k: &usize| faces[*k].yaw_deg.is_some() == rendered;
+            (0..faces.len()).filter(chosen).collect::<Vec<_>>()
+        };
+        Ok(Draw {
+            photographs: Weighted::new(of(false), |k| {
+                interest(&faces[k]) * (1.0 + options.turned * faces[k].turn().abs())
+            }),
+            renders: Weighted::new(of(true), |k| interest(&faces[k])),
+            rendered: options.rendered,
+        })
+    }
+
+    /// The next face's index.
+    pub fn next(&self, rng: &mut ChaCha8Rng) -> usize {
+        let (photographs, renders) = (&self.photographs, &self.renders);
+        match (photographs.indices.is_empty(), renders.indices.is_empty()) {
+            (true, _) => renders.next(rng),
+            (_, true) => photographs.next(rng),
+            _ if rng.random_range(0.0..1.0) < self.rendered => renders.next(rng),
+            _ => photographs.next(rng),
+        }
+    }
+}
+
+/// Whole faces.
+pub struct Faces<'a> {
+    pub faces: &'a [Face],
+    pub mean: &'a Shape,
+    pub options: &'a Options,
+    pub draw: Draw,
+}
+
+impl Source for Faces<'_> {
+    fn draw(&self, rng: &mut ChaCha8Rng) -> Sample {
+        let mut face = &self.faces[self.draw.next(rng)];
+        let options = self.options;
+        let hidden;
+        if rng.random_range(0.0..1.0) < options.covered {
+            hidden = covered(face, &self.faces[self.draw.next(rng)], rng);
+            face = &hidden;
+        }
+        let (start, augment) = (&options.start, &options.augment);
+        sample(face, self.mean, &options.sizes, start, augment, rng)
+    }
+
+    fn gaps(&self, gaps: &Gaps) -> Vec<([usize; 2], f32)> {
+        gaps.pairs().collect()
+    }
+
+    fn offset(&self) -> Points {
+        let zoom = self.options.sizes.zoom;
+        self.mean.iter().map(|p| p.map(|v| v * zoom)).collect()
+    }
+}
+
+impl Trained {
+    /// The network of a finished run.
+    pub fn read(checkpoint: &Path, sizes: &Sizes) -> Option<Trained> {
+        let network = Network::new(sizes);
+        let parameters = State::read(checkpoint, network.parameters)?.parameters;
+        Some(Trained {
+            network,
+            parameters,
+        })
+    }
+
+    /// One pass of a global stage in `f32`: a guess in frame px in, the landmarks out.
+    pub fn pass(&self, face: &Face, mean: &Shape, guess: &Shape) -> Shape {
+        let sizes = &self.network.sizes;
+        let Some(placed) = place(mean, guess, sizes.zoom, sizes.side) else {
+            return *guess;
+        };
+        let mut crop = cut_at(face, &placed.centred_to_frame, sizes.side);
         standardise(&mut crop);
         let mut maps = self.network.graph.maps();
         maps[0].copy_from_slice(&crop);
-        let answer =
-            self.network
-                .forward(&self.parameters, &mut maps, &mut Scratch::default(), || {
-                    [0.0; 2]
-                });
-        let shapes = answer.shapes.into_iter();
-        shapes
-            .map(|shape| shape.map(|p| to_frame.apply(p)))
-            .collect()
+        let start = vec![[0.0; 2]; LANDMARKS];
+        let still = || [0.0; 2];
+        let (parameters, scratch) = (&self.parameters, &mut Scratch::default());
+        let answer = self
+            .network
+            .forward(parameters, &mut maps, scratch, &start, still);
+        let last = answer.shapes.last().expect("a network has answers");
+        std::array::from_fn(|i| placed.centred_to_frame.apply(last[i]))
     }
 }
