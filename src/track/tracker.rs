@@ -26,7 +26,7 @@ const ACCEPT: f32 = 0.6;
 /// A candidate at the second look, because it has had two chances to look like a face.
 const ACCEPT_SECOND: f32 = 0.9;
 /// A candidate gets a second look from this probability on.
-const DOUBT: f32 = 0.02;
+const DOUBT: f32 = 0.1;
 /// A tracked face is given up below this probability: a fit that was right a frame ago deserves
 /// more trust than one out of the blue.
 const KEEP: f32 = 0.02;
@@ -45,7 +45,9 @@ const NEAR_BUDGET: u32 = 1500;
 
 /// What aligning and judging a candidate costs, in the detector's units (measured with
 /// `posewise bench`: align plus fit over detector slice).
-const ACQUIRE_UNITS: u32 = 2800;
+const ACQUIRE_UNITS: u32 = 3000;
+/// What a second look costs, likewise.
+const SECOND_LOOK_UNITS: u32 = 1700;
 
 /// Why a frame was not taken; the tracker is then as before the call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -308,7 +310,11 @@ impl Tracker {
             },
         };
         let mut budget = self.config.scan_budget;
-        let mut found = self.second_look(model, frame, now);
+        let mut found = false;
+        if self.doubt >= DOUBT {
+            found = self.second_look(model, frame, now);
+            budget = budget.saturating_sub(SECOND_LOOK_UNITS).max(1);
+        }
         while budget > 0 && !found {
             let scan = match recalled {
                 None => &mut self.scan,
@@ -403,11 +409,8 @@ impl Tracker {
     /// cascade takes a pass more.
     #[inline(never)]
     fn second_look(&mut self, model: &Model<'_>, frame: &Frame<'_>, now: i64) -> bool {
-        let (doubt, mut shape) = (self.doubt, self.doubtful);
+        let mut shape = self.doubtful;
         self.doubt = 0.0;
-        if doubt < DOUBT {
-            return false;
-        }
         match self.look(model, frame, 1, &mut shape) {
             Some(verdict) if verdict.face >= ACCEPT_SECOND => {
                 self.take(model, frame, now, &shape, Whose::Stranger, &verdict)

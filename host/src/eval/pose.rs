@@ -107,7 +107,11 @@ fn read_tracked(table: &Table) -> Result<HashMap<i64, Option<Tracked>>> {
     ];
     let translation = [column("pose_Tx")?, column("pose_Ty")?, column("pose_Tz")?];
     let (xs, ys) = (table.columns68("x_")?, table.columns68("y_")?);
-    let (seen, right) = (table.columns68("vis_")?, table.columns68("c_")?);
+    // Other trackers' tables have neither.
+    let trust = table
+        .columns68("vis_")
+        .and_then(|vis| Ok([vis, table.columns68("c_")?]));
+    let trust = trust.ok();
     (0..table.len())
         .map(|row| {
             let number = |column: usize| table.number(row, column);
@@ -119,8 +123,7 @@ fn read_tracked(table: &Table) -> Result<HashMap<i64, Option<Tracked>>> {
                 angles: [0.0; 3],
                 translation: [0.0; 3],
                 points: [[0.0; 2]; 68],
-                visibility: [0.0; 68],
-                confidence: [0.0; 68],
+                trust: None,
             };
             for i in 0..3 {
                 tracked.angles[i] = number(angles[i])?;
@@ -128,8 +131,13 @@ fn read_tracked(table: &Table) -> Result<HashMap<i64, Option<Tracked>>> {
             }
             for (i, p) in tracked.points.iter_mut().enumerate() {
                 *p = [number(xs[i])?, number(ys[i])?];
-                tracked.visibility[i] = number(seen[i])?;
-                tracked.confidence[i] = number(right[i])?;
+            }
+            if let Some(columns) = trust {
+                let mut values = [[0.0; 2]; 68];
+                for (i, value) in values.iter_mut().enumerate() {
+                    *value = [number(columns[0][i])?, number(columns[1][i])?];
+                }
+                tracked.trust = Some(values);
             }
             Ok((frame, Some(tracked)))
         })

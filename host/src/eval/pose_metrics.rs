@@ -47,10 +47,8 @@ pub struct Tracked {
     pub translation: [f64; 3],
     /// Landmarks \[px\].
     pub points: [[f64; 2]; 68],
-    /// Probability that each landmark is seen.
-    pub visibility: [f64; 68],
-    /// Probability that each landmark is right.
-    pub confidence: [f64; 68],
+    /// Probabilities that each landmark is seen and that it is right, if the tracker tells them.
+    pub trust: Option<[[f64; 2]; 68]>,
 }
 
 /// What one frame adds to the numbers.
@@ -101,9 +99,11 @@ fn errors(truth: &Truth, tracked: &Tracked) -> Errors {
         depth: d[2].abs(),
         landmarks: landmark_error(truth, tracked),
         flipped: true_yaw.abs() >= PROFILE_YAW_DEG && true_yaw.signum() != yaw.signum(),
-        seen: (17..68)
-            .map(|i| [tracked.visibility[i], tracked.confidence[i]].map(|v| (v, truth.visible[i])))
-            .collect(),
+        seen: tracked.trust.map_or(vec![], |trust| {
+            (17..68)
+                .map(|i| trust[i].map(|p| (p, truth.visible[i])))
+                .collect()
+        }),
     }
 }
 
@@ -258,8 +258,7 @@ mod tests {
             angles: std::array::from_fn(|i| truth.angles[i] + angles[i]),
             translation: [3.0, 0.0, 604.0],
             points: truth.points,
-            visibility: [1.0; 68],
-            confidence: [1.0; 68],
+            trust: None,
         }
     }
 
