@@ -9,7 +9,8 @@
 # TARGET=… makes each for another machine. Rust must know that machine: after `rustup target add
 # TARGET`; or `rustup component add rust-src`, or Debian's packages rustc-web, cargo-web and
 # rust-web-src, from which its core is then built.
-# TARGET_DIR is cargo's build folder. MODEL=none builds no model in.
+# TARGET_DIR is cargo's build folder. MODEL=none builds no model in. WITHOUT="…" leaves out what a
+# small board can do without: any of fine-stages, jaw, experts; see docs/memory.md.
 TARGET_DIR ?= $(or $(CARGO_TARGET_DIR),target)
 PREFIX ?= /usr/local
 CARGO ?= cargo
@@ -65,12 +66,24 @@ RUN ?= timeout 300 qemu-system-arm -M mps2-an386 -nographic -monitor none -seria
 	-semihosting-config enable=on,target=native,arg=replay,arg=$(CLIP),arg=$(FRAMES) -kernel
 endif
 
+# --- What is built in.
+override PARTS := fine-stages
+ifneq ($(filter-out $(PARTS),$(WITHOUT)),)
+$(error WITHOUT takes any of: $(PARTS))
+endif
+override comma := ,
+override space := $(subst ,, )
+override FEATURES := ffi panic-handler $(if $(filter none,$(MODEL)),,default-model) \
+	$(filter-out $(WITHOUT),$(PARTS))
+override FEATURES := $(subst $(space),$(comma),$(strip $(FEATURES)))
+
 all: lib
 
 # cargo knows best whether the library is fresh.
 lib:
-	cd $(ROOT) && $(CARGO_RUSTC) --quiet --profile dist --lib $(if $(filter none,$(MODEL)),--no-default-features) \
-		--features ffi,panic-handler --crate-type staticlib --target-dir $(abspath $(TARGET_DIR))
+	cd $(ROOT) && $(CARGO_RUSTC) --quiet --profile dist --lib \
+		$(if $(WITHOUT)$(filter none,$(MODEL)),--no-default-features) \
+		--features $(FEATURES) --crate-type staticlib --target-dir $(abspath $(TARGET_DIR))
 
 install: lib
 	install -d $(addprefix $(DESTDIR)$(PREFIX)/,include share/posewise lib/pkgconfig lib/cmake/posewise)
@@ -100,7 +113,6 @@ $(REPLAY): lib
 replay: $(REPLAY)
 	@$(RUN) $(REPLAY) $(if $(BOARD),,$(CLIP) $(FRAMES)) </dev/null
 
-override comma := ,
 # Linking takes what the header's functions reach; without posewise_default_model() no model.
 override FUNCTIONS := $(filter-out posewise_default_model,$(shell \
 	sed -n 's/^[a-z].*[ *]\(posewise_[a-z_]*\)(.*)*$$/\1/p' $(ROOT)/include/posewise.h))

@@ -144,8 +144,10 @@ impl<'m> AlignModel<'m> {
             false => view.index,
             true => self.starts.len() + view.index - 1,
         };
-        let Workspace { crop, memory, .. } = work;
-        self.parts.run(frame, self.mean, shape, crop, memory);
+        if cfg!(feature = "fine-stages") {
+            let Workspace { crop, memory, .. } = work;
+            self.parts.run(frame, self.mean, shape, crop, memory);
+        }
         finite(shape)
     }
 
