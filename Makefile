@@ -67,7 +67,7 @@ RUN ?= timeout 300 qemu-system-arm -M mps2-an386 -nographic -monitor none -seria
 endif
 
 # --- What is built in.
-override PARTS := fine-stages
+override PARTS := fine-stages jaw
 ifneq ($(filter-out $(PARTS),$(WITHOUT)),)
 $(error WITHOUT takes any of: $(PARTS))
 endif

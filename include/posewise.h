@@ -35,7 +35,7 @@
 #define POSEWISE_ABI               1u           // Grows when programs must be compiled anew
 #define POSEWISE_ALIGN             64u          // Of the tracker's memory and of the model [bytes]
 #define POSEWISE_MEMORY_SIZE       (160 * 1024) // Enough for any posewise_config [bytes]
-#define POSEWISE_LANDMARKS         68u          // In the order of iBUG 68
+#define POSEWISE_LANDMARKS         68u          // iBUG 68; the last 51 of them in a library without the jaw
 #define POSEWISE_ANIMATIONS        24u          // Weights; see posewise_animation_name()
 
 #define POSEWISE_OK                0            // Success
@@ -153,7 +153,8 @@ typedef struct posewise_result {
     int64_t timestamp_us;
     // Time since the frame that the fit belongs to [us]; 0 while tracking.
     int64_t age_us;
-    // Landmarks that posewise_landmarks() has: 68, or 0 while searching.
+    // Landmarks that posewise_landmarks() has: 68, in a library that was built without the jaw the
+    // 51 from iBUG 17 on; 0 while searching.
     uint32_t landmark_count;
     // Calibrated probability that this is a face and that the landmarks are right (on average to
     // a tenth of the distance between the eyes' outer corners), 0..1.
@@ -247,7 +248,8 @@ posewise_status posewise_step(posewise_tracker *tracker,
                               posewise_result *out);
 
 // Writes the first min(capacity, POSEWISE_LANDMARKS) landmarks of the last step; all zero while
-// searching.
+// searching. A library that was built without the jaw has and writes 51 at most, and the first is
+// iBUG 17.
 posewise_status posewise_landmarks(const posewise_tracker *tracker,
                                    posewise_landmark *out,
                                    size_t capacity);

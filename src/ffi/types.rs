@@ -12,7 +12,7 @@ pub const POSEWISE_ABI: u32 = 1;
 pub const POSEWISE_ALIGN: u32 = 64;
 /// Enough for any posewise_config \[bytes\].
 pub const POSEWISE_MEMORY_SIZE: u32 = 160 * 1024;
-/// In the order of iBUG 68.
+/// iBUG 68; the last 51 of them in a library without the jaw.
 pub const POSEWISE_LANDMARKS: u32 = 68;
 /// Weights; see posewise_animation_name().
 pub const POSEWISE_ANIMATIONS: u32 = 24;
@@ -173,7 +173,8 @@ pub struct posewise_result {
     pub timestamp_us: i64,
     /// Time since the frame that the fit belongs to \[us\]; 0 while tracking.
     pub age_us: i64,
-    /// Landmarks that posewise_landmarks() has: 68, or 0 while searching.
+    /// Landmarks that posewise_landmarks() has: 68, in a library that was built without the jaw the
+    /// 51 from iBUG 17 on; 0 while searching.
     pub landmark_count: u32,
     /// Calibrated probability that this is a face and that the landmarks are right (on average to
     /// a tenth of the distance between the eyes' outer corners), 0..1.

@@ -1,6 +1,6 @@
 //! What a step answers.
 
-use crate::shape::{ANIMATIONS, LANDMARKS};
+use crate::shape::{ANIMATIONS, ANSWERED};
 
 /// What the tracker is doing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -89,10 +89,10 @@ pub struct TrackResult {
     pub rotation_sigma_deg: [f32; 3],
     /// Standard deviations of `translation_mm` \[mm\], likewise.
     pub translation_sigma_mm: [f32; 3],
-    /// iBUG 68 landmarks; the jaw (0–16) follows the visible contour.
-    pub landmarks: [Landmark; LANDMARKS],
+    /// iBUG 68 landmarks from [`crate::shape::FIRST`] on; the jaw (0–16) follows the visible contour.
+    pub landmarks: [Landmark; ANSWERED],
     /// The landmarks as points of the 3D face, camera frame \[mm\].
-    pub points_mm: [[f32; 3]; LANDMARKS],
+    pub points_mm: [[f32; 3]; ANSWERED],
     /// Weights of [`crate::shape::ANIMATION_NAMES`], 0..1.
     pub animation: [f32; ANIMATIONS],
 }
@@ -115,8 +115,8 @@ impl TrackResult {
         seen_share: 0.0,
         rotation_sigma_deg: [0.0; 3],
         translation_sigma_mm: [0.0; 3],
-        landmarks: [Landmark::EMPTY; LANDMARKS],
-        points_mm: [[0.0; 3]; LANDMARKS],
+        landmarks: [Landmark::EMPTY; ANSWERED],
+        points_mm: [[0.0; 3]; ANSWERED],
         animation: [0.0; ANIMATIONS],
     };
 }

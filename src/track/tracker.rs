@@ -17,8 +17,8 @@ use crate::detect::{Detection, Scan, Sizes, Swept, search_near};
 use crate::experts::Verdict;
 use crate::image::Frame;
 use crate::shape::{
-    FRAME_WEIGHT, FaceState, FitOptions, IdentityEstimator, Intrinsics, LANDMARKS, MAX_IDENTITIES,
-    Observed, fit,
+    FIRST, FRAME_WEIGHT, FaceState, FitOptions, IdentityEstimator, Intrinsics, LANDMARKS,
+    MAX_IDENTITIES, Observed, fit,
 };
 
 /// A detection becomes a tracked face from this probability on.
@@ -490,6 +490,7 @@ impl Tracker {
         for (weight, seen) in weights.iter_mut().zip(&verdict.seen) {
             *weight = 0.05 + *weight * (0.2 + 0.8 * seen);
         }
+        weights.iter_mut().take(FIRST).for_each(|w| *w = 0.0);
         let observed = Observed {
             points: shape,
             weights: &weights,
