@@ -4,6 +4,7 @@
 #   make install             library, headers, model, pkg-config and CMake files; PREFIX=, DESTDIR=
 #   make dist                the same as target/posewise-VERSION-TARGET.tar.gz
 #   make size                bytes of code that a program gets, without the model
+#   make sizes CLIP=x.y4m    the same, model and memory, with and without what WITHOUT can leave out
 #   make replay CLIP=x.y4m   one line with a hash of every answer to the clip; FRAMES= limits it
 #
 # TARGET=… makes each for another machine. Rust must know that machine: after `rustup target add
@@ -67,7 +68,7 @@ RUN ?= timeout 300 qemu-system-arm -M mps2-an386 -nographic -monitor none -seria
 endif
 
 # --- What is built in.
-override PARTS := fine-stages jaw
+override PARTS := fine-stages jaw experts
 ifneq ($(filter-out $(PARTS),$(WITHOUT)),)
 $(error WITHOUT takes any of: $(PARTS))
 endif
@@ -121,4 +122,23 @@ size: lib
 		$(LIB) -o $(TARGET_DIR)/whole-$(NAME).o
 	$(CROSS_SIZE) $(TARGET_DIR)/whole-$(NAME).o
 
-.PHONY: all lib install dist replay size
+# The program tells model and memory, a Cortex-M's its stack; ten frames find and fit a face.
+sizes:
+	@echo '| built without | code and constants | model | tracker | stack of a program |'
+	@echo '|---|---|---|---|---|'
+	@for without in '' $(PARTS) '$(PARTS)'; do \
+		$(MAKE) -s -f $(ROOT)/Makefile size replay WITHOUT="$$without" FRAMES=10 2>&1 | \
+		awk -v without="$$without" ' \
+			/text.*data.*bss/ { getline; code = $$1 + $$2 } \
+			/^model: / { model = $$2 } \
+			/^tracker: / { tracker = $$2 } \
+			/^stack: / { stack = $$2 } \
+			{ said = said $$0 "\n" } \
+			END { \
+				if (!code || !tracker) { print said; exit 1 } \
+				print "| " (without ? without : "nothing") " | " code " | " model " | " \
+					tracker " | " (stack ? stack : "-") " |" \
+			}' || exit 1; \
+	done
+
+.PHONY: all lib install dist replay size sizes

@@ -12,7 +12,10 @@ use std::path::Path;
 const MODEL: &str = "models/default.posewise";
 
 /// Sections that only one feature reads, by the name that cargo gives it here.
-const READ_BY: [(&str, Tag); 1] = [("CARGO_FEATURE_FINE_STAGES", *b"PART")];
+const READ_BY: [(&str, Tag); 2] = [
+    ("CARGO_FEATURE_FINE_STAGES", *b"PART"),
+    ("CARGO_FEATURE_EXPERTS", *b"SCOR"),
+];
 
 fn main() {
     println!("cargo:rerun-if-changed={MODEL}");
