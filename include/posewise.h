@@ -157,7 +157,8 @@ typedef struct posewise_result {
     // 51 from iBUG 17 on; 0 while searching.
     uint32_t landmark_count;
     // Calibrated probability that this is a face and that the landmarks are right (on average to
-    // a tenth of the distance between the eyes' outer corners), 0..1.
+    // a tenth of the distance between the eyes' outer corners), 0..1. In a library that was built
+    // without the experts, how well the 3D face fits, from 1 to 0: no probability.
     float score;
     // Box of the landmarks: x, y, width, height [px].
     float face_box[4];
@@ -193,7 +194,8 @@ typedef struct posewise_landmark {
     // outer corners, as it is on a face that looks into the camera, 0..1.
     float confidence;
     // Calibrated probability that the camera sees it: that neither the head itself nor anything
-    // before it hides it, 0..1.
+    // before it hides it, 0..1. In a library that was built without the experts, 1 unless the head
+    // itself hides it, else 0, and confidence is the score.
     float visibility;
     // The point of the 3D face, camera frame [mm]; for points 0..16 a fixed place on the jaw.
     float x_mm;

@@ -177,7 +177,8 @@ pub struct posewise_result {
     /// 51 from iBUG 17 on; 0 while searching.
     pub landmark_count: u32,
     /// Calibrated probability that this is a face and that the landmarks are right (on average to
-    /// a tenth of the distance between the eyes' outer corners), 0..1.
+    /// a tenth of the distance between the eyes' outer corners), 0..1. In a library that was built
+    /// without the experts, how well the 3D face fits, from 1 to 0: no probability.
     pub score: f32,
     /// Box of the landmarks: x, y, width, height \[px\].
     pub face_box: [f32; 4],
@@ -215,7 +216,8 @@ pub struct posewise_landmark {
     /// outer corners, as it is on a face that looks into the camera, 0..1.
     pub confidence: f32,
     /// Calibrated probability that the camera sees it: that neither the head itself nor anything
-    /// before it hides it, 0..1.
+    /// before it hides it, 0..1. In a library that was built without the experts, 1 unless the head
+    /// itself hides it, else 0, and confidence is the score.
     pub visibility: f32,
     /// The point of the 3D face, camera frame \[mm\]; for points 0..16 a fixed place on the jaw.
     pub x_mm: f32,

@@ -65,6 +65,7 @@ pub struct TrackResult {
     pub age_us: i64,
     /// Calibrated probability that this is a face and that the landmarks are right, 0..1: their mean
     /// error is below a tenth of the inter-ocular distance (as [`Landmark::confidence`] has it).
+    /// Without the feature `experts` no probability but how well the 3D face fits.
     pub score: f32,
     /// Axis-aligned box of the landmarks: x, y, width, height \[px\].
     pub face_box: [f32; 4],
