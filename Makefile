@@ -4,12 +4,14 @@
 #   make install             library, headers, model, pkg-config and CMake files; PREFIX=, DESTDIR=
 #   make dist                the same as target/posewise-VERSION-TARGET.tar.gz
 #   make size                bytes of code that a program gets, without the model
+#   make sizes CLIP=x.y4m    the same, model and memory, with and without what WITHOUT can leave out
 #   make replay CLIP=x.y4m   one line with a hash of every answer to the clip; FRAMES= limits it
 #
 # TARGET=… makes each for another machine. Rust must know that machine: after `rustup target add
 # TARGET`; or `rustup component add rust-src`, or Debian's packages rustc-web, cargo-web and
 # rust-web-src, from which its core is then built.
-# TARGET_DIR is cargo's build folder. MODEL=none builds no model in.
+# TARGET_DIR is cargo's build folder. MODEL=none builds no model in. WITHOUT="…" leaves out what a
+# small board can do without: any of fine-stages, jaw, experts; see docs/memory.md.
 TARGET_DIR ?= $(or $(CARGO_TARGET_DIR),target)
 PREFIX ?= /usr/local
 CARGO ?= cargo
@@ -65,12 +67,24 @@ RUN ?= timeout 300 qemu-system-arm -M mps2-an386 -nographic -monitor none -seria
 	-semihosting-config enable=on,target=native,arg=replay,arg=$(CLIP),arg=$(FRAMES) -kernel
 endif
 
+# --- What is built in.
+override PARTS := fine-stages jaw experts
+ifneq ($(filter-out $(PARTS),$(WITHOUT)),)
+$(error WITHOUT takes any of: $(PARTS))
+endif
+override comma := ,
+override space := $(subst ,, )
+override FEATURES := ffi panic-handler $(if $(filter none,$(MODEL)),,default-model) \
+	$(filter-out $(WITHOUT),$(PARTS))
+override FEATURES := $(subst $(space),$(comma),$(strip $(FEATURES)))
+
 all: lib
 
 # cargo knows best whether the library is fresh.
 lib:
-	cd $(ROOT) && $(CARGO_RUSTC) --quiet --profile dist --lib $(if $(filter none,$(MODEL)),--no-default-features) \
-		--features ffi,panic-handler --crate-type staticlib --target-dir $(abspath $(TARGET_DIR))
+	cd $(ROOT) && $(CARGO_RUSTC) --quiet --profile dist --lib \
+		$(if $(WITHOUT)$(filter none,$(MODEL)),--no-default-features) \
+		--features $(FEATURES) --crate-type staticlib --target-dir $(abspath $(TARGET_DIR))
 
 install: lib
 	install -d $(addprefix $(DESTDIR)$(PREFIX)/,include share/posewise lib/pkgconfig lib/cmake/posewise)
@@ -100,7 +114,6 @@ $(REPLAY): lib
 replay: $(REPLAY)
 	@$(RUN) $(REPLAY) $(if $(BOARD),,$(CLIP) $(FRAMES)) </dev/null
 
-override comma := ,
 # Linking takes what the header's functions reach; without posewise_default_model() no model.
 override FUNCTIONS := $(filter-out posewise_default_model,$(shell \
 	sed -n 's/^[a-z].*[ *]\(posewise_[a-z_]*\)(.*)*$$/\1/p' $(ROOT)/include/posewise.h))
@@ -109,4 +122,23 @@ size: lib
 		$(LIB) -o $(TARGET_DIR)/whole-$(NAME).o
 	$(CROSS_SIZE) $(TARGET_DIR)/whole-$(NAME).o
 
-.PHONY: all lib install dist replay size
+# The program tells model and memory, a Cortex-M's its stack; ten frames find and fit a face.
+sizes:
+	@echo '| built without | code and constants | model | tracker | stack of a program |'
+	@echo '|---|---|---|---|---|'
+	@for without in '' $(PARTS) '$(PARTS)'; do \
+		$(MAKE) -s -f $(ROOT)/Makefile size replay WITHOUT="$$without" FRAMES=10 2>&1 | \
+		awk -v without="$$without" ' \
+			/text.*data.*bss/ { getline; code = $$1 + $$2 } \
+			/^model: / { model = $$2 } \
+			/^tracker: / { tracker = $$2 } \
+			/^stack: / { stack = $$2 } \
+			{ said = said $$0 "\n" } \
+			END { \
+				if (!code || !tracker) { print said; exit 1 } \
+				print "| " (without ? without : "nothing") " | " code " | " model " | " \
+					tracker " | " (stack ? stack : "-") " |" \
+			}' || exit 1; \
+	done
+
+.PHONY: all lib install dist replay size sizes

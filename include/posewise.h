@@ -35,7 +35,7 @@
 #define POSEWISE_ABI               1u           // Grows when programs must be compiled anew
 #define POSEWISE_ALIGN             64u          // Of the tracker's memory and of the model [bytes]
 #define POSEWISE_MEMORY_SIZE       (160 * 1024) // Enough for any posewise_config [bytes]
-#define POSEWISE_LANDMARKS         68u          // In the order of iBUG 68
+#define POSEWISE_LANDMARKS         68u          // iBUG 68; the last 51 of them in a library without the jaw
 #define POSEWISE_ANIMATIONS        24u          // Weights; see posewise_animation_name()
 
 #define POSEWISE_OK                0            // Success
@@ -153,10 +153,12 @@ typedef struct posewise_result {
     int64_t timestamp_us;
     // Time since the frame that the fit belongs to [us]; 0 while tracking.
     int64_t age_us;
-    // Landmarks that posewise_landmarks() has: 68, or 0 while searching.
+    // Landmarks that posewise_landmarks() has: 68, in a library that was built without the jaw the
+    // 51 from iBUG 17 on; 0 while searching.
     uint32_t landmark_count;
     // Calibrated probability that this is a face and that the landmarks are right (on average to
-    // a tenth of the distance between the eyes' outer corners), 0..1.
+    // a tenth of the distance between the eyes' outer corners), 0..1. In a library that was built
+    // without the experts, how well the 3D face fits, from 1 to 0: no probability.
     float score;
     // Box of the landmarks: x, y, width, height [px].
     float face_box[4];
@@ -192,7 +194,8 @@ typedef struct posewise_landmark {
     // outer corners, as it is on a face that looks into the camera, 0..1.
     float confidence;
     // Calibrated probability that the camera sees it: that neither the head itself nor anything
-    // before it hides it, 0..1.
+    // before it hides it, 0..1. In a library that was built without the experts, 1 unless the head
+    // itself hides it, else 0, and confidence is the score.
     float visibility;
     // The point of the 3D face, camera frame [mm]; for points 0..16 a fixed place on the jaw.
     float x_mm;
@@ -247,7 +250,8 @@ posewise_status posewise_step(posewise_tracker *tracker,
                               posewise_result *out);
 
 // Writes the first min(capacity, POSEWISE_LANDMARKS) landmarks of the last step; all zero while
-// searching.
+// searching. A library that was built without the jaw has and writes 51 at most, and the first is
+// iBUG 17.
 posewise_status posewise_landmarks(const posewise_tracker *tracker,
                                    posewise_landmark *out,
                                    size_t capacity);

@@ -48,10 +48,11 @@ struct Aligned<B: ?Sized>(B);
 
 #[cfg(feature = "default-model")]
 static DEFAULT: &Aligned<[u8]> = &Aligned(*include_bytes!(concat!(
-    env!("CARGO_MANIFEST_DIR"),
-    "/models/default.posewise"
+    env!("OUT_DIR"),
+    "/default.posewise"
 )));
 
-/// The model that ships with the crate (`models/default.posewise`), 64-byte aligned.
+/// The model that ships with the crate (`models/default.posewise`, without the sections that this
+/// build does not read), 64-byte aligned.
 #[cfg(feature = "default-model")]
 pub static DEFAULT_MODEL: &[u8] = &DEFAULT.0;

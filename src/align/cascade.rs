@@ -1,7 +1,7 @@
 //! The cascade's model (section `ALGN`, and `PART` for the fine stages) and one run through it.
 
 use super::parts::Parts;
-use super::regressor::{MAX_FEATURES, MAX_INPUTS, Memory, Regressor};
+use super::regressor::{MAX_FEATURES, Memory, Regressor};
 use super::{Shape, Views, place};
 use crate::image::{Crop, Frame, warp};
 use crate::math::Similarity;
@@ -10,6 +10,13 @@ use crate::shape::LANDMARKS;
 
 /// Most views.
 pub const MAX_VIEWS: usize = 4;
+
+/// Most features that are kept for the classifiers.
+const DESCRIBED: usize = if cfg!(feature = "experts") {
+    LANDMARKS * MAX_FEATURES
+} else {
+    0
+};
 
 /// A checked view of section `ALGN`, with the fine stages that the model has.
 #[derive(Clone, Debug)]
@@ -31,7 +38,7 @@ pub struct AlignModel<'m> {
 pub struct Workspace {
     crop: Crop,
     memory: Memory,
-    features: [i8; MAX_INPUTS],
+    features: [i8; DESCRIBED],
     used: usize,
     view: usize,
 }
@@ -48,13 +55,14 @@ impl Workspace {
         Workspace {
             crop: Crop::new(),
             memory: Memory::new(),
-            features: [0; LANDMARKS * MAX_FEATURES],
+            features: [0; DESCRIBED],
             used: 0,
             view: 0,
         }
     }
 
-    /// Features at the landmarks where the global stage of the last run ended, landmark by landmark.
+    /// Features at the landmarks where the global stage of the last run ended, landmark by landmark;
+    /// none without the feature `experts`.
     pub fn features(&self) -> &[i8] {
         self.features.get(..self.used).unwrap_or(&[])
     }
@@ -144,8 +152,10 @@ impl<'m> AlignModel<'m> {
             false => view.index,
             true => self.starts.len() + view.index - 1,
         };
-        let Workspace { crop, memory, .. } = work;
-        self.parts.run(frame, self.mean, shape, crop, memory);
+        if cfg!(feature = "fine-stages") {
+            let Workspace { crop, memory, .. } = work;
+            self.parts.run(frame, self.mean, shape, crop, memory);
+        }
         finite(shape)
     }
 
@@ -158,8 +168,10 @@ impl<'m> AlignModel<'m> {
         warp(frame, &placed.corner_to_frame, side, &mut work.crop);
         let mut points = [[0.0f32; 2]; LANDMARKS];
         face.run(&work.crop, &mut points, &mut work.memory);
-        face.describe(&points, &mut work.memory, &mut work.features);
-        work.used = LANDMARKS * face.features();
+        if cfg!(feature = "experts") {
+            face.describe(&points, &mut work.memory, &mut work.features);
+            work.used = LANDMARKS * face.features();
+        }
         *shape = points.map(|p| placed.centred_to_frame.apply(p));
         finite(shape)
     }

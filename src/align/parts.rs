@@ -17,7 +17,8 @@ pub const MAX_PARTS: usize = 3;
 /// Most landmarks of a part.
 pub const MAX_POINTS: usize = 24;
 
-/// Section `PART`, checked; no parts where the model lacks it.
+/// Section `PART`, checked; no parts where the model lacks it, or the build its feature
+/// (`fine-stages`).
 ///
 /// A part's network is read anew whenever it runs, which takes a microsecond: all of them would make
 /// a model too large for small stacks.
@@ -49,6 +50,9 @@ impl<'m> Parts<'m> {
     /// When it is too short or a number is out of range.
     #[inline(never)]
     pub fn open(blob: &Blob<'m>) -> Result<Self, ModelError> {
+        if !cfg!(feature = "fine-stages") {
+            return Ok(Parts::default());
+        }
         let mut s = match blob.section(&Self::TAG) {
             Err(ModelError::Missing(_)) => return Ok(Parts::default()),
             other => other?,

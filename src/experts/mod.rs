@@ -1,7 +1,16 @@
 //! Truth or guess: is this a face, which landmarks sit where they should, and which are seen?
 //!
 //! In: the local features that the cascade's last pass ended with. Out: calibrated probabilities.
+//! Builds without the feature `experts` have [`geometry`](by_fit) instead, which has neither.
 
+#[cfg(not(feature = "experts"))]
+mod geometry;
+mod verdict;
+#[cfg(feature = "experts")]
 mod verifier;
 
-pub use verifier::{Verdict, Verifier, first_answer};
+#[cfg(not(feature = "experts"))]
+pub use geometry::{Verifier, by_fit};
+pub use verdict::Verdict;
+#[cfg(feature = "experts")]
+pub use verifier::{Verifier, first_answer};

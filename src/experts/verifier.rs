@@ -6,6 +6,7 @@
 //! answers, because what covers one mostly covers its neighbours. Outputs pass through a fitted
 //! logistic (Platt 1999). Weights are `i8`, sums are integers.
 
+use super::Verdict;
 use crate::math::sigmoid;
 use crate::model::{Blob, ModelError};
 use crate::shape::LANDMARKS;
@@ -43,28 +44,12 @@ struct ViewWeights<'m> {
 /// Most views.
 const MAX_VIEWS: usize = 7;
 
-/// What the features say.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Verdict {
-    /// Probability that this is a face and that its landmarks are right (mean error below a tenth
-    /// of the inter-ocular distance).
-    pub face: f32,
-    /// Per landmark, probability that it lies within a tenth of the inter-ocular distance of the
-    /// truth.
-    pub landmarks: [f32; LANDMARKS],
-    /// Per landmark, probability that nothing hides it from the camera, neither the head itself nor
-    /// anything before it.
-    pub seen: [f32; LANDMARKS],
-}
-
-impl Verdict {
-    /// Nothing right, nothing seen.
-    const NONE: Verdict = Verdict {
-        face: 0.0,
-        landmarks: [0.0; LANDMARKS],
-        seen: [0.0; LANDMARKS],
-    };
-}
+/// Nothing right, nothing seen.
+const NONE: Verdict = Verdict {
+    face: 0.0,
+    landmarks: [0.0; LANDMARKS],
+    seen: [0.0; LANDMARKS],
+};
 
 impl<'m> Verifier<'m> {
     /// Name of the section.
@@ -110,13 +95,13 @@ impl<'m> Verifier<'m> {
     /// Judges the features of one fit (`LANDMARKS` × `features`), seen from `view`.
     pub fn judge(&self, features: &[i8], view: usize) -> Verdict {
         let Some(weights) = self.views.get(view).copied().flatten() else {
-            return Verdict::NONE;
+            return NONE;
         };
         let logit = weights.face_scale * dot(weights.face, features) as f32 + weights.face_bias;
         let n = self.features.max(1);
         let mut verdict = Verdict {
             face: sigmoid(logit),
-            ..Verdict::NONE
+            ..NONE
         };
         let rows = weights.local.chunks_exact(n).zip(features.chunks_exact(n));
         let constants = weights

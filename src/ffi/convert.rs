@@ -4,7 +4,7 @@ use super::memory;
 use super::types::*;
 use crate::image::{Frame, FrameLayout, PixelFormat, Rotation};
 use crate::model::ModelError;
-use crate::shape::Intrinsics;
+use crate::shape::{ANSWERED, Intrinsics};
 use crate::track::{Config, Loss, Model, State, TrackResult};
 use core::ffi::c_void;
 
@@ -89,8 +89,8 @@ pub(super) unsafe fn frame_from<'a>(given: &posewise_frame) -> Result<Frame<'a>,
 pub(super) fn result_to(result: &TrackResult) -> posewise_result {
     let (state, landmark_count) = match result.state {
         State::Searching => (POSEWISE_SEARCHING, 0),
-        State::Tracking => (POSEWISE_TRACKING, POSEWISE_LANDMARKS),
-        State::Holding => (POSEWISE_HOLDING, POSEWISE_LANDMARKS),
+        State::Tracking => (POSEWISE_TRACKING, ANSWERED as u32),
+        State::Holding => (POSEWISE_HOLDING, ANSWERED as u32),
     };
     posewise_result {
         struct_size: 0, // the caller's stays

@@ -12,7 +12,7 @@ pub const POSEWISE_ABI: u32 = 1;
 pub const POSEWISE_ALIGN: u32 = 64;
 /// Enough for any posewise_config \[bytes\].
 pub const POSEWISE_MEMORY_SIZE: u32 = 160 * 1024;
-/// In the order of iBUG 68.
+/// iBUG 68; the last 51 of them in a library without the jaw.
 pub const POSEWISE_LANDMARKS: u32 = 68;
 /// Weights; see posewise_animation_name().
 pub const POSEWISE_ANIMATIONS: u32 = 24;
@@ -173,10 +173,12 @@ pub struct posewise_result {
     pub timestamp_us: i64,
     /// Time since the frame that the fit belongs to \[us\]; 0 while tracking.
     pub age_us: i64,
-    /// Landmarks that posewise_landmarks() has: 68, or 0 while searching.
+    /// Landmarks that posewise_landmarks() has: 68, in a library that was built without the jaw the
+    /// 51 from iBUG 17 on; 0 while searching.
     pub landmark_count: u32,
     /// Calibrated probability that this is a face and that the landmarks are right (on average to
-    /// a tenth of the distance between the eyes' outer corners), 0..1.
+    /// a tenth of the distance between the eyes' outer corners), 0..1. In a library that was built
+    /// without the experts, how well the 3D face fits, from 1 to 0: no probability.
     pub score: f32,
     /// Box of the landmarks: x, y, width, height \[px\].
     pub face_box: [f32; 4],
@@ -214,7 +216,8 @@ pub struct posewise_landmark {
     /// outer corners, as it is on a face that looks into the camera, 0..1.
     pub confidence: f32,
     /// Calibrated probability that the camera sees it: that neither the head itself nor anything
-    /// before it hides it, 0..1.
+    /// before it hides it, 0..1. In a library that was built without the experts, 1 unless the head
+    /// itself hides it, else 0, and confidence is the score.
     pub visibility: f32,
     /// The point of the 3D face, camera frame \[mm\]; for points 0..16 a fixed place on the jaw.
     pub x_mm: f32,

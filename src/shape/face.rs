@@ -17,6 +17,13 @@ pub const MAX_EXTRA: usize = 7;
 /// Most points of a face model: landmarks, then the extra contour candidates in jaw order.
 pub const MAX_POINTS: usize = LANDMARKS + JAW * MAX_EXTRA;
 
+/// Points of a [`Shape`]: without the jaw nobody asks for its contour.
+const EVALUATED: usize = if cfg!(feature = "jaw") {
+    MAX_POINTS
+} else {
+    LANDMARKS
+};
+
 /// View directions of the visibility table: azimuths −120..120° in these steps …
 pub const VIEW_AZIMUTHS: usize = 33;
 /// … elevations −60..60° …
@@ -220,10 +227,11 @@ fn scaled(delta: &[i8; 3], scale: f32) -> Vec3 {
     Vec3::from_array(delta.map(|d| d as f32 * scale))
 }
 
-/// All points of one face in the head frame: landmarks, then contour candidates.
+/// All points of one face in the head frame: landmarks, then contour candidates (with the feature
+/// `jaw`).
 #[derive(Clone, Copy, Debug)]
 pub struct Shape {
-    points_mm: [Vec3; MAX_POINTS],
+    points_mm: [Vec3; EVALUATED],
 }
 
 /// For each jaw landmark, the point of a [`Shape`] that lies on the visible contour.
@@ -242,7 +250,7 @@ pub const FIXED_CONTOUR: Contour = {
 
 impl Shape {
     const EMPTY: Shape = Shape {
-        points_mm: [Vec3::ZERO; MAX_POINTS],
+        points_mm: [Vec3::ZERO; EVALUATED],
     };
 
     /// The 68 landmarks as fixed vertices \[mm\].
@@ -262,10 +270,14 @@ impl Shape {
         contour.get(landmark).map_or(landmark, |p| *p as usize)
     }
 
-    /// For each jaw landmark the candidate that is outermost in the image at this pose.
+    /// For each jaw landmark the candidate that is outermost in the image at this pose; without the
+    /// feature `jaw` the landmark itself.
     pub fn contour(&self, face: &FaceModel<'_>, pose: &Pose) -> Contour {
-        let directions = contour_directions(face, pose);
         let mut contour = FIXED_CONTOUR;
+        if !cfg!(feature = "jaw") {
+            return contour;
+        }
+        let directions = contour_directions(face, pose);
         let candidates = face.candidates().zip(directions);
         for ((best, (range, out)), first) in
             contour.iter_mut().zip(candidates).zip(self.landmarks())

@@ -4,7 +4,7 @@ use super::place::bounds;
 use super::{Landmark, Loss, State, TrackResult};
 use crate::align::Shape;
 use crate::experts::Verdict;
-use crate::shape::{FaceFit, FaceModel, Intrinsics, LANDMARKS, eye_open};
+use crate::shape::{ANSWERED, FIRST, FaceFit, FaceModel, Intrinsics, eye_open};
 
 /// Writes all of a result.
 pub(super) fn write(
@@ -40,13 +40,13 @@ pub(super) fn write(
     *state = State::Tracking;
     (*timestamp_us, *age_us) = (now, 0);
     *score = verdict.face;
-    *face_box = bounds(shape);
+    *face_box = bounds(shape.get(FIRST..).unwrap_or(shape));
     *rotation = pose.quaternion();
     (*yaw_deg, *pitch_deg, *roll_deg) = (angles.yaw_deg, angles.pitch_deg, angles.roll_deg);
     *translation_mm = pose.translation_mm.to_array();
     *eye_open = eyes(face, camera, fitted, shape, verdict);
     *loss = Loss::None;
-    *seen_share = verdict.seen.iter().sum::<f32>() / LANDMARKS as f32;
+    *seen_share = verdict.seen.iter().skip(FIRST).sum::<f32>() / ANSWERED as f32;
     let sigma = |k: usize| {
         let row = fitted.covariance.get(k);
         let variance = row.and_then(|row| row.get(k)).copied().unwrap_or(0.0);
@@ -55,7 +55,7 @@ pub(super) fn write(
     *rotation_sigma_deg = [0, 1, 2].map(|k| sigma(k).to_degrees());
     *translation_sigma_mm = [3, 4, 5].map(sigma);
     let parts = shape.iter().zip(&verdict.landmarks).zip(&verdict.seen);
-    for (out, (([x, y], confidence), seen)) in landmarks.iter_mut().zip(parts) {
+    for (out, (([x, y], confidence), seen)) in landmarks.iter_mut().zip(parts.skip(FIRST)) {
         *out = Landmark {
             x: *x,
             y: *y,
@@ -63,7 +63,10 @@ pub(super) fn write(
             visibility: *seen,
         };
     }
-    for (out, p) in points_mm.iter_mut().zip(&fitted.points_mm) {
+    for (out, p) in points_mm
+        .iter_mut()
+        .zip(fitted.points_mm.iter().skip(FIRST))
+    {
         *out = p.to_array();
     }
     *animation = fitted.state.animation;

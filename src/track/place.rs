@@ -47,7 +47,7 @@ pub(super) fn place_of(model: &Model<'_>, shape: &Shape) -> Detection {
 }
 
 /// Axis-aligned box: x, y, width, height.
-pub(super) fn bounds(shape: &Shape) -> [f32; 4] {
+pub(super) fn bounds(shape: &[[f32; 2]]) -> [f32; 4] {
     let mut low = [f32::MAX; 2];
     let mut high = [f32::MIN; 2];
     for [x, y] in shape {

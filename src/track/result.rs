@@ -1,6 +1,6 @@
 //! What a step answers.
 
-use crate::shape::{ANIMATIONS, LANDMARKS};
+use crate::shape::{ANIMATIONS, ANSWERED};
 
 /// What the tracker is doing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -65,6 +65,7 @@ pub struct TrackResult {
     pub age_us: i64,
     /// Calibrated probability that this is a face and that the landmarks are right, 0..1: their mean
     /// error is below a tenth of the inter-ocular distance (as [`Landmark::confidence`] has it).
+    /// Without the feature `experts` no probability but how well the 3D face fits.
     pub score: f32,
     /// Axis-aligned box of the landmarks: x, y, width, height \[px\].
     pub face_box: [f32; 4],
@@ -89,10 +90,10 @@ pub struct TrackResult {
     pub rotation_sigma_deg: [f32; 3],
     /// Standard deviations of `translation_mm` \[mm\], likewise.
     pub translation_sigma_mm: [f32; 3],
-    /// iBUG 68 landmarks; the jaw (0–16) follows the visible contour.
-    pub landmarks: [Landmark; LANDMARKS],
+    /// iBUG 68 landmarks from [`crate::shape::FIRST`] on; the jaw (0–16) follows the visible contour.
+    pub landmarks: [Landmark; ANSWERED],
     /// The landmarks as points of the 3D face, camera frame \[mm\].
-    pub points_mm: [[f32; 3]; LANDMARKS],
+    pub points_mm: [[f32; 3]; ANSWERED],
     /// Weights of [`crate::shape::ANIMATION_NAMES`], 0..1.
     pub animation: [f32; ANIMATIONS],
 }
@@ -115,8 +116,8 @@ impl TrackResult {
         seen_share: 0.0,
         rotation_sigma_deg: [0.0; 3],
         translation_sigma_mm: [0.0; 3],
-        landmarks: [Landmark::EMPTY; LANDMARKS],
-        points_mm: [[0.0; 3]; LANDMARKS],
+        landmarks: [Landmark::EMPTY; ANSWERED],
+        points_mm: [[0.0; 3]; ANSWERED],
         animation: [0.0; ANIMATIONS],
     };
 }

@@ -15,10 +15,12 @@ use super::{Loss, Model, State, TrackResult};
 use crate::align::{Shape, Workspace};
 use crate::detect::{Detection, Scan, Sizes, Swept, search_near};
 use crate::experts::Verdict;
+#[cfg(not(feature = "experts"))]
+use crate::experts::by_fit;
 use crate::image::Frame;
 use crate::shape::{
-    FRAME_WEIGHT, FaceState, FitOptions, IdentityEstimator, Intrinsics, LANDMARKS, MAX_IDENTITIES,
-    Observed, fit,
+    FIRST, FRAME_WEIGHT, FaceState, FitOptions, IdentityEstimator, Intrinsics, LANDMARKS,
+    MAX_IDENTITIES, Observed, fit,
 };
 
 /// A detection becomes a tracked face from this probability on.
@@ -393,7 +395,7 @@ impl Tracker {
             return false;
         };
         let passes = model.align.passes();
-        let Some(verdict) = self.look(model, frame, passes, &mut shape) else {
+        let Some(mut verdict) = self.look(model, frame, passes, &mut shape) else {
             return false;
         };
         if verdict.face < ACCEPT {
@@ -402,7 +404,7 @@ impl Tracker {
             }
             return false;
         }
-        self.take(model, frame, now, &shape, whose, &verdict)
+        self.take(model, frame, now, &shape, whose, &mut verdict)
     }
 
     /// A second look, on the next frame, at what might have become a face: from a poor start the
@@ -412,8 +414,8 @@ impl Tracker {
         let mut shape = self.doubtful;
         self.doubt = 0.0;
         match self.look(model, frame, 1, &mut shape) {
-            Some(verdict) if verdict.face >= ACCEPT_SECOND => {
-                self.take(model, frame, now, &shape, Whose::Stranger, &verdict)
+            Some(mut verdict) if verdict.face >= ACCEPT_SECOND => {
+                self.take(model, frame, now, &shape, Whose::Stranger, &mut verdict)
             }
             _ => false,
         }
@@ -439,7 +441,7 @@ impl Tracker {
         now: i64,
         shape: &Shape,
         whose: Whose,
-        verdict: &Verdict,
+        verdict: &mut Verdict,
     ) -> bool {
         let taken = self.answer(model, frame, now, shape, whose, verdict);
         if taken {
@@ -456,13 +458,13 @@ impl Tracker {
         let mut shape = steadied(&subject.guess, &predicted);
         let guess = shape;
         let ran = model.align.run(frame, 1, &mut shape, &mut self.work);
-        let verdict = judged(model, &self.work);
+        let mut verdict = judged(model, &self.work);
         let keep = if self.subject.trusted { KEEP } else { ACCEPT };
         let loss = if !ran || verdict.face < keep {
             Loss::Doubt
         } else if !overlaps(&shape, frame) {
             Loss::Left
-        } else if !self.answer(model, frame, now, &shape, Whose::Tracked, &verdict) {
+        } else if !self.answer(model, frame, now, &shape, Whose::Tracked, &mut verdict) {
             Loss::Pose
         } else {
             self.subject.guess = guess;
@@ -482,7 +484,7 @@ impl Tracker {
         now: i64,
         shape: &Shape,
         whose: Whose,
-        verdict: &Verdict,
+        verdict: &mut Verdict,
     ) -> bool {
         let camera = match self.config.intrinsics {
             Some(camera) => camera,
@@ -493,6 +495,7 @@ impl Tracker {
         for (weight, seen) in weights.iter_mut().zip(&verdict.seen) {
             *weight = 0.05 + *weight * (0.2 + 0.8 * seen);
         }
+        weights.iter_mut().take(FIRST).for_each(|w| *w = 0.0);
         let observed = Observed {
             points: shape,
             weights: &weights,
@@ -508,6 +511,16 @@ impl Tracker {
         let Some(fitted) = &fitted else {
             return false;
         };
+        // Without classifiers all was taken until here.
+        #[cfg(not(feature = "experts"))]
+        by_fit(verdict, fitted, &camera);
+        let least = match whose {
+            Whose::Tracked if subject.trusted => KEEP,
+            _ => ACCEPT,
+        };
+        if cfg!(not(feature = "experts")) && verdict.face < least {
+            return false;
+        }
         if whose == Whose::Stranger {
             subject.identity = IdentityEstimator::new();
         }

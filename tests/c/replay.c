@@ -1,5 +1,6 @@
 /* replay.c VIDEO.y4m FRAMES - one line with a hash of every byte of every answer to the video's
- * first frames. The line is the same on every machine. C99; reads 8-bit mono y4m. */
+ * first frames. The line is the same on every machine; what is built in is told on standard error.
+ * C99; reads 8-bit mono y4m. */
 #include "posewise.h"
 
 #include <stdio.h>
@@ -35,6 +36,7 @@ int main(int argc, char **argv) {
     size_t model_len, len;
     const void *model = posewise_default_model(&model_len);
     long count = 0, tracked = 0;
+    unsigned landmark_count = 0;
     FILE *video = argc == 3 ? fopen(argv[1], "rb") : NULL;
     char line[128];
 
@@ -68,8 +70,12 @@ int main(int argc, char **argv) {
         hash_bytes(landmarks, sizeof landmarks);
         hash_bytes(animation, sizeof animation);
         tracked += result.state == POSEWISE_TRACKING;
+        if (result.landmark_count > landmark_count)
+            landmark_count = result.landmark_count;
         count++;
     }
+    fprintf(stderr, "model: %lu bytes\ntracker: %lu bytes\nlandmarks: %u\n",
+            (unsigned long)model_len, (unsigned long)posewise_memory_size(NULL), landmark_count);
     /* In halves, because the smallest C libraries do not print 64 bits. */
     printf("%08lx%08lx %ld frames, %ld tracked\n", (unsigned long)(hash >> 32),
            (unsigned long)(hash & 0xFFFFFFFFu), count, tracked);
