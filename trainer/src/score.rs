@@ -6,7 +6,7 @@
 
 use crate::align::cover::covered;
 use crate::align::evaluate::{nme, start_of};
-use crate::align::{Jitter, face_box, normal, start_from_box};
+use crate::align::{Jitter, jittered_box, normal, start_from_box};
 use crate::faces::{Face, Picture};
 use crate::pack::SectionWriter;
 use crate::ridge::{Linear, Normal, predict};
@@ -220,10 +220,8 @@ fn on_faces(model: &AlignModel<'_>, faces: &[Face], seed: u64) -> Vec<Row> {
                         log_size: 0.08 * j,
                         roll: 0.14 * j,
                     };
-                    let (centre, size, roll) = face_box(&model.views(), &face.landmarks);
-                    let at = centre.map(|c| c + jitter.shift * size * normal(&mut rng));
-                    let size = size * (jitter.log_size * normal(&mut rng)).exp();
-                    let roll = roll + jitter.roll * normal(&mut rng);
+                    let views = model.views();
+                    let (at, size, roll) = jittered_box(&views, &face.landmarks, &jitter, &mut rng);
                     let turn = face.turn() + 0.25 * normal(&mut rng);
                     let mut shape = start_from_box(&start_of(model, turn), at, size, roll);
                     // Of every four, one has something before it.

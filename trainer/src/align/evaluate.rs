@@ -1,7 +1,7 @@
 //! Errors of a finished cascade on labelled faces, by the core's own code.
 
 use super::Trained;
-use super::starts::{Jitter, face_box, normal, start_from_box};
+use super::starts::{Jitter, jittered_box, start_from_box};
 use crate::faces::Face;
 use posewise::align::{AlignModel, Shape, Workspace};
 use posewise::shape::LANDMARKS;
@@ -89,15 +89,9 @@ fn from_boxes(
                 rng.set_stream(index as u64);
                 (0..boxes.count)
                     .map(|_| {
-                        let jitter = &boxes.jitter;
-                        let (centre, size, roll) = face_box(&model.views(), &face.landmarks);
-                        let shift = jitter.shift * size;
-                        let at = [
-                            centre[0] + shift * normal(&mut rng),
-                            centre[1] + shift * normal(&mut rng),
-                        ];
-                        let size = size * (jitter.log_size * normal(&mut rng)).exp();
-                        let roll = roll + jitter.roll * normal(&mut rng);
+                        let (views, jitter) = (model.views(), &boxes.jitter);
+                        let (at, size, roll) =
+                            jittered_box(&views, &face.landmarks, jitter, &mut rng);
                         let turn = face.turn() + 0.2 * rng.random_range(-1.0f32..1.0);
                         let mut shape = start_from_box(&start_of(model, turn), at, size, roll);
                         run(face, &mut shape, work);

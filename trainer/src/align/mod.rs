@@ -17,7 +17,7 @@ pub use mean::mean_shape;
 pub use network::{Network, Sizes};
 pub use samples::{Augment, Start};
 pub(crate) use starts::normal;
-pub use starts::{Jitter, StartShapes, face_box, start_from_box};
+pub use starts::{Jitter, StartShapes, jittered_box, start_from_box};
 pub use train::{Options, Trained, train};
 
 use crate::faces::Face;

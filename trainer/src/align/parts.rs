@@ -5,7 +5,7 @@ use super::evaluate::start_of;
 use super::network::{Points, Sizes};
 use super::quantise::write_part;
 use super::samples::{Augment, Sample, cut_at, disturb, standardise};
-use super::starts::{Jitter, face_box, normal, start_from_box};
+use super::starts::{Jitter, jittered_box, normal, start_from_box};
 use super::train::{Draw, Gaps, Options, Source, train};
 use crate::faces::Face;
 use crate::pack::SectionWriter;
@@ -149,11 +149,9 @@ fn starts(model: &AlignModel<'_>, faces: &[Face]) -> Vec<[Shape; STARTS]> {
             |work, (index, face)| {
                 let mut rng = ChaCha8Rng::seed_from_u64(11);
                 rng.set_stream(index as u64);
-                let (centre, size, roll) = face_box(&model.views(), &face.landmarks);
                 [(); STARTS].map(|()| {
-                    let at = centre.map(|c| c + JITTER.shift * size * normal(&mut rng));
-                    let size = size * (JITTER.log_size * normal(&mut rng)).exp();
-                    let roll = roll + JITTER.roll * normal(&mut rng);
+                    let views = model.views();
+                    let (at, size, roll) = jittered_box(&views, &face.landmarks, &JITTER, &mut rng);
                     let start = start_of(model, face.turn());
                     let mut shape = start_from_box(&start, at, size, roll);
                     let ran = model.run(&face.picture.frame(), PASSES, &mut shape, work);

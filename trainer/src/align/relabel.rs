@@ -6,7 +6,7 @@
 //! agree.
 
 use super::evaluate::start_of;
-use super::starts::{Jitter, face_box, normal, start_from_box};
+use super::starts::{Jitter, jittered_box, start_from_box};
 use crate::faces::{Face, Picture};
 use anyhow::{Context, Result};
 use posewise::align::{AlignModel, Shape, Workspace};
@@ -46,10 +46,8 @@ fn looks(
     let mut shapes: Vec<Shape> = vec![];
     for k in 0..LOOKS {
         let face = if k % 2 == 0 { face } else { mirror };
-        let (centre, size, roll) = face_box(&model.views(), &face.landmarks);
-        let at = centre.map(|c| c + AROUND.shift * size * normal(&mut rng));
-        let size = size * (AROUND.log_size * normal(&mut rng)).exp();
-        let roll = roll + AROUND.roll * normal(&mut rng);
+        let views = model.views();
+        let (at, size, roll) = jittered_box(&views, &face.landmarks, &AROUND, &mut rng);
         let mut shape = start_from_box(&start_of(model, face.turn()), at, size, roll);
         if !model.run(&face.picture.frame(), 2, &mut shape, work) {
             return None;

@@ -106,6 +106,19 @@ pub fn start_from_box(start: &Shape, centre: [f32; 2], size: f32, roll: f32) -> 
     start.map(|[x, y]| turn.apply([x - cx, y - cy]))
 }
 
+/// The detector's box of a shape ([`face_box`]), as far off as `jitter` says.
+pub fn jittered_box(
+    views: &Views<'_>,
+    shape: &Shape,
+    jitter: &Jitter,
+    rng: &mut ChaCha8Rng,
+) -> ([f32; 2], f32, f32) {
+    let (centre, size, roll) = face_box(views, shape);
+    let centre = centre.map(|c| c + jitter.shift * size * normal(rng));
+    let size = size * (jitter.log_size * normal(rng)).exp();
+    (centre, size, roll + jitter.roll * normal(rng))
+}
+
 /// How far starts lie from the truth.
 #[derive(Clone, Copy, Debug)]
 pub struct Jitter {
