@@ -15,7 +15,7 @@ pub const MIN_IN_FRAME: f64 = 0.5;
 pub const OUT_OF_FRAME: f64 = 0.1;
 /// Largest angle error beyond which a tracked frame is a wrong lock \[deg\].
 pub const WRONG_DEG: f64 = 30.0;
-/// |yaw| within which the issue wants no frame lost \[deg\].
+/// |yaw| within which no frame should be lost \[deg\].
 pub const KEEP_YAW_DEG: f64 = 60.0;
 /// |yaw| from which on the sign of the yaw is checked \[deg\].
 pub const PROFILE_YAW_DEG: f64 = 60.0;
