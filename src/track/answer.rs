@@ -73,7 +73,9 @@ pub(super) fn write(
 }
 
 /// Openness of the subject's left and right eye; −1 for an eye that is hidden by the head or by
-/// something before it, so that a hand does not shut it.
+/// something before it, so that a hand does not shut it. Kept apart, not inlined: two whole faces are
+/// on its stack.
+#[inline(never)]
 fn eyes(
     face: &FaceModel<'_>,
     camera: &Intrinsics,
@@ -81,11 +83,12 @@ fn eyes(
     shape: &Shape,
     verdict: &Verdict,
 ) -> [f32; 2] {
+    let neutral = face.neutral(&fitted.state.identity);
     let eye = |blink: usize, first: usize| {
         let lids = fitted.visible.iter().skip(first).take(6);
         let turned_here = lids.filter(|v| **v).count() >= 4;
         let seen: f32 = verdict.seen.iter().skip(first).take(6).sum();
-        let open = eye_open(face, camera, &fitted.state, shape, first, blink);
+        let open = eye_open(face, camera, &fitted.state, &neutral, shape, first, blink);
         open.filter(|_| turned_here && seen >= 3.0).unwrap_or(-1.0)
     };
     // browDown ×2, browInnerUp, browOuterUp ×2 come before eyeBlinkLeft, eyeBlinkRight.

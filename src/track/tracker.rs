@@ -404,7 +404,7 @@ impl Tracker {
             }
             return false;
         }
-        self.take(model, frame, now, &shape, whose, &mut verdict)
+        self.answer(model, frame, now, &shape, whose, &mut verdict)
     }
 
     /// A second look, on the next frame, at what might have become a face: from a poor start the
@@ -415,7 +415,7 @@ impl Tracker {
         self.doubt = 0.0;
         match self.look(model, frame, 1, &mut shape) {
             Some(mut verdict) if verdict.face >= ACCEPT_SECOND => {
-                self.take(model, frame, now, &shape, Whose::Stranger, &mut verdict)
+                self.answer(model, frame, now, &shape, Whose::Stranger, &mut verdict)
             }
             _ => false,
         }
@@ -431,23 +431,6 @@ impl Tracker {
     ) -> Option<Verdict> {
         let ran = model.align.run(frame, passes, shape, &mut self.work);
         ran.then(|| judged(model, &self.work))
-    }
-
-    /// Makes an accepted shape the subject's; true unless no pose explains it.
-    fn take(
-        &mut self,
-        model: &Model<'_>,
-        frame: &Frame<'_>,
-        now: i64,
-        shape: &Shape,
-        whose: Whose,
-        verdict: &mut Verdict,
-    ) -> bool {
-        let taken = self.answer(model, frame, now, shape, whose, verdict);
-        if taken {
-            self.subject.guess = *shape;
-        }
-        taken
     }
 
     #[inline(never)]
@@ -531,6 +514,10 @@ impl Tracker {
             }
             Whose::Stranger | Whose::Lost => Motion::STILL,
         };
+        if whose != Whose::Tracked {
+            // From here on the crop moves as little as it can.
+            subject.guess = *shape;
+        }
         subject.shape = *shape;
         subject.fitted_us = now;
         subject.face = fitted.state;
