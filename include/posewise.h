@@ -115,6 +115,12 @@ typedef struct posewise_config {
     uint32_t scan_budget;
     // The camera; see posewise_set_intrinsics().
     posewise_intrinsics intrinsics;
+    // How posewise_smoothed() filters (One-Euro): the cutoff for a face that does not move [Hz],
+    // 0.01..100, lower is steadier; and how much it rises per unit of speed, up to 1000, higher is
+    // prompter (units: widths of the face, radians, whole weights per second). 0: the defaults,
+    // 1 and 12.
+    float smoothing_hz;
+    float smoothing_beta;
 } posewise_config;
 
 // One camera frame, borrowed for the one call.
@@ -261,6 +267,21 @@ posewise_status posewise_landmarks(const posewise_tracker *tracker,
 posewise_status posewise_animation(const posewise_tracker *tracker,
                                    float *out,
                                    size_t capacity);
+
+// The answer to the last step again, smoothed over time by a One-Euro filter: steadier to look at,
+// but late by a frame or so. Pose, box and eye_open are smoothed, the rest is as it was.
+posewise_status posewise_smoothed(const posewise_tracker *tracker,
+                                  posewise_result *out);
+
+// As posewise_landmarks(), smoothed likewise; confidence and visibility are as they were.
+posewise_status posewise_smoothed_landmarks(const posewise_tracker *tracker,
+                                            posewise_landmark *out,
+                                            size_t capacity);
+
+// As posewise_animation(), smoothed likewise.
+posewise_status posewise_smoothed_animation(const posewise_tracker *tracker,
+                                            float *out,
+                                            size_t capacity);
 
 // What the animation weight at this index is: ARKit's name of the blendshape ("jawOpen"). Static;
 // NULL from POSEWISE_ANIMATIONS on.

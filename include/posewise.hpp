@@ -110,6 +110,19 @@ public:
         return posewise_animation(tracker_, out.data(), out.size());
     }
 
+    // The last answer again, smoothed over time.
+    posewise_status smoothed(posewise_result &out) const {
+        return posewise_smoothed(tracker_, &out);
+    }
+
+    posewise_status smoothed_landmarks(Landmarks &out) const {
+        return posewise_smoothed_landmarks(tracker_, out.data(), out.size());
+    }
+
+    posewise_status smoothed_animation(Animation &out) const {
+        return posewise_smoothed_animation(tracker_, out.data(), out.size());
+    }
+
     posewise_status set_intrinsics(const posewise_intrinsics &camera) {
         return posewise_set_intrinsics(tracker_, &camera);
     }

@@ -68,7 +68,8 @@ fn layouts_agree() {
         };
     }
     layout!(posewise_intrinsics: fx fy cx cy);
-    layout!(posewise_config: struct_size flags min_face_px scan_budget intrinsics);
+    layout!(posewise_config: struct_size flags min_face_px scan_budget intrinsics
+        smoothing_hz smoothing_beta);
     layout!(posewise_frame: struct_size format timestamp_us width height stride rotation_deg flags
         reserved data_len data);
     layout!(posewise_result: struct_size state timestamp_us age_us landmark_count score face_box

@@ -46,6 +46,15 @@ pub struct TrackerArgs {
     /// whole frame]
     #[arg(long, value_name = "N")]
     pub scan_budget: Option<u32>,
+    /// Answer with the smoothed values (One-Euro filter)
+    #[arg(long)]
+    pub smooth: bool,
+    /// Its cutoff for a face that does not move [Hz]
+    #[arg(long, value_name = "HZ", requires = "smooth")]
+    pub smooth_cutoff: Option<f32>,
+    /// How much the cutoff rises with speed
+    #[arg(long, value_name = "N", requires = "smooth")]
+    pub smooth_beta: Option<f32>,
 }
 
 #[derive(Args)]

@@ -23,6 +23,7 @@ pub struct Session<'m> {
     model: &'m Model<'m>,
     tracker: Box<Tracker>,
     focal: Option<f32>,
+    smooth: bool,
     size: (i32, i32),
     /// Time spent in steps.
     pub busy: Duration,
@@ -46,10 +47,14 @@ impl<'m> Session<'m> {
             WHOLE_FRAME
         };
         config.scan_budget = args.scan_budget.unwrap_or(budget);
+        let smoothing = &mut config.smoothing;
+        smoothing.cutoff_hz = args.smooth_cutoff.unwrap_or(smoothing.cutoff_hz);
+        smoothing.beta = args.smooth_beta.unwrap_or(smoothing.beta);
         Ok(Session {
             model,
             tracker: Box::new(Tracker::new(&config).map_err(|e| anyhow!("{e}"))?),
             focal: args.focal,
+            smooth: args.smooth,
             size: (0, 0),
             busy: Duration::ZERO,
         })
@@ -83,7 +88,11 @@ impl<'m> Session<'m> {
         let start = Instant::now();
         let stepped = self.tracker.step(self.model, &frame, picture.timestamp_us);
         self.busy += start.elapsed();
-        stepped.map_err(|e| anyhow!("{e}"))
+        stepped.map_err(|e| anyhow!("{e}"))?;
+        Ok(match self.smooth {
+            false => self.tracker.result(),
+            true => self.tracker.smoothed(),
+        })
     }
 }
 

@@ -5,7 +5,9 @@
 // The contract of every pointer stands once, at the head of the header and of memory.rs.
 #![allow(clippy::missing_safety_doc)]
 
-use super::convert::{config_from, frame_from, intrinsics_from, load, model_bytes, result_to};
+use super::convert::{
+    config_from, frame_from, intrinsics_from, landmarks_of, load, model_bytes, result_to,
+};
 use super::memory::{self, BLOCK_SIZE};
 use super::types::*;
 use crate::shape::{ANIMATION_NAMES, ANIMATIONS, LANDMARKS};
@@ -58,6 +60,8 @@ pub unsafe extern "C" fn posewise_config_default(out: *mut posewise_config) -> p
         let config = posewise_config {
             min_face_px: default.min_face_px,
             scan_budget: default.scan_budget,
+            smoothing_hz: default.smoothing.cutoff_hz,
+            smoothing_beta: default.smoothing.beta,
             ..Default::default()
         };
         // SAFETY: the caller's promise.
@@ -185,22 +189,8 @@ pub unsafe extern "C" fn posewise_landmarks(
     status(|| {
         // SAFETY: the caller's promise.
         let result = unsafe { memory::block(tracker)? }.tracker.result();
-        memory::check_pointer(out)?;
-        let points = result.landmarks.iter().zip(&result.points_mm);
-        for (i, (landmark, &[x_mm, y_mm, z_mm])) in points.take(capacity).enumerate() {
-            let landmark = posewise_landmark {
-                x: landmark.x,
-                y: landmark.y,
-                confidence: landmark.confidence,
-                visibility: landmark.visibility,
-                x_mm,
-                y_mm,
-                z_mm,
-            };
-            // SAFETY: i < capacity.
-            unsafe { out.add(i).write(landmark) };
-        }
-        Ok(())
+        // SAFETY: likewise.
+        unsafe { memory::write_first(out, capacity, landmarks_of(result)) }
     })
 }
 
@@ -215,12 +205,54 @@ pub unsafe extern "C" fn posewise_animation(
     status(|| {
         // SAFETY: the caller's promise.
         let result = unsafe { memory::block(tracker)? }.tracker.result();
-        memory::check_pointer(out)?;
-        for (i, weight) in result.animation.iter().take(capacity).enumerate() {
-            // SAFETY: i < capacity.
-            unsafe { out.add(i).write(*weight) };
-        }
+        // SAFETY: likewise.
+        unsafe { memory::write_first(out, capacity, result.animation.into_iter()) }
+    })
+}
+
+/// The answer to the last step again, smoothed over time by a One-Euro filter: steadier to look at,
+/// but late by a frame or so. Pose, box and eye_open are smoothed, the rest is as it was.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn posewise_smoothed(
+    tracker: *const posewise_tracker,
+    out: *mut posewise_result,
+) -> posewise_status {
+    status(|| {
+        // SAFETY: the caller's promise, here and below.
+        let result = unsafe { memory::block(tracker)? }.tracker.smoothed();
+        let size = unsafe { memory::checked_size(out)? };
+        unsafe { memory::write_struct(out, size, &result_to(result)) };
         Ok(())
+    })
+}
+
+/// As posewise_landmarks(), smoothed likewise; confidence and visibility are as they were.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn posewise_smoothed_landmarks(
+    tracker: *const posewise_tracker,
+    out: *mut posewise_landmark,
+    capacity: usize,
+) -> posewise_status {
+    status(|| {
+        // SAFETY: the caller's promise.
+        let result = unsafe { memory::block(tracker)? }.tracker.smoothed();
+        // SAFETY: likewise.
+        unsafe { memory::write_first(out, capacity, landmarks_of(result)) }
+    })
+}
+
+/// As posewise_animation(), smoothed likewise.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn posewise_smoothed_animation(
+    tracker: *const posewise_tracker,
+    out: *mut f32,
+    capacity: usize,
+) -> posewise_status {
+    status(|| {
+        // SAFETY: the caller's promise.
+        let result = unsafe { memory::block(tracker)? }.tracker.smoothed();
+        // SAFETY: likewise.
+        unsafe { memory::write_first(out, capacity, result.animation.into_iter()) }
     })
 }
 

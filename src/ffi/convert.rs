@@ -5,7 +5,7 @@ use super::types::*;
 use crate::image::{Frame, FrameLayout, PixelFormat, Rotation};
 use crate::model::ModelError;
 use crate::shape::{ANSWERED, Intrinsics};
-use crate::track::{Config, Loss, Model, State, TrackResult};
+use crate::track::{Config, Loss, Model, Smoothing, State, TrackResult};
 use core::ffi::c_void;
 
 /// # Safety
@@ -43,10 +43,15 @@ pub(super) unsafe fn config_from(
     // SAFETY: the caller's promise.
     let given = unsafe { memory::read_struct(config)? };
     let or = |value, default| if value == 0 { default } else { value };
+    let or_f32 = |value: f32, default| if value == 0.0 { default } else { value };
     let config = Config {
         intrinsics: intrinsics_from(&given.intrinsics),
         min_face_px: or(given.min_face_px, default.min_face_px),
         scan_budget: or(given.scan_budget, default.scan_budget),
+        smoothing: Smoothing {
+            cutoff_hz: or_f32(given.smoothing_hz, default.smoothing.cutoff_hz),
+            beta: or_f32(given.smoothing_beta, default.smoothing.beta),
+        },
     };
     if given.flags != 0 || config.check().is_err() {
         return Err(POSEWISE_E_ARG);
@@ -116,6 +121,19 @@ pub(super) fn result_to(result: &TrackResult) -> posewise_result {
         rotation_sigma_deg: result.rotation_sigma_deg,
         translation_sigma_mm: result.translation_sigma_mm,
     }
+}
+
+pub(super) fn landmarks_of(result: &TrackResult) -> impl Iterator<Item = posewise_landmark> {
+    let points = result.landmarks.iter().zip(&result.points_mm);
+    points.map(|(landmark, &[x_mm, y_mm, z_mm])| posewise_landmark {
+        x: landmark.x,
+        y: landmark.y,
+        confidence: landmark.confidence,
+        visibility: landmark.visibility,
+        x_mm,
+        y_mm,
+        z_mm,
+    })
 }
 
 #[cfg(test)]

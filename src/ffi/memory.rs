@@ -22,7 +22,7 @@ pub(super) unsafe trait Growing: Copy {
 
 // SAFETY: `repr(C)` and free of padding (asserted in types.rs), plain numbers and pointers only.
 unsafe impl Growing for posewise_config {
-    const FIRST_SIZE: usize = 32;
+    const FIRST_SIZE: usize = 40;
 }
 // SAFETY: as above.
 unsafe impl Growing for posewise_frame {
@@ -95,6 +95,23 @@ pub(super) unsafe fn write_struct<T: Growing>(to: *mut T, size: usize, value: &T
             .copy_from_nonoverlapping(from.add(HEAD), known - HEAD);
         to.add(known).write_bytes(0, size - known);
     }
+}
+
+/// Writes the first values, at most `capacity`.
+///
+/// # Safety
+/// As at the file's head: `to` has room for `capacity` values.
+pub(super) unsafe fn write_first<T>(
+    to: *mut T,
+    capacity: usize,
+    values: impl Iterator<Item = T>,
+) -> Result<(), posewise_status> {
+    check_pointer(to)?;
+    for (i, value) in values.take(capacity).enumerate() {
+        // SAFETY: i < capacity.
+        unsafe { to.add(i).write(value) };
+    }
+    Ok(())
 }
 
 /// The caller's bytes, if there can be that many.
@@ -228,33 +245,33 @@ mod tests {
 
     #[test]
     fn short_structs_are_extended_with_zeros() {
-        let old = later(32, 7);
+        let old = later(40, 7);
         // SAFETY: a live struct.
         let read = unsafe { read_struct(&old) }.unwrap();
         assert_eq!((read.config.min_face_px, read.more), (50, 0));
-        // SAFETY: a live struct, of which only the first 32 bytes may be written.
-        let mut out = later(32, 9);
-        unsafe { write_struct(&mut out, 32, &later(40, 1)) };
-        assert_eq!((out.config.struct_size, out.more), (32, 9));
+        // SAFETY: a live struct, of which only the first 40 bytes may be written.
+        let mut out = later(40, 9);
+        unsafe { write_struct(&mut out, 40, &later(48, 1)) };
+        assert_eq!((out.config.struct_size, out.more), (40, 9));
     }
 
     #[test]
     fn unknown_tails_are_zero() {
         for (more, expected) in [(0, true), (1, false)] {
-            let new = later(40, more);
-            // SAFETY: 40 readable bytes.
+            let new = later(48, more);
+            // SAFETY: 48 readable bytes.
             let read = unsafe { read_struct((&raw const new).cast::<posewise_config>()) };
             assert_eq!(read.is_ok(), expected);
         }
-        let mut out = later(40, 9);
-        // SAFETY: 40 writable bytes.
-        unsafe { write_struct((&raw mut out).cast(), 40, &later(32, 0).config) };
-        assert_eq!((out.config.struct_size, out.more), (40, 0));
+        let mut out = later(48, 9);
+        // SAFETY: 48 writable bytes.
+        unsafe { write_struct((&raw mut out).cast(), 48, &later(40, 0).config) };
+        assert_eq!((out.config.struct_size, out.more), (48, 0));
     }
 
     #[test]
     fn impossible_sizes_are_refused() {
-        for size in [0, 4, 31, 4097, u32::MAX] {
+        for size in [0, 4, 39, 4097, u32::MAX] {
             // SAFETY: nothing beyond `struct_size` is read.
             assert!(unsafe { read_struct(&later(size, 0)) }.is_err(), "{size}");
         }

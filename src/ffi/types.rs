@@ -131,6 +131,12 @@ pub struct posewise_config {
     pub scan_budget: u32,
     /// The camera; see posewise_set_intrinsics().
     pub intrinsics: posewise_intrinsics,
+    /// How posewise_smoothed() filters (One-Euro): the cutoff for a face that does not move \[Hz\],
+    /// 0.01..100, lower is steadier; and how much it rises per unit of speed, up to 1000, higher is
+    /// prompter (units: widths of the face, radians, whole weights per second). 0: the defaults,
+    /// 1 and 12.
+    pub smoothing_hz: f32,
+    pub smoothing_beta: f32,
 }
 
 /// One camera frame, borrowed for the one call.
@@ -248,7 +254,7 @@ macro_rules! assert_no_padding {
 
 assert_no_padding!(posewise_intrinsics: fx: f32, fy: f32, cx: f32, cy: f32);
 assert_no_padding!(posewise_config: struct_size: u32, flags: u32, min_face_px: u32,
-    scan_budget: u32, intrinsics: posewise_intrinsics);
+    scan_budget: u32, intrinsics: posewise_intrinsics, smoothing_hz: f32, smoothing_beta: f32);
 assert_no_padding!(posewise_frame: struct_size: u32, format: u32, timestamp_us: i64, width: u32,
     height: u32, stride: u32, rotation_deg: u32, flags: u32, reserved: u32, data_len: usize,
     data: *const u8);

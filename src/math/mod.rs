@@ -9,6 +9,6 @@ mod similarity;
 mod solve;
 
 pub use fixed::{isqrt, sigmoid};
-pub use rotation::{HeadAngles, head_angles, head_rotation};
+pub use rotation::{HeadAngles, head_angles, head_rotation, rotation_of};
 pub use similarity::Similarity;
 pub use solve::solve_spd;

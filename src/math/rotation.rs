@@ -45,6 +45,27 @@ pub fn head_angles(rotation: &Mat3) -> HeadAngles {
     }
 }
 
+/// The rotation of a unit quaternion x, y, z, w.
+pub fn rotation_of([x, y, z, w]: [f32; 4]) -> Mat3 {
+    Mat3::from_cols(
+        Vec3::new(
+            1.0 - 2.0 * (y * y + z * z),
+            2.0 * (x * y + z * w),
+            2.0 * (x * z - y * w),
+        ),
+        Vec3::new(
+            2.0 * (x * y - z * w),
+            1.0 - 2.0 * (x * x + z * z),
+            2.0 * (y * z + x * w),
+        ),
+        Vec3::new(
+            2.0 * (x * z + y * w),
+            2.0 * (y * z - x * w),
+            1.0 - 2.0 * (x * x + y * y),
+        ),
+    )
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,5 +1,6 @@
 //! A tracker's settings and their bounds.
 
+use super::Smoothing;
 use crate::shape::Intrinsics;
 
 /// A tracker's settings.
@@ -12,6 +13,8 @@ pub struct Config {
     /// Work per step while searching, in units of the detector (about one window each), 100 to 10
     /// million.
     pub scan_budget: u32,
+    /// Of [`crate::track::Tracker::smoothed`]: a cutoff of 0.01 to 100 Hz, a beta of 0 to 1000.
+    pub smoothing: Smoothing,
 }
 
 impl Default for Config {
@@ -20,6 +23,7 @@ impl Default for Config {
             intrinsics: None,
             min_face_px: 40,
             scan_budget: 2000,
+            smoothing: Smoothing::default(),
         }
     }
 }
@@ -39,6 +43,10 @@ impl Config {
         if !(100..=10_000_000).contains(&self.scan_budget) {
             return Err(ConfigError::ScanBudget);
         }
+        let Smoothing { cutoff_hz, beta } = self.smoothing;
+        if !(0.01..=100.0).contains(&cutoff_hz) || !(0.0..=1000.0).contains(&beta) {
+            return Err(ConfigError::Smoothing);
+        }
         Ok(())
     }
 }
@@ -52,6 +60,8 @@ pub enum ConfigError {
     MinFace,
     /// `scan_budget` is out of range.
     ScanBudget,
+    /// `smoothing` is out of range.
+    Smoothing,
 }
 
 impl core::fmt::Display for ConfigError {
@@ -59,6 +69,7 @@ impl core::fmt::Display for ConfigError {
         f.write_str(match self {
             ConfigError::Intrinsics => "focal lengths must be positive and intrinsics finite",
             ConfigError::MinFace => "min_face_px must lie in 24..=4096",
+            ConfigError::Smoothing => "smoothing must lie in 0.01..=100 Hz, its beta in 0..=1000",
             ConfigError::ScanBudget => "scan_budget must lie in 100..=10000000",
         })
     }

@@ -6,9 +6,11 @@ mod model;
 mod motion;
 mod place;
 mod result;
+mod smooth;
 mod tracker;
 
 pub use config::{Config, ConfigError};
 pub use model::Model;
 pub use result::{Landmark, Loss, State, TrackResult};
+pub use smooth::Smoothing;
 pub use tracker::{StepError, Tracker};

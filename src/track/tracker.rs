@@ -11,6 +11,7 @@ use core::mem::MaybeUninit;
 
 use super::answer::write;
 use super::place::{overlaps, place_of, start_in};
+use super::smooth::{Smoother, Smoothing};
 use super::{Loss, Model, State, TrackResult};
 use crate::align::{Shape, Workspace};
 use crate::detect::{Detection, Scan, Sizes, Swept, search_near};
@@ -127,6 +128,7 @@ enum Whose {
 pub struct Tracker {
     config: Config,
     result: TrackResult,
+    smoother: Smoother,
     last_timestamp_us: Option<i64>,
     scan: Scan,
     /// The sweep for a face that was lost.
@@ -150,8 +152,13 @@ impl Tracker {
             intrinsics: None,
             min_face_px: 0,
             scan_budget: 0,
+            smoothing: Smoothing {
+                cutoff_hz: 0.0,
+                beta: 0.0,
+            },
         },
         result: TrackResult::EMPTY,
+        smoother: Smoother::EMPTY,
         last_timestamp_us: None,
         scan: Scan::new(),
         recall: Scan::new(),
@@ -206,6 +213,7 @@ impl Tracker {
             State::Holding => self.hold(model, frame, timestamp_us),
             State::Searching => self.search(model, frame, timestamp_us),
         }
+        self.smoother.follow(&self.result, &self.config.smoothing);
         Ok(&self.result)
     }
 
@@ -225,6 +233,7 @@ impl Tracker {
         if !self.acquire(model, frame, timestamp_us, face, Whose::Stranger) {
             self.lose(timestamp_us);
         }
+        self.smoother.follow(&self.result, &self.config.smoothing);
         Ok(&self.result)
     }
 
@@ -245,6 +254,13 @@ impl Tracker {
         &self.result
     }
 
+    /// The answer to the last step, smoothed over time by a One-Euro filter: landmarks and points,
+    /// pose, openness of the eyes and animation weights. The rest is as in
+    /// [`Tracker::result`].
+    pub fn smoothed(&self) -> &TrackResult {
+        self.smoother.result()
+    }
+
     /// The settings.
     pub fn config(&self) -> &Config {
         &self.config
@@ -253,6 +269,7 @@ impl Tracker {
     /// Forgets the face and the clock; settings stay.
     pub fn reset(&mut self) {
         self.result = TrackResult::default();
+        self.smoother = Smoother::EMPTY;
         self.last_timestamp_us = None;
         self.scan.restart();
         self.recall.restart();

@@ -14,12 +14,14 @@ FIELD(posewise_intrinsics, fy, 4);
 FIELD(posewise_intrinsics, cx, 8);
 FIELD(posewise_intrinsics, cy, 12);
 
-SIZE(posewise_config, 32);
+SIZE(posewise_config, 40);
 FIELD(posewise_config, struct_size, 0);
 FIELD(posewise_config, flags, 4);
 FIELD(posewise_config, min_face_px, 8);
 FIELD(posewise_config, scan_budget, 12);
 FIELD(posewise_config, intrinsics, 16);
+FIELD(posewise_config, smoothing_hz, 32);
+FIELD(posewise_config, smoothing_beta, 36);
 
 SIZE(posewise_frame, 40 + sizeof(size_t) + sizeof(void *));
 FIELD(posewise_frame, struct_size, 0);

@@ -16,6 +16,24 @@ typedef struct {
     float animation[POSEWISE_ANIMATIONS];
 } answer;
 
+/* The smoothed answer is one to the same frame. */
+static void smoothed(const posewise_tracker *t, const posewise_result *raw) {
+    posewise_result r = {.struct_size = sizeof r};
+    posewise_landmark l[POSEWISE_LANDMARKS];
+    float w[POSEWISE_ANIMATIONS], square = 0;
+    size_t i;
+    CHECK_STATUS(posewise_smoothed(t, &r), POSEWISE_OK);
+    CHECK_STATUS(posewise_smoothed_landmarks(t, l, POSEWISE_LANDMARKS), POSEWISE_OK);
+    CHECK_STATUS(posewise_smoothed_animation(t, w, POSEWISE_ANIMATIONS), POSEWISE_OK);
+    CHECK(r.state == raw->state && r.timestamp_us == raw->timestamp_us);
+    CHECK(r.age_us == raw->age_us && r.landmark_count == raw->landmark_count);
+    for (i = 0; i < 4; i++)
+        square += r.rotation[i] * r.rotation[i];
+    CHECK(r.state == POSEWISE_SEARCHING ? square == 0 : square > 0.999f && square < 1.001f);
+    for (i = 0; i < POSEWISE_ANIMATIONS; i++)
+        CHECK(w[i] >= 0 && w[i] <= 1);
+}
+
 /* Each output lies between guards of its own. */
 static posewise_status step(posewise_tracker *t, const posewise_frame *f, answer *a) {
     guarded result = guarded_new(sizeof a->result, 0x77);
@@ -34,6 +52,7 @@ static posewise_status step(posewise_tracker *t, const posewise_frame *f, answer
         CHECK(r->struct_size == sizeof *r);
         CHECK(r->timestamp_us == f->timestamp_us);
         CHECK(r->state <= POSEWISE_HOLDING);
+        smoothed(t, r);
     }
     memcpy(&a->result, result.start, sizeof a->result);
     memcpy(a->landmarks, landmarks.start, sizeof a->landmarks);
@@ -149,6 +168,10 @@ static void test_config(void) {
     c = zero, c.min_face_px = 4097, config_refused(&c);
     c = zero, c.scan_budget = 99, config_refused(&c);
     c = zero, c.scan_budget = 10000001, config_refused(&c);
+    c = zero, c.smoothing_hz = 0.001f, config_refused(&c);
+    c = zero, c.smoothing_hz = NAN, config_refused(&c);
+    c = zero, c.smoothing_beta = -1, config_refused(&c);
+    c = zero, c.smoothing_beta = INFINITY, config_refused(&c);
     for (i = 0; i < sizeof wrong_focal / sizeof *wrong_focal; i++) {
         c = zero, c.intrinsics.fx = wrong_focal[i], c.intrinsics.fy = 500, config_refused(&c);
         c = zero, c.intrinsics.fy = wrong_focal[i], c.intrinsics.fx = 500, config_refused(&c);
@@ -258,6 +281,9 @@ static void no_tracker(posewise_tracker *t) {
     CHECK_STATUS(posewise_step(t, &f, &a.result), POSEWISE_E_ARG);
     CHECK_STATUS(posewise_landmarks(t, a.landmarks, POSEWISE_LANDMARKS), POSEWISE_E_ARG);
     CHECK_STATUS(posewise_animation(t, a.animation, POSEWISE_ANIMATIONS), POSEWISE_E_ARG);
+    CHECK_STATUS(posewise_smoothed(t, &a.result), POSEWISE_E_ARG);
+    CHECK_STATUS(posewise_smoothed_landmarks(t, a.landmarks, POSEWISE_LANDMARKS), POSEWISE_E_ARG);
+    CHECK_STATUS(posewise_smoothed_animation(t, a.animation, POSEWISE_ANIMATIONS), POSEWISE_E_ARG);
     CHECK_STATUS(posewise_reset(t), POSEWISE_E_ARG);
     CHECK_STATUS(posewise_forget_person(t), POSEWISE_E_ARG);
     CHECK_STATUS(posewise_set_intrinsics(t, NULL), POSEWISE_E_ARG);
@@ -290,6 +316,12 @@ static void nothing_seen(posewise_tracker *t) {
     memset(w, 0x33, sizeof w);
     CHECK_STATUS(posewise_landmarks(t, l, POSEWISE_LANDMARKS), POSEWISE_OK);
     CHECK_STATUS(posewise_animation(t, w, POSEWISE_ANIMATIONS), POSEWISE_OK);
+    CHECK(filled((uint8_t *)l, sizeof l, 0));
+    CHECK(filled((uint8_t *)w, sizeof w, 0));
+    memset(l, 0x33, sizeof l);
+    memset(w, 0x33, sizeof w);
+    CHECK_STATUS(posewise_smoothed_landmarks(t, l, POSEWISE_LANDMARKS), POSEWISE_OK);
+    CHECK_STATUS(posewise_smoothed_animation(t, w, POSEWISE_ANIMATIONS), POSEWISE_OK);
     CHECK(filled((uint8_t *)l, sizeof l, 0));
     CHECK(filled((uint8_t *)w, sizeof w, 0));
 }
@@ -334,7 +366,7 @@ static void test_any_order(void) {
 /* All of the caller's memory ends where it says. */
 static void test_past_the_end(void) {
     const size_t need = posewise_memory_size(NULL), image = (size_t)frames.width * frames.height;
-    static const uint32_t sizes[] = {0, 4, 31, 4097, UINT32_MAX};
+    static const uint32_t sizes[] = {0, 4, 39, 4097, UINT32_MAX};
     void *own_model = exact_new(model.start, model.len), *memory = exact_new(NULL, need);
     posewise_tracker **out = exact_new(NULL, sizeof *out);
     posewise_config *c = exact_new(NULL, sizeof *c);
@@ -436,6 +468,11 @@ static void test_outputs(void) {
     CHECK_STATUS(posewise_landmarks(t, (posewise_landmark *)(void *)((char *)l + 2), 1),
                  POSEWISE_E_ARG);
     CHECK_STATUS(posewise_animation(t, (float *)(void *)((char *)w + 2), 1), POSEWISE_E_ARG);
+    CHECK_STATUS(posewise_smoothed(t, NULL), POSEWISE_E_ARG);
+    CHECK_STATUS(posewise_smoothed(t, (posewise_result *)(void *)((char *)&a.result + 1)),
+                 POSEWISE_E_ARG);
+    CHECK_STATUS(posewise_smoothed_landmarks(t, NULL, 68), POSEWISE_E_ARG);
+    CHECK_STATUS(posewise_smoothed_animation(t, NULL, 24), POSEWISE_E_ARG);
     for (i = 0; i <= POSEWISE_LANDMARKS + 4; i++) {
         const size_t n = i < POSEWISE_LANDMARKS ? i : POSEWISE_LANDMARKS;
         memset(l, 0x33, sizeof l);

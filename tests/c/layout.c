@@ -18,6 +18,8 @@ int main(void) {
     FIELD(posewise_config, min_face_px);
     FIELD(posewise_config, scan_budget);
     FIELD(posewise_config, intrinsics);
+    FIELD(posewise_config, smoothing_hz);
+    FIELD(posewise_config, smoothing_beta);
     SIZE(posewise_frame);
     FIELD(posewise_frame, struct_size);
     FIELD(posewise_frame, format);

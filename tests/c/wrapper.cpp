@@ -46,6 +46,9 @@ int main(int argc, char **argv) {
             posewise::grey(frames + i * len, width, height, static_cast<std::int64_t>(i) * 33333);
         CHECK(first.step(frame, a) == POSEWISE_OK);
         CHECK(first.landmarks(points) == POSEWISE_OK && first.animation(weights) == POSEWISE_OK);
+        CHECK(first.smoothed(b) == POSEWISE_OK && b.state == a.state);
+        CHECK(first.smoothed_landmarks(points) == POSEWISE_OK);
+        CHECK(first.smoothed_animation(weights) == POSEWISE_OK);
         if (second) {
             CHECK(second.step(frame, b) == POSEWISE_OK);
             CHECK(std::memcmp(&a, &b, sizeof a) == 0);

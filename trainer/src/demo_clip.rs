@@ -182,6 +182,7 @@ impl Set {
                 white: 0.45,
                 iris: self.person.iris,
                 pupil: 0.38,
+                mottled: 0.0,
             },
             props: &torso,
             lights: &self.lights,

@@ -42,6 +42,9 @@ pub struct Args {
     /// Rendered faces to train on.
     #[arg(long, default_value_t = 12_000)]
     pub renders: u64,
+    /// Further ones of what those lack: things worn, lids half way, odd eyes, larger turns.
+    #[arg(long, default_value_t = 28_000)]
+    pub hard_renders: u64,
     /// Batches that the network is trained on.
     #[arg(long, default_value_t = 30_000)]
     pub steps: usize,
@@ -78,18 +81,26 @@ pub fn run(args: &Args) -> Result<()> {
         Some(path) => face_section::face_section(&Head::of_wfm(&Wfm::read(path)?)?, None)?,
         None => face_section::face_section(&head, offsets.as_deref())?,
     };
-    let renders = render::run(&render::Args {
-        data: args.data.clone(),
-        cache: args.cache.clone(),
-        count: args.renders,
-        seed: args.seed,
-        people: 256,
-        pictures: 2,
-        clean: args.clean,
-    })?;
+    let render = |hard: bool| {
+        render::run(&render::Args {
+            data: args.data.clone(),
+            cache: args.cache.clone(),
+            count: if hard {
+                args.hard_renders
+            } else {
+                args.renders
+            },
+            seed: args.seed,
+            people: if hard { 600 } else { 256 },
+            pictures: if hard { 3 } else { 2 },
+            clean: args.clean,
+            hard,
+        })
+    };
     let training = Training {
         args,
-        renders,
+        renders: render(false)?,
+        hard_renders: render(true)?,
         loaded: OnceCell::new(),
     };
     let detector = kept(args, b"DTCT", &format!("{}", args.seed), || {
@@ -112,7 +123,7 @@ pub fn run(args: &Args) -> Result<()> {
     let scan = DetectorModel::open(with_detector.section(b"DTCT")?)?;
     let verifier = kept(args, &posewise::experts::Verifier::TAG, &key, || {
         let empty: Vec<Picture> = training.empty()?.into_iter().map(Picture::from).collect();
-        score::train(&model, &scan, training.faces()?, &empty, args.seed)
+        score::train(&model, &scan, &training.all_faces()?, &empty, args.seed)
     })?;
     let dev = with_model(&cascade, |global| {
         evaluate(&model, global, trained.as_ref(), &args.data)
@@ -149,6 +160,7 @@ struct Cascade {
 struct Training<'a> {
     args: &'a Args,
     renders: PathBuf,
+    hard_renders: PathBuf,
     loaded: OnceCell<Vec<Face>>,
 }
 
@@ -167,6 +179,17 @@ impl Training<'_> {
         }
         faces.extend(faces::rendered(&self.renders, self.args.renders as usize)?);
         Ok(self.loaded.get_or_init(|| faces))
+    }
+
+    /// Those and the hard renders.
+    fn all_faces(&self) -> Result<Vec<Face>> {
+        let mut faces = self.faces()?.to_vec();
+        faces.extend(self.hard()?);
+        Ok(faces)
+    }
+
+    fn hard(&self) -> Result<Vec<Face>> {
+        faces::rendered(&self.hard_renders, self.args.hard_renders as usize)
     }
 
     /// Pictures in which nobody is seen.
@@ -200,16 +223,20 @@ impl Training<'_> {
             ..align::Options::default()
         };
         let mut key = format!("{options:?}-{}", args.renders);
+        if args.clean {
+            key = format!("{key}-{}", args.hard_renders);
+        }
         let mut checkpoint = self.checkpoint(&key);
-        let mut global = kept(args, &AlignModel::TAG, &key, || {
-            align::cascade(self.faces()?, &options, &checkpoint, None)
+        let mut global = kept(args, &AlignModel::TAG, &key, || match args.clean {
+            true => align::cascade(&self.all_faces()?, &options, &checkpoint, None),
+            false => align::cascade(self.faces()?, &options, &checkpoint, None),
         })?;
         if !args.clean {
             options = align::Options {
                 seed: args.seed ^ 0x5eed,
                 ..options.second()
             };
-            key = format!("{options:?}-{key}");
+            key = format!("{options:?}-{key}-{}", args.hard_renders);
             let second = self.checkpoint(&key);
             global = kept(args, &AlignModel::TAG, &key, || {
                 let faces = with_model(&global, |teacher| self.bettered(teacher))?;
@@ -227,7 +254,7 @@ impl Training<'_> {
                     align::parts::train_parts(model, faces, &options, &args.cache, hash)
                 };
                 match args.clean {
-                    true => train(self.faces()?),
+                    true => train(&self.all_faces()?),
                     false => train(&self.bettered(model)?),
                 }
             })
@@ -254,6 +281,7 @@ impl Training<'_> {
         );
         faces.extend(found);
         faces.extend(faces::rendered(&self.renders, self.args.renders as usize)?);
+        faces.extend(self.hard()?);
         Ok(faces)
     }
 
@@ -332,7 +360,7 @@ fn evaluate(
 }
 
 fn data_sheet(args: &Args, dev: &Accuracy) -> String {
-    let renders = args.renders;
+    let renders = args.renders + args.hard_renders;
     let made_from = if args.clean {
         format!(
             "\
@@ -363,8 +391,8 @@ Research terms on some of these data may restrict the use of a model trained on 
         "\
 # Data sheet of {name}
 
-Made by `cargo run --release -p posewise-train -- model{clean} --seed {seed} --renders {renders}
---steps {steps}`.
+Made by `cargo run --release -p posewise-train -- model{clean} --seed {seed} --renders {plain}
+--hard-renders {hard} --steps {steps}`.
 
 Trained on:
 {made_from}
@@ -379,6 +407,8 @@ turned (r.m.s.): mean error over 68 landmarks {mean:.2} % of the inter-ocular di
             .unwrap_or("the model"),
         clean = if args.clean { " --clean" } else { "" },
         seed = args.seed,
+        plain = args.renders,
+        hard = args.hard_renders,
         steps = args.steps,
         mean = dev.nme68,
         median = dev.nme68_median,

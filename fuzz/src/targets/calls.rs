@@ -163,12 +163,20 @@ fn config(input: &mut Input<'_>) -> (Exact, bool) {
         0 => (posewise_intrinsics::default(), true),
         _ => intrinsics(input),
     };
+    let (smoothing_hz, smoothing_beta) = match bits & 0xF0 {
+        0x10 => (0.01, 1000.0),
+        0x20 => (2.5, 0.0),
+        0x30 => (f32::NAN, 1.0),
+        0x40 => (1.0, -1.0),
+        _ => (0.0, 0.0),
+    };
     let tail = (bits & 8) / 8;
     let sound = is_size(struct_size, CONFIG)
         && flags == 0
         && (min_face_px == 0 || (24..=4096).contains(&min_face_px))
         && (scan_budget == 0 || (100..=10_000_000).contains(&scan_budget))
         && camera
+        && !matches!(bits & 0xF0, 0x30 | 0x40)
         && (tail == 0 || struct_size == CONFIG);
     let config = posewise_config {
         struct_size,
@@ -176,6 +184,8 @@ fn config(input: &mut Input<'_>) -> (Exact, bool) {
         min_face_px,
         scan_budget,
         intrinsics,
+        smoothing_hz,
+        smoothing_beta,
     };
     (lay_out(config, struct_size, tail), sound)
 }
@@ -455,6 +465,19 @@ impl World {
                 posewise_animation(tracker, spoilt(weights.ptr(), wrong).cast(), capacity),
             ]
         };
+        let smooth_landmarks = Guarded::new(capacity * landmark, 0x33);
+        let smooth_weights = Guarded::new(capacity * 4, 0x33);
+        // SAFETY: likewise.
+        let smoothed = unsafe {
+            let (l, w) = (smooth_landmarks.ptr(), smooth_weights.ptr());
+            [
+                posewise_smoothed_landmarks(tracker, spoilt(l, wrong).cast(), capacity),
+                posewise_smoothed_animation(tracker, spoilt(w, wrong).cast(), capacity),
+            ]
+        };
+        smooth_landmarks.check();
+        smooth_weights.check();
+        assert_eq!(smoothed, statuses);
         landmarks.check();
         weights.check();
         for status in statuses {

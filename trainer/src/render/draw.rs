@@ -63,6 +63,8 @@ pub struct Eyes {
     pub iris: f32,
     /// Pupil radius over iris radius.
     pub pupil: f32,
+    /// Strength of irregular stripes, as of reflections or bad texture.
+    pub mottled: f32,
 }
 
 /// A head in front of the camera.
@@ -367,7 +369,12 @@ impl<'a> Shader<'a> {
         let iris = eyes.iris * ring * (0.8 + 0.4 * edge(0.6, 0.3));
         let white = eyes.white * (1.0 - 0.2 * edge(2.2, 1.2));
         let pupil = 0.004 + (iris - 0.004) * edge(eyes.pupil, 0.08);
-        let albedo = pupil + (white - pupil) * edge(1.0, 0.09);
+        let mut albedo = pupil + (white - pupil) * edge(1.0, 0.09);
+        if eyes.mottled > 0.0 {
+            let local = self.scene.head.rotation.transpose() * out;
+            let stripes = super::noise::fractal(local * Vec3::new(22.0, 6.0, 6.0), 2, 71);
+            albedo *= (1.0 + 2.0 * eyes.mottled * stripes).max(0.1);
+        }
         let lights = self.scene.lights;
         let half = (lights.key - p.normalize()).normalize_or_zero();
         let catch = super::noise::smoothstep(0.986, 0.996, out.dot(half));

@@ -133,6 +133,14 @@ impl Expression {
         self.follow_gaze(1.0 - blink);
     }
 
+    /// Moves the lids of both eyes to anywhere between open and shut.
+    pub fn close(&mut self, rng: &mut ChaCha8Rng) {
+        let blink = rng.random_range(0.0..=1.0f32);
+        self.named
+            .retain(|(name, _)| !name.starts_with("eyeBlink") && !name.starts_with("eyeWide"));
+        self.pair(["eyeBlinkLeft", "eyeBlinkRight"], blink, 0.0);
+    }
+
     /// Lids follow the eyeballs (kit shapes reach their end at about half a radian).
     pub fn follow_gaze(&mut self, amount: f32) {
         let (x, y) = (2.0 * amount * self.gaze.0, 2.0 * amount * self.gaze.1);

@@ -24,6 +24,7 @@ pub mod sample;
 pub mod sheet;
 pub mod skin;
 pub mod texture;
+pub mod worn;
 
 pub use people::{People, Persons};
 pub use sample::{Renderer, Sample, SampleSpec};
@@ -58,6 +59,9 @@ pub struct Args {
     /// Render procedural people and backgrounds only: no photograph is used.
     #[arg(long)]
     pub clean: bool,
+    /// Render what plain samples lack: things worn, lids half way, odd eyes, larger turns.
+    #[arg(long)]
+    pub hard: bool,
 }
 
 /// A renderer as `args` ask for.
@@ -83,30 +87,37 @@ pub fn renderer(args: &Args) -> Result<Renderer> {
 
 /// The spec that goes with `args`.
 pub fn spec(args: &Args) -> SampleSpec {
+    let kind = match args.hard {
+        true => SampleSpec::hard(),
+        false => SampleSpec::default(),
+    };
     SampleSpec {
         persons: if args.clean {
             Persons::Procedural
         } else {
             Persons::All
         },
-        ..SampleSpec::default()
+        ..kind
     }
 }
 
 /// Where the samples of `args` are kept.
 pub fn cache_path(args: &Args) -> PathBuf {
-    let kind = if args.clean { "clean" } else { "renders" };
-    args.cache.join(format!("{kind}-{}.bin", args.seed))
+    let people = if args.clean { "clean" } else { "renders" };
+    let kind = if args.hard { "-hard" } else { "" };
+    args.cache.join(format!("{people}{kind}-{}.bin", args.seed))
 }
 
 /// Renders the samples into the cache and returns its path.
 pub fn run(args: &Args) -> Result<PathBuf> {
     let path = cache_path(args);
+    // Hard samples are not the plain ones once more.
+    let seed = args.seed ^ (u64::from(args.hard) << 32);
     // A renderer takes minutes to make: the photographed people's skins.
-    if cache::holds(&path, args.seed, args.count, &spec(args))? {
+    if cache::holds(&path, seed, args.count, &spec(args))? {
         return Ok(path);
     }
-    cache::write(&path, &renderer(args)?, args.seed, args.count, &spec(args))?;
+    cache::write(&path, &renderer(args)?, seed, args.count, &spec(args))?;
     Ok(path)
 }
 

@@ -29,6 +29,8 @@ pub struct Person {
     pub iris: f32,
     /// Skin albedo.
     pub skin: f32,
+    /// Albedo of the hair; `None`: bald.
+    pub hair: Option<f32>,
     /// Albedo of the clothes.
     pub cloth: f32,
 }
@@ -131,6 +133,7 @@ impl People {
             identity: Vec::new(),
             iris: looks.iris,
             skin: looks.skin,
+            hair: (looks.hair_mm > 0.0).then_some(looks.hair),
             cloth: looks.cloth,
         }
     }

@@ -75,6 +75,7 @@ impl Photographer<'_> {
             identity: fit.identity.clone(),
             iris: looks.iris,
             skin,
+            hair: (looks.hair_mm > 0.0).then_some(looks.hair),
             cloth: looks.cloth,
         })
     }

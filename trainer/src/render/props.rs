@@ -1,13 +1,13 @@
-//! Things around a head, built from tubes and rings: a torso, glasses, hands and other occluders.
+//! Things around a head, built from tubes and rings: a torso, hands and other occluders.
 
 use super::draw::Prop;
-use glam::{Mat3, Vec2, Vec3};
+use glam::{Mat3, Vec3};
 use posewise::math::{HeadAngles, head_rotation};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 
 impl Prop {
-    fn opaque(gloss: f32) -> Prop {
+    pub(super) fn opaque(gloss: f32) -> Prop {
         Prop {
             gloss,
             opacity: 1.0,
@@ -16,7 +16,7 @@ impl Prop {
     }
 
     /// Joins rings of equally many vertices into a skin; `closed` joins the last to the first.
-    fn skin(&mut self, rings: &[Vec<Vec3>], albedo: f32, closed: bool) {
+    pub(super) fn skin(&mut self, rings: &[Vec<Vec3>], albedo: f32, closed: bool) {
         let n = rings.first().map_or(0, Vec::len) as u32;
         let base = self.vertices.len() as u32;
         let bands = rings.len() as u32 - u32::from(!closed);
@@ -34,8 +34,23 @@ impl Prop {
         }
     }
 
+    /// Joins rows of equally many vertices into an open sheet.
+    pub(super) fn sheet(&mut self, rows: &[Vec<Vec3>], albedo: f32) {
+        let n = rows.first().map_or(0, Vec::len) as u32;
+        let base = self.vertices.len() as u32;
+        rows.iter().for_each(|row| self.vertices.extend(row));
+        self.albedo.resize(self.vertices.len(), albedo);
+        for k in 1..rows.len() as u32 {
+            let (a, b) = (base + (k - 1) * n, base + k * n);
+            for i in 1..n {
+                self.triangles.push([a + i - 1, b + i - 1, a + i]);
+                self.triangles.push([a + i, b + i - 1, b + i]);
+            }
+        }
+    }
+
     /// A tube along points with a radius at each, six-sided and rounded at its ends.
-    fn tube(&mut self, points: &[(Vec3, f32)], albedo: f32, closed: bool) {
+    pub(super) fn tube(&mut self, points: &[(Vec3, f32)], albedo: f32, closed: bool) {
         const SIDES: usize = 6;
         let n = points.len();
         let mut rings = Vec::new();
@@ -58,7 +73,7 @@ impl Prop {
         self.skin(&rings, albedo, closed);
     }
 
-    fn transform(&mut self, rotation: Mat3, at: Vec3) {
+    pub(super) fn transform(&mut self, rotation: Mat3, at: Vec3) {
         self.vertices
             .iter_mut()
             .for_each(|v| *v = rotation * *v + at);
@@ -102,82 +117,6 @@ pub fn torso(angles: HeadAngles, rotation: Mat3, at: Vec3, albedo: f32, seed: u3
     });
     prop.transform(own, rotation * Vec3::new(0.0, 165.0, 62.0) + at);
     prop
-}
-
-/// Spectacles for a head whose pupils are at the given places (head axes); frames and lenses.
-pub fn glasses(rng: &mut ChaCha8Rng, bridge: Vec3, eyes: [Vec3; 2], ears: [Vec3; 2]) -> Vec<Prop> {
-    let half = Vec2::new(rng.random_range(23.0..30.0), rng.random_range(13.0..25.0));
-    let power = rng.random_range(2.0..4.5f32);
-    let thick = rng.random_range(0.5..2.4f32);
-    let colour = if rng.random_bool(0.75) {
-        0.02
-    } else {
-        rng.random_range(0.05..0.6)
-    };
-    let dark = rng.random_bool(0.35);
-    let front = bridge.z - rng.random_range(-2.0..4.0);
-    let down = rng.random_range(0.0..6.0);
-    let mut frame = Prop::opaque(0.5);
-    let mut lens = Prop {
-        gloss: rng.random_range(0.0..1.0f32).powi(2) * 0.5,
-        opacity: if dark {
-            rng.random_range(0.75..0.97)
-        } else {
-            rng.random_range(0.02..0.15)
-        },
-        ..Prop::default()
-    };
-    let mut inner = [Vec3::ZERO; 2];
-    for k in 0..2 {
-        let side = if k == 0 { -1.0 } else { 1.0 };
-        let centre = Vec3::new(
-            side * eyes[k].x.abs().max(half.x + 7.0),
-            eyes[k].y + down,
-            front,
-        );
-        let rim: Vec<Vec3> = (0..28)
-            .map(|i| {
-                let (s, c) = (i as f32 / 28.0 * std::f32::consts::TAU).sin_cos();
-                let round = |v: f32| v.signum() * v.abs().powf(2.0 / power);
-                let x = centre.x + half.x * round(c);
-                // The frame bends back towards the temples.
-                Vec3::new(x, centre.y + half.y * round(s), front + 0.0022 * x * x)
-            })
-            .collect();
-        let ring: Vec<(Vec3, f32)> = rim.iter().map(|p| (*p, thick)).collect();
-        frame.tube(&ring, colour, true);
-        let hub = vec![centre + Vec3::new(0.0, 0.0, 0.0022 * centre.x * centre.x); rim.len()];
-        lens.skin(&[rim, hub], if dark { 0.015 } else { 0.3 }, false);
-        let x_out = centre.x + side * half.x;
-        let hinge = Vec3::new(
-            x_out,
-            centre.y - 0.4 * half.y,
-            front + 0.0022 * x_out * x_out,
-        );
-        let ear = ears[k] + Vec3::new(side * 3.0, -6.0, 0.0);
-        frame.tube(
-            &[
-                (hinge, thick),
-                (hinge.lerp(ear, 0.5) + Vec3::X * side * 3.0, thick),
-                (ear, thick),
-            ],
-            colour,
-            false,
-        );
-        inner[k] = centre - Vec3::new(side * half.x, 0.3 * half.y, 0.0);
-    }
-    let mid = inner[0].lerp(inner[1], 0.5) - Vec3::new(0.0, 2.5, 1.0);
-    frame.tube(
-        &[(inner[0], thick), (mid, thick), (inner[1], thick)],
-        colour,
-        false,
-    );
-    vec![frame, lens]
-}
-
-/// Puts props built in head axes before the camera.
-pub fn wear(props: &mut [Prop], rotation: Mat3, at: Vec3) {
-    props.iter_mut().for_each(|p| p.transform(rotation, at));
 }
 
 /// A hand with a forearm that covers a point from the camera's side.

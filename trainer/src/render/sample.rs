@@ -8,7 +8,7 @@ use super::light::Lights;
 use super::mesh::{IDENTITIES, Mesh};
 use super::noise::normal;
 use super::people::{Person, Persons};
-use super::{background, props};
+use super::{background, props, worn};
 use glam::{Mat3, Vec2, Vec3};
 use image::GrayImage;
 use posewise::math::{HeadAngles, head_rotation};
@@ -35,6 +35,17 @@ pub struct SampleSpec {
     pub occluders: f64,
     /// Share of samples with glasses.
     pub glasses: f64,
+    /// Share of people who wear their hair long.
+    pub long_hair: f64,
+    /// Share of samples with a cap.
+    pub caps: f64,
+    /// Share of samples with a mask.
+    pub masks: f64,
+    /// Share of samples whose lids are anywhere between open and shut.
+    pub closing: f64,
+    /// Share of samples whose eyeballs look odd: too bright or dark, without an iris, mottled by
+    /// reflections.
+    pub odd_eyes: f64,
     /// Share of near-infrared samples.
     pub infrared: f64,
     /// Share of samples before a photograph (the rest: procedural backgrounds).
@@ -54,9 +65,32 @@ impl Default for SampleSpec {
             roll_deg: 35.0,
             occluders: 0.15,
             glasses: 0.15,
+            long_hair: 0.0,
+            caps: 0.0,
+            masks: 0.0,
+            closing: 0.0,
+            odd_eyes: 0.0,
             infrared: 0.12,
             photo_backgrounds: 0.75,
             persons: Persons::All,
+        }
+    }
+}
+
+impl SampleSpec {
+    /// What plain samples lack: things worn, lids half way, odd eyes, larger turns, small faces.
+    pub fn hard() -> SampleSpec {
+        SampleSpec {
+            face_px: (30.0, 110.0),
+            pitch_deg: 45.0,
+            roll_deg: 45.0,
+            occluders: 0.2,
+            long_hair: 0.35,
+            caps: 0.08,
+            masks: 0.08,
+            closing: 0.3,
+            odd_eyes: 0.2,
+            ..SampleSpec::default()
         }
     }
 }
@@ -122,7 +156,10 @@ impl Renderer {
         let rng = &mut rng;
         let person = self.people.pick(rng, &self.mesh, spec.persons);
         let identity = self.identity(rng, &person);
-        let expression = Expression::random(rng);
+        let mut expression = Expression::random(rng);
+        if some(rng, spec.closing) {
+            expression.close(rng);
+        }
         let head = self
             .mesh
             .vertices(&identity, &expression.weights(&self.mesh));
@@ -139,17 +176,27 @@ impl Renderer {
         let infrared = rng.random_bool(spec.infrared);
         let lights = Lights::random(rng, infrared);
         let props = self.props(rng, spec, &head, &posed, &pose, &person);
+        let mut eyes = Eyes {
+            gaze: random_gaze(rng, &expression),
+            // Shaded and seen through a wet film it is hardly brighter than pale skin.
+            white: rng.random_range(0.2..0.32) + 0.4 * person.skin,
+            iris: person.iris,
+            pupil: rng.random_range(0.25..0.6),
+            mottled: 0.0,
+        };
+        if some(rng, spec.odd_eyes) {
+            eyes.white = rng.random_range(0.05..1.1);
+            eyes.mottled = rng.random_range(0.0..0.8f32).max(0.2) - 0.2;
+            if rng.random_bool(0.3) {
+                eyes.iris = eyes.white;
+                eyes.pupil = 0.0;
+            }
+        }
         let scene = Scene {
             mesh: &self.mesh,
             head: &posed,
             painted: &person.painted,
-            eyes: Eyes {
-                gaze: random_gaze(rng, &expression),
-                // Shaded and seen through a wet film it is hardly brighter than pale skin.
-                white: rng.random_range(0.2..0.32) + 0.4 * person.skin,
-                iris: person.iris,
-                pupil: rng.random_range(0.25..0.6),
-            },
+            eyes,
             props: &props,
             lights: &lights,
         };
@@ -258,9 +305,12 @@ impl Renderer {
         )];
         if rng.random_bool(spec.glasses) {
             let mut worn = self.glasses(rng, head);
-            props::wear(&mut worn, pose.rotation, pose.at);
+            worn::wear(&mut worn, pose.rotation, pose.at);
             all.extend(worn);
         }
+        let mut worn = self.worn(rng, spec, head, person);
+        worn::wear(&mut worn, pose.rotation, pose.at);
+        all.extend(worn);
         if rng.random_bool(spec.occluders) {
             let over = self.mesh.landmarks[rng.random_range(0..LANDMARKS)] as usize;
             let point = posed.vertices[over];
@@ -276,14 +326,43 @@ impl Renderer {
         all
     }
 
+    /// Long hair, a cap, a mask (head axes).
+    fn worn(
+        &self,
+        rng: &mut ChaCha8Rng,
+        spec: &SampleSpec,
+        head: &[Vec3],
+        person: &Person,
+    ) -> Vec<Prop> {
+        let [hair, cap, mask] =
+            [spec.long_hair, spec.caps, spec.masks].map(|share| some(rng, share));
+        let at = |i: usize| head[self.mesh.landmarks[i] as usize];
+        let mut all = Vec::new();
+        if let Some(albedo) = person.hair.filter(|_| hair) {
+            all.push(worn::long_hair(rng, [at(0), at(16)], albedo));
+        }
+        if cap {
+            all.push(worn::cap(rng));
+        }
+        if mask {
+            all.push(worn::mask(rng, &self.mesh, head));
+        }
+        all
+    }
+
     /// Spectacles that sit on a head (head axes).
     pub fn glasses(&self, rng: &mut ChaCha8Rng, head: &[Vec3]) -> Vec<Prop> {
         let at = |i: usize| head[self.mesh.landmarks[i] as usize];
         let eyes = [at(36).lerp(at(39), 0.5), at(42).lerp(at(45), 0.5)];
         // The temples of spectacles reach back to the ears.
         let ears = [at(0), at(16)].map(|p| p + Vec3::new(p.x.signum() * 2.0, 2.0, 42.0));
-        props::glasses(rng, at(27), eyes, ears)
+        worn::glasses(rng, at(27), eyes, ears)
     }
+}
+
+/// True in that share of the cases; a share of 0 draws nothing from the generator.
+fn some(rng: &mut ChaCha8Rng, share: f64) -> bool {
+    share > 0.0 && rng.random_bool(share)
 }
 
 /// Where a head is.
