@@ -41,8 +41,10 @@ const RECALL_US: i64 = 10_000_000;
 const RECALL_TURNS: u32 = 4;
 /// Only frames at least this sure teach who it is.
 const TRUST: f32 = 0.9;
-/// Trusted frames after which every frame's identity estimate no longer replaces the last.
+/// So many trusted frames teach it one by one.
 const IDENTITY_FRAMES: u32 = 30;
+/// Of the trusted frames after those, one in so many refines the identity.
+const REFINED_EVERY: u32 = 4;
 /// Work of one search around a lost face, in the detector's units.
 const NEAR_BUDGET: u32 = 1500;
 
@@ -80,6 +82,8 @@ struct Subject {
     /// Whether it was sure at least once since it was found: only then may it become as doubtful as
     /// a covered face is.
     trusted: bool,
+    /// Frames that were sure since it was found.
+    trusted_frames: u32,
     /// When it was last fitted \[µs\].
     fitted_us: i64,
 }
@@ -93,6 +97,7 @@ impl Subject {
         // Renewed for every stranger; zero until then, as all of `Tracker::EMPTY`.
         identity: IdentityEstimator::with_memory(0.0),
         trusted: false,
+        trusted_frames: 0,
         fitted_us: 0,
     };
 }
@@ -539,7 +544,12 @@ impl Tracker {
         subject.fitted_us = now;
         subject.face = fitted.state;
         subject.trusted = verdict.face >= TRUST || subject.trusted && whose != Whose::Stranger;
-        if verdict.face >= TRUST && subject.identity.frames() < IDENTITY_FRAMES {
+        subject.trusted_frames = subject
+            .trusted_frames
+            .wrapping_add(u32::from(verdict.face >= TRUST));
+        let learns = subject.identity.frames() < IDENTITY_FRAMES
+            || subject.trusted_frames.is_multiple_of(REFINED_EVERY);
+        if verdict.face >= TRUST && learns {
             subject
                 .identity
                 .add(&model.face, &camera, &observed, fitted, FRAME_WEIGHT);

@@ -12,3 +12,4 @@ pub mod pipeline;
 pub mod render;
 mod ridge;
 pub mod score;
+pub mod templates;

@@ -13,7 +13,7 @@ mod starts;
 mod train;
 
 pub use evaluate::{Accuracy, Boxes, evaluate, evaluate_float};
-pub use mean::mean_shape;
+pub use mean::{align as mean_aligned, mean_shape};
 pub use network::{Network, Sizes};
 pub use samples::{Augment, Start};
 pub(crate) use starts::normal;

@@ -9,12 +9,23 @@ use rayon::prelude::*;
 use super::grey::Grey;
 use crate::render::background::procedural;
 
-/// The usable photographs, in the order of their names, but for each fifth: on those, false alarms
-/// can be measured.
+/// The usable photographs, in the order of their names, but for each fifth.
 ///
 /// # Errors
 /// When a file cannot be read.
 pub fn load(data: &Path) -> Result<Vec<Grey>> {
+    usable(data, |i| i % 5 != 4)
+}
+
+/// Those fifths, which nothing is trained on: false alarms can be measured on them.
+///
+/// # Errors
+/// When a file cannot be read.
+pub fn held_out(data: &Path) -> Result<Vec<Grey>> {
+    usable(data, |i| i % 5 == 4)
+}
+
+fn usable(data: &Path, wanted: impl Fn(usize) -> bool + Sync) -> Result<Vec<Grey>> {
     let folder = data.join("backgrounds");
     let listed = std::fs::read_to_string(folder.join("with-people.txt"))
         .context("backgrounds/with-people.txt")?;
@@ -31,7 +42,7 @@ pub fn load(data: &Path) -> Result<Vec<Grey>> {
     paths
         .par_iter()
         .enumerate()
-        .filter(|(i, _)| i % 5 != 4)
+        .filter(|(i, _)| wanted(*i))
         .map(|(_, path)| Grey::open(path))
         .collect()
 }

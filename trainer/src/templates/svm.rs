@@ -1,0 +1,231 @@
+//! Linear SVM templates and their calibration.
+
+use super::descriptor::{KINDS, Patches, Seat, VALUES};
+use crate::faces::Face;
+use indicatif::{ProgressBar, ProgressStyle};
+use posewise::align::AlignModel;
+use posewise::shape::LANDMARKS;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+
+/// Faces per view.
+const FACES: usize = 5000;
+/// Random negatives per face, this far away \[px\].
+const NEGATIVES: usize = 6;
+const FAR: (f32, f32) = (2.5, 9.0);
+/// A response further than this from the landmark is a mistake to learn from \[px\].
+const NEAR: f32 = 2.5;
+/// Half the side of the window that is searched for mistakes and for corrections \[px\].
+pub const REACH: i32 = 5;
+/// The SVM's weight of errors, and passes over the samples.
+const COST: f32 = 0.3;
+const EPOCHS: usize = 6;
+
+/// One template: probability = logistic(slope · (w·x) + offset), x a patch.
+#[derive(Clone)]
+struct Template {
+    weight: [f32; VALUES],
+    slope: f32,
+    offset: f32,
+}
+
+/// Templates by view, landmark and descriptor.
+pub struct Bank(Vec<Vec<[Template; KINDS]>>);
+
+struct Example {
+    patches: Patches,
+    points: [[f32; 2]; LANDMARKS],
+    seen: [bool; LANDMARKS],
+    /// Only for calibration: every fifth person.
+    held: bool,
+}
+
+type Labelled = ([f32; VALUES], bool);
+
+impl Bank {
+    /// Trains on faces, of each view at most [`FACES`].
+    pub fn train(model: &AlignModel<'_>, faces: &[Face]) -> Bank {
+        let views = model.signed_views() / 2 + 1;
+        let style = ProgressStyle::with_template("templates {bar:40} {pos}/{len} eta {eta}");
+        let bar = ProgressBar::new((views * LANDMARKS) as u64);
+        let bar = bar.with_style(style.expect("a template"));
+        let bank = (0..views).map(|view| {
+            let examples = examples(model, faces, view);
+            let all = (0..LANDMARKS).into_par_iter().map(|k| {
+                let trained = std::array::from_fn(|kind| template(&examples, k, kind));
+                bar.inc(1);
+                trained
+            });
+            all.collect()
+        });
+        Bank(bank.collect())
+    }
+
+    /// Product of the descriptors' probabilities at a point.
+    pub fn response(&self, view: usize, k: usize, patches: &Patches, p: [f32; 2]) -> f32 {
+        let kinds = self.0[view][k].iter().enumerate();
+        kinds
+            .map(|(kind, template)| {
+                patches.at(kind, p).map_or(0.0, |patch| {
+                    let score = template.slope * dot(&template.weight, &patch);
+                    1.0 / (1.0 + (-score - template.offset).exp())
+                })
+            })
+            .product()
+    }
+}
+
+/// The faces of a view; those towards the camera also in a mirror.
+fn examples(model: &AlignModel<'_>, faces: &[Face], view: usize) -> Vec<Example> {
+    let seats: Vec<(&Face, Seat)> = faces
+        .iter()
+        .filter_map(|face| Some((face, Seat::of(model, &face.landmarks)?)))
+        .filter(|(_, seat)| seat.view == view)
+        .collect();
+    let step = seats.len().div_ceil(FACES).max(1);
+    seats
+        .into_par_iter()
+        .step_by(step)
+        .enumerate()
+        .map(|(n, (face, seat))| {
+            let seat = match view == 0 && n % 2 == 1 {
+                true => seat.flipped(),
+                false => seat,
+            };
+            Example {
+                patches: Patches::cut(&face.picture, &seat),
+                points: seat.points(&face.landmarks),
+                seen: seat.marks(&face.visible),
+                held: face.person % 5 == 4,
+            }
+        })
+        .collect()
+}
+
+/// Trains one template, goes on with its mistakes, calibrates it on held-out people.
+fn template(examples: &[Example], k: usize, kind: usize) -> Template {
+    let mut rng = ChaCha8Rng::seed_from_u64((k * KINDS + kind) as u64);
+    let mut samples: Vec<Labelled> = Vec::new();
+    let mut held: Vec<Labelled> = Vec::new();
+    for example in examples.iter().filter(|e| e.seen[k]) {
+        let to = if example.held {
+            &mut held
+        } else {
+            &mut samples
+        };
+        let p = example.points[k];
+        to.extend(example.patches.at(kind, p).map(|patch| (patch, true)));
+        for _ in 0..NEGATIVES {
+            let angle = rng.random_range(0.0..std::f32::consts::TAU);
+            let far = rng.random_range(FAR.0..FAR.1);
+            let at = [p[0] + far * angle.cos(), p[1] + far * angle.sin()];
+            to.extend(example.patches.at(kind, at).map(|patch| (patch, false)));
+        }
+    }
+    let first = svm(&samples);
+    for example in examples.iter().filter(|e| e.seen[k] && !e.held) {
+        let score = |(dx, dy): (i32, i32)| {
+            let at = [
+                example.points[k][0] + dx as f32,
+                example.points[k][1] + dy as f32,
+            ];
+            let patch = example.patches.at(kind, at)?;
+            Some((dot(&first, &patch), patch))
+        };
+        let offsets = (-REACH..=REACH).flat_map(|y| (-REACH..=REACH).map(move |x| (x, y)));
+        let far = offsets.filter(|(x, y)| (*x as f32).hypot(*y as f32) > NEAR);
+        let worst = far
+            .filter_map(score)
+            .max_by(|a, b| a.0.total_cmp(&b.0))
+            .map(|(_, patch)| (patch, false));
+        samples.extend(worst);
+    }
+    let weight = svm(&samples);
+    let scores: Vec<(f32, bool)> = held.iter().map(|(x, y)| (dot(&weight, x), *y)).collect();
+    let (slope, offset) = platt(&scores);
+    Template {
+        weight,
+        slope,
+        offset,
+    }
+}
+
+/// L2-loss linear SVM by dual coordinate descent (Hsieh et al., ICML 2008); both classes weigh the
+/// same. The patches have no mean, so there is no use for a bias but in the calibration.
+fn svm(samples: &[Labelled]) -> [f32; VALUES] {
+    let positives = samples.iter().filter(|s| s.1).count().max(1) as f32;
+    let negatives = samples.len() as f32 - positives;
+    let mut weight = [0.0f32; VALUES];
+    let mut bias = 0.0f32;
+    let mut alphas = vec![0.0f32; samples.len()];
+    let mut order: Vec<usize> = (0..samples.len()).collect();
+    let mut rng = ChaCha8Rng::seed_from_u64(5);
+    for _ in 0..EPOCHS {
+        for i in (1..order.len()).rev() {
+            order.swap(i, rng.random_range(0..=i));
+        }
+        for &i in &order {
+            let (x, label) = &samples[i];
+            let (y, cost) = match label {
+                true => (1.0, COST * negatives.max(1.0) / positives),
+                false => (-1.0, COST),
+            };
+            let diagonal = 0.5 / cost;
+            // Patches have unit length; the bias is one value more.
+            let gradient = y * (dot(&weight, x) + bias) - 1.0 + diagonal * alphas[i];
+            let alpha = (alphas[i] - gradient / (2.0 + diagonal)).max(0.0);
+            let step = (alpha - alphas[i]) * y;
+            alphas[i] = alpha;
+            weight.iter_mut().zip(x).for_each(|(w, v)| *w += step * v);
+            bias += step;
+        }
+    }
+    weight
+}
+
+/// Slope and offset of the logistic that fits labels to scores (Platt 1999), by Newton's method.
+fn platt(scores: &[(f32, bool)]) -> (f32, f32) {
+    let (mut a, mut b) = (1.0f64, 0.0f64);
+    for _ in 0..30 {
+        let (mut ga, mut gb, mut haa, mut hab, mut hbb) = (0.0, 0.0, 1e-3, 0.0, 1e-3);
+        for (s, y) in scores {
+            let s = *s as f64;
+            let p = 1.0 / (1.0 + (-a * s - b).exp());
+            let (d, h) = (p - f64::from(*y), (p * (1.0 - p)).max(1e-6));
+            (ga, gb) = (ga + d * s, gb + d);
+            (haa, hab, hbb) = (haa + h * s * s, hab + h * s, hbb + h);
+        }
+        let determinant = (haa * hbb - hab * hab).max(1e-9);
+        a -= ((hbb * ga - hab * gb) / determinant).clamp(-4.0, 4.0);
+        b -= ((haa * gb - hab * ga) / determinant).clamp(-4.0, 4.0);
+    }
+    (a as f32, b as f32)
+}
+
+fn dot(a: &[f32; VALUES], b: &[f32; VALUES]) -> f32 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn svm_and_calibration_find_a_direction() {
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let samples: Vec<Labelled> = (0..600)
+            .map(|i| {
+                let label = i % 3 == 0;
+                let mut x: [f32; VALUES] = std::array::from_fn(|_| rng.random_range(-0.1..0.1));
+                x[7] += if label { 0.5 } else { -0.2 };
+                (x, label)
+            })
+            .collect();
+        let weight = svm(&samples);
+        let scores: Vec<(f32, bool)> = samples.iter().map(|(x, y)| (dot(&weight, x), *y)).collect();
+        let (slope, offset) = platt(&scores);
+        let right = |(s, y): &&(f32, bool)| (slope * s + offset > 0.0) == *y;
+        assert!(scores.iter().filter(right).count() > 590);
+    }
+}
