@@ -14,8 +14,9 @@ use serde_json::{Value, json};
 use crate::cli::BenchArgs;
 use crate::clip::Clip;
 use crate::model_file::ModelFile;
+use crate::picture::Picture;
 use crate::scenes::Scenes;
-use crate::steps::{self, Kind, RUNS, Steps};
+use crate::steps::{self, Kind, STEP_US, Steps};
 use crate::{demo_clip, output, source, stack, stages};
 
 /// Most frames of the clip that are kept in memory.
@@ -44,7 +45,7 @@ pub fn run(args: &BenchArgs) -> Result<()> {
     let name = |kind: Kind| Kind::ALL.iter().find(|(k, _)| *k == kind).map(|(_, n)| *n);
     let mut value = json!({
         "frame": clip.frames[0].dimensions(),
-        "runs": RUNS,
+        "runs": steps.runs,
     });
     for (kind, name) in Kind::ALL {
         value[name] = steps.of(Some(kind)).json();
@@ -68,12 +69,17 @@ pub fn run(args: &BenchArgs) -> Result<()> {
 
 /// Peak stack over steps of all kinds \[bytes\].
 fn measure_stack(model: &Model<'_>, frames: &[GrayImage], shuffled: &[GrayImage]) -> Option<usize> {
+    let shown = shuffled.iter().chain(frames.iter().take(STACK_FRAMES));
+    let pictures: Vec<Picture> = shown.cloned().map(Picture::from_grey).collect();
     let mut tracker = steps::fresh().ok()?;
+    let mut time = 0;
     stack::peak(|| {
-        let shown = shuffled.iter().chain(frames.iter().take(STACK_FRAMES));
-        for (n, image) in shown.enumerate() {
-            // Only the stack is looked at; time goes forward, so the step is taken.
-            let _ = steps::step(&mut tracker, model, image.clone(), n);
+        for picture in &pictures {
+            time += STEP_US;
+            if let Ok(frame) = picture.frame() {
+                // Only the stack is looked at; time goes forward, so the step is taken.
+                let _ = tracker.step(model, &frame, time);
+            }
         }
     })
 }
@@ -87,8 +93,13 @@ fn report(value: &Value) -> String {
     // Writing to a String cannot fail.
     let _ = writeln!(
         out,
-        "{:<18}{:>12}{:>12}{:>12}{:>8}   (each step: the shortest of {RUNS} runs)",
-        "[ns]", "median", "p99", "maximum", "steps"
+        "{:<18}{:>12}{:>12}{:>12}{:>8}   (each step: the shortest of {} runs)",
+        "[ns]",
+        "median",
+        "p99",
+        "maximum",
+        "steps",
+        number(&value["runs"])
     );
     for state in ["tracking", "acquiring", "searching", "holding", "all"] {
         let v = &value[state];

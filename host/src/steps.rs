@@ -2,21 +2,24 @@
 //!
 //! A tracker does the same work on the same frames. All steps are taken several times, each time
 //! by a fresh tracker, and a step's time is the shortest of these: what an interrupt or another
-//! process adds to one run is dropped, what the step itself needs is not.
+//! process adds to one run is dropped, what the step itself needs is not. There are five runs, and
+//! more as long as they make the dearest step cheaper by more than a hundredth.
 
 use std::time::Instant;
 
 use anyhow::{Result, anyhow, ensure};
-use image::GrayImage;
 use posewise::track::{Config, Model, State, Tracker};
 use serde_json::{Value, json};
 
 use crate::picture::Picture;
 use crate::scenes::Scenes;
 
-/// How often all steps are taken.
-pub const RUNS: usize = 5;
-const STEP_US: i64 = 33_333;
+/// How often all steps are taken at least, and at most.
+const RUNS: (usize, usize) = (5, 20);
+/// So many runs must not have made the dearest step cheaper before it is believed.
+const QUIET_RUNS: usize = 2;
+/// Time between frames \[µs\].
+pub const STEP_US: i64 = 33_333;
 
 /// What the tracker did in a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,35 +53,56 @@ impl Kind {
     }
 }
 
-/// Kind and time \[ns\] of each step.
-pub struct Steps(Vec<(Kind, u64)>);
+/// Kind and time \[ns\] of a step.
+pub type Step = (Kind, u64);
+
+/// All steps.
+pub struct Steps {
+    /// How often they were taken.
+    pub runs: usize,
+    steps: Vec<Step>,
+}
 
 impl Steps {
-    /// Takes all steps [`RUNS`] times.
+    /// Takes all steps often enough.
     pub fn time(model: &Model<'_>, scenes: &Scenes<'_>) -> Result<Self> {
-        let mut steps = run(model, scenes)?;
-        for _ in 1..RUNS {
-            let again = run(model, scenes)?;
-            let same = steps.iter().map(|s| s.0).eq(again.iter().map(|s| s.0));
-            ensure!(same, "the same frames gave other answers the second time");
-            for (step, other) in steps.iter_mut().zip(again) {
-                step.1 = step.1.min(other.1);
-            }
+        let mut timed = Steps {
+            runs: 1,
+            steps: run(model, scenes)?,
+        };
+        let mut quiet = 0;
+        while timed.runs < RUNS.0 || (quiet < QUIET_RUNS && timed.runs < RUNS.1) {
+            let before = timed.worst();
+            timed.join(&run(model, scenes)?)?;
+            let cheaper = |(before, now): (Step, Step)| 100 * now.1 < 99 * before.1;
+            let is_cheaper = before.zip(timed.worst()).is_some_and(cheaper);
+            quiet = if is_cheaper { 0 } else { quiet + 1 };
         }
-        Ok(Steps(steps))
+        Ok(timed)
+    }
+
+    /// Adds another run.
+    fn join(&mut self, again: &[Step]) -> Result<()> {
+        let same = self.steps.iter().map(|s| s.0).eq(again.iter().map(|s| s.0));
+        ensure!(same, "the same frames gave other answers the second time");
+        for (step, other) in self.steps.iter_mut().zip(again) {
+            step.1 = step.1.min(other.1);
+        }
+        self.runs += 1;
+        Ok(())
     }
 
     /// Times of one kind, or of all.
     pub fn of(&self, kind: Option<Kind>) -> Times {
-        let steps = self.0.iter().filter(|s| kind.is_none_or(|k| k == s.0));
+        let steps = self.steps.iter().filter(|s| kind.is_none_or(|k| k == s.0));
         let mut ns: Vec<u64> = steps.map(|s| s.1).collect();
         ns.sort_unstable();
         Times(ns)
     }
 
     /// The dearest step.
-    pub fn worst(&self) -> Option<(Kind, u64)> {
-        self.0.iter().max_by_key(|s| s.1).copied()
+    pub fn worst(&self) -> Option<Step> {
+        self.steps.iter().max_by_key(|s| s.1).copied()
     }
 }
 
@@ -88,27 +112,17 @@ pub fn fresh() -> Result<Box<Tracker>> {
     Ok(Box::new(tracker))
 }
 
-/// One step on that picture, as the n-th frame; its state and its time \[ns\].
-pub fn step(
-    tracker: &mut Tracker,
-    model: &Model<'_>,
-    image: GrayImage,
-    n: usize,
-) -> Result<(State, u64)> {
-    let picture = Picture::from_grey(image);
-    let frame = picture.frame()?;
-    let start = Instant::now();
-    let result = tracker.step(model, &frame, n as i64 * STEP_US);
-    let ns = start.elapsed().as_nanos() as u64;
-    Ok((result.map_err(|e| anyhow!("{e}"))?.state, ns))
-}
-
-fn run(model: &Model<'_>, scenes: &Scenes<'_>) -> Result<Vec<(Kind, u64)>> {
+fn run(model: &Model<'_>, scenes: &Scenes<'_>) -> Result<Vec<Step>> {
     let mut tracker = fresh()?;
     let mut before = State::Searching;
     let mut steps = Vec::new();
     for (n, image) in scenes.pictures().enumerate() {
-        let (after, ns) = step(&mut tracker, model, image, n)?;
+        let picture = Picture::from_grey(image);
+        let frame = picture.frame()?;
+        let start = Instant::now();
+        let result = tracker.step(model, &frame, n as i64 * STEP_US);
+        let ns = start.elapsed().as_nanos() as u64;
+        let after = result.map_err(|e| anyhow!("{e}"))?.state;
         steps.push((Kind::of(before, after), ns));
         before = after;
     }
@@ -143,11 +157,18 @@ mod tests {
     #[test]
     fn quantiles_and_worst_by_hand() {
         let kinds = [Kind::Tracking, Kind::Tracking, Kind::Searching];
-        let steps = Steps(kinds.into_iter().zip([5, 3, 9]).collect());
+        let run = |ns: [u64; 3]| -> Vec<Step> { kinds.into_iter().zip(ns).collect() };
+        let mut steps = Steps {
+            runs: 1,
+            steps: run([5, 8, 9]),
+        };
+        steps.join(&run([7, 3, 10])).unwrap();
         assert_eq!(steps.of(Some(Kind::Tracking)).quantile(0.0), Some(3));
         assert_eq!(steps.of(None).quantile(0.5), Some(5));
         assert_eq!(steps.of(Some(Kind::Holding)).quantile(0.5), None);
         assert_eq!(steps.worst(), Some((Kind::Searching, 9)));
+        assert_eq!(steps.runs, 2);
+        assert!(steps.join(&run([1; 3])[..2]).is_err());
     }
 
     #[test]

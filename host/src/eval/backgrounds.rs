@@ -53,16 +53,15 @@ fn with_people(path: &Path) -> Result<HashSet<String>> {
     if !path.exists() {
         return Ok(HashSet::new());
     }
-    let text = std::fs::read_to_string(path)
-        .with_context(|| format!("cannot read {}", path.display()))?;
+    let text =
+        std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
     Ok(text.lines().map(|line| line.trim().to_string()).collect())
 }
 
-/// Reads a picture and scales it as [`covering`].
-pub fn open(path: &Path, size: (u32, u32)) -> Result<GrayImage> {
+/// Reads a picture, grey.
+pub fn open(path: &Path) -> Result<GrayImage> {
     let grey = Picture::from_rgb(read_rgb(path)?).upright_grey();
-    let grey = grey.with_context(|| path.display().to_string())?;
-    Ok(covering(&grey, size))
+    grey.with_context(|| path.display().to_string())
 }
 
 /// Scaled, with its proportions, to the least size that covers a frame.
@@ -76,7 +75,8 @@ pub fn covering(image: &GrayImage, (width, height): (u32, u32)) -> GrayImage {
 
 /// A window of that size, `across` of the way from the upper left corner to the lower right (0..1).
 pub fn window(image: &GrayImage, (width, height): (u32, u32), across: f64) -> GrayImage {
-    let at = |own: u32, window: u32| (f64::from(own.saturating_sub(window)) * across).round() as u32;
+    let at =
+        |own: u32, window: u32| (f64::from(own.saturating_sub(window)) * across).round() as u32;
     let (x, y) = (at(image.width(), width), at(image.height(), height));
     crop_imm(image, x, y, width, height).to_image()
 }

@@ -1,9 +1,9 @@
 //! `posewise eval faceless`: is anything tracked where nobody is?
 //!
-//! Every picture is panned: scaled to cover 640×480, while a window of 480×360 moves over it from
-//! the upper left to the lower right in 25 frames, at 25 frames per second; all pictures for one
-//! tracker. With `--after` 60 frames of a clip come before each, so that the tracker has just lost
-//! somebody whom it remembers.
+//! Every picture is panned: a window of three quarters of its width (the whole width of an upright
+//! picture), scaled to 480×360, moves from the upper left to the lower right in 25 frames, at 25
+//! frames per second; all pictures for one tracker. With `--after` 60 frames of a clip come before
+//! each, so that the tracker has just lost somebody whom it remembers.
 
 use std::fmt::Write as _;
 
@@ -21,8 +21,8 @@ use crate::{output, source};
 
 /// Size of the frames \[px\].
 const FRAME: (u32, u32) = (480, 360);
-/// What a picture is scaled to cover \[px\].
-const COVERED: (u32, u32) = (640, 480);
+/// Width of a picture that is wider than high, in frames of that size \[px\].
+const WIDE: u32 = 640;
 /// Frames of a pan.
 const PAN: usize = 25;
 const FPS: f64 = 25.0;
@@ -46,11 +46,13 @@ pub fn run(args: &FacelessArgs) -> Result<()> {
     for path in &paths {
         let mut state = State::Searching;
         for _ in 0..if faces.is_empty() { 0 } else { AFTER } {
-            state = show.frame(&faces[back_and_forth(faces_shown, faces.len())])?.state;
+            state = show
+                .frame(&faces[back_and_forth(faces_shown, faces.len())])?
+                .state;
             faces_shown += 1;
         }
         remembered += usize::from(state == State::Tracking);
-        let picture = backgrounds::open(path, COVERED)?;
+        let picture = scaled(&backgrounds::open(path)?);
         let mut tracked = 0;
         for k in 0..PAN {
             let frame = window(&picture, FRAME, k as f64 / (PAN - 1) as f64);
@@ -83,13 +85,18 @@ pub fn run(args: &FacelessArgs) -> Result<()> {
     output::print(&out)?;
     if let Some(path) = &args.json {
         let remembered = args.after.as_ref().map(|_| remembered);
-        let wrong: serde_json::Map<_, _> =
-            wrong.into_iter().map(|(n, k)| (n, json!(k))).collect();
+        let wrong: serde_json::Map<_, _> = wrong.into_iter().map(|(n, k)| (n, json!(k))).collect();
         let value = json!({"pictures": paths.len(), "frames": frames, "tracked": tracked,
             "remembered": remembered, "tracked_in": wrong});
         output::write_json(path, &value)?;
     }
     Ok(())
+}
+
+/// So that the window is as large as a frame.
+fn scaled(picture: &GrayImage) -> GrayImage {
+    let wide = picture.width() > picture.height();
+    covering(picture, (if wide { WIDE } else { FRAME.0 }, FRAME.1))
 }
 
 /// The clip's frames in the size of the others.

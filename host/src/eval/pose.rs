@@ -219,7 +219,11 @@ fn report(out: &mut String, title: &str, outcomes: &[FrameOutcome]) {
     if let Some((covered, others)) = covered {
         let part = |s: &Summary| match s.success().zip(s.mean_angle()) {
             Some((share, error)) => {
-                format!("{} frames, {:.2} % tracked, mean {error:.2}°", s.counted, 100.0 * share)
+                format!(
+                    "{} frames, {:.2} % tracked, mean {error:.2}°",
+                    s.counted,
+                    100.0 * share
+                )
             }
             None => format!("{} frames, {} tracked", s.counted, s.tracked),
         };

@@ -15,7 +15,7 @@ use image::imageops::flip_horizontal;
 use posewise::track::{Model, State};
 use serde_json::{Map, Value, json};
 
-use super::backgrounds::{self, window};
+use super::backgrounds::{self, covering, window};
 use super::median;
 use super::show::Show;
 use crate::cli::RecoveryArgs;
@@ -190,7 +190,8 @@ fn show(model: &Model<'_>, cut: &Cut, args: &RecoveryArgs, mirror: bool) -> Resu
     let size = frames[0].dimensions();
     let mut outcomes = Vec::new();
     for piece in &cut.pieces {
-        let empty = window(&backgrounds::open(&piece.background, size)?, size, 0.5);
+        let picture = backgrounds::open(&piece.background)?;
+        let empty = window(&covering(&picture, size), size, 0.5);
         let mut false_tracks = 0;
         for _ in 0..second {
             false_tracks += usize::from(show.frame(&empty)?.state == State::Tracking);
