@@ -110,6 +110,12 @@ pub enum EvalCommand {
     Eyes(ClipsArgs),
     /// How much the landmarks of a tracked clip tremble
     Jitter(JitterArgs),
+    /// How soon a face that was gone and is back elsewhere is tracked again
+    Recovery(RecoveryArgs),
+    /// Frames tracked in pictures without people
+    Faceless(FacelessArgs),
+    /// Whether angles get worse over many minutes
+    Drift(DriftArgs),
 }
 
 /// Where the first fit starts.
@@ -170,6 +176,80 @@ pub struct JitterArgs {
     /// What `posewise track --csv` wrote; repeat for several clips
     #[arg(long, value_name = "FILE", required = true)]
     pub csv: Vec<PathBuf>,
+    /// Write the numbers as JSON
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+}
+
+/// Pictures without people.
+#[derive(Args)]
+pub struct BackgroundsArgs {
+    /// Folder of pictures; those that its file with-people.txt names are left out
+    #[arg(long, value_name = "DIR")]
+    pub backgrounds: PathBuf,
+    /// Take one picture of so many, in the order of their names; 1 for all. Training leaves out one
+    /// of five
+    #[arg(long, value_name = "N", default_value_t = 5,
+        value_parser = clap::value_parser!(u32).range(1..))]
+    pub every: u32,
+    /// Which one of them, from 0 [default: the last, which training leaves out]
+    #[arg(long, value_name = "K")]
+    pub offset: Option<u32>,
+}
+
+#[derive(Args)]
+pub struct RecoveryArgs {
+    /// A clip (any INPUT of `track`) with one face in every frame; repeat for several
+    #[arg(long, value_name = "FILE", required = true)]
+    pub clip: Vec<String>,
+    #[command(flatten)]
+    pub backgrounds: BackgroundsArgs,
+    /// Times that the face of each clip comes back
+    #[arg(long, value_name = "N", default_value_t = 10)]
+    pub pieces: usize,
+    /// Frames of a piece
+    #[arg(long, value_name = "N", default_value_t = 40)]
+    pub length: usize,
+    /// Only the pieces as they are, no mirrored ones
+    #[arg(long)]
+    pub no_mirror: bool,
+    /// Draws pieces, places and pictures
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    #[command(flatten)]
+    pub tracker: TrackerArgs,
+    /// Write the numbers as JSON
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+}
+
+#[derive(Args)]
+pub struct FacelessArgs {
+    #[command(flatten)]
+    pub backgrounds: BackgroundsArgs,
+    /// Show 60 frames of this clip with a face before each picture
+    #[arg(long, value_name = "CLIP")]
+    pub after: Option<String>,
+    #[command(flatten)]
+    pub tracker: TrackerArgs,
+    /// Write the numbers as JSON
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+}
+
+#[derive(Args)]
+pub struct DriftArgs {
+    /// The clip (any INPUT of `track`)
+    #[arg(long, value_name = "FILE")]
+    pub clip: String,
+    /// Its per-frame truth, as for `eval pose`; its column fx is the default of --focal
+    #[arg(long, value_name = "FILE")]
+    pub truth: PathBuf,
+    /// How long the clip is shown back and forth
+    #[arg(long, value_name = "N", default_value_t = 10.0)]
+    pub minutes: f64,
+    #[command(flatten)]
+    pub tracker: TrackerArgs,
     /// Write the numbers as JSON
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,

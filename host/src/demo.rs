@@ -30,7 +30,7 @@ pub fn run(args: &DemoArgs) -> Result<()> {
     let mut source = demo_clip::open()?;
     let truth = demo_clip::truth()?;
     let settings = TrackerArgs {
-        focal: focal_of(&truth),
+        focal: truth.focal(),
         ..TrackerArgs::default()
     };
     let mut session = Session::new(&model, &settings, false)?;
@@ -56,11 +56,6 @@ pub fn run(args: &DemoArgs) -> Result<()> {
     let errors = pose::summarize_tables(&truth, &tracked)?;
     let model_bytes = model.blob().total_len();
     output::print(&report(&frames, &step_ms, &errors, model_bytes))
-}
-
-fn focal_of(truth: &Table) -> Option<f32> {
-    let column = truth.column("fx").ok()?;
-    truth.number(0, column).ok().map(|f| f as f32)
 }
 
 /// Frames at equal distances with their overlay, side by side.

@@ -6,12 +6,14 @@
 //! | `source/` | INPUT → a stream of [`picture::Picture`]s |
 //! | `track` | `posewise track`: the loop, and its outputs `csv`, `jsonl`, `overlay/`, `plot` |
 //! | `demo`, `demo_clip` | `posewise demo` |
-//! | `eval/` | `posewise eval landmarks`, `posewise eval pose` |
-//! | `bench`, `stack` | `posewise bench` |
+//! | `eval/` | `posewise eval …` |
+//! | `bench`, `scenes`, `steps`, `stages`, `stack` | `posewise bench` |
+//! | `clip`, `random` | clips in memory and reproducible chance, for the two above |
 //! | `model_file`, `model_info` | reading models, `posewise model info` |
 
 mod bench;
 mod cli;
+mod clip;
 mod csv;
 mod demo;
 mod demo_clip;
@@ -23,9 +25,12 @@ mod output;
 mod overlay;
 mod picture;
 mod plot;
+mod random;
+mod scenes;
 mod source;
 mod stack;
 mod stages;
+mod steps;
 mod text;
 mod track;
 
@@ -47,6 +52,9 @@ fn main() -> ExitCode {
         Command::Eval(EvalCommand::Pose(args)) => eval::pose::run(&args),
         Command::Eval(EvalCommand::Eyes(args)) => eval::eyes::run(&args),
         Command::Eval(EvalCommand::Jitter(args)) => eval::jitter::run(&args),
+        Command::Eval(EvalCommand::Recovery(args)) => eval::recovery::run(&args),
+        Command::Eval(EvalCommand::Faceless(args)) => eval::faceless::run(&args),
+        Command::Eval(EvalCommand::Drift(args)) => eval::drift::run(&args),
         Command::Bench(args) => bench::run(&args),
         Command::Model(ModelCommand::Info { file }) => model_info::run(&file),
         Command::Columns => output::print(&csv::documentation()),

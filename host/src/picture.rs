@@ -4,7 +4,7 @@
 //! upright RGB copy.
 
 use anyhow::{Result, anyhow};
-use image::RgbImage;
+use image::{GrayImage, RgbImage};
 use posewise::image::{Frame, FrameLayout, PixelFormat, Rotation};
 
 /// How the bytes after a picture's luma say its colours.
@@ -48,9 +48,29 @@ impl Picture {
         }
     }
 
+    /// An upright grey picture at time 0.
+    pub fn from_grey(image: GrayImage) -> Self {
+        Picture {
+            layout: FrameLayout::grey(image.width(), image.height()),
+            data: image.into_raw(),
+            chroma: Chroma::None,
+            full_range: true,
+            timestamp_us: 0,
+        }
+    }
+
     /// The tracker's view of the bytes.
     pub fn frame(&self) -> Result<Frame<'_>> {
         Frame::new(&self.layout, &self.data).map_err(|e| anyhow!("{e}"))
+    }
+
+    /// An upright copy of the luma that the tracker sees.
+    pub fn upright_grey(&self) -> Result<GrayImage> {
+        let frame = self.frame()?;
+        let size = (frame.width() as u32, frame.height() as u32);
+        Ok(GrayImage::from_fn(size.0, size.1, |x, y| {
+            image::Luma([frame.luma(x as i32, y as i32)])
+        }))
     }
 
     /// An upright copy in colour, or in grey where the source has no colour.
@@ -156,12 +176,14 @@ mod tests {
                     timestamp_us: 0,
                 };
                 let (frame, rgb) = (picture.frame().unwrap(), picture.upright_rgb().unwrap());
+                let grey = picture.upright_grey().unwrap();
                 assert_eq!(
                     (frame.width() as u32, frame.height() as u32),
                     rgb.dimensions()
                 );
                 for (x, y, pixel) in rgb.enumerate_pixels() {
                     assert_eq!(pixel.0[0], frame.luma(x as i32, y as i32));
+                    assert_eq!(pixel.0[0], grey.get_pixel(x, y).0[0]);
                 }
             }
         }

@@ -4,6 +4,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use anyhow::{Context, Result, anyhow};
+use image::GrayImage;
 use posewise::align::{Shape, Workspace};
 use posewise::detect::{Scan, Sizes};
 use posewise::image::Frame;
@@ -19,7 +20,7 @@ const ROUNDS: usize = 300;
 pub type Part = (&'static str, u64);
 
 /// Times every part on the first frame of the clip in which the face is tracked.
-pub fn time(model: &Model<'_>, frames: &[Picture]) -> Result<Vec<Part>> {
+pub fn time(model: &Model<'_>, frames: &[GrayImage]) -> Result<Vec<Part>> {
     let (picture, shape) = tracked(model, frames)?;
     let frame = picture.frame()?;
     let mut work = Box::new(Workspace::new());
@@ -48,9 +49,10 @@ pub fn time(model: &Model<'_>, frames: &[Picture]) -> Result<Vec<Part>> {
     Ok(parts)
 }
 
-fn tracked<'p>(model: &Model<'_>, frames: &'p [Picture]) -> Result<(&'p Picture, Shape)> {
+fn tracked(model: &Model<'_>, frames: &[GrayImage]) -> Result<(Picture, Shape)> {
     let mut tracker = Box::new(Tracker::new(&Config::default()).map_err(|e| anyhow!("{e}"))?);
-    for (i, picture) in frames.iter().enumerate() {
+    for (i, image) in frames.iter().enumerate() {
+        let picture = Picture::from_grey(image.clone());
         let frame = picture.frame()?;
         let result = tracker
             .step(model, &frame, i as i64)

@@ -33,7 +33,20 @@ fn bench_measures_and_names_bad_inputs() {
     let json: serde_json::Value =
         serde_json::from_str(&std::fs::read_to_string(json).unwrap()).unwrap();
     assert_eq!(json["frame"], serde_json::json!([320, 240]));
-    assert!(json["searching"]["median_ns"].as_u64().is_some());
+    let number = |part: &str, key: &str| json[part][key].as_u64().unwrap();
+    for part in ["tracking", "acquiring", "searching", "holding", "all"] {
+        assert!(number(part, "steps") > 0, "{part}");
+        assert!(number(part, "median_ns") <= number(part, "p99_ns"));
+        assert!(number(part, "p99_ns") <= number(part, "max_ns"));
+    }
+    let worst = json["worst_ns"].as_u64().unwrap();
+    assert_eq!(number("all", "max_ns"), worst);
+    assert_eq!(
+        number(json["worst_state"].as_str().unwrap(), "max_ns"),
+        worst
+    );
+    let ratio = worst as f64 / number("tracking", "median_ns") as f64;
+    assert!((json["worst_over_tracking"].as_f64().unwrap() - ratio).abs() < 1e-9);
     assert!(json["model_bytes"].as_u64().unwrap() >= 64);
     assert!(json["tracker_bytes"].as_u64().unwrap() > 1000);
     if cfg!(unix) {

@@ -25,7 +25,10 @@ fn pose_files(dir: &std::path::Path) -> (String, String) {
         (0..68).for_each(|i| write!(truth, ",{i}").unwrap());
         (0..68).for_each(|i| write!(truth, ",{i}").unwrap());
         truth += &",1".repeat(68);
-        truth += &",0".repeat(68);
+        // Half of the landmarks are covered in the second frame.
+        let covered = if frame == 1 { 34 } else { 33 };
+        truth += &",1".repeat(covered);
+        truth += &",0".repeat(68 - covered);
         let success = i32::from(frame < 2);
         write!(csv, "\n{},{success},{},1,-2,0,0,610", frame + 1, yaw + 3).unwrap();
         (0..68).for_each(|i| write!(csv, ",{}", f64::from(i) + 6.7).unwrap());
@@ -64,6 +67,143 @@ fn pose_numbers_by_hand() {
     near("lost_within_60", 0.0);
     assert_eq!(json["yaw_bands"]["45-90"]["p_s"].as_f64(), Some(0.5));
     assert_eq!(json["yaw_bands"]["0-45"]["p_s"].as_f64(), Some(1.0));
+    assert_eq!(json["covered"]["counted"].as_u64(), Some(2));
+    assert_eq!(json["covered"]["p_s"].as_f64(), Some(1.0));
+    assert_eq!(json["uncovered"]["counted"].as_u64(), Some(4));
+    assert_eq!(json["uncovered"]["p_s"].as_f64(), Some(0.5));
+}
+
+/// The clip that ships with posewise, and its truth.
+const DEMO: [&str; 2] = [
+    concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/data/demo.y4m.gz"),
+    concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/data/demo.csv"),
+];
+
+/// Pictures without a face, and one that is listed as having one and cannot be read.
+fn backgrounds(dir: &std::path::Path) -> String {
+    let folder = dir.join("backgrounds");
+    std::fs::create_dir(&folder).unwrap();
+    for i in 0..5u32 {
+        let pixel = |x: u32, y: u32| image::Rgb([(x * (i + 1) + y) as u8, (x ^ y) as u8, 90]);
+        image::RgbImage::from_fn(120, 80 + 20 * i, pixel)
+            .save(folder.join(format!("{i}.png")))
+            .unwrap();
+    }
+    std::fs::write(folder.join("5.png"), "a person").unwrap();
+    std::fs::write(folder.join("with-people.txt"), "5.png\n").unwrap();
+    arg(&folder).to_string()
+}
+
+/// Runs a command that writes JSON; what it wrote.
+fn json_of(args: &[&str]) -> serde_json::Value {
+    let dir = tempfile::tempdir().unwrap();
+    let json = dir.path().join("out.json");
+    posewise()
+        .args(args)
+        .args(["--json", arg(&json)])
+        .assert()
+        .success();
+    serde_json::from_str(&std::fs::read_to_string(json).unwrap()).unwrap()
+}
+
+#[test]
+fn a_face_that_comes_back_is_found() {
+    let dir = tempfile::tempdir().unwrap();
+    let folder = backgrounds(dir.path());
+    let recovery = |more: &[&str]| {
+        let common = ["eval", "recovery", "--clip", DEMO[0], "--backgrounds"];
+        [&common[..], &[&folder], more].concat().join("\n")
+    };
+    let args = recovery(&["--pieces", "2", "--length", "30"]);
+    let args: Vec<&str> = args.split('\n').collect();
+    let json = json_of(&args);
+    for (mode, mirrored) in [("half_mirrored", 1), ("not_mirrored", 0)] {
+        let mode = &json[mode];
+        let pieces = mode["pieces"].as_array().unwrap();
+        assert_eq!(pieces.len(), 2);
+        let count = pieces.iter().filter(|p| p["mirrored"] == true).count();
+        assert_eq!(count, mirrored);
+        assert_ne!(pieces[0]["from_frame"], pieces[1]["from_frame"]);
+        assert_eq!(mode["never"].as_u64(), Some(0), "{json:#}");
+        assert_eq!(mode["false_tracks"].as_u64(), Some(0), "{json:#}");
+        // Two seconds at 20 frames per second.
+        assert_eq!(mode["faceless_frames"].as_u64(), Some(40));
+        assert!(mode["worst_frames"].as_f64() >= mode["median_frames"].as_f64());
+    }
+    let only = json_of(&[&args[..], &["--no-mirror"]].concat());
+    assert!(only["half_mirrored"].is_null());
+    assert_eq!(only["not_mirrored"], json["not_mirrored"], "same seed");
+
+    let fails = |more: &[&str], words: &[&str]| {
+        let args = recovery(more);
+        fails_with(&args.split('\n').collect::<Vec<_>>(), Vec::new(), words);
+    };
+    fails(
+        &["--pieces", "3"],
+        &["demo.y4m.gz has 120 frames", "too few"],
+    );
+    fails(&["--pieces", "0"], &["at least 1"]);
+    fails(
+        &["--every", "9"],
+        &["5 pictures without people", "--every 1"],
+    );
+    fails(
+        &["--every", "2", "--offset", "2"],
+        &["--offset must be less"],
+    );
+}
+
+#[test]
+fn nobody_is_tracked_in_pictures_without_people() {
+    let dir = tempfile::tempdir().unwrap();
+    let folder = backgrounds(dir.path());
+    let common = ["eval", "faceless", "--backgrounds", &folder];
+    let more = ["--scan-budget", "2000"];
+    let json = json_of(&[&common[..], &more].concat());
+    assert_eq!(json["pictures"].as_u64(), Some(1), "the held-out fifth");
+    assert_eq!(json["frames"].as_u64(), Some(25));
+    assert_eq!(json["tracked"].as_u64(), Some(0));
+    assert!(json["remembered"].is_null());
+    let after = ["--every", "3", "--offset", "0", "--after", DEMO[0]];
+    let json = json_of(&[&common[..], &more, &after].concat());
+    assert_eq!(json["frames"].as_u64(), Some(50));
+    assert_eq!(json["tracked"].as_u64(), Some(0));
+    assert_eq!(json["remembered"].as_u64(), Some(2));
+    let spoilt = dir.path().join("backgrounds/0.jpg");
+    std::fs::write(spoilt, "none").unwrap();
+    let all = [&common[..], &more, &["--every", "1"]].concat();
+    fails_with(&all, Vec::new(), &["cannot decode picture", "0.jpg"]);
+    fails_with(
+        &["eval", "faceless", "--backgrounds", "/no/such/folder"],
+        Vec::new(),
+        &["cannot list folder /no/such/folder"],
+    );
+}
+
+#[test]
+fn angles_of_the_demo_clip_do_not_drift() {
+    let drift = |truth: &'static str| ["eval", "drift", "--clip", DEMO[0], "--truth", truth];
+    let json = json_of(&[&drift(DEMO[1])[..], &["--minutes", "0.4"]].concat());
+    // 0.4 minutes at 20 frames per second: forwards and backwards twice.
+    assert_eq!(json["frames"].as_u64(), Some(480));
+    assert_eq!(json["lost"].as_u64(), Some(0));
+    let number = |key: &str| json[key].as_f64().unwrap();
+    let ratio = number("last_over_first");
+    assert!((number("e_m_deg_last") / number("e_m_deg_first") - ratio).abs() < 1e-9);
+    assert!((0.5..1.5).contains(&ratio), "{ratio}");
+    fails_with(&drift("none.csv"), Vec::new(), &["cannot open none.csv"]);
+    let dir = tempfile::tempdir().unwrap();
+    let short = dir.path().join("short.csv");
+    let truth = std::fs::read_to_string(DEMO[1]).unwrap();
+    let lines: Vec<&str> = truth.lines().take(50).collect();
+    std::fs::write(&short, lines.join("\n")).unwrap();
+    let drift = ["eval", "drift", "--clip", DEMO[0], "--truth", arg(&short)];
+    fails_with(&drift, Vec::new(), &["short.csv has no row for frame 49"]);
+    fails_with(
+        &[&drift[..], &["--minutes=-1"]].concat(),
+        Vec::new(),
+        &["--minutes must be positive"],
+    );
 }
 
 #[test]

@@ -1,11 +1,17 @@
-//! `posewise eval`: accuracy against labelled data. `*_metrics` are the formulas, without files.
+//! `posewise eval`: accuracy against labelled data. `*_metrics` are the formulas, without files;
+//! `recovery`, `faceless` and `drift` make their clips in memory and show them to a tracker.
 
+pub mod backgrounds;
+pub mod drift;
 pub mod eyes;
+pub mod faceless;
 pub mod jitter;
 pub mod landmark_metrics;
 pub mod landmarks;
 pub mod pose;
 pub mod pose_metrics;
+pub mod recovery;
+pub mod show;
 pub mod table;
 pub mod trust;
 

@@ -8,7 +8,7 @@ use serde_json::{Map, Value};
 
 use super::clips_of;
 use super::pose_metrics::{BANDS, FrameOutcome, Summary, Tracked, Truth};
-use super::pose_metrics::{summarize, summarize_band};
+use super::pose_metrics::{summarize, summarize_band, summarize_covered};
 use super::table::Table;
 use crate::cli::ClipsArgs;
 use crate::output;
@@ -57,7 +57,8 @@ fn compare(truth: &Table, csv: &Table) -> Result<Vec<FrameOutcome>> {
     Ok(outcomes)
 }
 
-fn read_truth(table: &Table) -> Result<Vec<(i64, Truth)>> {
+/// Each row's frame number and truth.
+pub fn read_truth(table: &Table) -> Result<Vec<(i64, Truth)>> {
     let column = |name: &str| table.column(name);
     let frame = column("frame")?;
     let angles = [column("yaw")?, column("pitch")?, column("roll")?];
@@ -79,10 +80,12 @@ fn read_truth(table: &Table) -> Result<Vec<(i64, Truth)>> {
             };
             let mut points = [[0.0; 2]; 68];
             let mut visible = [false; 68];
+            let mut landmarks_covered = 0;
             for i in 0..68 {
                 points[i] = [number(xs[i])?, number(ys[i])?];
                 let is_covered = covered.map_or(Ok(0.0), |c| number(c[i]))? > 0.5;
                 visible[i] = number(hidden[i])? > 0.5 && !is_covered;
+                landmarks_covered += usize::from(is_covered);
             }
             let truth = Truth {
                 angles: three(angles)?,
@@ -90,6 +93,7 @@ fn read_truth(table: &Table) -> Result<Vec<(i64, Truth)>> {
                 in_frame: in_frame.map_or(Ok(1.0), number)?,
                 points,
                 visible,
+                covered: covered.map(|_| 2 * landmarks_covered >= 68),
             };
             Ok((number(frame)? as i64, truth))
         })
@@ -155,6 +159,10 @@ fn to_json(outcomes: &[FrameOutcome]) -> Value {
         .collect();
     if let Value::Object(map) = &mut value {
         map.insert("yaw_bands".into(), bands.into());
+        for (key, covered) in [("covered", true), ("uncovered", false)] {
+            let part = summarize_covered(outcomes, covered);
+            map.insert(key.into(), part.map_or(Value::Null, |p| p.json()));
+        }
     }
     value
 }
@@ -207,4 +215,23 @@ fn report(out: &mut String, title: &str, outcomes: &[FrameOutcome]) {
         area(0),
         area(1),
     );
+    let covered = summarize_covered(outcomes, true).zip(summarize_covered(outcomes, false));
+    if let Some((covered, others)) = covered {
+        let part = |s: &Summary| match s.success().zip(s.mean_angle()) {
+            Some((share, error)) => {
+                format!(
+                    "{} frames, {:.2} % tracked, mean {error:.2}°",
+                    s.counted,
+                    100.0 * share
+                )
+            }
+            None => format!("{} frames, {} tracked", s.counted, s.tracked),
+        };
+        let _ = writeln!(
+            out,
+            "half of the landmarks covered, or more: {}; the others: {}",
+            part(&covered),
+            part(&others)
+        );
+    }
 }

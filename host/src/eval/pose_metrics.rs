@@ -4,6 +4,7 @@
 //! these, P_s is the share with `success` = 1; errors are means over the tracked ones, whatever
 //! their size, so a wrong lock cannot hide. Angle differences wrap at ±180°.
 
+use posewise::track::{State, TrackResult};
 use serde_json::{Map, Value, json};
 
 use super::mean;
@@ -36,6 +37,8 @@ pub struct Truth {
     pub points: [[f64; 2]; 68],
     /// Landmarks that are neither hidden by the head nor covered.
     pub visible: [bool; 68],
+    /// Whether something covers at least half of the landmarks; `None` if the truth does not tell.
+    pub covered: Option<bool>,
 }
 
 /// One frame as tracked.
@@ -51,10 +54,23 @@ pub struct Tracked {
     pub trust: Option<[[f64; 2]; 68]>,
 }
 
+impl Tracked {
+    /// A step's answer; `None` unless the face was fitted on that frame. Without probabilities.
+    pub fn of(result: &TrackResult) -> Option<Self> {
+        (result.state == State::Tracking).then(|| Tracked {
+            angles: [result.yaw_deg, result.pitch_deg, result.roll_deg].map(f64::from),
+            translation: result.translation_mm.map(f64::from),
+            points: result.landmarks.map(|l| [l.x, l.y].map(f64::from)),
+            trust: None,
+        })
+    }
+}
+
 /// What one frame adds to the numbers.
 #[derive(Clone, Debug)]
 pub struct FrameOutcome {
     yaw: f64,
+    covered: Option<bool>,
     counts: bool,
     absent: bool,
     errors: Option<Errors>,
@@ -76,6 +92,7 @@ impl FrameOutcome {
     pub fn new(truth: &Truth, tracked: Option<&Tracked>) -> Self {
         FrameOutcome {
             yaw: truth.angles[0],
+            covered: truth.covered,
             counts: truth.in_frame >= MIN_IN_FRAME,
             absent: truth.in_frame < OUT_OF_FRAME,
             errors: tracked.map(|t| errors(truth, t)),
@@ -196,6 +213,15 @@ pub fn summarize_band(outcomes: &[FrameOutcome], from: f64, to: f64) -> Summary 
     )
 }
 
+/// Sums up the frames in which at least half of the landmarks are covered, or the others; `None`
+/// when no truth tells.
+pub fn summarize_covered(outcomes: &[FrameOutcome], covered: bool) -> Option<Summary> {
+    let told = outcomes.iter().filter(|o| o.covered.is_some());
+    let mut told = told.peekable();
+    told.peek()?;
+    Some(summarize(told.filter(|o| o.covered == Some(covered))))
+}
+
 impl Summary {
     /// Share of the counted frames that were tracked; `None` when none counts.
     pub fn success(&self) -> Option<f64> {
@@ -250,6 +276,7 @@ mod tests {
             in_frame: 1.0,
             points,
             visible: [true; 68],
+            covered: None,
         }
     }
 
@@ -282,6 +309,28 @@ mod tests {
         assert!((error - 10.0 * 8.0 / 50.0 / 80.0).abs() < 1e-12, "{error}");
         t.visible = [false; 68];
         assert_eq!(landmark_error(&t, &found), None);
+    }
+
+    #[test]
+    fn covered_frames_are_told_apart() {
+        let outcome = |covered: Option<bool>, error: f64| {
+            let t = Truth {
+                covered,
+                ..truth(0.0)
+            };
+            let found = tracked(&t, [error; 3]);
+            FrameOutcome::new(&t, Some(&found))
+        };
+        assert!(summarize_covered(&[outcome(None, 1.0)], false).is_none());
+        let some = [
+            outcome(Some(true), 4.0),
+            outcome(Some(false), 1.0),
+            outcome(Some(false), 2.0),
+        ];
+        let covered = |is: bool| summarize_covered(&some, is).unwrap();
+        assert_eq!(covered(true).mean_angle(), Some(4.0));
+        assert_eq!(covered(false).mean_angle(), Some(1.5));
+        assert_eq!((covered(true).counted, covered(false).counted), (1, 2));
     }
 
     #[test]

@@ -61,6 +61,12 @@ impl Table {
         Ok(out)
     }
 
+    /// The focal length \[px\] in the first row's column `fx`, if there is one.
+    pub fn focal(&self) -> Option<f32> {
+        let column = self.column("fx").ok()?;
+        self.number(0, column).ok().map(|f| f as f32)
+    }
+
     /// A cell's text.
     pub fn text(&self, row: usize, column: usize) -> &str {
         let row = self.rows.get(row);

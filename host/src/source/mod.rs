@@ -11,7 +11,7 @@ use std::path::Path;
 use anyhow::{Context, Result, bail};
 use flate2::bufread::MultiGzDecoder;
 
-pub use self::images::read_rgb;
+pub use self::images::{is_image, read_rgb};
 pub use self::y4m::Y4mSource;
 use crate::picture::Picture;
 

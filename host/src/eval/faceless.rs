@@ -1,0 +1,108 @@
+//! `posewise eval faceless`: is anything tracked where nobody is?
+//!
+//! Every picture is panned: a window of three quarters of its width (the whole width of an upright
+//! picture), scaled to 480×360, moves from the upper left to the lower right in 25 frames, at 25
+//! frames per second; all pictures for one tracker. With `--after` 60 frames of a clip come before
+//! each, so that the tracker has just lost somebody whom it remembers.
+
+use std::fmt::Write as _;
+
+use anyhow::Result;
+use image::GrayImage;
+use posewise::track::State;
+use serde_json::json;
+
+use super::backgrounds::{self, covering, window};
+use super::show::Show;
+use crate::cli::FacelessArgs;
+use crate::clip::{Clip, back_and_forth};
+use crate::model_file::ModelFile;
+use crate::{output, source};
+
+/// Size of the frames \[px\].
+const FRAME: (u32, u32) = (480, 360);
+/// Width of a picture that is wider than high, in frames of that size \[px\].
+const WIDE: u32 = 640;
+/// Frames of a pan.
+const PAN: usize = 25;
+const FPS: f64 = 25.0;
+/// Frames of the clip before each picture.
+const AFTER: usize = 60;
+/// Most frames of the clip that are kept in memory.
+const MAX_FRAMES: usize = 1500;
+
+/// Runs the command.
+pub fn run(args: &FacelessArgs) -> Result<()> {
+    let paths = backgrounds::list(&args.backgrounds)?;
+    let faces = match &args.after {
+        Some(input) => faces_of(input)?,
+        None => vec![],
+    };
+    let file = ModelFile::read(args.tracker.model.as_deref())?;
+    let model = file.model()?;
+    let mut show = Show::new(&model, &args.tracker, false, FPS)?;
+    let mut tracks = Vec::new();
+    let (mut remembered, mut faces_shown) = (0, 0);
+    for path in &paths {
+        let mut state = State::Searching;
+        for _ in 0..if faces.is_empty() { 0 } else { AFTER } {
+            state = show
+                .frame(&faces[back_and_forth(faces_shown, faces.len())])?
+                .state;
+            faces_shown += 1;
+        }
+        remembered += usize::from(state == State::Tracking);
+        let picture = scaled(&backgrounds::open(path)?);
+        let mut tracked = 0;
+        for k in 0..PAN {
+            let frame = window(&picture, FRAME, k as f64 / (PAN - 1) as f64);
+            tracked += usize::from(show.frame(&frame)?.state == State::Tracking);
+        }
+        tracks.push(tracked);
+    }
+    let (frames, tracked) = (PAN * paths.len(), tracks.iter().sum::<usize>());
+    let wrong: Vec<(String, usize)> = paths
+        .iter()
+        .zip(&tracks)
+        .filter(|(_, tracked)| **tracked > 0)
+        .map(|(path, tracked)| (path.display().to_string(), *tracked))
+        .collect();
+    let mut out = format!(
+        "{} pictures, {frames} frames: {tracked} tracked, in {} pictures\n",
+        paths.len(),
+        wrong.len()
+    );
+    if let Some(clip) = &args.after {
+        writeln!(
+            out,
+            "before {remembered} of {} pictures the face of {clip} was tracked",
+            paths.len()
+        )?;
+    }
+    for (name, tracked) in &wrong {
+        writeln!(out, "{name}: {tracked} of {PAN} frames")?;
+    }
+    output::print(&out)?;
+    if let Some(path) = &args.json {
+        let remembered = args.after.as_ref().map(|_| remembered);
+        let wrong: serde_json::Map<_, _> = wrong.into_iter().map(|(n, k)| (n, json!(k))).collect();
+        let value = json!({"pictures": paths.len(), "frames": frames, "tracked": tracked,
+            "remembered": remembered, "tracked_in": wrong});
+        output::write_json(path, &value)?;
+    }
+    Ok(())
+}
+
+/// So that the window is as large as a frame.
+fn scaled(picture: &GrayImage) -> GrayImage {
+    let wide = picture.width() > picture.height();
+    covering(picture, (if wide { WIDE } else { FRAME.0 }, FRAME.1))
+}
+
+/// The clip's frames in the size of the others.
+fn faces_of(input: &str) -> Result<Vec<GrayImage>> {
+    let mut source = source::open(input, FPS)?;
+    let clip = Clip::read(source.as_mut(), MAX_FRAMES, input)?;
+    let fitted = |image: &GrayImage| window(&covering(image, FRAME), FRAME, 0.5);
+    Ok(clip.frames.iter().map(fitted).collect())
+}

@@ -1,0 +1,184 @@
+//! Times of steps by what the tracker did in them, without the noise of the machine.
+//!
+//! A tracker does the same work on the same frames. All steps are taken several times, each time
+//! by a fresh tracker, and a step's time is the shortest of these: what an interrupt or another
+//! process adds to one run is dropped, what the step itself needs is not. There are five runs, and
+//! more as long as they make the dearest step cheaper by more than a hundredth.
+
+use std::time::Instant;
+
+use anyhow::{Result, anyhow, ensure};
+use posewise::track::{Config, Model, State, Tracker};
+use serde_json::{Value, json};
+
+use crate::picture::Picture;
+use crate::scenes::Scenes;
+
+/// How often all steps are taken at least, and at most.
+const RUNS: (usize, usize) = (5, 20);
+/// So many runs must not have made the dearest step cheaper before it is believed.
+const QUIET_RUNS: usize = 2;
+/// Time between frames \[µs\].
+pub const STEP_US: i64 = 33_333;
+
+/// What the tracker did in a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// From Tracking to Tracking.
+    Tracking,
+    /// A face was found in this step, in Searching or Holding.
+    Acquiring,
+    /// From Searching to Searching.
+    Searching,
+    /// The face was lost in this step, or not found while holding.
+    Holding,
+}
+
+impl Kind {
+    /// All kinds with their names in reports.
+    pub const ALL: [(Kind, &'static str); 4] = [
+        (Kind::Tracking, "tracking"),
+        (Kind::Acquiring, "acquiring"),
+        (Kind::Searching, "searching"),
+        (Kind::Holding, "holding"),
+    ];
+
+    fn of(before: State, after: State) -> Kind {
+        match (before, after) {
+            (State::Tracking, State::Tracking) => Kind::Tracking,
+            (_, State::Tracking) => Kind::Acquiring,
+            (State::Searching, _) => Kind::Searching,
+            _ => Kind::Holding,
+        }
+    }
+}
+
+/// Kind and time \[ns\] of a step.
+pub type Step = (Kind, u64);
+
+/// All steps.
+pub struct Steps {
+    /// How often they were taken.
+    pub runs: usize,
+    steps: Vec<Step>,
+}
+
+impl Steps {
+    /// Takes all steps often enough.
+    pub fn time(model: &Model<'_>, scenes: &Scenes<'_>) -> Result<Self> {
+        let mut timed = Steps {
+            runs: 1,
+            steps: run(model, scenes)?,
+        };
+        let mut quiet = 0;
+        while timed.runs < RUNS.0 || (quiet < QUIET_RUNS && timed.runs < RUNS.1) {
+            let before = timed.worst();
+            timed.join(&run(model, scenes)?)?;
+            let cheaper = |(before, now): (Step, Step)| 100 * now.1 < 99 * before.1;
+            let is_cheaper = before.zip(timed.worst()).is_some_and(cheaper);
+            quiet = if is_cheaper { 0 } else { quiet + 1 };
+        }
+        Ok(timed)
+    }
+
+    /// Adds another run.
+    fn join(&mut self, again: &[Step]) -> Result<()> {
+        let same = self.steps.iter().map(|s| s.0).eq(again.iter().map(|s| s.0));
+        ensure!(same, "the same frames gave other answers the second time");
+        for (step, other) in self.steps.iter_mut().zip(again) {
+            step.1 = step.1.min(other.1);
+        }
+        self.runs += 1;
+        Ok(())
+    }
+
+    /// Times of one kind, or of all.
+    pub fn of(&self, kind: Option<Kind>) -> Times {
+        let steps = self.steps.iter().filter(|s| kind.is_none_or(|k| k == s.0));
+        let mut ns: Vec<u64> = steps.map(|s| s.1).collect();
+        ns.sort_unstable();
+        Times(ns)
+    }
+
+    /// The dearest step.
+    pub fn worst(&self) -> Option<Step> {
+        self.steps.iter().max_by_key(|s| s.1).copied()
+    }
+}
+
+/// A fresh tracker with a camera's settings.
+pub fn fresh() -> Result<Box<Tracker>> {
+    let tracker = Tracker::new(&Config::default()).map_err(|e| anyhow!("{e}"))?;
+    Ok(Box::new(tracker))
+}
+
+fn run(model: &Model<'_>, scenes: &Scenes<'_>) -> Result<Vec<Step>> {
+    let mut tracker = fresh()?;
+    let mut before = State::Searching;
+    let mut steps = Vec::new();
+    for (n, image) in scenes.pictures().enumerate() {
+        let picture = Picture::from_grey(image);
+        let frame = picture.frame()?;
+        let start = Instant::now();
+        let result = tracker.step(model, &frame, n as i64 * STEP_US);
+        let ns = start.elapsed().as_nanos() as u64;
+        let after = result.map_err(|e| anyhow!("{e}"))?.state;
+        steps.push((Kind::of(before, after), ns));
+        before = after;
+    }
+    Ok(steps)
+}
+
+/// Times \[ns\], sorted.
+pub struct Times(Vec<u64>);
+
+impl Times {
+    /// The value below which that share of the times lies; `None` of none.
+    pub fn quantile(&self, q: f64) -> Option<u64> {
+        let last = self.0.len().checked_sub(1)?;
+        self.0.get((q * last as f64).round() as usize).copied()
+    }
+
+    /// The numbers as JSON.
+    pub fn json(&self) -> Value {
+        json!({
+            "steps": self.0.len(),
+            "median_ns": self.quantile(0.5),
+            "p99_ns": self.quantile(0.99),
+            "max_ns": self.0.last(),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantiles_and_worst_by_hand() {
+        let kinds = [Kind::Tracking, Kind::Tracking, Kind::Searching];
+        let run = |ns: [u64; 3]| -> Vec<Step> { kinds.into_iter().zip(ns).collect() };
+        let mut steps = Steps {
+            runs: 1,
+            steps: run([5, 8, 9]),
+        };
+        steps.join(&run([7, 3, 10])).unwrap();
+        assert_eq!(steps.of(Some(Kind::Tracking)).quantile(0.0), Some(3));
+        assert_eq!(steps.of(None).quantile(0.5), Some(5));
+        assert_eq!(steps.of(Some(Kind::Holding)).quantile(0.5), None);
+        assert_eq!(steps.worst(), Some((Kind::Searching, 9)));
+        assert_eq!(steps.runs, 2);
+        assert!(steps.join(&run([1; 3])[..2]).is_err());
+    }
+
+    #[test]
+    fn steps_are_told_apart() {
+        use State::{Holding, Searching, Tracking};
+        assert_eq!(Kind::of(Tracking, Tracking), Kind::Tracking);
+        assert_eq!(Kind::of(Searching, Tracking), Kind::Acquiring);
+        assert_eq!(Kind::of(Holding, Tracking), Kind::Acquiring);
+        assert_eq!(Kind::of(Searching, Searching), Kind::Searching);
+        assert_eq!(Kind::of(Tracking, Holding), Kind::Holding);
+        assert_eq!(Kind::of(Holding, Searching), Kind::Holding);
+    }
+}
