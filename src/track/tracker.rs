@@ -15,9 +15,9 @@ use super::smooth::{Smoother, Smoothing};
 use super::{Loss, Model, State, TrackResult};
 use crate::align::{Shape, Workspace};
 use crate::detect::{Detection, Scan, Sizes, Swept, search_near};
-use crate::experts::Verdict;
 #[cfg(not(feature = "experts"))]
 use crate::experts::by_fit;
+use crate::experts::{Person, Verdict};
 use crate::image::Frame;
 use crate::shape::{
     FIRST, FRAME_WEIGHT, FaceState, FitOptions, IdentityEstimator, Intrinsics, LANDMARKS,
@@ -79,6 +79,8 @@ struct Subject {
     /// The 3D face of the last fit.
     face: FaceState,
     identity: IdentityEstimator,
+    /// How the person's landmarks look.
+    looks: Person,
     /// Whether it was sure at least once since it was found: only then may it become as doubtful as
     /// a covered face is.
     trusted: bool,
@@ -96,6 +98,7 @@ impl Subject {
         face: FaceState::EMPTY,
         // Renewed for every stranger; zero until then, as all of `Tracker::EMPTY`.
         identity: IdentityEstimator::with_memory(0.0),
+        looks: Person::NOBODY,
         trusted: false,
         trusted_frames: 0,
         fitted_us: 0,
@@ -287,6 +290,7 @@ impl Tracker {
     /// from the next trusted frames. The face goes on being tracked.
     pub fn forget_person(&mut self) {
         self.subject.identity = IdentityEstimator::new();
+        self.subject.looks = Person::NOBODY;
         self.subject.face.identity = [0.0; MAX_IDENTITIES];
     }
 
@@ -464,6 +468,8 @@ impl Tracker {
         let guess = shape;
         let ran = model.align.run(frame, 1, &mut shape, &mut self.work);
         let mut verdict = judged(model, &self.work);
+        let looks = &mut self.subject.looks;
+        looks.follow(self.work.features(), &mut verdict);
         let keep = if self.subject.trusted { KEEP } else { ACCEPT };
         let loss = if !ran || verdict.face < keep {
             Loss::Doubt
@@ -528,6 +534,7 @@ impl Tracker {
         }
         if whose == Whose::Stranger {
             subject.identity = IdentityEstimator::new();
+            subject.looks = Person::NOBODY;
         }
         subject.motion = match whose {
             Whose::Tracked => {

@@ -1,5 +1,6 @@
 //! Trains the models of posewise from photographs and rendered faces.
 
+pub mod adaptive;
 pub mod align;
 pub mod demo_clip;
 pub mod detect;
@@ -11,5 +12,6 @@ pub mod pack;
 pub mod pipeline;
 pub mod render;
 mod ridge;
+mod roc;
 pub mod score;
 pub mod templates;

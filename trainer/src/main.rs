@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
-use posewise_train::{demo_clip, pack, pipeline, render, templates};
+use posewise_train::{adaptive, demo_clip, pack, pipeline, render, templates};
 use std::path::PathBuf;
 
 /// Trains the models of posewise.
@@ -21,6 +21,8 @@ enum Command {
     Render(render::Args),
     /// Draw rendered samples with their landmarks, to be looked at.
     Sheet(render::sheet::Args),
+    /// Measure what models of a person's own features, learnt on line, would add to the verifier.
+    Adaptive(adaptive::Args),
     /// Measure pose-wise SVM templates on hand-made descriptors against a model's own experts.
     Templates(templates::Args),
     /// Leave sections out of a model: PART (fine stages) or INFO (the data sheet).
@@ -49,6 +51,7 @@ fn main() -> Result<()> {
         Command::Model(args) => pipeline::run(&args),
         Command::Render(args) => render::run(&args).map(|path| println!("{}", path.display())),
         Command::Sheet(args) => render::sheet::run(&args),
+        Command::Adaptive(args) => adaptive::run(&args),
         Command::Templates(args) => templates::run(&args),
         Command::Trim {
             model,

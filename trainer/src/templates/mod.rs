@@ -14,6 +14,7 @@ use crate::align::{Accuracy, Jitter, jittered_box, normal, start_from_box};
 use crate::detect::backgrounds;
 use crate::faces::{self, Face, Picture};
 use crate::fit::AlignedBlob;
+use crate::roc::area;
 use anyhow::{Context, Result};
 use correct::{Correction, ShapeModes};
 use descriptor::{Patches, Seat};
@@ -244,34 +245,4 @@ fn responses(
         out[seat.landmark(k)] = bank.response(seat.view, k, &patches, *p);
     }
     out
-}
-
-/// Area under the ROC of (score, label).
-fn area(mut pairs: Vec<(f32, bool)>) -> f64 {
-    pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let positives = pairs.iter().filter(|p| p.1).count() as f64;
-    let negatives = pairs.len() as f64 - positives;
-    let (mut sum, mut below) = (0.0, 0.0);
-    for equal in pairs.chunk_by(|a, b| a.0 == b.0) {
-        let up = equal.iter().filter(|p| p.1).count() as f64;
-        let down = equal.len() as f64 - up;
-        sum += up * (below + down / 2.0);
-        below += down;
-    }
-    sum / (positives * negatives).max(1.0)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn areas_by_hand() {
-        assert_eq!(area(vec![(0.1, false), (0.2, true), (0.3, true)]), 1.0);
-        assert_eq!(area(vec![(0.5, false), (0.5, true)]), 0.5);
-        assert_eq!(
-            area(vec![(0.4, true), (0.2, false), (0.3, true), (0.35, false)]),
-            0.75
-        );
-    }
 }
