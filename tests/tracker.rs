@@ -1,0 +1,237 @@
+//! Which face a tracker takes, that it stays with it, and how it loses and finds one: the demo
+//! clip's face pasted into larger pictures, once or twice.
+
+mod common;
+
+use common::{Clip, demo};
+use posewise::image::{Frame, FrameLayout};
+use posewise::track::{Config, Loss, Model, State, TrackResult, Tracker};
+
+const WIDTH: usize = 640;
+const HEIGHT: usize = 360;
+const FRAME_US: i64 = 40_000;
+/// Middle and width of the clip's face in its first frames, about \[px\].
+const FACE: ([f32; 2], f32) = ([160.0, 130.0], 90.0);
+
+/// A face of the clip: how many times its size, where its middle goes.
+#[derive(Clone, Copy)]
+struct Pasted {
+    scale: f32,
+    at: [f32; 2],
+}
+
+/// A picture with such faces; later ones lie over earlier ones.
+fn picture(clip: &Clip, frame: usize, faces: &[Pasted]) -> Vec<u8> {
+    // Forwards and backwards, so that the face never jumps.
+    let from = &clip.luma[(frame % 38).min(38 - frame % 38)];
+    let ground = |i: usize| 90 + (((i % WIDTH) * 7 + (i / WIDTH) * 13) % 31) as u8;
+    let mut luma: Vec<u8> = (0..WIDTH * HEIGHT).map(ground).collect();
+    for face in faces {
+        // Head and shoulders, not the clip's whole background.
+        let half = 0.75 * FACE.1 * face.scale;
+        for y in 0..HEIGHT {
+            for x in 0..WIDTH {
+                let [dx, dy] = [x as f32 - face.at[0], y as f32 - face.at[1]];
+                if dx.abs() > half || dy.abs() > half {
+                    continue;
+                }
+                let u = (FACE.0[0] + dx / face.scale).round() as usize;
+                let v = (FACE.0[1] + dy / face.scale).round() as usize;
+                if u < clip.width && v < clip.height {
+                    luma[y * WIDTH + x] = from[v * clip.width + u];
+                }
+            }
+        }
+    }
+    luma
+}
+
+struct Watch<'m> {
+    clip: Clip,
+    model: &'m Model<'m>,
+    tracker: Box<Tracker>,
+    frame: usize,
+}
+
+impl Watch<'_> {
+    fn see(&mut self, faces: &[Pasted]) -> TrackResult {
+        let luma = picture(&self.clip, self.frame, faces);
+        let layout = FrameLayout::grey(WIDTH as u32, HEIGHT as u32);
+        let frame = Frame::new(&layout, &luma).expect("a frame");
+        let time = self.frame as i64 * FRAME_US;
+        self.frame += 1;
+        *self
+            .tracker
+            .step(self.model, &frame, time)
+            .expect("time goes on")
+    }
+
+    /// Shows the same until a face is tracked; how many frames that took.
+    fn until_tracked(&mut self, faces: &[Pasted], most: usize) -> (usize, TrackResult) {
+        for n in 1..=most {
+            let result = self.see(faces);
+            if result.state == State::Tracking {
+                return (n, result);
+            }
+        }
+        panic!("not tracked in {most} frames");
+    }
+}
+
+/// Runs a test on the clip, if it is there.
+fn watch(config: Config, test: impl FnOnce(&mut Watch<'_>)) {
+    let Some(clip) = demo() else {
+        eprintln!("skipped: there is no tests/data/demo.y4m.gz");
+        return;
+    };
+    let model = Model::load(posewise::DEFAULT_MODEL).expect("the default model is valid");
+    test(&mut Watch {
+        clip,
+        model: &model,
+        tracker: Box::new(Tracker::new(&config).expect("good settings")),
+        frame: 0,
+    });
+}
+
+fn middle(result: &TrackResult) -> [f32; 2] {
+    let [x, y, w, h] = result.face_box;
+    [x + w / 2.0, y + h / 2.0]
+}
+
+fn is_at(result: &TrackResult, face: Pasted) -> bool {
+    let [x, y] = middle(result);
+    (x - face.at[0]).hypot(y - face.at[1]) < 0.3 * FACE.1 * face.scale
+}
+
+const SMALL: Pasted = Pasted {
+    scale: 0.9,
+    at: [130.0, 180.0],
+};
+const LARGE: Pasted = Pasted {
+    scale: 1.7,
+    at: [430.0, 180.0],
+};
+
+/// The whole frame is searched at once.
+fn patient() -> Config {
+    Config {
+        scan_budget: 1_000_000,
+        ..Config::default()
+    }
+}
+
+#[test]
+fn the_largest_face_is_picked() {
+    watch(patient(), |watch| {
+        let (_, result) = watch.until_tracked(&[SMALL, LARGE], 3);
+        assert!(is_at(&result, LARGE), "{:?}", result.face_box);
+    });
+}
+
+#[test]
+fn a_larger_newcomer_does_not_steal_it() {
+    watch(patient(), |watch| {
+        watch.until_tracked(&[SMALL], 3);
+        for _ in 0..10 {
+            watch.see(&[SMALL]);
+        }
+        for _ in 0..30 {
+            let result = watch.see(&[SMALL, LARGE]);
+            assert_eq!(result.state, State::Tracking);
+            assert!(is_at(&result, SMALL), "{:?}", result.face_box);
+        }
+    });
+}
+
+#[test]
+fn a_second_face_that_passes_does_not_attract_it() {
+    watch(patient(), |watch| {
+        let own = Pasted {
+            scale: 1.2,
+            at: [320.0, 180.0],
+        };
+        watch.until_tracked(&[own], 3);
+        for n in 0..60 {
+            let other = Pasted {
+                scale: 1.0,
+                at: [40.0 + 3.0 * n as f32, 180.0],
+            };
+            // From far away to side by side; the tracked face is in front.
+            let result = watch.see(&[other, own]);
+            assert_eq!(result.state, State::Tracking, "{n}");
+            assert!(is_at(&result, own), "{n}: {:?}", result.face_box);
+        }
+    });
+}
+
+#[test]
+fn a_face_that_comes_back_elsewhere_is_found_at_the_camera_s_budget() {
+    watch(Config::default(), |watch| {
+        watch.until_tracked(&[LARGE], 60);
+        for _ in 0..20 {
+            watch.see(&[LARGE]);
+        }
+        for n in 0..25 {
+            let result = watch.see(&[]);
+            assert_ne!(result.state, State::Tracking);
+            let held = (n + 1) * FRAME_US <= 500_000;
+            assert_eq!(result.state == State::Holding, held, "{n}");
+            assert_eq!(result.loss, Loss::Doubt);
+        }
+        let back = Pasted {
+            at: [220.0, 170.0],
+            ..LARGE
+        };
+        let (frames, result) = watch.until_tracked(&[back], 10);
+        assert!(is_at(&result, back), "{:?}", result.face_box);
+        println!("found after {frames} frames");
+        assert_eq!(result.loss, Loss::None);
+    });
+}
+
+#[test]
+fn the_reason_of_a_loss_is_told() {
+    watch(patient(), |watch| {
+        watch.until_tracked(&[LARGE], 3);
+        // Out of the picture, a tenth of its width per frame.
+        let mut reasons = Vec::new();
+        for n in 0..40 {
+            let gone = Pasted {
+                at: [LARGE.at[0] + 15.0 * n as f32, LARGE.at[1]],
+                ..LARGE
+            };
+            let result = watch.see(&[gone]);
+            if result.state != State::Tracking {
+                reasons.push(result.loss);
+            }
+        }
+        assert!(reasons.iter().all(|r| *r != Loss::None), "{reasons:?}");
+        assert!(!reasons.is_empty());
+    });
+}
+
+#[test]
+fn smoothed_answers_follow_the_raw_ones() {
+    watch(patient(), |watch| {
+        let (_, raw) = watch.until_tracked(&[LARGE], 3);
+        assert_eq!(
+            *watch.tracker.smoothed(),
+            raw,
+            "the first answer is as it is"
+        );
+        for _ in 0..20 {
+            let raw = watch.see(&[LARGE]);
+            let smooth = watch.tracker.smoothed();
+            assert_eq!(
+                (smooth.state, smooth.timestamp_us),
+                (raw.state, raw.timestamp_us)
+            );
+            assert!((smooth.yaw_deg - raw.yaw_deg).abs() < 5.0);
+            let pairs = smooth.landmarks.iter().zip(&raw.landmarks);
+            let off = pairs.map(|(a, b)| (a.x - b.x).hypot(a.y - b.y));
+            assert!(off.fold(0.0, f32::max) < 0.05 * FACE.1 * LARGE.scale);
+        }
+        watch.tracker.reset();
+        assert_eq!(*watch.tracker.smoothed(), TrackResult::EMPTY);
+    });
+}
