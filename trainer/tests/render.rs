@@ -107,3 +107,44 @@ fn an_interrupted_cache_goes_on() {
     assert_eq!(cache::write(&path, &renderer, 1, 2, &other).unwrap(), 2);
     std::fs::remove_dir_all(&folder).unwrap();
 }
+
+#[test]
+fn what_is_worn_hides_what_it_covers() {
+    let renderer = renderer();
+    let plain = SampleSpec {
+        yaw_deg: 15.0,
+        pitch_deg: 10.0,
+        ..spec()
+    };
+    let seen = |spec: &SampleSpec, points: std::ops::Range<usize>| -> f32 {
+        let share = |index: u64| {
+            let sample = renderer.sample(5, index, spec);
+            let seen = points.clone().filter(|i| sample.visible[*i]).count();
+            seen as f32 / points.len() as f32
+        };
+        (0..12).map(share).sum::<f32>() / 12.0
+    };
+    let masked = SampleSpec {
+        masks: 1.0,
+        ..plain.clone()
+    };
+    let (bare_mouth, bare_eyes) = (seen(&plain, 48..60), seen(&plain, 36..48));
+    assert!(seen(&masked, 48..60) < 0.2 * bare_mouth);
+    assert!(seen(&masked, 36..48) > 0.9 * bare_eyes);
+    for worn in [
+        SampleSpec {
+            long_hair: 1.0,
+            ..plain.clone()
+        },
+        SampleSpec {
+            caps: 1.0,
+            ..plain.clone()
+        },
+    ] {
+        assert!(seen(&worn, 48..60) > 0.9 * bare_mouth);
+        assert_ne!(
+            renderer.sample(5, 0, &worn).luma,
+            renderer.sample(5, 0, &plain).luma
+        );
+    }
+}
