@@ -18,6 +18,10 @@ use crate::experts::Verdict;
 #[cfg(not(feature = "experts"))]
 use crate::experts::by_fit;
 use crate::image::Frame;
+#[cfg(feature = "keyframes")]
+use crate::keyframe::{Keyframes, Seen, Wanted};
+#[cfg(feature = "keyframes")]
+use crate::math::HeadAngles;
 use crate::shape::{
     FIRST, FRAME_WEIGHT, FaceState, FitOptions, IdentityEstimator, Intrinsics, LANDMARKS,
     MAX_IDENTITIES, Observed, fit,
@@ -50,6 +54,20 @@ const NEAR_BUDGET: u32 = 1500;
 const ACQUIRE_UNITS: u32 = 3000;
 /// What a second look costs, likewise.
 const SECOND_LOOK_UNITS: u32 = 1700;
+
+/// What a look for keyframes costs, likewise.
+const RECOLLECT_UNITS: u32 = 1000;
+
+/// What a look for keyframes ended with.
+#[cfg_attr(not(feature = "keyframes"), allow(dead_code))]
+enum Recollected {
+    /// There was nothing to look for: it cost nothing.
+    NoKeyframe,
+    /// Nobody is there, or nobody that is known.
+    Nobody,
+    /// A face, which is tracked now.
+    Found,
+}
 
 /// Why a frame was not taken; the tracker is then as before the call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -101,12 +119,15 @@ impl Subject {
 struct Lost {
     /// As the detector has it; 0 for nobody.
     size_px: f32,
+    /// In-plane rotation \[rad\].
+    roll: f32,
     when_us: i64,
 }
 
 impl Lost {
     const NOBODY: Lost = Lost {
         size_px: 0.0,
+        roll: 0.0,
         when_us: 0,
     };
 }
@@ -137,9 +158,13 @@ pub struct Tracker {
     doubtful: Shape,
     /// Counts steps without a face.
     turn: u32,
+    /// Counts looks for keyframes since a face was tracked.
+    looks: u32,
     /// Meaningful unless Searching.
     subject: Subject,
     work: Workspace,
+    #[cfg(feature = "keyframes")]
+    keyframes: Keyframes,
 }
 
 impl Tracker {
@@ -159,8 +184,11 @@ impl Tracker {
         doubt: 0.0,
         doubtful: [[0.0; 2]; LANDMARKS],
         turn: 0,
+        looks: 0,
         subject: Subject::EMPTY,
         work: Workspace::new(),
+        #[cfg(feature = "keyframes")]
+        keyframes: Keyframes::EMPTY,
     };
 
     /// A tracker that has seen nothing.
@@ -259,6 +287,9 @@ impl Tracker {
         self.lost = Lost::NOBODY;
         self.doubt = 0.0;
         self.turn = 0;
+        self.looks = 0;
+        #[cfg(feature = "keyframes")]
+        self.keyframes.forget();
     }
 
     /// Forgets whose face it is, as when somebody else takes the seat: the identity is learnt anew
@@ -266,6 +297,8 @@ impl Tracker {
     pub fn forget_person(&mut self) {
         self.subject.identity = IdentityEstimator::new();
         self.subject.face.identity = [0.0; MAX_IDENTITIES];
+        #[cfg(feature = "keyframes")]
+        self.keyframes.forget();
     }
 
     /// Changes the camera from the next step on.
@@ -289,19 +322,26 @@ impl Tracker {
         self.turn = self.turn.wrapping_add(1);
         let recent = self.lost.size_px > 0.0 && age_us < RECALL_US;
         let recalled = (recent && !self.turn.is_multiple_of(RECALL_TURNS)).then_some(self.lost);
-        if !self.sweep(model, frame, now, recalled) {
+        let looked = recent || self.turn.is_multiple_of(RECALL_TURNS);
+        let spent = match looked.then(|| self.recollect(model, frame, now, self.lost)) {
+            Some(Recollected::Found) => return,
+            Some(Recollected::Nobody) => RECOLLECT_UNITS,
+            Some(Recollected::NoKeyframe) | None => 0,
+        };
+        if !self.sweep(model, frame, now, recalled, spent) {
             self.lose(now);
         }
     }
 
-    /// Goes on with the sweep over faces of about that size, or with that over all; true when a face
-    /// is found and taken.
+    /// Goes on with the sweep over faces of about that size, or with that over all, after `spent`
+    /// units of this step's work were used; true when a face is found and taken.
     fn sweep(
         &mut self,
         model: &Model<'_>,
         frame: &Frame<'_>,
         now: i64,
         recalled: Option<Lost>,
+        spent: u32,
     ) -> bool {
         let smallest = self.config.min_face_px as i32;
         let sizes = match recalled {
@@ -311,7 +351,7 @@ impl Tracker {
                 max_px: (lost.size_px * 1.25) as i32,
             },
         };
-        let mut budget = self.config.scan_budget;
+        let mut budget = self.config.scan_budget.saturating_sub(spent).max(1);
         let mut found = false;
         if self.doubt >= DOUBT {
             found = self.second_look(model, frame, now);
@@ -328,28 +368,109 @@ impl Tracker {
             found = self.acquire(model, frame, now, &face, Whose::Stranger);
         }
         if found {
-            self.scan.restart();
-            self.recall.restart();
-            self.lost = Lost::NOBODY;
-            self.doubt = 0.0;
+            self.found();
         }
         found
+    }
+
+    /// Nobody is looked for any more.
+    fn found(&mut self) {
+        self.scan.restart();
+        self.recall.restart();
+        self.lost = Lost::NOBODY;
+        self.doubt = 0.0;
+    }
+
+    /// Looks for the lost face, or another that was tracked before, by keyframes.
+    #[cfg(feature = "keyframes")]
+    #[inline(never)]
+    fn recollect(
+        &mut self,
+        model: &Model<'_>,
+        frame: &Frame<'_>,
+        now: i64,
+        lost: Lost,
+    ) -> Recollected {
+        if lost.size_px <= 0.0 || self.keyframes.is_empty() {
+            return Recollected::NoKeyframe;
+        }
+        let wanted = Wanted {
+            size_px: lost.size_px,
+            roll: lost.roll,
+            turn: self.looks,
+        };
+        self.looks = self.looks.wrapping_add(1);
+        let Some(found) = self.keyframes.find(frame, &wanted, self.work.scratch()) else {
+            return Recollected::Nobody;
+        };
+        let mut shape = found.shape;
+        let Some(mut verdict) = self.look(model, frame, 1, &mut shape) else {
+            return Recollected::Nobody;
+        };
+        if verdict.face < ACCEPT {
+            return Recollected::Nobody;
+        }
+        let whose = match found.person == self.keyframes.person() {
+            true => Whose::Lost,
+            false => Whose::Stranger,
+        };
+        if !self.answer(model, frame, now, &shape, whose, &mut verdict) {
+            return Recollected::Nobody;
+        }
+        self.keyframes.take(&found);
+        self.found();
+        Recollected::Found
+    }
+
+    /// Builds without keyframes have none.
+    #[cfg(not(feature = "keyframes"))]
+    fn recollect(&mut self, _: &Model<'_>, _: &Frame<'_>, _: i64, _: Lost) -> Recollected {
+        Recollected::NoKeyframe
+    }
+
+    /// Keeps what is tracked as a keyframe, if it is sure and brings something new.
+    #[cfg(feature = "keyframes")]
+    #[inline(never)]
+    fn remember(&mut self, model: &Model<'_>, frame: &Frame<'_>) {
+        let result = &self.result;
+        let angles = HeadAngles {
+            yaw_deg: result.yaw_deg,
+            pitch_deg: result.pitch_deg,
+            roll_deg: result.roll_deg,
+        };
+        let quality = result.score * result.seen_share;
+        if result.score < TRUST || self.keyframes.place(&angles, quality).is_none() {
+            return;
+        }
+        let seen = Seen {
+            shape: &self.subject.shape,
+            angles,
+            size_px: place_of(model, &self.subject.shape).size,
+            quality,
+        };
+        self.keyframes.learn(frame, &seen, self.work.scratch());
     }
 
     /// Looks for a face that was lost a moment ago where it should be by now, and every other time
     /// anywhere: it may have jumped.
     fn hold(&mut self, model: &Model<'_>, frame: &Frame<'_>, now: i64) {
         let around = place_of(model, &self.subject.shape);
+        let jumped = Lost {
+            size_px: around.size,
+            roll: around.roll,
+            when_us: now,
+        };
+        let spent = match self.recollect(model, frame, now, jumped) {
+            Recollected::Found => return,
+            Recollected::Nobody => RECOLLECT_UNITS,
+            Recollected::NoKeyframe => 0,
+        };
         self.turn = self.turn.wrapping_add(1);
         let found = if self.turn.is_multiple_of(2) {
-            search_near(&model.detector, frame, &around, NEAR_BUDGET)
+            search_near(&model.detector, frame, &around, NEAR_BUDGET - spent)
                 .is_some_and(|face| self.acquire(model, frame, now, &face, Whose::Lost))
         } else {
-            let jumped = Lost {
-                size_px: around.size,
-                when_us: now,
-            };
-            self.sweep(model, frame, now, Some(jumped))
+            self.sweep(model, frame, now, Some(jumped), spent)
         };
         if !found {
             self.keep_holding(model, now);
@@ -360,8 +481,10 @@ impl Tracker {
         let age_us = now.saturating_sub(self.subject.fitted_us);
         if age_us > HOLD_US {
             self.scan.restart();
+            let place = place_of(model, &self.subject.shape);
             self.lost = Lost {
-                size_px: place_of(model, &self.subject.shape).size,
+                size_px: place.size,
+                roll: place.roll,
                 when_us: now,
             };
             self.lose(now);
@@ -451,6 +574,9 @@ impl Tracker {
             Loss::Pose
         } else {
             self.subject.guess = guess;
+            self.looks = 0;
+            #[cfg(feature = "keyframes")]
+            self.remember(model, frame);
             return;
         };
         self.result.loss = loss;
@@ -506,6 +632,8 @@ impl Tracker {
         }
         if whose == Whose::Stranger {
             subject.identity = IdentityEstimator::new();
+            #[cfg(feature = "keyframes")]
+            self.keyframes.stranger();
         }
         subject.motion = match whose {
             Whose::Tracked => {
