@@ -114,3 +114,32 @@ pub fn apart(a: &Descriptor, b: &Descriptor, first: u32) -> Option<u32> {
     let head: u32 = words.by_ref().take(2).sum();
     (head <= first).then(|| head + words.sum::<u32>())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::{SIDE, texture};
+    use super::*;
+
+    #[test]
+    fn noise_and_steered_turns_change_few_bits() {
+        let centre = (SIDE / 2) as u16;
+        let upright = texture(0.0, 1.0, 0);
+        let upright = Picture::new(&upright, SIDE);
+        let of = |picture: &Picture<'_>, roll, x| {
+            Steered::new(roll, picture).describe(picture, x, centre)
+        };
+        let apart = |a, b| super::apart(&a, &b, BITS).expect("at most all");
+        let before = of(&upright, 0.0, centre);
+        for roll in [0.0f32, 0.4, -1.0, 2.0] {
+            let turned = texture(roll, 1.0, 6);
+            let turned = Picture::new(&turned, SIDE);
+            let same = apart(before, of(&turned, roll, centre));
+            assert!(same < 48, "{same} bits at a roll of {roll}");
+            let elsewhere = apart(before, of(&turned, roll, centre + 30));
+            assert!(elsewhere > 80, "{elsewhere} bits of another place");
+        }
+        // At the very edge there is something to read, too.
+        assert_ne!(of(&upright, 0.7, 0), [0; 8]);
+        assert_eq!(super::apart(&[0; 8], &[u32::MAX; 8], 63), None);
+    }
+}

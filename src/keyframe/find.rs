@@ -224,3 +224,62 @@ fn agrees(similarity: &Similarity, (from, to): &Pair) -> bool {
     let (dx, dy) = (x - to[0], y - to[1]);
     dx * dx + dy * dy < NEAR * NEAR
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn below(state: &mut u32, n: f32) -> f32 {
+        *state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (*state >> 8) as f32 / (1 << 24) as f32 * n
+    }
+
+    fn random(state: &mut u32) -> Pair {
+        let mut one = |n| below(state, n);
+        (
+            [one(60.0) - 30.0, one(60.0) - 30.0],
+            [one(320.0), one(240.0)],
+        )
+    }
+
+    #[test]
+    fn a_planted_similarity_is_found_among_outliers() {
+        let truth = Similarity {
+            a: 1.1,
+            b: 0.2,
+            tx: 200.0,
+            ty: 90.0,
+        };
+        for seed in 0..20 {
+            let mut state = seed;
+            let pairs: [Pair; 28] = core::array::from_fn(|i| {
+                let (from, to) = random(&mut state);
+                let [x, y] = truth.apply(from);
+                if i % 3 == 0 {
+                    (from, [x + 1.0, y - 1.0])
+                } else {
+                    (from, to)
+                }
+            });
+            let (agreed, found) = consensus(&pairs, 0.0).expect("ten of 28 agree");
+            assert!((10..=12).contains(&agreed), "{agreed}");
+            let off = found.apply([10.0, -10.0]);
+            let [x, y] = truth.apply([10.0, -10.0]);
+            assert!((off[0] - x).abs() < 3.0 && (off[1] - y).abs() < 3.0);
+            // Upright faces are expected, or such as are turned by a third of a turn.
+            assert!(consensus(&pairs, 2.0).is_none());
+        }
+    }
+
+    #[test]
+    fn chance_agrees_on_nothing() {
+        let mut state = 1;
+        for _ in 0..200 {
+            let pairs: [Pair; POINTS] = core::array::from_fn(|_| random(&mut state));
+            assert_eq!(consensus(&pairs, 0.0), None);
+        }
+        assert_eq!(consensus(&[], 0.0), None);
+        assert_eq!(consensus(&[([1.0; 2], [5.0; 2]); 9], 0.0), None);
+        assert_eq!(consensus(&[([1.0; 2], [f32::NAN; 2]); 9], 0.0), None);
+    }
+}

@@ -258,3 +258,156 @@ impl Outline {
         reach.all(|(d, far)| x * d[0] + y * d[1] <= *far)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::{SIDE as SQUARE, texture};
+    use super::super::{BYTES, Wanted};
+    use super::*;
+    use crate::image::FrameLayout;
+
+    /// A ring of landmarks, 64 px wide, around a place.
+    fn ring([x, y]: [f32; 2]) -> Shape {
+        core::array::from_fn(|i| {
+            let angle = i as f32 * 0.37;
+            let radius = if i < 17 { 32.0 } else { 20.0 };
+            [
+                x + radius * libm::cosf(angle),
+                y + radius * libm::sinf(angle),
+            ]
+        })
+    }
+
+    fn angles(yaw_deg: f32, pitch_deg: f32) -> HeadAngles {
+        HeadAngles {
+            yaw_deg,
+            pitch_deg,
+            roll_deg: 0.0,
+        }
+    }
+
+    fn frame(luma: &[u8], width: usize) -> Frame<'_> {
+        let height = luma.len() / width;
+        Frame::new(&FrameLayout::grey(width as u32, height as u32), luma).unwrap()
+    }
+
+    fn learn(keyframes: &mut Keyframes, luma: &[u8], yaw_deg: f32, pitch_deg: f32, quality: f32) {
+        let seen = Seen {
+            shape: &ring([100.0, 100.0]),
+            angles: angles(yaw_deg, pitch_deg),
+            size_px: 64.0,
+            quality,
+        };
+        keyframes.learn(&frame(luma, SQUARE), &seen, &mut [0; BYTES]);
+    }
+
+    const WANTED: Wanted = Wanted {
+        size_px: 64.0,
+        roll: 0.0,
+        turn: 0,
+    };
+
+    #[test]
+    fn bins_fill_and_are_replaced_by_better_ones() {
+        let luma = texture(0.0, 1.0, 0);
+        let mut keyframes = Keyframes::EMPTY;
+        assert!(keyframes.is_empty());
+        learn(&mut keyframes, &luma, 0.0, 0.0, 0.7);
+        let filled = |k: &Keyframes| k.table.iter().filter(|k| k.count > 0).count();
+        assert_eq!(filled(&keyframes), 1);
+        assert!(keyframes.table[0].points().len() > 8);
+        // The same bin brings nothing, unless much better; then the entry stays the same.
+        assert_eq!(keyframes.place(&angles(9.0, -9.0), 0.8), None);
+        assert_eq!(keyframes.place(&angles(9.0, -9.0), 0.9), Some(0));
+        assert_eq!(keyframes.place(&angles(20.0, 0.0), 0.1), Some(1));
+        assert_eq!(keyframes.place(&angles(0.0, 20.0), 0.1), Some(1));
+        learn(&mut keyframes, &luma, -20.0, 0.0, 0.5);
+        // Somebody else's face does not replace it before there is no room.
+        keyframes.stranger();
+        for bin in 0..15 {
+            let yaw = [-60.0, -20.0, 0.0, 20.0, 60.0][bin % 5];
+            learn(&mut keyframes, &luma, yaw, [-30.0, 0.0, 30.0][bin / 5], 0.5);
+        }
+        assert_eq!(filled(&keyframes), 17);
+        keyframes.again(0);
+        let first = keyframes.person();
+        for _ in 0..2 {
+            keyframes.stranger();
+            assert_ne!(keyframes.person(), first);
+            learn(&mut keyframes, &luma, 0.0, 0.0, 0.5);
+            learn(&mut keyframes, &luma, 20.0, 0.0, 0.5);
+        }
+        // The one that was of use lately is kept, the one that was not has made room.
+        assert_eq!(filled(&keyframes), KEYFRAMES);
+        assert_eq!(keyframes.table[0].person, first);
+        assert_ne!(keyframes.table[1].person, first);
+        keyframes.forget();
+        assert!(keyframes.is_empty());
+    }
+
+    #[test]
+    fn a_face_is_found_where_it_went() {
+        let mut keyframes = Keyframes::EMPTY;
+        learn(&mut keyframes, &texture(0.0, 1.0, 0), 0.0, 0.0, 1.0);
+        for (roll, scale) in [(0.0, 1.0), (0.2, 1.0), (-0.2, 1.1), (0.0, 0.9)] {
+            let luma = texture(roll, scale, 4);
+            let frame = frame(&luma, SQUARE);
+            let found = keyframes.find(&frame, &WANTED, &mut [0; BYTES]);
+            let found = found.expect("the same texture");
+            assert_eq!((found.person, found.agreed >= 6), (0, true));
+            let truth = ring([0.0, 0.0]).map(|[x, y]| {
+                let (cos, sin) = (libm::cosf(roll) * scale, libm::sinf(roll) * scale);
+                [100.0 + x * cos - y * sin, 100.0 + x * sin + y * cos]
+            });
+            for (found, truth) in found.shape.iter().zip(&truth) {
+                let off = libm::hypotf(found[0] - truth[0], found[1] - truth[1]);
+                assert!(off < 4.0, "{off} px at {roll}, {scale}");
+            }
+        }
+    }
+
+    #[test]
+    fn where_there_is_nothing_nothing_is_found() {
+        let mut keyframes = Keyframes::EMPTY;
+        learn(&mut keyframes, &texture(0.0, 1.0, 0), 0.0, 0.0, 1.0);
+        let mut state = 3u32;
+        let noise: [u8; SQUARE * SQUARE] = core::array::from_fn(|_| {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 24) as u8
+        });
+        let memory = &mut [0; BYTES];
+        for turn in 0..8 {
+            for (luma, width) in [
+                (&noise[..], SQUARE),
+                (&[77; 160 * 120], 160),
+                (&[200], 1),
+                (&[3; 16_384], 16_384),
+                (&[3; 16_384], 1),
+            ] {
+                for size_px in [64.0, 1.0, 0.0, -5.0, 1e9, f32::NAN] {
+                    let wanted = Wanted {
+                        size_px,
+                        turn,
+                        roll: size_px,
+                    };
+                    let found = keyframes.find(&frame(luma, width), &wanted, memory);
+                    assert_eq!(found, None);
+                }
+            }
+        }
+        // Faces that cannot be: nothing to find them by is kept.
+        let mut empty = Keyframes::EMPTY;
+        for v in [f32::NAN, f32::INFINITY, 1e30, -1e30] {
+            let seen = Seen {
+                shape: &[[v; 2]; LANDMARKS],
+                angles: angles(v, v),
+                size_px: v,
+                quality: 1.0,
+            };
+            empty.learn(&frame(&noise, SQUARE), &seen, memory);
+            empty.learn(&frame(&[0], 1), &seen, &mut []);
+        }
+        let found = empty.find(&frame(&noise, SQUARE), &WANTED, memory);
+        assert_eq!(found, None);
+    }
+}

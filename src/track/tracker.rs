@@ -1,9 +1,16 @@
 //! One step: frame in, result out; and the state machine around it.
 //!
 //! Searching runs a slice of the detector's sweep; a face found there is aligned and judged at
-//! once. A face that was lost not long ago is mostly looked for at its own size, wherever it is. Tracking runs the cascade once from the shape that the last frames predict.
-//! A fit whose probability falls below `KEEP` makes the tracker Holding: the last answer is
-//! repeated, the detector looks around it and elsewhere, and after `HOLD_US` the search starts anew.
+//! once. A face that was lost not long ago is mostly looked for at its own size, wherever it is.
+//! Tracking runs the cascade once from the shape that the last frames predict. A fit whose
+//! probability falls below `KEEP` makes the tracker Holding: the last answer is repeated, the
+//! detector looks around it and elsewhere, and after `HOLD_US` the search starts anew.
+//!
+//! Keyframes are kept of sure frames while Tracking, at most one a step and none that brings nothing
+//! new. With the step that loses the face and with each one after it one window of the frame is
+//! compared with them, at the expense of the detector's slice; what is found goes the way of a
+//! detection. They outlive a loss and a stranger, for the person may come back: a stranger's
+//! keyframes take the places of those that were of use longest ago.
 
 use super::config::{Config, ConfigError};
 use super::motion::{Motion, steadied};
@@ -130,6 +137,14 @@ impl Lost {
         roll: 0.0,
         when_us: 0,
     };
+
+    fn at(place: &Detection, when_us: i64) -> Lost {
+        Lost {
+            size_px: place.size,
+            roll: place.roll,
+            when_us,
+        }
+    }
 }
 
 /// Whose face a shape is, and what to fit the 3D face from.
@@ -322,7 +337,10 @@ impl Tracker {
         self.turn = self.turn.wrapping_add(1);
         let recent = self.lost.size_px > 0.0 && age_us < RECALL_US;
         let recalled = (recent && !self.turn.is_multiple_of(RECALL_TURNS)).then_some(self.lost);
-        let looked = recent || self.turn.is_multiple_of(RECALL_TURNS);
+        // Rarely where the budget is so small that a look would be most of it.
+        let rare = (2 * RECOLLECT_UNITS).div_ceil(self.config.scan_budget.max(1));
+        let rare = rare.max(if recent { 1 } else { RECALL_TURNS });
+        let looked = self.turn.is_multiple_of(rare);
         let spent = match looked.then(|| self.recollect(model, frame, now, self.lost)) {
             Some(Recollected::Found) => return,
             Some(Recollected::Nobody) => RECOLLECT_UNITS,
@@ -455,11 +473,7 @@ impl Tracker {
     /// anywhere: it may have jumped.
     fn hold(&mut self, model: &Model<'_>, frame: &Frame<'_>, now: i64) {
         let around = place_of(model, &self.subject.shape);
-        let jumped = Lost {
-            size_px: around.size,
-            roll: around.roll,
-            when_us: now,
-        };
+        let jumped = Lost::at(&around, now);
         let spent = match self.recollect(model, frame, now, jumped) {
             Recollected::Found => return,
             Recollected::Nobody => RECOLLECT_UNITS,
@@ -481,12 +495,7 @@ impl Tracker {
         let age_us = now.saturating_sub(self.subject.fitted_us);
         if age_us > HOLD_US {
             self.scan.restart();
-            let place = place_of(model, &self.subject.shape);
-            self.lost = Lost {
-                size_px: place.size,
-                roll: place.roll,
-                when_us: now,
-            };
+            self.lost = Lost::at(&place_of(model, &self.subject.shape), now);
             self.lose(now);
         } else {
             self.result.state = State::Holding;
@@ -579,6 +588,16 @@ impl Tracker {
             self.remember(model, frame);
             return;
         };
+        // It may have jumped: on this very frame only keyframes can tell where to.
+        if loss != Loss::Left {
+            let jumped = Lost::at(&place_of(model, &self.subject.shape), now);
+            if matches!(
+                self.recollect(model, frame, now, jumped),
+                Recollected::Found
+            ) {
+                return;
+            }
+        }
         self.result.loss = loss;
         self.keep_holding(model, now);
     }
