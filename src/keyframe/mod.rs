@@ -9,8 +9,8 @@
 //! they agree. It moves the keyframe's landmarks to where the cascade then starts: the cascade needs
 //! no more than that, and finds the pose by itself.
 //!
-//! A keyframe fits a pose within about 20° and a size within a third. There is one for each bin of
-//! yaw and pitch and each person; a table of fixed size holds them. Memory, keypoints, comparisons
+//! There is one keyframe for each bin of yaw and pitch and each person; a table of fixed size holds
+//! them. A face in a mirror is another person's. Memory, keypoints, comparisons
 //! and rounds are bounded by constants; pixels and bits are integers, so every machine finds the same.
 
 mod descriptor;

@@ -127,6 +127,7 @@ struct Lost {
     /// As the detector has it; 0 for nobody.
     size_px: f32,
     /// In-plane rotation \[rad\].
+    #[cfg_attr(not(feature = "keyframes"), allow(dead_code))]
     roll: f32,
     when_us: i64,
 }
@@ -245,7 +246,10 @@ impl Tracker {
     ) -> Result<&TrackResult, StepError> {
         self.tick(timestamp_us)?;
         match self.result.state {
-            State::Tracking => self.track(model, frame, timestamp_us),
+            State::Tracking => match self.track(model, frame, timestamp_us) {
+                None => self.remember(model, frame),
+                Some(loss) => self.slip(model, frame, timestamp_us, loss),
+            },
             State::Holding => self.hold(model, frame, timestamp_us),
             State::Searching => self.search(model, frame, timestamp_us),
         }
@@ -446,6 +450,10 @@ impl Tracker {
         Recollected::NoKeyframe
     }
 
+    /// Nor do they keep any.
+    #[cfg(not(feature = "keyframes"))]
+    fn remember(&mut self, _: &Model<'_>, _: &Frame<'_>) {}
+
     /// Keeps what is tracked as a keyframe, if it is sure and brings something new.
     #[cfg(feature = "keyframes")]
     #[inline(never)]
@@ -565,8 +573,9 @@ impl Tracker {
         ran.then(|| judged(model, &self.work))
     }
 
+    /// Goes on with the face of the frame before; or says why it cannot, with nothing changed.
     #[inline(never)]
-    fn track(&mut self, model: &Model<'_>, frame: &Frame<'_>, now: i64) {
+    fn track(&mut self, model: &Model<'_>, frame: &Frame<'_>, now: i64) -> Option<Loss> {
         let subject = &self.subject;
         let elapsed_us = now.saturating_sub(subject.fitted_us);
         let predicted = subject.motion.predict(&subject.shape, elapsed_us);
@@ -575,31 +584,31 @@ impl Tracker {
         let ran = model.align.run(frame, 1, &mut shape, &mut self.work);
         let mut verdict = judged(model, &self.work);
         let keep = if self.subject.trusted { KEEP } else { ACCEPT };
-        let loss = if !ran || verdict.face < keep {
-            Loss::Doubt
+        if !ran || verdict.face < keep {
+            Some(Loss::Doubt)
         } else if !overlaps(&shape, frame) {
-            Loss::Left
+            Some(Loss::Left)
         } else if !self.answer(model, frame, now, &shape, Whose::Tracked, &mut verdict) {
-            Loss::Pose
+            Some(Loss::Pose)
         } else {
             self.subject.guess = guess;
             self.looks = 0;
-            #[cfg(feature = "keyframes")]
-            self.remember(model, frame);
-            return;
-        };
-        // It may have jumped: on this very frame only keyframes can tell where to.
-        if loss != Loss::Left {
-            let jumped = Lost::at(&place_of(model, &self.subject.shape), now);
-            if matches!(
-                self.recollect(model, frame, now, jumped),
-                Recollected::Found
-            ) {
-                return;
-            }
+            None
         }
-        self.result.loss = loss;
-        self.keep_holding(model, now);
+    }
+
+    /// The face is not where it should be: it may have jumped, and on this very frame only keyframes
+    /// can tell where to.
+    fn slip(&mut self, model: &Model<'_>, frame: &Frame<'_>, now: i64, loss: Loss) {
+        let jumped = Lost::at(&place_of(model, &self.subject.shape), now);
+        let found = match loss {
+            Loss::Left => Recollected::Nobody,
+            _ => self.recollect(model, frame, now, jumped),
+        };
+        if !matches!(found, Recollected::Found) {
+            self.result.loss = loss;
+            self.keep_holding(model, now);
+        }
     }
 
     /// Fits the 3D face to a shape on this frame, moves the subject there and writes the result;
