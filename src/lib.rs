@@ -13,6 +13,7 @@
 //! | 3 | [`detect`] | the multi-view face scan, time-sliced |
 //! | 3 | [`align`] | the cascade on learned features: crop → 68 landmarks |
 //! | 3 | [`experts`] | is it a face, which landmarks are right: calibrated probabilities |
+//! | 3 | [`keyframe`] | faces as they were once, to find a lost one again by |
 //! | 4 | [`track`] | Searching / Tracking / Holding: what lives across frames |
 //! | 5 | `ffi` | the C ABI |
 //!
@@ -32,6 +33,8 @@ pub mod align;
 pub mod detect;
 pub mod experts;
 pub mod image;
+#[cfg(feature = "keyframes")]
+pub mod keyframe;
 pub mod math;
 pub mod model;
 pub mod network;

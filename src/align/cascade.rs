@@ -67,6 +67,11 @@ impl Workspace {
         self.features.get(..self.used).unwrap_or(&[])
     }
 
+    /// 96 KiB to use for something else between two runs; what is there afterwards does not matter.
+    pub fn scratch(&mut self) -> &mut [u8] {
+        self.memory.scratch()
+    }
+
     /// View of the shape where that run ended: 0 towards the camera, then the model's views turned
     /// to the image right, then those turned left.
     pub fn view(&self) -> usize {

@@ -62,6 +62,11 @@ impl Memory {
             read: [0; MAX_INPUTS],
         }
     }
+
+    /// As [`Activations::scratch`].
+    pub fn scratch(&mut self) -> &mut [u8] {
+        self.maps.scratch()
+    }
 }
 
 impl<'m> Regressor<'m> {

@@ -34,6 +34,11 @@ impl Activations {
         }
     }
 
+    /// The memory for maps, to use for something else between two runs.
+    pub fn scratch(&mut self) -> &mut [u8] {
+        &mut self.arena
+    }
+
     /// A map's values, `[side][side][channels]`; empty when there is no such map.
     pub fn values(&self, map: &Map) -> &[u8] {
         self.arena.get(map.range()).unwrap_or(&[])

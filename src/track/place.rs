@@ -23,6 +23,7 @@ pub(super) fn start_in(start: &Shape, face: &Detection) -> Option<Shape> {
 }
 
 /// The detector's box of a shape.
+#[inline(never)]
 pub(super) fn place_of(model: &Model<'_>, shape: &Shape) -> Detection {
     let roll = model.align.views().of(shape).map_or(0.0, |view| view.roll);
     let forth = Similarity {

@@ -1,9 +1,16 @@
 //! One step: frame in, result out; and the state machine around it.
 //!
 //! Searching runs a slice of the detector's sweep; a face found there is aligned and judged at
-//! once. A face that was lost not long ago is mostly looked for at its own size, wherever it is. Tracking runs the cascade once from the shape that the last frames predict.
-//! A fit whose probability falls below `KEEP` makes the tracker Holding: the last answer is
-//! repeated, the detector looks around it and elsewhere, and after `HOLD_US` the search starts anew.
+//! once. A face that was lost not long ago is mostly looked for at its own size, wherever it is.
+//! Tracking runs the cascade once from the shape that the last frames predict. A fit whose
+//! probability falls below `KEEP` makes the tracker Holding: the last answer is repeated, the
+//! detector looks around it and elsewhere, and after `HOLD_US` the search starts anew.
+//!
+//! Keyframes are kept of sure frames while Tracking, at most one a step and none that brings nothing
+//! new. With the step that loses the face and with each one after it one window of the frame is
+//! compared with them, at the expense of the detector's slice; what is found goes the way of a
+//! detection. They outlive a loss and a stranger, for the person may come back: a stranger's
+//! keyframes take the places of those that were of use longest ago.
 
 use super::config::{Config, ConfigError};
 use super::motion::{Motion, steadied};
@@ -19,6 +26,10 @@ use crate::detect::{Detection, Scan, Sizes, Swept, search_near};
 use crate::experts::by_fit;
 use crate::experts::{Person, Verdict};
 use crate::image::Frame;
+#[cfg(feature = "keyframes")]
+use crate::keyframe::{Keyframes, Seen, Wanted};
+#[cfg(feature = "keyframes")]
+use crate::math::HeadAngles;
 use crate::shape::{
     FIRST, FRAME_WEIGHT, FaceState, FitOptions, IdentityEstimator, Intrinsics, LANDMARKS,
     MAX_IDENTITIES, Observed, fit,
@@ -54,6 +65,20 @@ const ACQUIRE_UNITS: u32 = 3000;
 /// What a second look costs, likewise.
 const SECOND_LOOK_UNITS: u32 = 1700;
 
+/// What a look for keyframes costs, likewise.
+const RECOLLECT_UNITS: u32 = 1000;
+
+/// What a look for keyframes ended with.
+#[cfg_attr(not(feature = "keyframes"), allow(dead_code))]
+enum Recollected {
+    /// There was nothing to look for: it cost nothing.
+    NoKeyframe,
+    /// Nobody is there, or nobody that is known.
+    Nobody,
+    /// A face, which is tracked now.
+    Found,
+}
+
 /// Why a frame was not taken; the tracker is then as before the call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StepError {
@@ -80,7 +105,7 @@ struct Subject {
     face: FaceState,
     identity: IdentityEstimator,
     /// How the person's landmarks look.
-    looks: Person,
+    person: Person,
     /// Whether it was sure at least once since it was found: only then may it become as doubtful as
     /// a covered face is.
     trusted: bool,
@@ -98,7 +123,7 @@ impl Subject {
         face: FaceState::EMPTY,
         // Renewed for every stranger; zero until then, as all of `Tracker::EMPTY`.
         identity: IdentityEstimator::with_memory(0.0),
-        looks: Person::NOBODY,
+        person: Person::NOBODY,
         trusted: false,
         trusted_frames: 0,
         fitted_us: 0,
@@ -110,14 +135,26 @@ impl Subject {
 struct Lost {
     /// As the detector has it; 0 for nobody.
     size_px: f32,
+    /// In-plane rotation \[rad\].
+    #[cfg_attr(not(feature = "keyframes"), allow(dead_code))]
+    roll: f32,
     when_us: i64,
 }
 
 impl Lost {
     const NOBODY: Lost = Lost {
         size_px: 0.0,
+        roll: 0.0,
         when_us: 0,
     };
+
+    fn at(place: &Detection, when_us: i64) -> Lost {
+        Lost {
+            size_px: place.size,
+            roll: place.roll,
+            when_us,
+        }
+    }
 }
 
 /// Whose face a shape is, and what to fit the 3D face from.
@@ -147,9 +184,13 @@ pub struct Tracker {
     doubtful: Shape,
     /// Counts steps without a face.
     turn: u32,
+    /// Counts looks for keyframes since a face was tracked.
+    looks: u32,
     /// Meaningful unless Searching.
     subject: Subject,
     work: Workspace,
+    #[cfg(feature = "keyframes")]
+    keyframes: Keyframes,
 }
 
 impl Tracker {
@@ -174,8 +215,11 @@ impl Tracker {
         doubt: 0.0,
         doubtful: [[0.0; 2]; LANDMARKS],
         turn: 0,
+        looks: 0,
         subject: Subject::EMPTY,
         work: Workspace::new(),
+        #[cfg(feature = "keyframes")]
+        keyframes: Keyframes::EMPTY,
     };
 
     /// A tracker that has seen nothing.
@@ -217,7 +261,10 @@ impl Tracker {
     ) -> Result<&TrackResult, StepError> {
         self.tick(timestamp_us)?;
         match self.result.state {
-            State::Tracking => self.track(model, frame, timestamp_us),
+            State::Tracking => match self.track(model, frame, timestamp_us) {
+                None => self.remember(model, frame),
+                Some(loss) => self.slip(model, frame, timestamp_us, loss),
+            },
             State::Holding => self.hold(model, frame, timestamp_us),
             State::Searching => self.search(model, frame, timestamp_us),
         }
@@ -284,14 +331,19 @@ impl Tracker {
         self.lost = Lost::NOBODY;
         self.doubt = 0.0;
         self.turn = 0;
+        self.looks = 0;
+        #[cfg(feature = "keyframes")]
+        self.keyframes.forget();
     }
 
     /// Forgets whose face it is, as when somebody else takes the seat: the identity is learnt anew
     /// from the next trusted frames. The face goes on being tracked.
     pub fn forget_person(&mut self) {
         self.subject.identity = IdentityEstimator::new();
-        self.subject.looks = Person::NOBODY;
+        self.subject.person = Person::NOBODY;
         self.subject.face.identity = [0.0; MAX_IDENTITIES];
+        #[cfg(feature = "keyframes")]
+        self.keyframes.forget();
     }
 
     /// Changes the camera from the next step on.
@@ -315,19 +367,29 @@ impl Tracker {
         self.turn = self.turn.wrapping_add(1);
         let recent = self.lost.size_px > 0.0 && age_us < RECALL_US;
         let recalled = (recent && !self.turn.is_multiple_of(RECALL_TURNS)).then_some(self.lost);
-        if !self.sweep(model, frame, now, recalled) {
+        // Rarely where the budget is so small that a look would be most of it.
+        let rare = (2 * RECOLLECT_UNITS).div_ceil(self.config.scan_budget.max(1));
+        let rare = rare.max(if recent { 1 } else { RECALL_TURNS });
+        let looked = self.turn.is_multiple_of(rare);
+        let spent = match looked.then(|| self.recollect(model, frame, now, self.lost)) {
+            Some(Recollected::Found) => return,
+            Some(Recollected::Nobody) => RECOLLECT_UNITS,
+            Some(Recollected::NoKeyframe) | None => 0,
+        };
+        if !self.sweep(model, frame, now, recalled, spent) {
             self.lose(now);
         }
     }
 
-    /// Goes on with the sweep over faces of about that size, or with that over all; true when a face
-    /// is found and taken.
+    /// Goes on with the sweep over faces of about that size, or with that over all, after `spent`
+    /// units of this step's work were used; true when a face is found and taken.
     fn sweep(
         &mut self,
         model: &Model<'_>,
         frame: &Frame<'_>,
         now: i64,
         recalled: Option<Lost>,
+        spent: u32,
     ) -> bool {
         let smallest = self.config.min_face_px as i32;
         let sizes = match recalled {
@@ -337,7 +399,7 @@ impl Tracker {
                 max_px: (lost.size_px * 1.25) as i32,
             },
         };
-        let mut budget = self.config.scan_budget;
+        let mut budget = self.config.scan_budget.saturating_sub(spent).max(1);
         let mut found = false;
         if self.doubt >= DOUBT {
             found = self.second_look(model, frame, now);
@@ -354,28 +416,109 @@ impl Tracker {
             found = self.acquire(model, frame, now, &face, Whose::Stranger);
         }
         if found {
-            self.scan.restart();
-            self.recall.restart();
-            self.lost = Lost::NOBODY;
-            self.doubt = 0.0;
+            self.found();
         }
         found
+    }
+
+    /// Nobody is looked for any more.
+    fn found(&mut self) {
+        self.scan.restart();
+        self.recall.restart();
+        self.lost = Lost::NOBODY;
+        self.doubt = 0.0;
+    }
+
+    /// Looks for the lost face, or another that was tracked before, by keyframes.
+    #[cfg(feature = "keyframes")]
+    #[inline(never)]
+    fn recollect(
+        &mut self,
+        model: &Model<'_>,
+        frame: &Frame<'_>,
+        now: i64,
+        lost: Lost,
+    ) -> Recollected {
+        if lost.size_px <= 0.0 || self.keyframes.is_empty() {
+            return Recollected::NoKeyframe;
+        }
+        let wanted = Wanted {
+            size_px: lost.size_px,
+            roll: lost.roll,
+            turn: self.looks,
+        };
+        self.looks = self.looks.wrapping_add(1);
+        let Some(found) = self.keyframes.find(frame, &wanted, self.work.scratch()) else {
+            return Recollected::Nobody;
+        };
+        let mut shape = found.shape;
+        let Some(mut verdict) = self.look(model, frame, 1, &mut shape) else {
+            return Recollected::Nobody;
+        };
+        if verdict.face < ACCEPT {
+            return Recollected::Nobody;
+        }
+        let whose = match found.person == self.keyframes.person() {
+            true => Whose::Lost,
+            false => Whose::Stranger,
+        };
+        if !self.answer(model, frame, now, &shape, whose, &mut verdict) {
+            return Recollected::Nobody;
+        }
+        self.keyframes.take(&found);
+        self.found();
+        Recollected::Found
+    }
+
+    /// Builds without keyframes have none.
+    #[cfg(not(feature = "keyframes"))]
+    fn recollect(&mut self, _: &Model<'_>, _: &Frame<'_>, _: i64, _: Lost) -> Recollected {
+        Recollected::NoKeyframe
+    }
+
+    /// Nor do they keep any.
+    #[cfg(not(feature = "keyframes"))]
+    fn remember(&mut self, _: &Model<'_>, _: &Frame<'_>) {}
+
+    /// Keeps what is tracked as a keyframe, if it is sure and brings something new.
+    #[cfg(feature = "keyframes")]
+    #[inline(never)]
+    fn remember(&mut self, model: &Model<'_>, frame: &Frame<'_>) {
+        let result = &self.result;
+        let angles = HeadAngles {
+            yaw_deg: result.yaw_deg,
+            pitch_deg: result.pitch_deg,
+            roll_deg: result.roll_deg,
+        };
+        let quality = result.score * result.seen_share;
+        if result.score < TRUST || self.keyframes.place(&angles, quality).is_none() {
+            return;
+        }
+        let seen = Seen {
+            shape: &self.subject.shape,
+            angles,
+            size_px: place_of(model, &self.subject.shape).size,
+            quality,
+        };
+        self.keyframes.learn(frame, &seen, self.work.scratch());
     }
 
     /// Looks for a face that was lost a moment ago where it should be by now, and every other time
     /// anywhere: it may have jumped.
     fn hold(&mut self, model: &Model<'_>, frame: &Frame<'_>, now: i64) {
         let around = place_of(model, &self.subject.shape);
+        let jumped = Lost::at(&around, now);
+        let spent = match self.recollect(model, frame, now, jumped) {
+            Recollected::Found => return,
+            Recollected::Nobody => RECOLLECT_UNITS,
+            Recollected::NoKeyframe => 0,
+        };
         self.turn = self.turn.wrapping_add(1);
         let found = if self.turn.is_multiple_of(2) {
-            search_near(&model.detector, frame, &around, NEAR_BUDGET)
+            search_near(&model.detector, frame, &around, NEAR_BUDGET - spent)
                 .is_some_and(|face| self.acquire(model, frame, now, &face, Whose::Lost))
         } else {
-            let jumped = Lost {
-                size_px: around.size,
-                when_us: now,
-            };
-            self.sweep(model, frame, now, Some(jumped))
+            self.sweep(model, frame, now, Some(jumped), spent)
         };
         if !found {
             self.keep_holding(model, now);
@@ -386,10 +529,7 @@ impl Tracker {
         let age_us = now.saturating_sub(self.subject.fitted_us);
         if age_us > HOLD_US {
             self.scan.restart();
-            self.lost = Lost {
-                size_px: place_of(model, &self.subject.shape).size,
-                when_us: now,
-            };
+            self.lost = Lost::at(&place_of(model, &self.subject.shape), now);
             self.lose(now);
         } else {
             self.result.state = State::Holding;
@@ -459,8 +599,9 @@ impl Tracker {
         ran.then(|| judged(model, &self.work))
     }
 
+    /// Goes on with the face of the frame before; or says why it cannot, with nothing changed.
     #[inline(never)]
-    fn track(&mut self, model: &Model<'_>, frame: &Frame<'_>, now: i64) {
+    fn track(&mut self, model: &Model<'_>, frame: &Frame<'_>, now: i64) -> Option<Loss> {
         let subject = &self.subject;
         let elapsed_us = now.saturating_sub(subject.fitted_us);
         let predicted = subject.motion.predict(&subject.shape, elapsed_us);
@@ -468,21 +609,34 @@ impl Tracker {
         let guess = shape;
         let ran = model.align.run(frame, 1, &mut shape, &mut self.work);
         let mut verdict = judged(model, &self.work);
-        let looks = &mut self.subject.looks;
-        looks.follow(self.work.features(), &mut verdict);
+        let person = &mut self.subject.person;
+        person.follow(self.work.features(), &mut verdict);
         let keep = if self.subject.trusted { KEEP } else { ACCEPT };
-        let loss = if !ran || verdict.face < keep {
-            Loss::Doubt
+        if !ran || verdict.face < keep {
+            Some(Loss::Doubt)
         } else if !overlaps(&shape, frame) {
-            Loss::Left
+            Some(Loss::Left)
         } else if !self.answer(model, frame, now, &shape, Whose::Tracked, &mut verdict) {
-            Loss::Pose
+            Some(Loss::Pose)
         } else {
             self.subject.guess = guess;
-            return;
+            self.looks = 0;
+            None
+        }
+    }
+
+    /// The face is not where it should be: it may have jumped, and on this very frame only keyframes
+    /// can tell where to.
+    fn slip(&mut self, model: &Model<'_>, frame: &Frame<'_>, now: i64, loss: Loss) {
+        let jumped = Lost::at(&place_of(model, &self.subject.shape), now);
+        let found = match loss {
+            Loss::Left => Recollected::Nobody,
+            _ => self.recollect(model, frame, now, jumped),
         };
-        self.result.loss = loss;
-        self.keep_holding(model, now);
+        if !matches!(found, Recollected::Found) {
+            self.result.loss = loss;
+            self.keep_holding(model, now);
+        }
     }
 
     /// Fits the 3D face to a shape on this frame, moves the subject there and writes the result;
@@ -534,7 +688,10 @@ impl Tracker {
         }
         if whose == Whose::Stranger {
             subject.identity = IdentityEstimator::new();
-            subject.looks = Person::NOBODY;
+            subject.person = Person::NOBODY;
+            subject.trusted_frames = 0;
+            #[cfg(feature = "keyframes")]
+            self.keyframes.stranger();
         }
         subject.motion = match whose {
             Whose::Tracked => {

@@ -1,0 +1,66 @@
+//! A lost face comes back somewhere else, and is tracked again at once.
+#![cfg(feature = "keyframes")]
+
+mod common;
+
+use posewise::image::{Frame, FrameLayout};
+use posewise::track::{Config, Model, State, Tracker};
+
+/// A picture of the demo clip, moved; what comes in repeats the edge.
+fn moved(luma: &[u8], width: usize, height: usize, (dx, dy): (i32, i32)) -> Vec<u8> {
+    let at = |i: usize, shift: i32, n: usize| (i as i32 - shift).clamp(0, n as i32 - 1) as usize;
+    let rows = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    rows.map(|(x, y)| luma[at(y, dy, height) * width + at(x, dx, width)])
+        .collect()
+}
+
+#[test]
+fn a_face_that_comes_back_elsewhere_is_tracked_at_once() {
+    let Some(clip) = common::demo() else {
+        eprintln!("skipped: there is no tests/data/demo.y4m.gz");
+        return;
+    };
+    let (width, height) = (clip.width, clip.height);
+    let model = Model::load(posewise::DEFAULT_MODEL).expect("the default model is valid");
+    let mut tracker = Box::new(Tracker::new(&Config::default()).expect("defaults"));
+    let layout = FrameLayout::grey(width as u32, height as u32);
+    let mut now = 0;
+    let mut step = |tracker: &mut Tracker, luma: &[u8]| {
+        now += clip.frame_us as i64;
+        let frame = Frame::new(&layout, luma).expect("a frame");
+        let result = tracker.step(&model, &frame, now).expect("in order");
+        (result.state, result.landmarks[30])
+    };
+    let seen = &clip.luma[..60];
+    for luma in seen {
+        step(&mut tracker, luma);
+    }
+    let (_, nose) = step(&mut tracker, &clip.luma[60]);
+    let nobody = vec![90; width * height];
+    for shift in [(60, 20), (-50, -25), (0, 30)] {
+        for _ in 0..30 {
+            let (state, _) = step(&mut tracker, &nobody);
+            assert_ne!(state, State::Tracking);
+        }
+        let back = moved(&clip.luma[60], width, height, shift);
+        let mut steps = (1..=2).map(|_| step(&mut tracker, &back));
+        let found = steps.find(|(state, _)| *state == State::Tracking);
+        let (_, there) = found.expect("tracked within two steps");
+        let off = (there.x - nose.x - shift.0 as f32).hypot(there.y - nose.y - shift.1 as f32);
+        assert!(off < 4.0, "{off} px off after a shift by {shift:?}");
+    }
+    // Whoever has taken the seat was never seen.
+    tracker.forget_person();
+    for _ in 0..30 {
+        step(&mut tracker, &nobody);
+    }
+    let mut fresh = Box::new(Tracker::new(&Config::default()).expect("defaults"));
+    step(&mut fresh, &nobody);
+    tracker.reset();
+    step(&mut tracker, &nobody);
+    let back = moved(&clip.luma[60], width, height, (60, 20));
+    for _ in 0..40 {
+        let (a, b) = (step(&mut tracker, &back), step(&mut fresh, &back));
+        assert_eq!(a.0, b.0, "as one that has seen nothing");
+    }
+}
