@@ -34,7 +34,7 @@
 #define POSEWISE_VERSION           0x000100u    // 0xMMmmpp; compare with posewise_version()
 #define POSEWISE_ABI               1u           // Grows when programs must be compiled anew
 #define POSEWISE_ALIGN             64u          // Of the tracker's memory and of the model [bytes]
-#define POSEWISE_MEMORY_SIZE       (224 * 1024) // Enough for any posewise_config [bytes]
+#define POSEWISE_MEMORY_SIZE       (208 * 1024) // Enough for any posewise_config [bytes]
 #define POSEWISE_LANDMARKS         68u          // iBUG 68; the last 51 of them in a library without the jaw
 #define POSEWISE_ANIMATIONS        24u          // Weights; see posewise_animation_name()
 

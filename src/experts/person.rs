@@ -57,9 +57,12 @@ impl Person {
     pub fn follow(&mut self, features: &[i8], verdict: &mut Verdict) {
         let trusted = verdict.face >= TRUST;
         let each = features.len() / LANDMARKS;
+        if !(1..=MAX_FEATURES).contains(&each) {
+            return;
+        }
         let models = self.mean.iter_mut().zip(&mut self.variance);
         let models = models.zip(&mut self.frames).zip(&mut verdict.seen);
-        let features = features.chunks_exact(each.clamp(1, MAX_FEATURES));
+        let features = features.chunks_exact(each);
         for ((((mean, variance), frames), seen), features) in models.zip(features) {
             let learns = trusted && *seen >= SEEN;
             if u32::from(*frames) >= FIRST {

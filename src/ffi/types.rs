@@ -11,7 +11,7 @@ pub const POSEWISE_ABI: u32 = 1;
 /// Of the tracker's memory and of the model \[bytes\].
 pub const POSEWISE_ALIGN: u32 = 64;
 /// Enough for any posewise_config \[bytes\].
-pub const POSEWISE_MEMORY_SIZE: u32 = 224 * 1024;
+pub const POSEWISE_MEMORY_SIZE: u32 = 208 * 1024;
 /// iBUG 68; the last 51 of them in a library without the jaw.
 pub const POSEWISE_LANDMARKS: u32 = 68;
 /// Weights; see posewise_animation_name().

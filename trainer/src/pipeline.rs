@@ -20,6 +20,9 @@ use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+/// Hard renders that the verifier sees: with more of them it gives covered faces up too soon.
+const SCORED_HARD: u64 = 8_000;
+
 /// Settings of `posewise-train model`.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Args {
@@ -123,7 +126,8 @@ pub fn run(args: &Args) -> Result<()> {
     let scan = DetectorModel::open(with_detector.section(b"DTCT")?)?;
     let verifier = kept(args, &posewise::experts::Verifier::TAG, &key, || {
         let empty: Vec<Picture> = training.empty()?.into_iter().map(Picture::from).collect();
-        score::train(&model, &scan, &training.all_faces()?, &empty, args.seed)
+        let faces = training.with_hard(SCORED_HARD)?;
+        score::train(&model, &scan, &faces, &empty, args.seed)
     })?;
     let dev = with_model(&cascade, |global| {
         evaluate(&model, global, trained.as_ref(), &args.data)
@@ -181,15 +185,16 @@ impl Training<'_> {
         Ok(self.loaded.get_or_init(|| faces))
     }
 
-    /// Those and the hard renders.
-    fn all_faces(&self) -> Result<Vec<Face>> {
+    /// Those and hard renders, at most so many.
+    fn with_hard(&self, most: u64) -> Result<Vec<Face>> {
         let mut faces = self.faces()?.to_vec();
-        faces.extend(self.hard()?);
+        faces.extend(self.hard(most)?);
         Ok(faces)
     }
 
-    fn hard(&self) -> Result<Vec<Face>> {
-        faces::rendered(&self.hard_renders, self.args.hard_renders as usize)
+    fn hard(&self, most: u64) -> Result<Vec<Face>> {
+        let count = self.args.hard_renders.min(most);
+        faces::rendered(&self.hard_renders, count as usize)
     }
 
     /// Pictures in which nobody is seen.
@@ -228,7 +233,10 @@ impl Training<'_> {
         }
         let mut checkpoint = self.checkpoint(&key);
         let mut global = kept(args, &AlignModel::TAG, &key, || match args.clean {
-            true => align::cascade(&self.all_faces()?, &options, &checkpoint, None),
+            true => {
+                let faces = self.with_hard(args.hard_renders)?;
+                align::cascade(&faces, &options, &checkpoint, None)
+            }
             false => align::cascade(self.faces()?, &options, &checkpoint, None),
         })?;
         if !args.clean {
@@ -239,14 +247,16 @@ impl Training<'_> {
             key = format!("{options:?}-{key}-{}", args.hard_renders);
             let second = self.checkpoint(&key);
             global = kept(args, &AlignModel::TAG, &key, || {
-                let faces = with_model(&global, |teacher| self.bettered(teacher))?;
+                let mut faces = with_model(&global, |teacher| self.bettered(teacher))?;
+                faces.extend(self.hard(args.hard_renders)?);
                 align::cascade(&faces, &options, &second, Some(&checkpoint))
             })?;
             checkpoint = second;
         }
         let trained = align::Trained::read(&checkpoint, &options.sizes);
         let options = align::parts::options(args.seed, args.steps / 2);
-        let key = format!("{options:?}-{key}");
+        // Without hard renders: lids half way teach the network to guess the middle.
+        let key = format!("{options:?}-plain-{key}");
         let parts = kept(args, &Parts::TAG, &key, || {
             let hash = posewise::model::crc32(key.as_bytes());
             with_model(&global, |model| {
@@ -254,7 +264,7 @@ impl Training<'_> {
                     align::parts::train_parts(model, faces, &options, &args.cache, hash)
                 };
                 match args.clean {
-                    true => train(&self.all_faces()?),
+                    true => train(self.faces()?),
                     false => train(&self.bettered(model)?),
                 }
             })
@@ -281,7 +291,6 @@ impl Training<'_> {
         );
         faces.extend(found);
         faces.extend(faces::rendered(&self.renders, self.args.renders as usize)?);
-        faces.extend(self.hard()?);
         Ok(faces)
     }
 
