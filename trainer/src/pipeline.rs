@@ -20,9 +20,6 @@ use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Hard renders that the verifier sees: with more of them it gives covered faces up too soon.
-const SCORED_HARD: u64 = 8_000;
-
 /// Settings of `posewise-train model`.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Args {
@@ -45,9 +42,10 @@ pub struct Args {
     /// Rendered faces to train on.
     #[arg(long, default_value_t = 12_000)]
     pub renders: u64,
-    /// Further ones of what those lack: things worn, lids half way, odd eyes, larger turns.
-    #[arg(long, default_value_t = 28_000)]
-    pub hard_renders: u64,
+    /// Further ones of what those lack, for the global stage: things worn, lids half way, odd eyes,
+    /// larger turns [default: 28,000 with --clean, else none].
+    #[arg(long)]
+    pub hard_renders: Option<u64>,
     /// Batches that the network is trained on.
     #[arg(long, default_value_t = 30_000)]
     pub steps: usize,
@@ -55,6 +53,13 @@ pub struct Args {
     /// its own.
     #[arg(long)]
     pub clean: bool,
+}
+
+impl Args {
+    fn hard_count(&self) -> u64 {
+        let default = if self.clean { 28_000 } else { 0 };
+        self.hard_renders.unwrap_or(default)
+    }
 }
 
 /// Trains what the cache does not hold yet and writes the model and its data sheet.
@@ -89,7 +94,7 @@ pub fn run(args: &Args) -> Result<()> {
             data: args.data.clone(),
             cache: args.cache.clone(),
             count: if hard {
-                args.hard_renders
+                args.hard_count()
             } else {
                 args.renders
             },
@@ -103,7 +108,10 @@ pub fn run(args: &Args) -> Result<()> {
     let training = Training {
         args,
         renders: render(false)?,
-        hard_renders: render(true)?,
+        hard_renders: match args.hard_count() {
+            0 => None,
+            _ => Some(render(true)?),
+        },
         loaded: OnceCell::new(),
     };
     let detector = kept(args, b"DTCT", &format!("{}", args.seed), || {
@@ -126,8 +134,8 @@ pub fn run(args: &Args) -> Result<()> {
     let scan = DetectorModel::open(with_detector.section(b"DTCT")?)?;
     let verifier = kept(args, &posewise::experts::Verifier::TAG, &key, || {
         let empty: Vec<Picture> = training.empty()?.into_iter().map(Picture::from).collect();
-        let faces = training.with_hard(SCORED_HARD)?;
-        score::train(&model, &scan, &faces, &empty, args.seed)
+        // Plain renders: with hard ones it gives covered faces up too soon.
+        score::train(&model, &scan, training.faces()?, &empty, args.seed)
     })?;
     let dev = with_model(&cascade, |global| {
         evaluate(&model, global, trained.as_ref(), &args.data)
@@ -164,7 +172,7 @@ struct Cascade {
 struct Training<'a> {
     args: &'a Args,
     renders: PathBuf,
-    hard_renders: PathBuf,
+    hard_renders: Option<PathBuf>,
     loaded: OnceCell<Vec<Face>>,
 }
 
@@ -185,16 +193,11 @@ impl Training<'_> {
         Ok(self.loaded.get_or_init(|| faces))
     }
 
-    /// Those and hard renders, at most so many.
-    fn with_hard(&self, most: u64) -> Result<Vec<Face>> {
-        let mut faces = self.faces()?.to_vec();
-        faces.extend(self.hard(most)?);
-        Ok(faces)
-    }
-
-    fn hard(&self, most: u64) -> Result<Vec<Face>> {
-        let count = self.args.hard_renders.min(most);
-        faces::rendered(&self.hard_renders, count as usize)
+    fn hard(&self) -> Result<Vec<Face>> {
+        match &self.hard_renders {
+            Some(path) => faces::rendered(path, self.args.hard_count() as usize),
+            None => Ok(Vec::new()),
+        }
     }
 
     /// Pictures in which nobody is seen.
@@ -229,12 +232,13 @@ impl Training<'_> {
         };
         let mut key = format!("{options:?}-{}", args.renders);
         if args.clean {
-            key = format!("{key}-{}", args.hard_renders);
+            key = format!("{key}-{}", args.hard_count());
         }
         let mut checkpoint = self.checkpoint(&key);
         let mut global = kept(args, &AlignModel::TAG, &key, || match args.clean {
             true => {
-                let faces = self.with_hard(args.hard_renders)?;
+                let mut faces = self.faces()?.to_vec();
+                faces.extend(self.hard()?);
                 align::cascade(&faces, &options, &checkpoint, None)
             }
             false => align::cascade(self.faces()?, &options, &checkpoint, None),
@@ -244,19 +248,22 @@ impl Training<'_> {
                 seed: args.seed ^ 0x5eed,
                 ..options.second()
             };
-            key = format!("{options:?}-{key}-{}", args.hard_renders);
+            key = format!("{options:?}-{key}");
+            if args.hard_count() > 0 {
+                key = format!("{key}-{}", args.hard_count());
+            }
             let second = self.checkpoint(&key);
             global = kept(args, &AlignModel::TAG, &key, || {
                 let mut faces = with_model(&global, |teacher| self.bettered(teacher))?;
-                faces.extend(self.hard(args.hard_renders)?);
+                faces.extend(self.hard()?);
                 align::cascade(&faces, &options, &second, Some(&checkpoint))
             })?;
             checkpoint = second;
         }
         let trained = align::Trained::read(&checkpoint, &options.sizes);
         let options = align::parts::options(args.seed, args.steps / 2);
-        // Without hard renders: lids half way teach the network to guess the middle.
-        let key = format!("{options:?}-plain-{key}");
+        // Plain renders: lids half way would teach the network to guess the middle.
+        let key = format!("{options:?}-{key}");
         let parts = kept(args, &Parts::TAG, &key, || {
             let hash = posewise::model::crc32(key.as_bytes());
             with_model(&global, |model| {
@@ -369,7 +376,8 @@ fn evaluate(
 }
 
 fn data_sheet(args: &Args, dev: &Accuracy) -> String {
-    let renders = args.renders + args.hard_renders;
+    let hard = args.hard_count();
+    let renders = args.renders + hard;
     let made_from = if args.clean {
         format!(
             "\
@@ -401,7 +409,7 @@ Research terms on some of these data may restrict the use of a model trained on 
 # Data sheet of {name}
 
 Made by `cargo run --release -p posewise-train -- model{clean} --seed {seed} --renders {plain}
---hard-renders {hard} --steps {steps}`.
+{hard}--steps {steps}`.
 
 Trained on:
 {made_from}
@@ -417,7 +425,10 @@ turned (r.m.s.): mean error over 68 landmarks {mean:.2} % of the inter-ocular di
         clean = if args.clean { " --clean" } else { "" },
         seed = args.seed,
         plain = args.renders,
-        hard = args.hard_renders,
+        hard = match hard {
+            0 => String::new(),
+            _ => format!("--hard-renders {hard} "),
+        },
         steps = args.steps,
         mean = dev.nme68,
         median = dev.nme68_median,
