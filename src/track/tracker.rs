@@ -66,15 +66,13 @@ const ACQUIRE_UNITS: u32 = 3000;
 const SECOND_LOOK_UNITS: u32 = 1700;
 
 /// What a look for keyframes costs, likewise.
-const RECOLLECT_UNITS: u32 = 1000;
+const RECOLLECT_UNITS: u32 = 1500;
 
 /// What a look for keyframes ended with.
 #[cfg_attr(not(feature = "keyframes"), allow(dead_code))]
 enum Recollected {
-    /// There was nothing to look for: it cost nothing.
-    NoKeyframe,
-    /// Nobody is there, or nobody that is known.
-    Nobody,
+    /// Nobody is there, or nobody that is known; what it cost to see that, in the detector's units.
+    Nobody(u32),
     /// A face, which is tracked now.
     Found,
 }
@@ -368,13 +366,13 @@ impl Tracker {
         let recent = self.lost.size_px > 0.0 && age_us < RECALL_US;
         let recalled = (recent && !self.turn.is_multiple_of(RECALL_TURNS)).then_some(self.lost);
         // Rarely where the budget is so small that a look would be most of it.
-        let rare = (2 * RECOLLECT_UNITS).div_ceil(self.config.scan_budget.max(1));
+        let rare = RECOLLECT_UNITS.div_ceil(self.config.scan_budget.max(1));
         let rare = rare.max(if recent { 1 } else { RECALL_TURNS });
         let looked = self.turn.is_multiple_of(rare);
         let spent = match looked.then(|| self.recollect(model, frame, now, self.lost)) {
             Some(Recollected::Found) => return,
-            Some(Recollected::Nobody) => RECOLLECT_UNITS,
-            Some(Recollected::NoKeyframe) | None => 0,
+            Some(Recollected::Nobody(spent)) => spent,
+            None => 0,
         };
         if !self.sweep(model, frame, now, recalled, spent) {
             self.lose(now);
@@ -401,7 +399,7 @@ impl Tracker {
         };
         let mut budget = self.config.scan_budget.saturating_sub(spent).max(1);
         let mut found = false;
-        if self.doubt >= DOUBT {
+        if self.doubt >= DOUBT && spent <= RECOLLECT_UNITS {
             found = self.second_look(model, frame, now);
             budget = budget.saturating_sub(SECOND_LOOK_UNITS).max(1);
         }
@@ -440,7 +438,7 @@ impl Tracker {
         lost: Lost,
     ) -> Recollected {
         if lost.size_px <= 0.0 || self.keyframes.is_empty() {
-            return Recollected::NoKeyframe;
+            return Recollected::Nobody(0);
         }
         let wanted = Wanted {
             size_px: lost.size_px,
@@ -449,21 +447,22 @@ impl Tracker {
         };
         self.looks = self.looks.wrapping_add(1);
         let Some(found) = self.keyframes.find(frame, &wanted, self.work.scratch()) else {
-            return Recollected::Nobody;
+            return Recollected::Nobody(RECOLLECT_UNITS);
         };
+        let refused = Recollected::Nobody(RECOLLECT_UNITS + SECOND_LOOK_UNITS);
         let mut shape = found.shape;
         let Some(mut verdict) = self.look(model, frame, 1, &mut shape) else {
-            return Recollected::Nobody;
+            return refused;
         };
         if verdict.face < ACCEPT {
-            return Recollected::Nobody;
+            return refused;
         }
         let whose = match found.person == self.keyframes.person() {
             true => Whose::Lost,
             false => Whose::Stranger,
         };
         if !self.answer(model, frame, now, &shape, whose, &mut verdict) {
-            return Recollected::Nobody;
+            return refused;
         }
         self.keyframes.take(&found);
         self.found();
@@ -473,7 +472,7 @@ impl Tracker {
     /// Builds without keyframes have none.
     #[cfg(not(feature = "keyframes"))]
     fn recollect(&mut self, _: &Model<'_>, _: &Frame<'_>, _: i64, _: Lost) -> Recollected {
-        Recollected::NoKeyframe
+        Recollected::Nobody(0)
     }
 
     /// Nor do they keep any.
@@ -510,13 +509,17 @@ impl Tracker {
         let jumped = Lost::at(&around, now);
         let spent = match self.recollect(model, frame, now, jumped) {
             Recollected::Found => return,
-            Recollected::Nobody => RECOLLECT_UNITS,
-            Recollected::NoKeyframe => 0,
+            Recollected::Nobody(spent) => spent,
         };
         self.turn = self.turn.wrapping_add(1);
         let found = if self.turn.is_multiple_of(2) {
-            search_near(&model.detector, frame, &around, NEAR_BUDGET - spent)
-                .is_some_and(|face| self.acquire(model, frame, now, &face, Whose::Lost))
+            search_near(
+                &model.detector,
+                frame,
+                &around,
+                NEAR_BUDGET.saturating_sub(spent).max(1),
+            )
+            .is_some_and(|face| self.acquire(model, frame, now, &face, Whose::Lost))
         } else {
             self.sweep(model, frame, now, Some(jumped), spent)
         };
@@ -630,7 +633,7 @@ impl Tracker {
     fn slip(&mut self, model: &Model<'_>, frame: &Frame<'_>, now: i64, loss: Loss) {
         let jumped = Lost::at(&place_of(model, &self.subject.shape), now);
         let found = match loss {
-            Loss::Left => Recollected::Nobody,
+            Loss::Left => Recollected::Nobody(0),
             _ => self.recollect(model, frame, now, jumped),
         };
         if !matches!(found, Recollected::Found) {
