@@ -43,9 +43,9 @@ pub struct Args {
     #[arg(long, default_value_t = 12_000)]
     pub renders: u64,
     /// Further ones of what those lack, for the global stage: things worn, lids half way, odd eyes,
-    /// larger turns [default: 28,000 with --clean, else none].
-    #[arg(long)]
-    pub hard_renders: Option<u64>,
+    /// larger turns.
+    #[arg(long, default_value_t = 0)]
+    pub hard_renders: u64,
     /// Batches that the network is trained on.
     #[arg(long, default_value_t = 30_000)]
     pub steps: usize,
@@ -53,13 +53,6 @@ pub struct Args {
     /// its own.
     #[arg(long)]
     pub clean: bool,
-}
-
-impl Args {
-    fn hard_count(&self) -> u64 {
-        let default = if self.clean { 28_000 } else { 0 };
-        self.hard_renders.unwrap_or(default)
-    }
 }
 
 /// Trains what the cache does not hold yet and writes the model and its data sheet.
@@ -94,7 +87,7 @@ pub fn run(args: &Args) -> Result<()> {
             data: args.data.clone(),
             cache: args.cache.clone(),
             count: if hard {
-                args.hard_count()
+                args.hard_renders
             } else {
                 args.renders
             },
@@ -108,7 +101,7 @@ pub fn run(args: &Args) -> Result<()> {
     let training = Training {
         args,
         renders: render(false)?,
-        hard_renders: match args.hard_count() {
+        hard_renders: match args.hard_renders {
             0 => None,
             _ => Some(render(true)?),
         },
@@ -195,7 +188,7 @@ impl Training<'_> {
 
     fn hard(&self) -> Result<Vec<Face>> {
         match &self.hard_renders {
-            Some(path) => faces::rendered(path, self.args.hard_count() as usize),
+            Some(path) => faces::rendered(path, self.args.hard_renders as usize),
             None => Ok(Vec::new()),
         }
     }
@@ -231,8 +224,8 @@ impl Training<'_> {
             ..align::Options::default()
         };
         let mut key = format!("{options:?}-{}", args.renders);
-        if args.clean {
-            key = format!("{key}-{}", args.hard_count());
+        if args.clean && args.hard_renders > 0 {
+            key = format!("{key}-{}", args.hard_renders);
         }
         let mut checkpoint = self.checkpoint(&key);
         let mut global = kept(args, &AlignModel::TAG, &key, || match args.clean {
@@ -249,8 +242,8 @@ impl Training<'_> {
                 ..options.second()
             };
             key = format!("{options:?}-{key}");
-            if args.hard_count() > 0 {
-                key = format!("{key}-{}", args.hard_count());
+            if args.hard_renders > 0 {
+                key = format!("{key}-{}", args.hard_renders);
             }
             let second = self.checkpoint(&key);
             global = kept(args, &AlignModel::TAG, &key, || {
@@ -376,7 +369,7 @@ fn evaluate(
 }
 
 fn data_sheet(args: &Args, dev: &Accuracy) -> String {
-    let hard = args.hard_count();
+    let hard = args.hard_renders;
     let renders = args.renders + hard;
     let made_from = if args.clean {
         format!(
