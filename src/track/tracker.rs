@@ -36,9 +36,7 @@ use crate::shape::{
 };
 
 /// A detection becomes a tracked face from this probability on.
-const ACCEPT: f32 = 0.6;
-/// A candidate at the second look, because it has had two chances to look like a face.
-const ACCEPT_SECOND: f32 = 0.9;
+const ACCEPT: f32 = 0.8;
 /// A candidate gets a second look from this probability on.
 const DOUBT: f32 = 0.1;
 /// A tracked face is given up below this probability: a fit that was right a frame ago deserves
@@ -583,7 +581,7 @@ impl Tracker {
         let mut shape = self.doubtful;
         self.doubt = 0.0;
         match self.look(model, frame, 1, &mut shape) {
-            Some(mut verdict) if verdict.face >= ACCEPT_SECOND => {
+            Some(mut verdict) if verdict.face >= ACCEPT => {
                 self.answer(model, frame, now, &shape, Whose::Stranger, &mut verdict)
             }
             _ => false,
