@@ -1,11 +1,12 @@
 //! The cascade's model (section `ALGN`, and `PART` for the fine stages) and one run through it.
 
 use super::parts::Parts;
-use super::regressor::{MAX_FEATURES, Memory, Regressor};
+use super::regressor::{Memory, Regressor};
 use super::{Shape, Views, place};
 use crate::image::{Crop, Frame, warp};
 use crate::math::Similarity;
 use crate::model::{Blob, ModelError};
+use crate::network::MAX_FEATURES;
 use crate::shape::LANDMARKS;
 
 /// Most views.

@@ -24,7 +24,7 @@ mod views;
 pub use cascade::{AlignModel, MAX_VIEWS, Workspace};
 pub use parts::{MAX_PARTS, MAX_POINTS, Parts, placed};
 pub use placement::{Placement, mirror, place};
-pub use regressor::{MAX_FEATURES, MAX_HEADS, MAX_INPUTS, MAX_MODES, READS_FINE, READS_LAST};
+pub use regressor::{MAX_HEADS, MAX_INPUTS, MAX_MODES, READS_FINE, READS_LAST};
 pub use views::{View, Views};
 
 use crate::shape::LANDMARKS;

@@ -2,15 +2,13 @@
 
 use crate::image::{CROP_MAX, Crop};
 use crate::model::{ModelError, Section};
-use crate::network::{Activations, Map, Network};
+use crate::network::{Activations, MAX_FEATURES, Map, Network};
 use crate::shape::LANDMARKS;
 
 /// Most dimensions of an answer.
 pub const MAX_MODES: usize = 96;
 /// Most answers of one run.
 pub const MAX_HEADS: usize = 4;
-/// Most features per point.
-pub const MAX_FEATURES: usize = 48;
 /// Most features that an answer reads.
 pub const MAX_INPUTS: usize = LANDMARKS * MAX_FEATURES;
 

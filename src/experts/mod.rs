@@ -1,7 +1,7 @@
 //! Truth or guess: is this a face, which landmarks sit where they should, and which are seen?
 //!
-//! In: the local features that the cascade's last pass ended with. Out: calibrated probabilities, bettered by what the person's own landmarks
-//! look like ([`Person`], feature `adaptation`).
+//! In: the local features that the cascade's last pass ended with. Out: calibrated probabilities,
+//! bettered by what the person's own landmarks look like ([`Person`], feature `adaptation`).
 //! Builds without the feature `experts` have [`geometry`](by_fit) instead, which has neither.
 
 #[cfg(not(feature = "experts"))]

@@ -8,10 +8,9 @@
 
 use super::Verdict;
 use crate::math::sigmoid;
+use crate::network::MAX_FEATURES;
 use crate::shape::LANDMARKS;
 
-/// Most features per landmark.
-const MAX_FEATURES: usize = 48;
 /// Means are counted in so many parts of a feature's unit, variances in quarters of its square.
 const MEAN_PARTS: i32 = 128;
 const VARIANCE_PARTS: i32 = 4;
@@ -21,9 +20,7 @@ const RATE: i32 = 64;
 const FLOOR: f32 = 16.0;
 /// Frames before the person has a say.
 const FIRST: u32 = 10;
-/// Only frames whose face is at least this sure teach …
-const TRUST: f32 = 0.9;
-/// … and of them only landmarks that are at least this surely seen.
+/// Only landmarks that are at least this surely seen teach.
 const SEEN: f32 = 0.7;
 /// Most that the person can change a logit.
 const MOST: f32 = 4.0;
@@ -52,10 +49,9 @@ impl Person {
     };
 
     /// Takes the next frame's features (landmark by landmark): betters what the trained classifiers
-    /// say of seen and hidden, and learns from what they are sure of.
+    /// say of seen and hidden, and learns from what they are sure of where the face is `trusted`.
     #[inline(never)]
-    pub fn follow(&mut self, features: &[i8], verdict: &mut Verdict) {
-        let trusted = verdict.face >= TRUST;
+    pub fn follow(&mut self, features: &[i8], trusted: bool, verdict: &mut Verdict) {
         let each = features.len() / LANDMARKS;
         if !(1..=MAX_FEATURES).contains(&each) {
             return;
@@ -136,12 +132,12 @@ mod tests {
         let mut person = Person::NOBODY;
         for n in 0..40 {
             let mut verdict = sure();
-            person.follow(&face(|i| ((i + n) % 3) as i8 * 4), &mut verdict);
+            person.follow(&face(|i| ((i + n) % 3) as i8 * 4), true, &mut verdict);
             assert_eq!(verdict.seen.map(|s| s > 0.5), [true; LANDMARKS]);
         }
         let covered = face(|i| if i / MAX_FEATURES == 30 { 50 } else { 4 });
         let mut verdict = sure();
-        person.follow(&covered, &mut verdict);
+        person.follow(&covered, true, &mut verdict);
         assert!(verdict.seen[30] < 0.2, "{}", verdict.seen[30]);
         assert!(verdict.seen[31] > 0.8, "{}", verdict.seen[31]);
     }
@@ -154,12 +150,12 @@ mod tests {
                 face: 0.5,
                 ..sure()
             };
-            person.follow(&face(|_| 0), &mut verdict);
+            person.follow(&face(|_| 0), false, &mut verdict);
             let mut verdict = Verdict {
                 seen: [0.3; LANDMARKS],
                 ..sure()
             };
-            person.follow(&face(|_| 0), &mut verdict);
+            person.follow(&face(|_| 0), true, &mut verdict);
         }
         assert_eq!(person.frames, [0; LANDMARKS]);
     }
@@ -170,11 +166,11 @@ mod tests {
         for n in 0..300 {
             let value = if n % 2 == 0 { i8::MIN } else { i8::MAX };
             let mut verdict = sure();
-            person.follow(&[value; FEATURES], &mut verdict);
+            person.follow(&[value; FEATURES], true, &mut verdict);
             assert!(verdict.seen.iter().all(|s| (0.0..=1.0).contains(s)));
         }
         let mut verdict = sure();
-        person.follow(&[], &mut verdict);
-        person.follow(&[1, 2, 3], &mut verdict);
+        person.follow(&[], true, &mut verdict);
+        person.follow(&[1, 2, 3], true, &mut verdict);
     }
 }

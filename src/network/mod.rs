@@ -10,6 +10,9 @@ mod kernel;
 mod layer;
 mod plan;
 
+/// Most channels of a map whose values are read as the features of a place.
+pub const MAX_FEATURES: usize = 48;
+
 pub(crate) use kernel::dot;
 pub use layer::Activations;
 pub use plan::{

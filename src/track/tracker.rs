@@ -447,20 +447,14 @@ impl Tracker {
         let Some(found) = self.keyframes.find(frame, &wanted, self.work.scratch()) else {
             return Recollected::Nobody(RECOLLECT_UNITS);
         };
-        let refused = Recollected::Nobody(RECOLLECT_UNITS + SECOND_LOOK_UNITS);
         let mut shape = found.shape;
-        let Some(mut verdict) = self.look(model, frame, 1, &mut shape) else {
-            return refused;
-        };
-        if verdict.face < ACCEPT {
-            return refused;
-        }
         let whose = match found.person == self.keyframes.person() {
             true => Whose::Lost,
             false => Whose::Stranger,
         };
-        if !self.answer(model, frame, now, &shape, whose, &mut verdict) {
-            return refused;
+        let taken = self.take(model, frame, now, 1, &mut shape, whose);
+        if taken.is_err() {
+            return Recollected::Nobody(RECOLLECT_UNITS + SECOND_LOOK_UNITS);
         }
         self.keyframes.take(&found);
         self.found();
@@ -562,16 +556,14 @@ impl Tracker {
             return false;
         };
         let passes = model.align.passes();
-        let Some(mut verdict) = self.look(model, frame, passes, &mut shape) else {
-            return false;
-        };
-        if verdict.face < ACCEPT {
-            if verdict.face > self.doubt {
-                (self.doubt, self.doubtful) = (verdict.face, shape);
-            }
-            return false;
+        let taken = self.take(model, frame, now, passes, &mut shape, whose);
+        if let Err(face) = taken
+            && face < ACCEPT
+            && face > self.doubt
+        {
+            (self.doubt, self.doubtful) = (face, shape);
         }
-        self.answer(model, frame, now, &shape, whose, &mut verdict)
+        taken.is_ok()
     }
 
     /// A second look, on the next frame, at what might have become a face: from a poor start the
@@ -580,24 +572,31 @@ impl Tracker {
     fn second_look(&mut self, model: &Model<'_>, frame: &Frame<'_>, now: i64) -> bool {
         let mut shape = self.doubtful;
         self.doubt = 0.0;
-        match self.look(model, frame, 1, &mut shape) {
-            Some(mut verdict) if verdict.face >= ACCEPT => {
-                self.answer(model, frame, now, &shape, Whose::Stranger, &mut verdict)
-            }
-            _ => false,
-        }
+        self.take(model, frame, now, 1, &mut shape, Whose::Stranger)
+            .is_ok()
     }
 
-    /// Aligns and judges; `None` when the shape lost its extent.
-    fn look(
+    /// Aligns, judges, and answers with what is a face.
+    ///
+    /// # Errors
+    /// With nothing changed but the shape: the probability that it is a face, 0 when the shape lost
+    /// its extent.
+    fn take(
         &mut self,
         model: &Model<'_>,
         frame: &Frame<'_>,
+        now: i64,
         passes: usize,
         shape: &mut Shape,
-    ) -> Option<Verdict> {
-        let ran = model.align.run(frame, passes, shape, &mut self.work);
-        ran.then(|| judged(model, &self.work))
+        whose: Whose,
+    ) -> Result<(), f32> {
+        if !model.align.run(frame, passes, shape, &mut self.work) {
+            return Err(0.0);
+        }
+        let mut verdict = judged(model, &self.work);
+        let taken =
+            verdict.face >= ACCEPT && self.answer(model, frame, now, shape, whose, &mut verdict);
+        taken.then_some(()).ok_or(verdict.face)
     }
 
     /// Goes on with the face of the frame before; or says why it cannot, with nothing changed.
@@ -611,7 +610,8 @@ impl Tracker {
         let ran = model.align.run(frame, 1, &mut shape, &mut self.work);
         let mut verdict = judged(model, &self.work);
         let person = &mut self.subject.person;
-        person.follow(self.work.features(), &mut verdict);
+        let trusted = verdict.face >= TRUST;
+        person.follow(self.work.features(), trusted, &mut verdict);
         let keep = if self.subject.trusted { KEEP } else { ACCEPT };
         if !ran || verdict.face < keep {
             Some(Loss::Doubt)

@@ -392,7 +392,12 @@ fn linear<'a>(
 }
 
 /// Logistic fit of labels to score and a second input by Newton's method: slopes and offset.
-fn platt(scores: &[f32], labels: &[bool], second: &[f32], start: f32) -> ([f32; 2], f32) {
+pub(crate) fn platt(
+    scores: &[f32],
+    labels: &[bool],
+    second: &[f32],
+    start: f32,
+) -> ([f32; 2], f32) {
     let mut w = nalgebra::Vector3::new(1.0f64, start as f64, 0.0);
     for _ in 0..30 {
         let mut gradient = nalgebra::Vector3::zeros();

@@ -2,6 +2,7 @@
 
 use super::descriptor::{KINDS, Patches, Seat, VALUES};
 use crate::faces::Face;
+use crate::score::platt;
 use indicatif::{ProgressBar, ProgressStyle};
 use posewise::align::AlignModel;
 use posewise::shape::LANDMARKS;
@@ -142,8 +143,7 @@ fn template(examples: &[Example], k: usize, kind: usize) -> Template {
         samples.extend(worst);
     }
     let weight = svm(&samples);
-    let scores: Vec<(f32, bool)> = held.iter().map(|(x, y)| (dot(&weight, x), *y)).collect();
-    let (slope, offset) = platt(&scores);
+    let (slope, offset) = calibrated(&weight, &held);
     Template {
         weight,
         slope,
@@ -184,23 +184,12 @@ fn svm(samples: &[Labelled]) -> [f32; VALUES] {
     weight
 }
 
-/// Slope and offset of the logistic that fits labels to scores (Platt 1999), by Newton's method.
-fn platt(scores: &[(f32, bool)]) -> (f32, f32) {
-    let (mut a, mut b) = (1.0f64, 0.0f64);
-    for _ in 0..30 {
-        let (mut ga, mut gb, mut haa, mut hab, mut hbb) = (0.0, 0.0, 1e-3, 0.0, 1e-3);
-        for (s, y) in scores {
-            let s = *s as f64;
-            let p = 1.0 / (1.0 + (-a * s - b).exp());
-            let (d, h) = (p - f64::from(*y), (p * (1.0 - p)).max(1e-6));
-            (ga, gb) = (ga + d * s, gb + d);
-            (haa, hab, hbb) = (haa + h * s * s, hab + h * s, hbb + h);
-        }
-        let determinant = (haa * hbb - hab * hab).max(1e-9);
-        a -= ((hbb * ga - hab * gb) / determinant).clamp(-4.0, 4.0);
-        b -= ((haa * gb - hab * ga) / determinant).clamp(-4.0, 4.0);
-    }
-    (a as f32, b as f32)
+/// Slope and offset of the logistic that fits labels to scores.
+fn calibrated(weight: &[f32; VALUES], samples: &[Labelled]) -> (f32, f32) {
+    let scores: Vec<f32> = samples.iter().map(|(x, _)| dot(weight, x)).collect();
+    let labels: Vec<bool> = samples.iter().map(|(_, y)| *y).collect();
+    let ([slope, _], offset) = platt(&scores, &labels, &vec![0.0; scores.len()], 0.0);
+    (slope, offset)
 }
 
 fn dot(a: &[f32; VALUES], b: &[f32; VALUES]) -> f32 {
@@ -224,7 +213,7 @@ mod tests {
             .collect();
         let weight = svm(&samples);
         let scores: Vec<(f32, bool)> = samples.iter().map(|(x, y)| (dot(&weight, x), *y)).collect();
-        let (slope, offset) = platt(&scores);
+        let (slope, offset) = calibrated(&weight, &samples);
         let right = |(s, y): &&(f32, bool)| (slope * s + offset > 0.0) == *y;
         assert!(scores.iter().filter(right).count() > 590);
     }
