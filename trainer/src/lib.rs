@@ -8,6 +8,7 @@ pub mod face_section;
 pub mod faces;
 pub mod fit;
 pub mod head;
+pub mod lab;
 pub mod pack;
 pub mod pipeline;
 pub mod render;

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
-use posewise_train::{adaptive, demo_clip, pack, pipeline, render, templates};
+use posewise_train::{adaptive, demo_clip, lab, pack, pipeline, render, templates};
 use std::path::PathBuf;
 
 /// Trains the models of posewise.
@@ -25,6 +25,8 @@ enum Command {
     Adaptive(adaptive::Args),
     /// Measure pose-wise SVM templates on hand-made descriptors against a model's own experts.
     Templates(templates::Args),
+    /// Compare kinds of local features in small linear cascades; prints a table.
+    Features(lab::Args),
     /// Leave sections out of a model: PART (fine stages) or INFO (the data sheet).
     Trim {
         /// The model.
@@ -53,6 +55,7 @@ fn main() -> Result<()> {
         Command::Sheet(args) => render::sheet::run(&args),
         Command::Adaptive(args) => adaptive::run(&args),
         Command::Templates(args) => templates::run(&args),
+        Command::Features(args) => lab::run(&args),
         Command::Trim {
             model,
             out,
