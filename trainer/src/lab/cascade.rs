@@ -25,7 +25,7 @@ const SHAPE_MODES: usize = 60;
 const COORDINATES: usize = 2 * LANDMARKS;
 const INPUTS: usize = LANDMARKS * OUTPUTS;
 /// Weights of |w|² in the ridge, of which each stage takes the best on a fold.
-const RIDGES: [f32; 4] = [3e-4, 1e-3, 3e-3, 1e-2];
+const RIDGES: [f32; 6] = [3e-3, 1e-2, 3e-2, 1e-1, 3e-1, 1.0];
 /// Looks that features are learnt from, and samples that they are refined on.
 const LOOKS: usize = 400;
 const REFINED_ON: usize = 5000;
@@ -151,6 +151,18 @@ fn sets(links: Links, train: &Normal, held: &Normal) -> Vec<Set> {
             })
             .collect(),
     }
+}
+
+/// The weight of |w|² that leaves the smallest error on what was held out.
+fn best_ridge(sets: &[Set], train: &Normal, held: &Normal) -> f32 {
+    let error = |ridge: f32| -> f64 {
+        let each = sets.par_iter();
+        each.map(|set| held.error(set, &train.solve(set, ridge)))
+            .sum()
+    };
+    let errors = RIDGES.map(|ridge| (error(ridge), ridge));
+    let best = errors.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+    best.expect("there are ridges").1
 }
 
 /// Weights of all sets in one matrix, its answers projected on `basis`.
@@ -280,7 +292,8 @@ impl<'a> Training<'a> {
         let (mut x, mut normals) = self.normals(&features);
         if kind == Kind::Refined {
             let all: Vec<Set> = vec![((0..=INPUTS).collect(), 0..COORDINATES)];
-            let weights = solve(&sum(&normals, FOLDS), &all, RIDGES[1], &self.basis);
+            let ridge = best_ridge(&all, &sum(&normals, 0), &normals[0]);
+            let weights = solve(&sum(&normals, FOLDS), &all, ridge, &self.basis);
             let chosen: Vec<usize> = (0..REFINED_ON.min(x.len()))
                 .map(|_| rng.random_range(0..x.len()))
                 .collect();
@@ -298,16 +311,7 @@ impl<'a> Training<'a> {
         }
         let train = sum(&normals, 0);
         let sets = sets(links, &train, &normals[0]);
-        let error = |ridge: &f32| -> f64 {
-            let each = sets.par_iter();
-            each.map(|s| normals[0].error(s, &train.solve(s, *ridge)))
-                .sum()
-        };
-        let errors = RIDGES.map(|ridge| (error(&ridge), ridge));
-        let (_, ridge) = errors
-            .into_iter()
-            .min_by(|a, b| a.0.total_cmp(&b.0))
-            .expect("some");
+        let ridge = best_ridge(&sets, &train, &normals[0]);
         for fold in 0..FOLDS {
             let weights = solve(&sum(&normals, fold), &sets, ridge, &self.basis);
             let of: Vec<usize> = (0..x.len()).filter(|n| self.fold(*n) == fold).collect();

@@ -49,8 +49,6 @@ impl Kind {
 
 /// A face as a stage sees it: upright and in its size, by the shape that is to be corrected.
 pub struct Look {
-    /// From canonical units to picture px.
-    pub canonical: Similarity,
     /// Row-major luma.
     pub crop: Vec<f32>,
     /// Side of the crop.
@@ -76,7 +74,6 @@ impl Look {
         warp(&face.picture.frame(), &to_frame, side, &mut crop);
         let back = to_frame.inverse().expect("a shape has extent");
         Look {
-            canonical,
             crop: crop.luma().iter().map(|v| *v as f32).collect(),
             side,
             points: shape.map(|p| back.apply(p)),
@@ -319,7 +316,6 @@ mod tests {
     fn look(luma: impl Fn(usize, usize) -> f32) -> Look {
         let side = 64;
         Look {
-            canonical: Similarity::IDENTITY,
             crop: (0..side * side).map(|k| luma(k % side, k / side)).collect(),
             side,
             points: [[31.5; 2]; LANDMARKS],

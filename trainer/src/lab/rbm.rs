@@ -116,7 +116,7 @@ impl Tuned {
 
 /// Tunes filters and reduction by the squared error of the linear regression on top of them, which
 /// is tuned along with them from `weights` (the last row is the bias). Returns the mean squared
-/// error per output in the first and the last `examples.len()` / batch steps.
+/// error per output in the first and in the last pass.
 pub fn refine(
     features: &mut Features,
     weights: &Mat<f32>,
