@@ -354,8 +354,12 @@ fn evaluate(
         count,
     };
     if let Some(trained) = trained {
-        let float = Accuracy::of(&align::evaluate_float(global, trained, &dev, &boxes(1)));
-        println!("dev, global stage in f32: {float:.3?}");
+        let all = trained.network.heads.len();
+        for answers in 1..=all {
+            let rows = align::evaluate_float(global, trained, answers, &dev, &boxes(1));
+            let float = Accuracy::of(&rows);
+            println!("dev, global stage in f32, {answers} of {all} answers: {float:.3?}");
+        }
         let integers = Accuracy::of(&align::evaluate(global, &dev, &boxes(1), 0));
         println!("dev, global stage in i8: {integers:.3?}");
     }

@@ -59,16 +59,18 @@ pub fn evaluate(
     })
 }
 
-/// The same for the global stage alone, before it was turned into integers.
+/// The same for the global stage alone, before it was turned into integers, with the first so many of
+/// its answers.
 pub fn evaluate_float(
     model: &AlignModel<'_>,
     trained: &Trained,
+    answers: usize,
     faces: &[Face],
     boxes: &Boxes,
 ) -> Vec<(Shape, f32, f32)> {
     from_boxes(model, faces, boxes, |face, shape, _| {
         for _ in 0..model.passes() {
-            *shape = trained.pass(face, model.mean(), shape);
+            *shape = trained.pass(face, model.mean(), shape, answers);
         }
     })
 }

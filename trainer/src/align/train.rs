@@ -491,8 +491,9 @@ impl Trained {
         })
     }
 
-    /// One pass of a global stage in `f32`: a guess in frame px in, the landmarks out.
-    pub fn pass(&self, face: &Face, mean: &Shape, guess: &Shape) -> Shape {
+    /// One pass of a global stage in `f32`: a guess in frame px in, the landmarks out, as they are
+    /// after so many of the network's answers.
+    pub fn pass(&self, face: &Face, mean: &Shape, guess: &Shape, answers: usize) -> Shape {
         let sizes = &self.network.sizes;
         let Some(placed) = place(mean, guess, sizes.zoom, sizes.side) else {
             return *guess;
@@ -507,7 +508,8 @@ impl Trained {
         let answer = self
             .network
             .forward(parameters, &mut maps, scratch, &start, still);
-        let last = answer.shapes.last().expect("a network has answers");
-        std::array::from_fn(|i| placed.centred_to_frame.apply(last[i]))
+        let points = &answer.shapes[..answers].last();
+        let points = points.expect("at least one answer");
+        std::array::from_fn(|i| placed.centred_to_frame.apply(points[i]))
     }
 }
