@@ -52,7 +52,7 @@ impl Normal {
                         v * w[n].sqrt()
                     });
                     let b = Mat::from_fn(x.len(), outputs, |n, o| y[n][o] * w[n].sqrt());
-                    sum.accumulate(&a, &b);
+                    accumulate(&mut sum.xx, &mut sum.xy, &a, &b);
                     sum.samples += w.iter().map(|w| *w as f64).sum::<f64>();
                     sum
                 },
@@ -64,22 +64,6 @@ impl Normal {
         if let Some(sum) = sum {
             self.merge(&sum);
         }
-    }
-
-    // One thread a block: threads inside one product spin while they wait for each other.
-    fn accumulate(&mut self, a: &Mat<f32>, b: &Mat<f32>) {
-        matmul(
-            &mut self.xx,
-            BlockStructure::TriangularLower,
-            Accum::Add,
-            a,
-            BlockStructure::Rectangular,
-            a.transpose(),
-            BlockStructure::Rectangular,
-            1.0,
-            Par::Seq,
-        );
-        faer::linalg::matmul::matmul(&mut self.xy, Accum::Add, a, b, 1.0, Par::Seq);
     }
 
     /// The sums of both.
@@ -112,8 +96,34 @@ impl Normal {
     }
 }
 
+/// Adds `a·aᵀ` (its lower triangle) and `a·b`: samples are columns of `a` and rows of `b`.
+///
+/// One thread a block: threads inside one product spin while they wait for each other.
+pub fn accumulate(xx: &mut Mat<f32>, xy: &mut Mat<f32>, a: &Mat<f32>, b: &Mat<f32>) {
+    matmul(
+        &mut *xx,
+        BlockStructure::TriangularLower,
+        Accum::Add,
+        a,
+        BlockStructure::Rectangular,
+        a.transpose(),
+        BlockStructure::Rectangular,
+        1.0,
+        Par::Seq,
+    );
+    faer::linalg::matmul::matmul(&mut *xy, Accum::Add, a, b, 1.0, Par::Seq);
+}
+
 /// Output of the weights for one row of features.
 pub fn predict(weights: &Mat<f32>, x: &[i8]) -> Vec<f32> {
+    outputs(weights, |column| {
+        let dot: f32 = column.iter().zip(x).map(|(w, x)| w * *x as f32).sum();
+        dot / FEATURE_UNIT
+    })
+}
+
+/// What `product` makes of each output's weights, plus its bias.
+pub fn outputs(weights: &Mat<f32>, product: impl Fn(&[f32]) -> f32) -> Vec<f32> {
     let n = weights.nrows() - 1;
     (0..weights.ncols())
         .map(|o| {
@@ -122,8 +132,7 @@ pub fn predict(weights: &Mat<f32>, x: &[i8]) -> Vec<f32> {
                 .try_as_col_major()
                 .expect("columns are contiguous");
             let column = column.as_slice();
-            let dot: f32 = column[..n].iter().zip(x).map(|(w, x)| w * *x as f32).sum();
-            dot / FEATURE_UNIT + column[n]
+            product(&column[..n]) + column[n]
         })
         .collect()
 }

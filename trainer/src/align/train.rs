@@ -508,7 +508,7 @@ impl Trained {
         let answer = self
             .network
             .forward(parameters, &mut maps, scratch, &start, still);
-        let points = &answer.shapes[..answers].last();
+        let points = answer.shapes[..answers].last();
         let points = points.expect("at least one answer");
         std::array::from_fn(|i| placed.centred_to_frame.apply(points[i]))
     }

@@ -6,9 +6,9 @@ use super::rbm;
 use crate::align::{Accuracy, Boxes, StartShapes};
 use crate::align::{evaluate::nme, jittered_box, mean_shape, start_from_box};
 use crate::faces::Face;
-use faer::linalg::matmul::triangular::{BlockStructure, matmul};
+use crate::ridge;
 use faer::linalg::solvers::Solve;
-use faer::{Accum, Mat, Par, Side};
+use faer::{Mat, Side};
 use ndarray::Array1;
 use posewise::align::Shape;
 use posewise::math::Similarity;
@@ -80,10 +80,7 @@ impl Normal {
         let b = Mat::from_fn(samples.len(), self.yy.len(), |n, o| {
             samples[n].1[o] * samples[n].2.sqrt()
         });
-        let (whole, lower) = (BlockStructure::Rectangular, BlockStructure::TriangularLower);
-        let (to, add, one) = (&mut self.xx, Accum::Add, Par::Seq);
-        matmul(to, lower, add, &a, whole, a.transpose(), whole, 1.0, one);
-        faer::linalg::matmul::matmul(&mut self.xy, add, &a, &b, 1.0, one);
+        ridge::accumulate(&mut self.xx, &mut self.xy, &a, &b);
         for (_, y, w) in samples {
             let squares = y.iter().map(|v| (v * v * w) as f64);
             self.yy.iter_mut().zip(squares).for_each(|(s, v)| *s += v);
@@ -343,21 +340,9 @@ impl<'a> Training<'a> {
 /// The shape after one step.
 fn moved(mean: &Shape, shape: &Shape, weights: &Mat<f32>, x: &[f32]) -> Shape {
     let canonical = Similarity::fit(mean, shape).expect("a shape has extent");
-    let answer: Vec<f32> = (0..COORDINATES)
-        .map(|o| {
-            let column = weights
-                .col(o)
-                .try_as_col_major()
-                .expect("columns are contiguous");
-            let column = column.as_slice();
-            column[..INPUTS]
-                .iter()
-                .zip(x)
-                .map(|(w, x)| w * x)
-                .sum::<f32>()
-                + column[INPUTS]
-        })
-        .collect();
+    let answer = ridge::outputs(weights, |column| {
+        column.iter().zip(x).map(|(w, x)| w * x).sum()
+    });
     std::array::from_fn(|i| {
         let [dx, dy] = canonical.apply_vector([answer[2 * i], answer[2 * i + 1]]);
         [shape[i][0] + dx, shape[i][1] + dy]
