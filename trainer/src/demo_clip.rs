@@ -14,7 +14,7 @@ use crate::render::light::Lights;
 use crate::render::mesh::Mesh;
 use crate::render::noise::smoothstep;
 use crate::render::people::{People, Person};
-use crate::render::skin::Looks;
+use crate::render::skin::{Lids, Looks};
 use crate::render::{background, props};
 use anyhow::Result;
 use flate2::{Compression, write::GzEncoder};
@@ -112,8 +112,9 @@ impl Set {
             lashes: 0.75,
             iris: 0.07,
             cloth: 0.12,
+            lids: Lids::default(),
         };
-        let person = People::new(&mesh, 1, SEED).make(&mesh, u32::MAX, &looks);
+        let person = People::new(&mesh, 1, SEED, false).make(&mesh, u32::MAX, &looks);
         let mut rng = ChaCha8Rng::seed_from_u64(SEED);
         let mut behind = background::procedural(&mut rng, WIDTH, HEIGHT);
         behind.iter_mut().for_each(|b| *b = 0.05 + 0.5 * *b);

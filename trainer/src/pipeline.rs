@@ -95,7 +95,10 @@ pub fn run(args: &Args) -> Result<()> {
             people: if hard { 600 } else { 256 },
             pictures: if hard { 3 } else { 2 },
             clean: args.clean,
-            hard,
+            kind: match hard {
+                true => render::Kind::Hard,
+                false => render::Kind::Plain,
+            },
         })
     };
     let training = Training {

@@ -17,7 +17,7 @@ fn head() -> Head {
 
 fn renderer() -> Renderer {
     let mesh = Mesh::new(&head()).unwrap();
-    let people = People::new(&mesh, 2, 1);
+    let people = People::new(&mesh, 2, 1, false);
     Renderer::new(mesh, people, Vec::new(), &[])
 }
 

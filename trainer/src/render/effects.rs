@@ -25,11 +25,12 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// A random camera for a face so many pixels wide and of this mean linear light.
-    pub fn random(rng: &mut ChaCha8Rng, face_px: f32, face_light: f32) -> Camera {
-        let blur = rng.random_range(0.0..1.0f32).powi(2) * 0.018 * face_px;
+    /// A random camera for a face so many pixels wide and of this mean linear light; `defects`
+    /// scales blur and noise.
+    pub fn random(rng: &mut ChaCha8Rng, face_px: f32, face_light: f32, defects: f32) -> Camera {
+        let blur = rng.random_range(0.0..1.0f32).powi(2) * 0.018 * defects * face_px;
         let motion = if rng.random_bool(0.2) {
-            rng.random_range(0.0..0.09) * face_px
+            rng.random_range(0.0..0.09) * defects * face_px
         } else {
             0.0
         };
@@ -49,7 +50,7 @@ impl Camera {
             } else {
                 0.0
             },
-            noise: rng.random_range(0.0..1.0f32).powi(2) * 11.0,
+            noise: rng.random_range(0.0..1.0f32).powi(2) * 11.0 * defects,
             jpeg: rng.random_bool(0.4).then(|| rng.random_range(25..92)),
         }
     }

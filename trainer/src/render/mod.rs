@@ -59,9 +59,31 @@ pub struct Args {
     /// Render procedural people and backgrounds only: no photograph is used.
     #[arg(long)]
     pub clean: bool,
-    /// Render what plain samples lack: things worn, lids half way, odd eyes, larger turns.
-    #[arg(long)]
-    pub hard: bool,
+    /// What to render.
+    #[arg(long, value_enum, default_value_t = Kind::Plain)]
+    pub kind: Kind,
+}
+
+/// What renders show.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Kind {
+    /// Poses, expressions and lights that photographs lack.
+    Plain,
+    /// What plain ones lack: things worn, lids half way, odd eyes, larger turns.
+    Hard,
+    /// Faces seen from near, for the fine stages: sharp, lids in detail and half way too.
+    Near,
+}
+
+impl Kind {
+    /// What stands in a file's name.
+    fn name(self) -> &'static str {
+        match self {
+            Kind::Plain => "",
+            Kind::Hard => "-hard",
+            Kind::Near => "-near",
+        }
+    }
 }
 
 /// A renderer as `args` ask for.
@@ -72,7 +94,7 @@ pub fn renderer(args: &Args) -> Result<Renderer> {
         true => Vec::new(),
         false => backgrounds(&args.data.join("backgrounds"))?,
     };
-    let mut people = People::new(&mesh, args.people, args.seed);
+    let mut people = People::new(&mesh, args.people, args.seed, args.kind == Kind::Near);
     let mut offsets_mm = Vec::new();
     if !args.clean {
         let faces = args.data.join("faces68");
@@ -87,9 +109,10 @@ pub fn renderer(args: &Args) -> Result<Renderer> {
 
 /// The spec that goes with `args`.
 pub fn spec(args: &Args) -> SampleSpec {
-    let kind = match args.hard {
-        true => SampleSpec::hard(),
-        false => SampleSpec::default(),
+    let kind = match args.kind {
+        Kind::Plain => SampleSpec::default(),
+        Kind::Hard => SampleSpec::hard(),
+        Kind::Near => SampleSpec::near(),
     };
     SampleSpec {
         persons: if args.clean {
@@ -104,15 +127,15 @@ pub fn spec(args: &Args) -> SampleSpec {
 /// Where the samples of `args` are kept.
 pub fn cache_path(args: &Args) -> PathBuf {
     let people = if args.clean { "clean" } else { "renders" };
-    let kind = if args.hard { "-hard" } else { "" };
+    let kind = args.kind.name();
     args.cache.join(format!("{people}{kind}-{}.bin", args.seed))
 }
 
 /// Renders the samples into the cache and returns its path.
 pub fn run(args: &Args) -> Result<PathBuf> {
     let path = cache_path(args);
-    // Hard samples are not the plain ones once more.
-    let seed = args.seed ^ (u64::from(args.hard) << 32);
+    // Samples of one kind are not those of another once more.
+    let seed = args.seed ^ ((args.kind as u64) << 32);
     // A renderer takes minutes to make: the photographed people's skins.
     if cache::holds(&path, seed, args.count, &spec(args))? {
         return Ok(path);

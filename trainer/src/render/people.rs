@@ -2,7 +2,7 @@
 
 use super::mesh::Mesh;
 use super::photo::Photographer;
-use super::skin::{Features, Looks, Painted, paint};
+use super::skin::{Features, Lids, Looks, Painted, paint};
 use super::texture::TexelMap;
 use crate::fit::PhotoFit;
 use crate::head::Head;
@@ -51,18 +51,21 @@ pub struct People {
     map: TexelMap,
     features: Features,
     seed: u64,
+    /// Whether lids are painted in detail.
+    near: bool,
     procedural: Vec<OnceLock<Arc<Person>>>,
     photographed: Vec<Arc<Person>>,
 }
 
 impl People {
     /// So many procedural people of a seed, and photographed ones.
-    pub fn new(mesh: &Mesh, procedural: usize, seed: u64) -> People {
+    pub fn new(mesh: &Mesh, procedural: usize, seed: u64, near: bool) -> People {
         let map = TexelMap::new(mesh);
         People {
             features: Features::new(mesh, &map),
             map,
             seed,
+            near,
             procedural: (0..procedural.max(1)).map(|_| OnceLock::new()).collect(),
             photographed: Vec::new(),
         }
@@ -83,6 +86,7 @@ impl People {
             mesh,
             map: &self.map,
             features: &self.features,
+            near: self.near,
         };
         let chosen = choose(fits, per_person);
         let style = ProgressStyle::with_template("skins  {bar:40} {pos}/{len} eta {eta}")?;
@@ -120,7 +124,12 @@ impl People {
             .get_or_init(|| {
                 let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
                 rng.set_stream(number as u64);
-                Arc::new(self.make(mesh, u32::MAX - number as u32, &Looks::random(&mut rng)))
+                let mut looks = Looks::random(&mut rng);
+                if self.near {
+                    looks.lids = Lids::random(&mut rng);
+                    looks.lashes = rng.random_range(0.4..1.0);
+                }
+                Arc::new(self.make(mesh, u32::MAX - number as u32, &looks))
             })
             .clone()
     }

@@ -11,7 +11,7 @@ use super::mesh::Mesh;
 use super::noise::smoothstep;
 use super::people::Person;
 use super::raster::{Cull, Projected, Target};
-use super::skin::{Features, Looks, Painted, is_ear, paint_albedo, push};
+use super::skin::{Features, Lids, Looks, Painted, is_ear, paint_albedo, push};
 use super::texture::{TILE, TexelMap, Texture};
 use crate::fit::PhotoFit;
 use crate::head::Head;
@@ -44,6 +44,8 @@ pub struct Photographer<'a> {
     pub map: &'a TexelMap,
     /// Painted features.
     pub features: &'a Features,
+    /// Whether lids are painted in detail.
+    pub near: bool,
 }
 
 impl Photographer<'_> {
@@ -64,8 +66,12 @@ impl Photographer<'_> {
             // No darker than the skin: bald, grey or covered; keep it close.
             looks.hair_mm = looks.hair_mm.min(3.0);
         }
+        if self.near {
+            looks.lids = Lids::random(&mut rng);
+            looks.lashes = rng.random_range(0.4..1.0);
+        }
         let mut albedo = paint_albedo(self.mesh, self.map, self.features, &looks);
-        self.blend(&mut albedo, &seen);
+        self.blend(&mut albedo, &seen, looks.lids.bare_mm);
         Some(Person {
             id,
             painted: Painted {
@@ -205,10 +211,11 @@ impl Photographer<'_> {
         self.median(seen, |p| (-98.0..-78.0).contains(&p.y) && p.z < 20.0)
     }
 
-    fn blend(&self, albedo: &mut [f32], seen: &Seen) {
+    fn blend(&self, albedo: &mut [f32], seen: &Seen, bare_mm: f32) {
         for (i, texel) in self.map.texels.iter().enumerate() {
             let Some(texel) = texel else { continue };
-            let region = self.region(texel.mean, self.mesh.corner_uv[texel.triangle as usize][0]);
+            let uv = self.mesh.corner_uv[texel.triangle as usize][0];
+            let region = self.region(texel.mean, uv, bare_mm);
             if region <= 0.0 {
                 continue;
             }
@@ -223,7 +230,7 @@ impl Photographer<'_> {
     }
 
     /// Where the picture is used at all: the face without ears, lid margins and inner lips.
-    fn region(&self, p: Vec3, uv: Vec2) -> f32 {
+    fn region(&self, p: Vec3, uv: Vec2, bare_mm: f32) -> f32 {
         if is_ear(uv) {
             return 0.0;
         }
@@ -231,7 +238,7 @@ impl Photographer<'_> {
         smoothstep(62.0, 40.0, p.z)
             * smoothstep(-92.0, -72.0, p.y)
             * smoothstep(132.0, 112.0, p.y)
-            * smoothstep(0.8, 2.6, lid)
+            * smoothstep(0.8 + bare_mm, 2.6 + bare_mm, lid)
             * smoothstep(0.3, 1.6, lip)
     }
 }

@@ -50,6 +50,8 @@ pub struct SampleSpec {
     pub infrared: f64,
     /// Share of samples before a photograph (the rest: procedural backgrounds).
     pub photo_backgrounds: f64,
+    /// Blur and noise, in shares of the most that small faces have.
+    pub defects: f32,
     /// Whose skins are used.
     pub persons: Persons,
 }
@@ -72,12 +74,27 @@ impl Default for SampleSpec {
             odd_eyes: 0.0,
             infrared: 0.12,
             photo_backgrounds: 0.75,
+            defects: 1.0,
             persons: Persons::All,
         }
     }
 }
 
 impl SampleSpec {
+    /// Faces seen from near: as sharp as a closer crop can be, lids anywhere.
+    pub fn near() -> SampleSpec {
+        SampleSpec {
+            face_px: (50.0, 240.0),
+            inner_share: 0.85,
+            closing: 0.25,
+            odd_eyes: 0.1,
+            glasses: 0.12,
+            infrared: 0.1,
+            defects: 0.5,
+            ..SampleSpec::default()
+        }
+    }
+
     /// What plain samples lack: things worn, lids half way, odd eyes, larger turns, small faces.
     pub fn hard() -> SampleSpec {
         SampleSpec {
@@ -207,7 +224,12 @@ impl Renderer {
         let points = self
             .landmarker
             .points(&posed, &view, &drawn, angles.roll_deg);
-        let camera = Camera::random(rng, face_px, face_light(&drawn.light, &view, &points));
+        let camera = Camera::random(
+            rng,
+            face_px,
+            face_light(&drawn.light, &view, &points),
+            spec.defects,
+        );
         let mut light = drawn.light;
         let luma = camera.develop(rng, &mut light, view.width);
         Sample {

@@ -35,6 +35,42 @@ pub struct Looks {
     pub iris: f32,
     /// Albedo of the clothes.
     pub cloth: f32,
+    /// What is drawn on the lids; nothing on people seen from afar.
+    pub lids: Lids,
+}
+
+/// Creases and make-up of the lids, which stay where they are when an eye shuts.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Lids {
+    /// Darkness of the upper lid's crease, 0..1, and its height above the margin \[mm\].
+    pub crease: (f32, f32),
+    /// Darkness of the skin between crease and margin; below 0 it is brighter.
+    pub shadow: f32,
+    /// Darkness of the line under the eye, 0..1, and its distance from the margin \[mm\].
+    pub bag: (f32, f32),
+    /// How far the upper lashes reach beyond those of people seen from afar \[mm\].
+    pub lashes_mm: f32,
+    /// How far from the lids' margins a photograph is not used \[mm\], beyond the usual.
+    pub bare_mm: f32,
+}
+
+impl Lids {
+    /// Random ones.
+    pub fn random(rng: &mut ChaCha8Rng) -> Lids {
+        Lids {
+            crease: (
+                rng.random_range(0.0..0.85f32),
+                rng.random_range(2.5..6.5f32),
+            ),
+            shadow: rng.random_range(-0.25..0.5f32),
+            bag: (
+                rng.random_range(0.0..0.5f32).powi(2) * 1.6,
+                rng.random_range(3.0..8.0f32),
+            ),
+            lashes_mm: rng.random_range(0.0..1.5f32),
+            bare_mm: rng.random_range(0.0..2.5f32),
+        }
+    }
 }
 
 impl Looks {
@@ -70,6 +106,7 @@ impl Looks {
             lashes: rng.random_range(0.2..1.0),
             iris: rng.random_range(0.02..0.2),
             cloth: rng.random_range(0.03..0.7),
+            lids: Lids::default(),
         }
     }
 
@@ -127,6 +164,8 @@ pub struct Cover {
     lips: f32,
     lash: f32,
     beard: f32,
+    /// Share of light that the lids' creases and make-up take.
+    crease: f32,
 }
 
 impl Features {
@@ -193,6 +232,7 @@ impl Features {
             lips: 0.0,
             lash: 0.0,
             beard: 0.0,
+            crease: 0.0,
         };
         // Nothing is painted behind the face.
         if at.x >= TILE as f32 || p.z > 60.0 {
@@ -209,18 +249,43 @@ impl Features {
         }
         for lid in [[36usize, 37, 38, 39], [45, 44, 43, 42]] {
             let (d, _) = self.along(front, &lid, Vec2::ZERO);
-            cover.lash = cover.lash.max(1.0 - smoothstep(0.5, 1.9, d));
+            let reach = looks.lids.lashes_mm;
+            cover.lash = cover
+                .lash
+                .max(1.0 - smoothstep(0.5 + 0.6 * reach, 1.9 + reach, d));
         }
         for lid in [[36usize, 41, 40, 39], [45, 46, 47, 42]] {
             let (d, _) = self.along(front, &lid, Vec2::ZERO);
             cover.lash = cover.lash.max(0.45 * (1.0 - smoothstep(0.3, 1.5, d)));
         }
+        cover.crease = self.crease(&looks.lids, front);
         if front.y > 40.0 {
             // Past the inner landmarks everything is lip until the mouth's own parts begin.
             cover.lips = smoothstep(-1.0, 1.5, self.inside(at, 48..60));
             cover.beard = looks.beard * self.beard(looks, p) * (1.0 - cover.lips);
         }
         cover
+    }
+
+    /// Share of light that creases and make-up of the lids take.
+    fn crease(&self, lids: &Lids, p: Vec2) -> f32 {
+        let (mut dark, mut shade) = (0.0f32, 0.0f32);
+        for (upper, lower) in [
+            ([36, 37, 38, 39], [36, 41, 40, 39]),
+            ([45, 44, 43, 42], [45, 46, 47, 42]),
+        ] {
+            let (depth, height) = lids.crease;
+            let (d, t) = self.along(p, &upper, Vec2::new(0.0, -height));
+            // It runs out towards the corners.
+            let line = 1.0 - smoothstep(0.5, 2.2, d);
+            dark = dark.max(depth * line * (4.0 * t * (1.0 - t)).clamp(0.25, 1.0));
+            let (above, _) = self.along(p, &upper, Vec2::new(0.0, -0.5 * height));
+            shade = shade.max(1.0 - smoothstep(0.35 * height, 0.8 * height, above));
+            let (depth, depth_mm) = lids.bag;
+            let (d, _) = self.along(p, &lower, Vec2::new(0.0, depth_mm));
+            dark = dark.max(depth * (1.0 - smoothstep(0.3, 2.0, d)));
+        }
+        1.0 - (1.0 - dark) * (1.0 - lids.shadow * shade)
     }
 
     /// Where beards grow: round the mouth, on the chin, and up the jaw to the sideburns.
@@ -270,6 +335,7 @@ fn texel_albedo(mesh: &Mesh, features: &Features, looks: &Looks, i: usize, texel
     let stubble = 1.0 + 0.3 * noise(p * 0.9, looks.seed ^ 41);
     value += (looks.hair.max(0.015) * stubble - value) * (cover.beard * stubble).clamp(0.0, 0.92);
     value *= 1.0 - (1.0 - looks.brow.0) * cover.brow;
+    value *= 1.0 - cover.crease;
     value *= 1.0 - 0.85 * looks.lashes * cover.lash;
     let hair = smoothstep(-3.0, 3.0, looks.hair_depth(p, ear));
     value += (looks.hair_albedo(p) - value) * hair;
