@@ -42,6 +42,7 @@ pub struct Workspace {
     features: [i8; DESCRIBED],
     used: usize,
     view: usize,
+    coarse: Shape,
 }
 
 impl Default for Workspace {
@@ -59,6 +60,7 @@ impl Workspace {
             features: [0; DESCRIBED],
             used: 0,
             view: 0,
+            coarse: [[0.0; 2]; LANDMARKS],
         }
     }
 
@@ -66,6 +68,11 @@ impl Workspace {
     /// none without the feature `experts`.
     pub fn features(&self) -> &[i8] {
         self.features.get(..self.used).unwrap_or(&[])
+    }
+
+    /// Where the global stage of the last run ended (frame px).
+    pub fn coarse(&self) -> &Shape {
+        &self.coarse
     }
 
     /// 96 KiB to use for something else between two runs; what is there afterwards does not matter.
@@ -158,6 +165,7 @@ impl<'m> AlignModel<'m> {
             false => view.index,
             true => self.starts.len() + view.index - 1,
         };
+        work.coarse = *shape;
         if cfg!(feature = "fine-stages") {
             let Workspace { crop, memory, .. } = work;
             self.parts.run(frame, self.mean, shape, crop, memory);

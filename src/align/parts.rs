@@ -1,7 +1,8 @@
-//! Fine stages: eyes with their brows, and the mouth, each seen in a closer crop of its own.
+//! Fine stages: eyes with their brows, the mouth, and the eyes alone for their lids, each seen in a
+//! closer crop of its own.
 //!
 //! The global stage sees an eye in some fifteen pixels; lids and lips need more. A part's network
-//! starts from where the global stage put the part's landmarks and moves all of them by what it
+//! starts from where the stages before it put the part's landmarks and moves all of them by what it
 //! reads around each of them and in the part as a whole (correlative regression, thesis 5.1). Both
 //! eyes share one network, the subject's left eye is seen in a mirror.
 

@@ -37,10 +37,13 @@ use crate::shape::{
 
 /// A detection becomes a tracked face from this probability on.
 const ACCEPT: f32 = 0.8;
+/// A face that was never sure is given up below this probability: without a step between the two,
+/// one at the edge would come and go. Below it the fine stages' answer leads nowhere.
+const STAY: f32 = 0.5;
 /// A candidate gets a second look from this probability on.
 const DOUBT: f32 = 0.1;
-/// A tracked face is given up below this probability: a fit that was right a frame ago deserves
-/// more trust than one out of the blue.
+/// A face that was sure once is given up below this probability: a fit that was right a frame ago
+/// deserves more trust than one out of the blue.
 const KEEP: f32 = 0.02;
 /// How long the last answer is held \[µs\].
 const HOLD_US: i64 = 500_000;
@@ -93,6 +96,7 @@ impl core::error::Error for StepError {}
 /// What is known of the tracked face. Edited in place: it takes much of a small stack.
 #[derive(Clone)]
 struct Subject {
+    /// Where the next frame starts from.
     shape: Shape,
     /// Where the last frame's crop was placed.
     guess: Shape,
@@ -561,7 +565,7 @@ impl Tracker {
             && face < ACCEPT
             && face > self.doubt
         {
-            (self.doubt, self.doubtful) = (face, shape);
+            (self.doubt, self.doubtful) = (face, *self.work.coarse());
         }
         taken.is_ok()
     }
@@ -612,7 +616,7 @@ impl Tracker {
         let person = &mut self.subject.person;
         let trusted = verdict.face >= TRUST;
         person.follow(self.work.features(), trusted, &mut verdict);
-        let keep = if self.subject.trusted { KEEP } else { ACCEPT };
+        let keep = if self.subject.trusted { KEEP } else { STAY };
         if !ran || verdict.face < keep {
             Some(Loss::Doubt)
         } else if !overlaps(&shape, frame) {
@@ -667,6 +671,12 @@ impl Tracker {
             weights: &weights,
         };
         let subject = &mut self.subject;
+        // Of a covered face the fine stages see a hand in place of an eye, and move the eye anywhere:
+        // the next frame must not start from there.
+        let carried = match verdict.face >= STAY {
+            true => shape,
+            false => self.work.coarse(),
+        };
         let start = (whose == Whose::Tracked).then_some(&subject.face);
         let identity = match whose {
             Whose::Stranger => [0.0; MAX_IDENTITIES],
@@ -682,6 +692,7 @@ impl Tracker {
         by_fit(verdict, fitted, &camera);
         let least = match whose {
             Whose::Tracked if subject.trusted => KEEP,
+            Whose::Tracked => STAY,
             _ => ACCEPT,
         };
         if cfg!(not(feature = "experts")) && verdict.face < least {
@@ -697,15 +708,15 @@ impl Tracker {
         subject.motion = match whose {
             Whose::Tracked => {
                 let elapsed_us = now.saturating_sub(subject.fitted_us);
-                Motion::between(&subject.shape, shape, elapsed_us)
+                Motion::between(&subject.shape, carried, elapsed_us)
             }
             Whose::Stranger | Whose::Lost => Motion::STILL,
         };
         if whose != Whose::Tracked {
             // From here on the crop moves as little as it can.
-            subject.guess = *shape;
+            subject.guess = *carried;
         }
-        subject.shape = *shape;
+        subject.shape = *carried;
         subject.fitted_us = now;
         subject.face = fitted.state;
         subject.trusted = verdict.face >= TRUST || subject.trusted && whose != Whose::Stranger;

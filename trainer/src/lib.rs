@@ -15,4 +15,5 @@ pub mod render;
 mod ridge;
 mod roc;
 pub mod score;
+pub mod single_eyes;
 pub mod templates;

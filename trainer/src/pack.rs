@@ -21,6 +21,7 @@ macro_rules! value {
 value!(u8, i8, u16, i16, i32, u32, f32);
 
 /// One section being written.
+#[derive(Clone)]
 pub struct SectionWriter {
     tag: Tag,
     bytes: Vec<u8>,

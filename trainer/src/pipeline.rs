@@ -42,8 +42,11 @@ pub struct Args {
     /// Rendered faces to train on.
     #[arg(long, default_value_t = 12_000)]
     pub renders: u64,
-    /// Further ones of what those lack, for the global stage: things worn, lids half way, odd eyes,
-    /// larger turns.
+    /// Faces rendered from near, for the fine stages.
+    #[arg(long, default_value_t = 9_000)]
+    pub near_renders: u64,
+    /// Further ones of what plain ones lack, for the global stage: things worn, lids half way, odd
+    /// eyes, larger turns.
     #[arg(long, default_value_t = 0)]
     pub hard_renders: u64,
     /// Batches that the network is trained on.
@@ -82,31 +85,26 @@ pub fn run(args: &Args) -> Result<()> {
         Some(path) => face_section::face_section(&Head::of_wfm(&Wfm::read(path)?)?, None)?,
         None => face_section::face_section(&head, offsets.as_deref())?,
     };
-    let render = |hard: bool| {
+    let render = |kind, count| {
+        let plain = kind == render::Kind::Plain;
         render::run(&render::Args {
             data: args.data.clone(),
             cache: args.cache.clone(),
-            count: if hard {
-                args.hard_renders
-            } else {
-                args.renders
-            },
+            count,
             seed: args.seed,
-            people: if hard { 600 } else { 256 },
-            pictures: if hard { 3 } else { 2 },
+            people: if plain { 256 } else { 600 },
+            pictures: if plain { 2 } else { 3 },
             clean: args.clean,
-            kind: match hard {
-                true => render::Kind::Hard,
-                false => render::Kind::Plain,
-            },
+            kind,
         })
     };
     let training = Training {
         args,
-        renders: render(false)?,
+        renders: render(render::Kind::Plain, args.renders)?,
+        near_renders: render(render::Kind::Near, args.near_renders)?,
         hard_renders: match args.hard_renders {
             0 => None,
-            _ => Some(render(true)?),
+            count => Some(render(render::Kind::Hard, count)?),
         },
         loaded: OnceCell::new(),
     };
@@ -119,13 +117,10 @@ pub fn run(args: &Args) -> Result<()> {
         parts,
         trained,
     } = training.cascade()?;
-    let alone = AlignedBlob::new(&blob(&[
-        copy(&AlignModel::TAG, &cascade),
-        copy(&Parts::TAG, &parts),
-    ]));
+    let alone = AlignedBlob::new(&blob(&[cascade.clone(), parts.clone()]));
     let opened = Blob::open(alone.bytes())?;
     let model = AlignModel::open(&opened, Parts::open(&opened)?)?;
-    let alone = AlignedBlob::new(&blob(&[copy(b"DTCT", &detector)]));
+    let alone = AlignedBlob::new(&blob(std::slice::from_ref(&detector)));
     let with_detector = Blob::open(alone.bytes())?;
     let scan = DetectorModel::open(with_detector.section(b"DTCT")?)?;
     let verifier = kept(args, &posewise::experts::Verifier::TAG, &key, || {
@@ -133,7 +128,7 @@ pub fn run(args: &Args) -> Result<()> {
         // Plain renders: with hard ones it gives covered faces up too soon.
         score::train(&model, &scan, training.faces()?, &empty, args.seed)
     })?;
-    let dev = with_model(&cascade, |global| {
+    let dev = align::with_model(&cascade, None, |global| {
         evaluate(&model, global, trained.as_ref(), &args.data)
     })?;
     let mut info = SectionWriter::new(*b"INFO");
@@ -168,6 +163,7 @@ struct Cascade {
 struct Training<'a> {
     args: &'a Args,
     renders: PathBuf,
+    near_renders: PathBuf,
     hard_renders: Option<PathBuf>,
     loaded: OnceCell<Vec<Face>>,
 }
@@ -250,7 +246,7 @@ impl Training<'_> {
             }
             let second = self.checkpoint(&key);
             global = kept(args, &AlignModel::TAG, &key, || {
-                let mut faces = with_model(&global, |teacher| self.bettered(teacher))?;
+                let mut faces = align::with_model(&global, None, |teacher| self.bettered(teacher))?;
                 faces.extend(self.hard()?);
                 align::cascade(&faces, &options, &second, Some(&checkpoint))
             })?;
@@ -258,19 +254,29 @@ impl Training<'_> {
         }
         let trained = align::Trained::read(&checkpoint, &options.sizes);
         let options = align::parts::options(args.seed, args.steps / 2);
-        // Plain renders: lids half way would teach the network to guess the middle.
-        let key = format!("{options:?}-{key}");
+        // No hard renders: lids half way that are hardly seen would teach the network to guess the
+        // middle.
+        let key = format!("{options:?}-{key}-{}", args.near_renders);
         let parts = kept(args, &Parts::TAG, &key, || {
             let hash = posewise::model::crc32(key.as_bytes());
-            with_model(&global, |model| {
-                let train = |faces: &[Face]| {
-                    align::parts::train_parts(model, faces, &options, &args.cache, hash)
-                };
-                match args.clean {
-                    true => train(self.faces()?),
-                    false => train(&self.bettered(model)?),
-                }
-            })
+            let mut faces = match args.clean {
+                true => self.faces()?.to_vec(),
+                false => align::with_model(&global, None, |model| self.bettered(model))?,
+            };
+            faces.extend(faces::rendered(
+                &self.near_renders,
+                args.near_renders as usize,
+            )?);
+            let eyes = args.data.join("eyes");
+            let training = align::parts::Training {
+                global: &global,
+                faces: &faces,
+                eyes: (!args.clean).then_some(&eyes),
+                options: &options,
+                cache: &args.cache,
+                key: hash,
+            };
+            training.run()
         })?;
         Ok(Cascade {
             key,
@@ -303,20 +309,6 @@ impl Training<'_> {
             .cache
             .join(format!("network-{hash:08x}.checkpoint"))
     }
-}
-
-/// Opens a cascade of global stages alone.
-fn with_model<T>(
-    global: &SectionWriter,
-    run: impl FnOnce(&AlignModel<'_>) -> Result<T>,
-) -> Result<T> {
-    let bytes = AlignedBlob::new(&blob(&[copy(&AlignModel::TAG, global)]));
-    let opened = Blob::open(bytes.bytes())?;
-    run(&AlignModel::open(&opened, Parts::default())?)
-}
-
-fn copy(tag: &Tag, section: &SectionWriter) -> SectionWriter {
-    SectionWriter::of_bytes(*tag, section.bytes().to_vec())
 }
 
 /// The section of these settings from the cache, or made and put there.
@@ -377,7 +369,7 @@ fn evaluate(
 
 fn data_sheet(args: &Args, dev: &Accuracy) -> String {
     let hard = args.hard_renders;
-    let renders = args.renders + hard;
+    let renders = args.renders + args.near_renders + hard;
     let made_from = if args.clean {
         format!(
             "\
@@ -394,6 +386,7 @@ Model Light.
 - 2,986 labelled photographs (video frames of 245 public figures) of the facial-keypoints set
   published by Udacity (repository MIT) out of the YouTube Faces database (research), with mirrors;
 - news photographs of 115 people out of Labeled Faces in the Wild (research), without labels;
+- 816 photographs of single eyes, open and shut, of a public drowsiness set (Kaggle, research);
 - {renders} rendered faces: ICT Face Model Light (MIT, (c) 2020 USC Institute for Creative
   Technologies) with procedural skin and skin from those photographs, before procedural backgrounds
   and BSDS500 (research);
@@ -409,7 +402,7 @@ Research terms on some of these data may restrict the use of a model trained on 
 # Data sheet of {name}
 
 Made by `cargo run --release -p posewise-train -- model{clean} --seed {seed} --renders {plain}
-{hard}--steps {steps}`.
+--near-renders {near} {hard}--steps {steps}`.
 
 Trained on:
 {made_from}
@@ -425,6 +418,7 @@ turned (r.m.s.): mean error over 68 landmarks {mean:.2} % of the inter-ocular di
         clean = if args.clean { " --clean" } else { "" },
         seed = args.seed,
         plain = args.renders,
+        near = args.near_renders,
         hard = match hard {
             0 => String::new(),
             _ => format!("--hard-renders {hard} "),

@@ -21,8 +21,11 @@ pub use starts::{Jitter, StartShapes, jittered_box, start_from_box};
 pub use train::{Options, Trained, train};
 
 use crate::faces::Face;
-use crate::pack::SectionWriter;
+use crate::fit::AlignedBlob;
+use crate::pack::{SectionWriter, blob};
 use anyhow::Result;
+use posewise::align::{AlignModel, Parts};
+use posewise::model::Blob;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use std::path::Path;
@@ -30,6 +33,19 @@ use train::Source;
 
 /// Crops that show how large the maps' values grow.
 const EXAMPLES: usize = 512;
+
+/// Opens a cascade that is being made: its global stage, and fine ones where there are some.
+pub fn with_model<T>(
+    global: &SectionWriter,
+    parts: Option<&SectionWriter>,
+    run: impl FnOnce(&AlignModel<'_>) -> Result<T>,
+) -> Result<T> {
+    let both = [Some(global), parts];
+    let sections: Vec<SectionWriter> = both.into_iter().flatten().cloned().collect();
+    let bytes = AlignedBlob::new(&blob(&sections));
+    let opened = Blob::open(bytes.bytes())?;
+    run(&AlignModel::open(&opened, Parts::open(&opened)?)?)
+}
 
 /// Trains section `ALGN` on these faces; goes on from the checkpoint if there is one, else starts
 /// from what the network of another checkpoint has learnt.

@@ -50,9 +50,9 @@ impl Default for Sizes {
 
 impl Sizes {
     /// Of a part's fine stage.
-    pub fn of_part(points: usize, zoom: f32) -> Sizes {
+    pub fn of_part(points: usize, side: usize, zoom: f32) -> Sizes {
         Sizes {
-            side: 56,
+            side,
             zoom,
             channels: [8, 24, 32, 64],
             fine: 24,

@@ -6,9 +6,11 @@ use super::network::{Points, Sizes};
 use super::quantise::write_part;
 use super::samples::{Augment, Sample, cut_at, disturb, standardise};
 use super::starts::{Jitter, jittered_box, normal, start_from_box};
-use super::train::{Draw, Gaps, Options, Source, train};
+use super::train::{Draw, Gaps, Options, Source, Trained, train};
+use super::with_model;
 use crate::faces::Face;
 use crate::pack::SectionWriter;
+use crate::single_eyes::{self, Single, is_single};
 use anyhow::Result;
 use posewise::align::{AlignModel, Parts, Shape, Workspace, placed};
 use posewise::math::Similarity;
@@ -25,23 +27,50 @@ struct Part {
     landmarks: Vec<usize>,
     /// Whether the mirror images are a part of their own.
     twin: bool,
+    /// Side of its crop \[px\].
+    side: usize,
     /// Crop px per canonical unit.
     zoom: f32,
+    /// Batches, in shares of those asked for.
+    steps: f32,
+    /// Share of renders among its samples.
+    rendered: f32,
+    /// Whether it has a second round, with eyes seen alone.
+    alone: bool,
 }
 
-fn all() -> [Part; 2] {
+/// In the order in which they run.
+fn all() -> [Part; 3] {
     [
         Part {
             name: "eye",
             landmarks: (17..22).chain(36..42).collect(),
             twin: true,
+            side: 56,
             zoom: 2.0,
+            steps: 1.0,
+            rendered: 0.5,
+            alone: false,
         },
         Part {
             name: "mouth",
             landmarks: (48..68).collect(),
             twin: false,
+            side: 56,
             zoom: 1.5,
+            steps: 1.0,
+            rendered: 0.5,
+            alone: false,
+        },
+        Part {
+            name: "lids",
+            landmarks: (36..42).collect(),
+            twin: true,
+            side: 48,
+            zoom: 3.5,
+            steps: 0.67,
+            rendered: 0.6,
+            alone: true,
         },
     ]
 }
@@ -60,43 +89,104 @@ const JITTER: Jitter = Jitter {
 const LOST: f32 = 12.0;
 /// Weight of a landmark that is not seen.
 const HIDDEN: f32 = 0.15;
+/// Below this ratio of height to width an eye's lids in a photograph count like hidden ones: the
+/// annotator leaves shut eyes half open. Renders teach what those look like.
+const NARROW: f32 = 0.2;
+/// How much more often than a photograph of a face one of a single eye is drawn.
+const SINGLE: f32 = 3.0;
 
-/// Trains section `PART` for this cascade; goes on from checkpoints in `cache`, whose names hold
-/// `key`.
-pub fn train_parts(
-    model: &AlignModel<'_>,
-    faces: &[Face],
-    options: &Options,
-    cache: &Path,
-    key: u32,
-) -> Result<SectionWriter> {
-    let starts = starts(model, faces);
-    let parts = all();
-    let mut out = SectionWriter::new(Parts::TAG);
-    out.scalar(parts.len() as u32);
-    for part in parts {
-        let options = Options {
-            sizes: Sizes::of_part(part.landmarks.len(), part.zoom),
-            ..options.clone()
+/// How and from where fine stages are trained.
+pub struct Training<'a> {
+    /// The cascade's global stage.
+    pub global: &'a SectionWriter,
+    /// Faces to train on.
+    pub faces: &'a [Face],
+    /// Folder of real eyes seen alone ([`single_eyes`]).
+    pub eyes: Option<&'a Path>,
+    /// As of [`options`].
+    pub options: &'a Options,
+    /// Folder of checkpoints, and what is in their names.
+    pub cache: &'a Path,
+    pub key: u32,
+}
+
+impl Training<'_> {
+    /// Trains section `PART`; goes on from checkpoints if there are some.
+    pub fn run(&self) -> Result<SectionWriter> {
+        let parts = all();
+        let mut out = SectionWriter::new(Parts::TAG);
+        out.scalar(parts.len() as u32);
+        let start = |model: &AlignModel<'_>| Ok(starts(model, self.faces));
+        let mut starts = with_model(self.global, None, start)?;
+        for part in parts {
+            println!("fine stage: {}", part.name);
+            let (mut trained, examples) = self.round(&part, self.faces, &starts, None)?;
+            let write = |trained: &Trained, out: &mut SectionWriter| {
+                write_part(trained, &part.landmarks, part.twin, &examples, out)
+            };
+            if let Some(eyes) = self.eyes.filter(|_| part.alone) {
+                // The last stage: with it the section is whole.
+                let mut so_far = out.clone();
+                write(&trained, &mut so_far)?;
+                let find = |model: &AlignModel<'_>| {
+                    let found = single_eyes::for_training(model, eyes)?.into_iter();
+                    Ok(found.map(|eye| Start::of_single(model, eye)).unzip())
+                };
+                let (alone, found): (Vec<_>, Vec<_>) =
+                    with_model(self.global, Some(&so_far), find)?;
+                let faces = [self.faces, &alone[..]].concat();
+                let starts: Vec<_> = starts.iter().copied().chain(found).collect();
+                println!("second round, with eyes seen alone");
+                trained = self.round(&part, &faces, &starts, Some(trained))?.0;
+            }
+            let mut alone = SectionWriter::new(Parts::TAG);
+            alone.scalar(1u32);
+            for out in [&mut alone, &mut out] {
+                write(&trained, out)?;
+            }
+            // The next stage goes on from where this one ends.
+            with_model(self.global, Some(&alone), |model| {
+                advance(model, self.faces, &mut starts);
+                Ok(())
+            })?;
+        }
+        Ok(out)
+    }
+
+    /// One round of a part, after another one or the first; and crops that show how large the
+    /// maps' values grow.
+    fn round(
+        &self,
+        part: &Part,
+        faces: &[Face],
+        starts: &[[Start; STARTS]],
+        after: Option<Trained>,
+    ) -> Result<(Trained, Vec<Vec<f32>>)> {
+        let mut options = Options {
+            sizes: Sizes::of_part(part.landmarks.len(), part.side, part.zoom),
+            steps: (part.steps * self.options.steps as f32) as usize,
+            rendered: part.rendered,
+            ..self.options.clone()
         };
+        let mut name = part.name.to_string();
+        if after.is_some() {
+            options.seed ^= 0xe7e;
+            options.rate *= 0.5;
+            name += "-eyes";
+        }
         let source = PartFaces {
             faces,
-            mean: model.mean(),
-            starts: &starts,
+            starts,
             options: &options,
             draw: Draw::new(faces, &options, |face| part.interest(face))?,
-            part: &part,
+            part,
         };
-        println!("fine stage: {}", part.name);
-        let checkpoint = cache.join(format!("{}-{key:08x}.checkpoint", part.name));
-        let trained = train(&source, &options, &checkpoint, None)?;
-        let examples = source.crops(
-            super::EXAMPLES,
-            &mut ChaCha8Rng::seed_from_u64(options.seed ^ 2),
-        );
-        write_part(&trained, &part.landmarks, part.twin, &examples, &mut out)?;
+        let name = format!("{name}-{:08x}.checkpoint", self.key);
+        let initial = after.map(|trained| trained.parameters);
+        let trained = train(&source, &options, &self.cache.join(name), initial)?;
+        let mut rng = ChaCha8Rng::seed_from_u64(options.seed ^ 2);
+        Ok((trained, source.crops(super::EXAMPLES, &mut rng)))
     }
-    Ok(out)
 }
 
 /// How fine stages are trained.
@@ -104,7 +194,6 @@ pub fn options(seed: u64, steps: usize) -> Options {
     Options {
         seed,
         steps,
-        rendered: 0.5,
         turned: 1.0,
         augment: Augment {
             coarse: 0.25,
@@ -122,13 +211,12 @@ pub fn options(seed: u64, steps: usize) -> Options {
 impl Part {
     /// How much more often than others a face is drawn: closed eyes and open mouths are rare.
     fn interest(&self, face: &Face) -> f32 {
-        let p = &face.landmarks;
-        let distance = |a: usize, b: usize| (p[a][0] - p[b][0]).hypot(p[a][1] - p[b][1]);
-        let ratio = |ends: [usize; 2], gaps: &[[usize; 2]]| {
-            let gap: f32 = gaps.iter().map(|[a, b]| distance(*a, *b)).sum();
-            gap / gaps.len() as f32 / distance(ends[0], ends[1]).max(1.0)
-        };
-        if self.twin {
+        let ratio = |ends, gaps: &[_]| ratio(&face.landmarks, ends, gaps);
+        if is_single(face) {
+            SINGLE
+        } else if self.twin && face.yaw_deg.is_none() {
+            1.0
+        } else if self.twin {
             let right = ratio([36, 39], &[[37, 41], [38, 40]]);
             let left = ratio([42, 45], &[[43, 47], [44, 46]]);
             1.0 + 20.0 * (0.2 - right.min(left)).clamp(0.0, 0.2)
@@ -139,8 +227,29 @@ impl Part {
     }
 }
 
+/// What a fine stage starts from.
+#[derive(Clone, Copy)]
+struct Start {
+    /// The global stage's answer: canonical frame → frame px.
+    seat: Similarity,
+    /// As the stages so far have left it.
+    shape: Shape,
+}
+
+impl Start {
+    /// The face and the starts of an eye seen alone.
+    fn of_single(model: &AlignModel<'_>, single: Single) -> (Face, [Start; STARTS]) {
+        let seat = Similarity::fit(model.mean(), &single.found);
+        let start = Start {
+            seat: seat.expect("an eye has extent"),
+            shape: single.found,
+        };
+        (single.face, [start; STARTS])
+    }
+}
+
 /// Where the global stage ends on every face, from boxes as a detector gives them.
-fn starts(model: &AlignModel<'_>, faces: &[Face]) -> Vec<[Shape; STARTS]> {
+fn starts(model: &AlignModel<'_>, faces: &[Face]) -> Vec<[Start; STARTS]> {
     faces
         .par_iter()
         .enumerate()
@@ -158,31 +267,72 @@ fn starts(model: &AlignModel<'_>, faces: &[Face]) -> Vec<[Shape; STARTS]> {
                     let pairs = shape.iter().zip(&face.landmarks);
                     let sum: f32 = pairs.map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1])).sum();
                     let lost = 100.0 * sum / LANDMARKS as f32 > LOST * face.scale();
-                    if ran && !lost { shape } else { face.landmarks }
+                    let shape = if ran && !lost { shape } else { face.landmarks };
+                    let seat = Similarity::fit(model.mean(), &shape);
+                    Start {
+                        seat: seat.expect("an answer has extent"),
+                        shape,
+                    }
                 })
             },
         )
         .collect()
 }
 
+/// Moves the starts by the fine stages of a model.
+fn advance(model: &AlignModel<'_>, faces: &[Face], starts: &mut [[Start; STARTS]]) {
+    faces.par_iter().zip(starts).for_each_init(
+        || Box::new(Workspace::new()),
+        |work, (face, starts)| {
+            for start in starts {
+                let before = start.shape;
+                if !model.run(&face.picture.frame(), 0, &mut start.shape, work) {
+                    start.shape = before;
+                }
+            }
+        },
+    );
+}
+
 struct PartFaces<'a> {
     faces: &'a [Face],
-    mean: &'a Shape,
-    starts: &'a [[Shape; STARTS]],
+    starts: &'a [[Start; STARTS]],
     options: &'a Options,
     draw: Draw,
     part: &'a Part,
+}
+
+impl PartFaces<'_> {
+    /// The lids among an eye's landmarks, where its label cannot be trusted.
+    fn doubtful(&self, face: &Face, [a, b, c, d, e, f]: [usize; 6]) -> Vec<usize> {
+        let photograph = face.yaw_deg.is_none();
+        let narrow = ratio(&face.landmarks, [a, d], &[[b, f], [c, e]]) < NARROW;
+        match self.part.twin && photograph && narrow && !is_single(face) {
+            true => vec![b, c, e, f],
+            false => vec![],
+        }
+    }
+}
+
+/// Mean of the gaps over the distance of the ends.
+fn ratio(p: &Shape, ends: [usize; 2], gaps: &[[usize; 2]]) -> f32 {
+    let distance = |a: usize, b: usize| (p[a][0] - p[b][0]).hypot(p[a][1] - p[b][1]);
+    let gap: f32 = gaps.iter().map(|[a, b]| distance(*a, *b)).sum();
+    gap / gaps.len() as f32 / distance(ends[0], ends[1]).max(1.0)
 }
 
 impl Source for PartFaces<'_> {
     fn draw(&self, rng: &mut ChaCha8Rng) -> Sample {
         let index = self.draw.next(rng);
         let face = &self.faces[index];
-        let shape = &self.starts[index][rng.random_range(0..STARTS)];
-        let mirrored = rng.random_bool(0.5);
+        let Start { seat, shape } = &self.starts[index][rng.random_range(0..STARTS)];
+        let mirrored = !is_single(face) && rng.random_bool(0.5);
         let which = |k: usize| if mirrored { MIRROR[k] } else { k };
         let landmarks: Vec<usize> = self.part.landmarks.iter().map(|k| which(*k)).collect();
-        let mut seat = Similarity::fit(self.mean, shape).expect("an answer has extent");
+        let doubtful = match mirrored {
+            false => self.doubtful(face, [36, 37, 38, 39, 40, 41]),
+            true => self.doubtful(face, [45, 44, 43, 42, 47, 46]),
+        };
         let unit = seat.scale();
         let (grow, turn) = ((0.04 * normal(rng)).exp(), 0.04 * normal(rng));
         let shaken = Similarity {
@@ -191,7 +341,7 @@ impl Source for PartFaces<'_> {
             tx: 0.0,
             ty: 0.0,
         };
-        seat = shaken.then(&seat);
+        let seat = shaken.then(seat);
         let mut points: Points = landmarks.iter().map(|k| shape[*k]).collect();
         let n = points.len() as f32;
         let centre = [0, 1].map(|k| points.iter().map(|p| p[k]).sum::<f32>() / n);
@@ -225,7 +375,10 @@ impl Source for PartFaces<'_> {
             truth: landmarks.iter().map(|k| into(face.landmarks[*k])).collect(),
             weights: landmarks
                 .iter()
-                .map(|k| if face.visible[*k] { 1.0 } else { HIDDEN })
+                .map(|k| match face.visible[*k] && !doubtful.contains(k) {
+                    true => 1.0,
+                    false => HIDDEN,
+                })
                 .collect(),
         }
     }
