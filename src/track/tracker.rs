@@ -3,8 +3,9 @@
 //! Searching runs a slice of the detector's sweep; a face found there is aligned and judged at
 //! once. A face that was lost not long ago is mostly looked for at its own size, wherever it is.
 //! Tracking runs the cascade once from the shape that the last frames predict. A fit whose
-//! probability falls below `KEEP` makes the tracker Holding: the last answer is repeated, the
-//! detector looks around it and elsewhere, and after `HOLD_US` the search starts anew.
+//! probability falls below `KEEP` (`STAY` where it was never sure) makes the tracker Holding: the last
+//! answer is repeated, the detector looks around it and elsewhere, and after `HOLD_US` the search
+//! starts anew.
 //!
 //! Keyframes are kept of sure frames while Tracking, at most one a step and none that brings nothing
 //! new. With the step that loses the face and with each one after it one window of the frame is

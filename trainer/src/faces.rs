@@ -7,7 +7,7 @@ use posewise::align::Shape;
 use posewise::image::{Frame, FrameLayout};
 use posewise::shape::{LANDMARKS, MIRROR};
 use rayon::prelude::*;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// A grey picture.
@@ -23,6 +23,16 @@ impl Picture {
     pub fn frame(&self) -> Frame<'_> {
         let layout = FrameLayout::grey(self.size[0], self.size[1]);
         Frame::new(&layout, &self.luma).expect("a picture is as large as it says")
+    }
+
+    /// Picture files of a folder, in the order of their names.
+    pub fn list(folder: &Path) -> Result<Vec<PathBuf>> {
+        let list = std::fs::read_dir(folder);
+        let list = list.with_context(|| format!("reading {}", folder.display()))?;
+        let mut paths: Vec<PathBuf> = list.map(|f| Ok(f?.path())).collect::<Result<_>>()?;
+        paths.retain(|p| p.extension().is_some_and(|e| e == "jpg" || e == "png"));
+        paths.sort();
+        Ok(paths)
     }
 
     /// Reads a picture file as luma (BT.601).
@@ -123,6 +133,13 @@ impl Face {
         // The tip passes an eye corner at about 60°.
         ((2.0 * at - 1.0) * 60.0 / 90.0).clamp(-1.0, 1.0)
     }
+}
+
+/// How far an eye or a mouth is open: mean of the gaps over the distance of the ends.
+pub fn ratio(p: &Shape, ends: [usize; 2], gaps: &[[usize; 2]]) -> f32 {
+    let distance = |a: usize, b: usize| (p[a][0] - p[b][0]).hypot(p[a][1] - p[b][1]);
+    let gap: f32 = gaps.iter().map(|[a, b]| distance(*a, *b)).sum();
+    gap / gaps.len() as f32 / distance(ends[0], ends[1]).max(1.0)
 }
 
 /// Reads a CSV of `image,x0,y0,…,x67,y67` and its pictures.

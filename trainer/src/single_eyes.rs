@@ -4,7 +4,7 @@
 //! are; rendered lids are not real. The stages find the landmarks; where an eye is known to be shut
 //! its lids are laid together. Each fifth picture is kept from training, to measure on.
 
-use crate::faces::{Face, Picture};
+use crate::faces::{Face, Picture, ratio};
 use crate::fit::AlignedBlob;
 use crate::roc;
 use anyhow::{Context, Result, ensure};
@@ -123,13 +123,7 @@ pub fn run(args: &Args) -> Result<()> {
 
 /// Those kept from training, or the others.
 fn pictures(folder: &Path, held: bool) -> Result<Vec<PathBuf>> {
-    let mut files = std::fs::read_dir(folder)
-        .with_context(|| format!("reading {}", folder.display()))?
-        .map(|entry| Ok(entry?.path()))
-        .collect::<Result<Vec<_>>>()?;
-    files.retain(|p| p.extension().is_some_and(|e| e == "jpg" || e == "png"));
-    files.sort();
-    let chosen = (files.into_iter().enumerate())
+    let chosen = (Picture::list(folder)?.into_iter().enumerate())
         .filter(|(index, _)| (index % HELD == HELD - 1) == held)
         .map(|(_, path)| path);
     Ok(chosen.collect())
@@ -167,8 +161,7 @@ fn distance(a: [f32; 2], b: [f32; 2]) -> f32 {
 
 /// Of the lids, over the eye's width.
 fn gap(shape: &Shape) -> f32 {
-    let gaps = LIDS.map(|[upper, lower]| distance(shape[upper], shape[lower]));
-    (gaps[0] + gaps[1]) / 2.0 / extent(shape).1
+    ratio(shape, [36, 39], &LIDS)
 }
 
 /// The eye in the middle of a picture, from the beginning after which it moves least; `None` where

@@ -8,7 +8,7 @@ use super::samples::{Augment, Sample, cut_at, disturb, standardise};
 use super::starts::{Jitter, jittered_box, normal, start_from_box};
 use super::train::{Draw, Gaps, Options, Source, Trained, train};
 use super::with_model;
-use crate::faces::Face;
+use crate::faces::{Face, ratio};
 use crate::pack::SectionWriter;
 use crate::single_eyes::{self, Single, is_single};
 use anyhow::Result;
@@ -113,12 +113,12 @@ pub struct Training<'a> {
 impl Training<'_> {
     /// Trains section `PART`; goes on from checkpoints if there are some.
     pub fn run(&self) -> Result<SectionWriter> {
-        let parts = all();
+        let mut parts = all().into_iter().peekable();
         let mut out = SectionWriter::new(Parts::TAG);
         out.scalar(parts.len() as u32);
         let start = |model: &AlignModel<'_>| Ok(starts(model, self.faces));
         let mut starts = with_model(self.global, None, start)?;
-        for part in parts {
+        while let Some(part) = parts.next() {
             println!("fine stage: {}", part.name);
             let (mut trained, examples) = self.round(&part, self.faces, &starts, None)?;
             let write = |trained: &Trained, out: &mut SectionWriter| {
@@ -144,11 +144,13 @@ impl Training<'_> {
             for out in [&mut alone, &mut out] {
                 write(&trained, out)?;
             }
-            // The next stage goes on from where this one ends.
-            with_model(self.global, Some(&alone), |model| {
-                advance(model, self.faces, &mut starts);
-                Ok(())
-            })?;
+            if parts.peek().is_some() {
+                // The next stage goes on from where this one ends.
+                with_model(self.global, Some(&alone), |model| {
+                    advance(model, self.faces, &mut starts);
+                    Ok(())
+                })?;
+            }
         }
         Ok(out)
     }
@@ -312,13 +314,6 @@ impl PartFaces<'_> {
             false => vec![],
         }
     }
-}
-
-/// Mean of the gaps over the distance of the ends.
-fn ratio(p: &Shape, ends: [usize; 2], gaps: &[[usize; 2]]) -> f32 {
-    let distance = |a: usize, b: usize| (p[a][0] - p[b][0]).hypot(p[a][1] - p[b][1]);
-    let gap: f32 = gaps.iter().map(|[a, b]| distance(*a, *b)).sum();
-    gap / gaps.len() as f32 / distance(ends[0], ends[1]).max(1.0)
 }
 
 impl Source for PartFaces<'_> {

@@ -29,9 +29,10 @@ pub mod worn;
 pub use people::{People, Persons};
 pub use sample::{Renderer, Sample, SampleSpec};
 
+use crate::faces::Picture;
 use crate::fit::{FitSettings, fit_photographs_cached};
 use crate::head::Head;
-use anyhow::{Context, Result};
+use anyhow::Result;
 use image::GrayImage;
 use std::path::{Path, PathBuf};
 
@@ -146,11 +147,7 @@ pub fn run(args: &Args) -> Result<PathBuf> {
 
 /// All pictures of a folder in the order of their names, as luma.
 pub fn backgrounds(folder: &Path) -> Result<Vec<GrayImage>> {
-    let list = std::fs::read_dir(folder).with_context(|| format!("no {}", folder.display()))?;
-    let mut paths: Vec<PathBuf> = list.map(|f| Ok(f?.path())).collect::<Result<_>>()?;
-    paths.retain(|p| p.extension().is_some_and(|e| e == "jpg" || e == "png"));
-    paths.sort();
-    paths
+    Picture::list(folder)?
         .iter()
         .map(|p| Ok(image::open(p)?.to_luma8()))
         .collect()

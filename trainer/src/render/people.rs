@@ -2,7 +2,7 @@
 
 use super::mesh::Mesh;
 use super::photo::Photographer;
-use super::skin::{Features, Lids, Looks, Painted, paint};
+use super::skin::{Features, Looks, Painted, paint};
 use super::texture::TexelMap;
 use crate::fit::PhotoFit;
 use crate::head::Head;
@@ -126,8 +126,7 @@ impl People {
                 rng.set_stream(number as u64);
                 let mut looks = Looks::random(&mut rng);
                 if self.near {
-                    looks.lids = Lids::random(&mut rng);
-                    looks.lashes = rng.random_range(0.4..1.0);
+                    looks.come_near(&mut rng);
                 }
                 Arc::new(self.make(mesh, u32::MAX - number as u32, &looks))
             })

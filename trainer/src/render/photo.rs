@@ -11,7 +11,7 @@ use super::mesh::Mesh;
 use super::noise::smoothstep;
 use super::people::Person;
 use super::raster::{Cull, Projected, Target};
-use super::skin::{Features, Lids, Looks, Painted, is_ear, paint_albedo, push};
+use super::skin::{Features, Looks, Painted, is_ear, paint_albedo, push};
 use super::texture::{TILE, TexelMap, Texture};
 use crate::fit::PhotoFit;
 use crate::head::Head;
@@ -67,8 +67,7 @@ impl Photographer<'_> {
             looks.hair_mm = looks.hair_mm.min(3.0);
         }
         if self.near {
-            looks.lids = Lids::random(&mut rng);
-            looks.lashes = rng.random_range(0.4..1.0);
+            looks.come_near(&mut rng);
         }
         let mut albedo = paint_albedo(self.mesh, self.map, self.features, &looks);
         self.blend(&mut albedo, &seen, looks.lids.bare_mm);

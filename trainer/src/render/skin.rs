@@ -110,6 +110,12 @@ impl Looks {
         }
     }
 
+    /// As who is seen from near: lids in detail.
+    pub fn come_near(&mut self, rng: &mut ChaCha8Rng) {
+        self.lids = Lids::random(rng);
+        self.lashes = rng.random_range(0.4..1.0);
+    }
+
     /// How much a point of the mean head belongs to the hair (signed distance inside \[mm\]).
     pub fn hair_depth(&self, p: Vec3, ear: bool) -> f32 {
         if self.hair_mm <= 0.0 || ear {
