@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// A grey picture.
+#[derive(Clone)]
 pub struct Picture {
     /// Width and height \[px\].
     pub size: [u32; 2],
@@ -52,6 +53,24 @@ impl Picture {
             size: self.size,
             luma: rows.flat_map(|row| row.iter().rev().copied()).collect(),
         }
+    }
+
+    /// Turned clockwise by a quarter.
+    pub fn turned(&self) -> Picture {
+        let [w, h] = self.size;
+        let column = |x| self.luma[x..].iter().step_by(w as usize).rev().copied();
+        Picture {
+            size: [h, w],
+            luma: (0..w as usize).flat_map(column).collect(),
+        }
+    }
+
+    /// In all eight orientations.
+    pub fn orientations(&self) -> Vec<Picture> {
+        let mut all = vec![self.clone()];
+        (0..3).for_each(|k| all.push(all[k].turned()));
+        all.extend(all.iter().map(Picture::mirrored).collect::<Vec<_>>());
+        all
     }
 }
 
@@ -192,6 +211,23 @@ fn seen(visible: &[bool; LANDMARKS]) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_picture_has_eight_orientations() {
+        let picture = Picture {
+            size: [3, 2],
+            luma: vec![1, 2, 3, 4, 5, 6],
+        };
+        let turned = picture.turned();
+        assert_eq!(
+            (turned.size, &turned.luma[..]),
+            ([2, 3], &[4, 1, 5, 2, 6, 3][..])
+        );
+        let mut all = picture.orientations();
+        all.sort_by(|a, b| (a.size, &a.luma).cmp(&(b.size, &b.luma)));
+        all.dedup_by(|a, b| a.luma == b.luma && a.size == b.size);
+        assert_eq!(all.len(), 8);
+    }
 
     #[test]
     fn mirror_is_its_own_inverse() {

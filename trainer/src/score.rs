@@ -5,14 +5,14 @@
 //! every place that the detector takes for one.
 
 use crate::align::cover::covered;
-use crate::align::evaluate::{nme, start_of};
+use crate::align::evaluate::start_of;
 use crate::align::{Jitter, jittered_box, normal, start_from_box};
 use crate::faces::{Face, Picture};
 use crate::pack::SectionWriter;
 use crate::ridge::{Linear, Normal, predict};
 use anyhow::Result;
 use faer::Mat;
-use posewise::align::{AlignModel, Workspace};
+use posewise::align::{AlignModel, Shape, Workspace};
 use posewise::detect::{DetectorModel, Scan, Sizes, Swept};
 use posewise::experts::{Verifier, first_answer};
 use posewise::shape::LANDMARKS;
@@ -23,6 +23,9 @@ use rayon::prelude::*;
 /// Right means within this share of the inter-ocular distance \[%\].
 const RIGHT_PERCENT: f32 = 10.0;
 const FOLDS: u32 = 4;
+/// Weight of a false alarm: pictures are looked at in eight orientations but count like two, lest
+/// doubtful faces drown.
+const ORIENTED: f32 = 0.25;
 /// Smallest face that false alarms are looked for at \[px\].
 const MIN_FACE_PX: i32 = 30;
 
@@ -33,6 +36,7 @@ struct Row {
     /// Per landmark: seen. Empty where it is not known.
     seen: Vec<bool>,
     face: bool,
+    weight: f32,
     fold: u32,
     view: usize,
 }
@@ -72,7 +76,9 @@ pub fn train(
 fn train_face(rows: &[&Row], out: &mut SectionWriter) -> Result<Vec<f32>> {
     let (weight, scores) = linear(rows, |r| r.features.as_slice(), |r| r.face, 0.03)?;
     let labels: Vec<bool> = rows.iter().map(|r| r.face).collect();
-    let (slope, offset) = platt(&scores, &labels, &vec![0.0; scores.len()], 0.0);
+    let weights: Vec<f32> = rows.iter().map(|r| r.weight).collect();
+    let none = vec![0.0; scores.len()];
+    let (slope, offset) = platt(&scores, &labels, &weights, &none, 0.0);
     out.scalar(weight.scale * slope[0])
         .scalar(weight.bias * slope[0] + offset);
     out.array(&weight.weight);
@@ -98,7 +104,7 @@ fn train_landmarks(
             let right = |r: &Row| r.right[landmark];
             let (w, s) = linear(&chosen, |r| &r.features[own.clone()], right, 0.01)?;
             let labels: Vec<bool> = chosen.iter().map(|r| right(r)).collect();
-            let (slope, offset) = platt(&s, &labels, &face, 0.2);
+            let (slope, offset) = platt(&s, &labels, &vec![1.0; s.len()], &face, 0.2);
             let logits: Vec<f32> = s
                 .iter()
                 .zip(&face)
@@ -171,7 +177,7 @@ fn train_seen(rows: &[&Row], features: usize, out: &mut SectionWriter) -> Result
             let label = |r: &Row| r.seen[landmark];
             let (w, s) = linear(&answers, |r| r.features.as_slice(), label, 0.01)?;
             let labels: Vec<bool> = answers.iter().map(|r| label(r)).collect();
-            let (slope, offset) = platt(&s, &labels, &vec![0.0; s.len()], 0.0);
+            let (slope, offset) = platt(&s, &labels, &vec![1.0; s.len()], &vec![0.0; s.len()], 0.0);
             let logits: Vec<f32> = s.iter().map(|s| s * slope[0] + offset).collect();
             Ok((w, slope[0], offset, logits, labels))
         })
@@ -229,7 +235,7 @@ fn on_faces(model: &AlignModel<'_>, faces: &[Face], seed: u64) -> Vec<Row> {
                         let other = &faces[rng.random_range(0..faces.len())];
                         covered(face, other, &mut rng)
                     });
-                    let face = hidden.as_ref().unwrap_or(face);
+                    let (bare, face) = (face, hidden.as_ref().unwrap_or(face));
                     let frame = face.picture.frame();
                     if !model.run(&frame, model.passes() + k % 2, &mut shape, work) {
                         continue;
@@ -239,7 +245,7 @@ fn on_faces(model: &AlignModel<'_>, faces: &[Face], seed: u64) -> Vec<Row> {
                     let right: Vec<bool> = right
                         .map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1]) <= limit)
                         .collect();
-                    let error = nme(face, &shape, 0) * face.inter_ocular() / face.scale();
+                    let error = seen_error(bare, &shape);
                     // Photographs say nothing of what turning hides.
                     let known = face.yaw_deg.is_some() || face.turn().abs() < 0.3;
                     rows.push(Row {
@@ -251,6 +257,7 @@ fn on_faces(model: &AlignModel<'_>, faces: &[Face], seed: u64) -> Vec<Row> {
                             vec![]
                         },
                         face: error < RIGHT_PERCENT,
+                        weight: 1.0,
                         fold: face.person.wrapping_mul(0x9E37_79B9) >> 16 & (FOLDS - 1),
                         view: work.view(),
                     });
@@ -262,13 +269,25 @@ fn on_faces(model: &AlignModel<'_>, faces: &[Face], seed: u64) -> Vec<Row> {
         .collect()
 }
 
+/// Mean error of the landmarks that are seen \[% of the scale\]: the others are guesses, and hardly a face
+/// in profile would be right if they counted.
+fn seen_error(face: &Face, shape: &Shape) -> f32 {
+    let pairs = face.landmarks.iter().zip(shape).zip(face.visible);
+    let (sum, seen) = pairs
+        .filter(|(_, seen)| *seen)
+        .map(|((a, b), _)| (a[0] - b[0]).hypot(a[1] - b[1]))
+        .fold((0.0, 0), |(sum, n), d| (sum + d, n + 1));
+    100.0 * sum / seen.max(1) as f32 / face.scale()
+}
+
 /// The run that was last, on a picture without a face.
-fn no_face(work: &Workspace, picture: usize) -> Row {
+fn no_face(work: &Workspace, picture: usize, weight: f32) -> Row {
     Row {
         features: work.features().to_vec(),
         right: Vec::new(),
         seen: Vec::new(),
         face: false,
+        weight,
         fold: picture as u32 % FOLDS,
         view: work.view(),
     }
@@ -295,7 +314,7 @@ fn on_empty(model: &AlignModel<'_>, empty: &[Picture], seed: u64, count: usize) 
                 let mut shape = start_from_box(&start, at, size, 0.3 * normal(&mut rng));
                 let passes = model.passes() + index % 2;
                 let ran = model.run(&picture.frame(), passes, &mut shape, work);
-                ran.then(|| no_face(work, which))
+                ran.then(|| no_face(work, which, 1.0))
             },
         )
         .flatten()
@@ -311,7 +330,7 @@ fn on_alarms(model: &AlignModel<'_>, detector: &DetectorModel<'_>, empty: &[Pict
             || Box::new(Workspace::new()),
             |work, (index, picture)| {
                 let mut rows = Vec::new();
-                for picture in [picture, &picture.mirrored()] {
+                for picture in picture.orientations() {
                     let frame = picture.frame();
                     let mut scan = Scan::new();
                     loop {
@@ -329,7 +348,7 @@ fn on_alarms(model: &AlignModel<'_>, detector: &DetectorModel<'_>, empty: &[Pict
                         let at = [found.x, found.y];
                         let mut shape = start_from_box(&start, at, found.size, found.roll);
                         if model.run(&frame, model.passes(), &mut shape, work) {
-                            rows.push(no_face(work, index));
+                            rows.push(no_face(work, index, ORIENTED));
                         }
                     }
                 }
@@ -348,7 +367,8 @@ fn linear<'a>(
     ridge: f32,
 ) -> Result<(Linear, Vec<f32>)> {
     let inputs = features(rows[0]).len();
-    let share = rows.iter().filter(|r| label(r)).count() as f32 / rows.len() as f32;
+    let sum = |rows: &mut dyn Iterator<Item = &&Row>| rows.map(|r| r.weight).sum::<f32>();
+    let share = sum(&mut rows.iter().filter(|r| label(r))) / sum(&mut rows.iter());
     let (w1, w0) = (0.5 / share.max(1e-3), 0.5 / (1.0 - share).max(1e-3));
     let fold_sum = |fold: u32| {
         let chosen: Vec<&Row> = rows.iter().copied().filter(|r| r.fold == fold).collect();
@@ -364,7 +384,7 @@ fn linear<'a>(
         let y: Vec<&[f32]> = y.iter().map(|v| v.as_slice()).collect();
         let w: Vec<f32> = chosen
             .iter()
-            .map(|r| if label(r) { w1 } else { w0 })
+            .map(|r| r.weight * if label(r) { w1 } else { w0 })
             .collect();
         let mut sum = Normal::new(inputs, 1);
         sum.add(&x, &y, &w);
@@ -395,6 +415,7 @@ fn linear<'a>(
 pub(crate) fn platt(
     scores: &[f32],
     labels: &[bool],
+    weights: &[f32],
     second: &[f32],
     start: f32,
 ) -> ([f32; 2], f32) {
@@ -402,11 +423,13 @@ pub(crate) fn platt(
     for _ in 0..30 {
         let mut gradient = nalgebra::Vector3::zeros();
         let mut hessian = nalgebra::Matrix3::identity() * 1e-3;
-        for ((s, label), t) in scores.iter().zip(labels).zip(second) {
+        let rows = scores.iter().zip(labels).zip(weights).zip(second);
+        for (((s, label), weight), t) in rows {
             let x = nalgebra::Vector3::new(*s as f64, *t as f64, 1.0);
             let p = 1.0 / (1.0 + (-w.dot(&x)).exp());
-            gradient += x * (p - if *label { 1.0 } else { 0.0 });
-            hessian += x * x.transpose() * (p * (1.0 - p)).max(1e-6);
+            let weight = *weight as f64;
+            gradient += x * weight * (p - if *label { 1.0 } else { 0.0 });
+            hessian += x * x.transpose() * weight * (p * (1.0 - p)).max(1e-6);
         }
         let step = hessian
             .lu()
