@@ -35,6 +35,8 @@ struct Part {
     steps: f32,
     /// Share of renders among its samples.
     rendered: f32,
+    /// Share of crops that moved while they were exposed.
+    smeared: f32,
     /// Whether it has a second round, with eyes seen alone.
     alone: bool,
 }
@@ -50,6 +52,7 @@ fn all() -> [Part; 3] {
             zoom: 2.0,
             steps: 1.0,
             rendered: 0.5,
+            smeared: 0.0,
             alone: false,
         },
         Part {
@@ -60,6 +63,7 @@ fn all() -> [Part; 3] {
             zoom: 1.5,
             steps: 1.0,
             rendered: 0.5,
+            smeared: 0.0,
             alone: false,
         },
         Part {
@@ -70,6 +74,7 @@ fn all() -> [Part; 3] {
             zoom: 3.5,
             steps: 0.67,
             rendered: 0.6,
+            smeared: 0.3,
             alone: true,
         },
     ]
@@ -92,6 +97,8 @@ const HIDDEN: f32 = 0.15;
 /// Below this ratio of height to width an eye's lids in a photograph count like hidden ones: the
 /// annotator leaves shut eyes half open. Renders teach what those look like.
 const NARROW: f32 = 0.2;
+/// How far faces move while they are exposed, at most, in canonical units.
+const SMEAR: f32 = 9.0;
 /// How much more often than a photograph of a face one of a single eye is drawn.
 const SINGLE: f32 = 3.0;
 
@@ -168,6 +175,11 @@ impl Training<'_> {
             sizes: Sizes::of_part(part.landmarks.len(), part.side, part.zoom),
             steps: (part.steps * self.options.steps as f32) as usize,
             rendered: part.rendered,
+            augment: Augment {
+                smear: part.smeared,
+                smear_px: SMEAR * part.zoom,
+                ..self.options.augment
+            },
             ..self.options.clone()
         };
         let mut name = part.name.to_string();

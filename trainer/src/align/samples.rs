@@ -57,6 +57,9 @@ pub struct Augment {
     pub coarse: f32,
     /// Share of crops with a patch painted over.
     pub patch: f32,
+    /// Share of crops that moved while they were exposed, and how far at most \[px\].
+    pub smear: f32,
+    pub smear_px: f32,
 }
 
 impl Default for Augment {
@@ -69,6 +72,8 @@ impl Default for Augment {
             blur: 0.15,
             coarse: 0.15,
             patch: 0.2,
+            smear: 0.0,
+            smear_px: 0.0,
         }
     }
 }
@@ -158,9 +163,22 @@ pub fn cut_at(face: &Face, to_frame: &Similarity, side: usize) -> Vec<f32> {
     crop.luma().iter().map(|v| *v as f32).collect()
 }
 
-/// Contrast, brightness, noise, blur and patches.
+/// Motion, contrast, brightness, noise, blur and patches.
 pub fn disturb(crop: &mut [f32], side: usize, augment: &Augment, rng: &mut ChaCha8Rng) {
     let chance = |share: f32, rng: &mut ChaCha8Rng| rng.random_range(0.0..1.0) < share;
+    if augment.smear > 0.0 && chance(augment.smear, rng) {
+        // Heads turn to the side faster than they nod.
+        let angle = 0.4 * normal(rng);
+        let length = augment.smear_px * rng.random_range(0.0f32..1.0);
+        // Lights that flicker leave separate pictures, steady ones a smear.
+        let exposures = rng.random_range(3..=3 + length as usize);
+        smear(
+            crop,
+            side,
+            [length * angle.cos(), length * angle.sin()],
+            exposures,
+        );
+    }
     if chance(augment.coarse, rng) {
         for y in (0..side - 1).step_by(2) {
             for x in (0..side - 1).step_by(2) {
@@ -198,6 +216,28 @@ pub fn disturb(crop: &mut [f32], side: usize, augment: &Augment, rng: &mut ChaCh
     }
 }
 
+/// The mean of exposures along a way, as long before as behind where the crop is.
+fn smear(crop: &mut [f32], side: usize, [dx, dy]: [f32; 2], exposures: usize) {
+    let from = crop.to_vec();
+    let last = side as f32 - 1.0;
+    for (at, out) in crop.iter_mut().enumerate() {
+        let mut sum = 0.0;
+        for k in 0..exposures {
+            let way = k as f32 / (exposures - 1) as f32 - 0.5;
+            let x = ((at % side) as f32 + way * dx).clamp(0.0, last);
+            let y = ((at / side) as f32 + way * dy).clamp(0.0, last);
+            let (x0, y0) = ((x as usize).min(side - 2), (y as usize).min(side - 2));
+            let (u, v) = (x - x0 as f32, y - y0 as f32);
+            let row = |y: usize| {
+                from[y * side + x0] + u * (from[y * side + x0 + 1] - from[y * side + x0])
+            };
+            let (upper, lower) = (row(y0), row(y0 + 1));
+            sum += upper + v * (lower - upper);
+        }
+        *out = sum / exposures as f32;
+    }
+}
+
 /// 3×3 means.
 fn blur(crop: &mut [f32], side: usize) {
     let from = crop.to_vec();
@@ -221,4 +261,20 @@ pub fn standardise(crop: &mut [f32]) {
     let variance = crop.iter().map(|v| (v - mean).powi(2)).sum::<f32>() / n;
     let gain = 1.0 / (variance.sqrt() + 8.0);
     crop.iter_mut().for_each(|v| *v = (*v - mean) * gain);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_smear_stays_where_it_was() {
+        let side = 9;
+        let mut crop = vec![0.0; side * side];
+        crop[4 * side + 4] = 3.0;
+        smear(&mut crop, side, [4.0, 0.0], 3);
+        let row: Vec<f32> = crop[4 * side..5 * side].to_vec();
+        assert_eq!(row, [0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0]);
+        assert_eq!(crop.iter().sum::<f32>(), 3.0);
+    }
 }
