@@ -86,14 +86,11 @@ pub fn run(args: &Args) -> Result<()> {
         None => face_section::face_section(&head, offsets.as_deref())?,
     };
     let render = |kind, count| {
-        let plain = kind == render::Kind::Plain;
         render::run(&render::Args {
             data: args.data.clone(),
             cache: args.cache.clone(),
             count,
             seed: args.seed,
-            people: if plain { 256 } else { 600 },
-            pictures: if plain { 2 } else { 3 },
             clean: args.clean,
             kind,
         })

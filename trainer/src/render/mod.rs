@@ -51,12 +51,6 @@ pub struct Args {
     /// Seed of everything random.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// Different procedural people.
-    #[arg(long, default_value_t = 256)]
-    pub people: usize,
-    /// Pictures of each photographed person.
-    #[arg(long, default_value_t = 3)]
-    pub pictures: usize,
     /// Render procedural people and backgrounds only: no photograph is used.
     #[arg(long)]
     pub clean: bool,
@@ -77,6 +71,22 @@ pub enum Kind {
 }
 
 impl Kind {
+    /// Different procedural people.
+    fn people(self) -> usize {
+        match self {
+            Kind::Plain => 256,
+            Kind::Hard | Kind::Near => 600,
+        }
+    }
+
+    /// Pictures of each photographed person.
+    fn pictures(self) -> usize {
+        match self {
+            Kind::Plain => 2,
+            Kind::Hard | Kind::Near => 3,
+        }
+    }
+
     /// What stands in a file's name.
     fn name(self) -> &'static str {
         match self {
@@ -95,14 +105,14 @@ pub fn renderer(args: &Args) -> Result<Renderer> {
         true => Vec::new(),
         false => backgrounds(&args.data.join("backgrounds"))?,
     };
-    let mut people = People::new(&mesh, args.people, args.seed, args.kind == Kind::Near);
+    let mut people = People::new(&mesh, args.kind.people(), args.seed, args.kind == Kind::Near);
     let mut offsets_mm = Vec::new();
     if !args.clean {
         let faces = args.data.join("faces68");
         let (csv, images) = (faces.join("train.csv"), faces.join("train"));
         let kept = args.cache.join("fits.json");
         let fits = fit_photographs_cached(&head, &csv, &images, &FitSettings::default(), &kept)?;
-        people.add_photographs(&head, &mesh, &fits.fits, &images, args.pictures)?;
+        people.add_photographs(&head, &mesh, &fits.fits, &images, args.kind.pictures())?;
         offsets_mm = fits.offsets_mm;
     }
     Ok(Renderer::new(mesh, people, backgrounds, &offsets_mm))
