@@ -105,7 +105,12 @@ pub fn renderer(args: &Args) -> Result<Renderer> {
         true => Vec::new(),
         false => backgrounds(&args.data.join("backgrounds"))?,
     };
-    let mut people = People::new(&mesh, args.kind.people(), args.seed, args.kind == Kind::Near);
+    let mut people = People::new(
+        &mesh,
+        args.kind.people(),
+        args.seed,
+        args.kind == Kind::Near,
+    );
     let mut offsets_mm = Vec::new();
     if !args.clean {
         let faces = args.data.join("faces68");
