@@ -5,14 +5,14 @@
 //! every place that the detector takes for one.
 
 use crate::align::cover::covered;
-use crate::align::evaluate::start_of;
+use crate::align::evaluate::{mean_error, start_of};
 use crate::align::{Jitter, jittered_box, normal, start_from_box};
 use crate::faces::{Face, Picture};
 use crate::pack::SectionWriter;
 use crate::ridge::{Linear, Normal, predict};
 use anyhow::Result;
 use faer::Mat;
-use posewise::align::{AlignModel, Shape, Workspace};
+use posewise::align::{AlignModel, Workspace};
 use posewise::detect::{DetectorModel, Scan, Sizes, Swept};
 use posewise::experts::{Verifier, first_answer};
 use posewise::shape::LANDMARKS;
@@ -77,8 +77,7 @@ fn train_face(rows: &[&Row], out: &mut SectionWriter) -> Result<Vec<f32>> {
     let (weight, scores) = linear(rows, |r| r.features.as_slice(), |r| r.face, 0.03)?;
     let labels: Vec<bool> = rows.iter().map(|r| r.face).collect();
     let weights: Vec<f32> = rows.iter().map(|r| r.weight).collect();
-    let none = vec![0.0; scores.len()];
-    let (slope, offset) = platt(&scores, &labels, &weights, &none, 0.0);
+    let (slope, offset) = platt(&scores, &labels, Some(&weights), None);
     out.scalar(weight.scale * slope[0])
         .scalar(weight.bias * slope[0] + offset);
     out.array(&weight.weight);
@@ -104,7 +103,7 @@ fn train_landmarks(
             let right = |r: &Row| r.right[landmark];
             let (w, s) = linear(&chosen, |r| &r.features[own.clone()], right, 0.01)?;
             let labels: Vec<bool> = chosen.iter().map(|r| right(r)).collect();
-            let (slope, offset) = platt(&s, &labels, &vec![1.0; s.len()], &face, 0.2);
+            let (slope, offset) = platt(&s, &labels, None, Some(&face));
             let logits: Vec<f32> = s
                 .iter()
                 .zip(&face)
@@ -177,7 +176,7 @@ fn train_seen(rows: &[&Row], features: usize, out: &mut SectionWriter) -> Result
             let label = |r: &Row| r.seen[landmark];
             let (w, s) = linear(&answers, |r| r.features.as_slice(), label, 0.01)?;
             let labels: Vec<bool> = answers.iter().map(|r| label(r)).collect();
-            let (slope, offset) = platt(&s, &labels, &vec![1.0; s.len()], &vec![0.0; s.len()], 0.0);
+            let (slope, offset) = platt(&s, &labels, None, None);
             let logits: Vec<f32> = s.iter().map(|s| s * slope[0] + offset).collect();
             Ok((w, slope[0], offset, logits, labels))
         })
@@ -245,7 +244,9 @@ fn on_faces(model: &AlignModel<'_>, faces: &[Face], seed: u64) -> Vec<Row> {
                     let right: Vec<bool> = right
                         .map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1]) <= limit)
                         .collect();
-                    let error = seen_error(bare, &shape);
+                    // Hidden landmarks are guesses: hardly a face in profile would be right if they counted.
+                    let seen = (0..LANDMARKS).filter(|k| bare.visible[*k]);
+                    let error = mean_error(bare, &shape, seen, bare.scale());
                     // Photographs say nothing of what turning hides.
                     let known = face.yaw_deg.is_some() || face.turn().abs() < 0.3;
                     rows.push(Row {
@@ -267,17 +268,6 @@ fn on_faces(model: &AlignModel<'_>, faces: &[Face], seed: u64) -> Vec<Row> {
         )
         .flatten()
         .collect()
-}
-
-/// Mean error of the landmarks that are seen \[% of the scale\]: the others are guesses, and hardly a face
-/// in profile would be right if they counted.
-fn seen_error(face: &Face, shape: &Shape) -> f32 {
-    let pairs = face.landmarks.iter().zip(shape).zip(face.visible);
-    let (sum, seen) = pairs
-        .filter(|(_, seen)| *seen)
-        .map(|((a, b), _)| (a[0] - b[0]).hypot(a[1] - b[1]))
-        .fold((0.0, 0), |(sum, n), d| (sum + d, n + 1));
-    100.0 * sum / seen.max(1) as f32 / face.scale()
 }
 
 /// The run that was last, on a picture without a face.
@@ -411,23 +401,24 @@ fn linear<'a>(
     Ok((linear, scores))
 }
 
-/// Logistic fit of labels to score and a second input by Newton's method: slopes and offset.
+/// Logistic fit of labels to score and a second input, if there is one, by Newton's method: slopes and
+/// offset. Without weights all count the same.
 pub(crate) fn platt(
     scores: &[f32],
     labels: &[bool],
-    weights: &[f32],
-    second: &[f32],
-    start: f32,
+    weights: Option<&[f32]>,
+    second: Option<&[f32]>,
 ) -> ([f32; 2], f32) {
+    let start = if second.is_some() { 0.2f32 } else { 0.0 };
     let mut w = nalgebra::Vector3::new(1.0f64, start as f64, 0.0);
     for _ in 0..30 {
         let mut gradient = nalgebra::Vector3::zeros();
         let mut hessian = nalgebra::Matrix3::identity() * 1e-3;
-        let rows = scores.iter().zip(labels).zip(weights).zip(second);
-        for (((s, label), weight), t) in rows {
-            let x = nalgebra::Vector3::new(*s as f64, *t as f64, 1.0);
+        for (k, (s, label)) in scores.iter().zip(labels).enumerate() {
+            let (weight, t) = (weights.map_or(1.0, |w| w[k]), second.map_or(0.0, |t| t[k]));
+            let x = nalgebra::Vector3::new(*s as f64, t as f64, 1.0);
             let p = 1.0 / (1.0 + (-w.dot(&x)).exp());
-            let weight = *weight as f64;
+            let weight = weight as f64;
             gradient += x * weight * (p - if *label { 1.0 } else { 0.0 });
             hessian += x * x.transpose() * weight * (p * (1.0 - p)).max(1e-6);
         }

@@ -24,9 +24,21 @@ pub struct Accuracy {
 
 /// Mean point error in % of the inter-ocular distance, over points `from..68`.
 pub fn nme(face: &Face, shape: &Shape, from: usize) -> f32 {
-    let points = face.landmarks.iter().zip(shape).skip(from);
-    let sum: f32 = points.map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1])).sum();
-    100.0 * sum / (LANDMARKS - from) as f32 / face.inter_ocular()
+    mean_error(face, shape, from..LANDMARKS, face.inter_ocular())
+}
+
+/// Mean error of some landmarks in % of a unit \[px\].
+pub fn mean_error(
+    face: &Face,
+    shape: &Shape,
+    landmarks: impl Iterator<Item = usize>,
+    unit: f32,
+) -> f32 {
+    let (sum, count) = landmarks
+        .map(|k| (face.landmarks[k], shape[k]))
+        .map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1]))
+        .fold((0.0, 0), |(sum, n), d| (sum + d, n + 1));
+    100.0 * sum / count.max(1) as f32 / unit
 }
 
 /// The start shape for a turn.

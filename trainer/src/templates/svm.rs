@@ -188,13 +188,7 @@ fn svm(samples: &[Labelled]) -> [f32; VALUES] {
 fn calibrated(weight: &[f32; VALUES], samples: &[Labelled]) -> (f32, f32) {
     let scores: Vec<f32> = samples.iter().map(|(x, _)| dot(weight, x)).collect();
     let labels: Vec<bool> = samples.iter().map(|(_, y)| *y).collect();
-    let ([slope, _], offset) = platt(
-        &scores,
-        &labels,
-        &vec![1.0; scores.len()],
-        &vec![0.0; scores.len()],
-        0.0,
-    );
+    let ([slope, _], offset) = platt(&scores, &labels, None, None);
     (slope, offset)
 }
 
