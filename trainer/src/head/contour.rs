@@ -2,7 +2,9 @@
 //!
 //! Photographs label the jaw on the visible outline, which slides over the cheek as the head turns.
 //! As in landmark marching (Zhu et al., CVPR 2015), each jaw landmark gets a path of vertices that
-//! lead from it inwards; whichever of them is outermost in the image lies on the outline.
+//! lead from it inwards; whichever of them is outermost in the image lies on the outline. On the side
+//! that turns towards the camera nothing is hidden: there the line is the lower jaw's edge below the
+//! ear, up to 22 mm behind the outline of the frontal view, and under the chin it is the lowest point.
 
 use glam::{Vec2, Vec3};
 use posewise::shape::LANDMARKS;
@@ -10,8 +12,11 @@ use posewise::shape::LANDMARKS;
 /// Jaw landmarks of iBUG 68 (0–16).
 pub const JAW: usize = 17;
 
-/// Vertices of one path, the landmark included.
+/// Vertices of one path, the landmark and the one behind it included.
 const PATH: usize = 8;
+
+/// How far from its landmark the lowest point of the chin may lie \[mm\].
+const BELOW_MM: f32 = 12.0;
 
 /// Half the width of the strip of skin that a path may wander in \[mm\].
 const STRIP_MM: f32 = 6.0;
@@ -42,11 +47,54 @@ pub fn outward(points: &[[f32; 3]; LANDMARKS]) -> [[f32; 2]; JAW] {
     })
 }
 
+/// Vertices at even distances along the lower jaw's edge, down to the chin and up again; the five of
+/// the chin are the landmarks themselves. `lines`: vertices along each side of the edge, the uppermost
+/// first; what lies above the first landmark is left out.
+pub fn jaw_edge(
+    mean: &[[f32; 3]],
+    landmarks: &[u32; LANDMARKS],
+    lines: [&[u32]; 2],
+    skin: impl Fn(usize) -> bool,
+) -> [u32; JAW] {
+    let at = |v: u32| Vec3::from(mean[v as usize]);
+    let chin = JAW / 2;
+    std::array::from_fn(|i| {
+        let from_top = i.min(JAW - 1 - i);
+        if from_top + 3 > chin {
+            return landmarks[i];
+        }
+        let (line, top) = match i < chin {
+            true => (lines[0], at(landmarks[0])),
+            false => (lines[1], at(landmarks[JAW - 1])),
+        };
+        let below = line.iter().map(|v| at(*v)).filter(|p| p.y > top.y);
+        let line: Vec<Vec3> = below.chain([at(landmarks[chin])]).collect();
+        let length: f32 = line.windows(2).map(|w| w[0].distance(w[1])).sum();
+        let mut left = length * from_top as f32 / chin as f32;
+        let mut point = line[0];
+        for w in line.windows(2) {
+            let step = w[0].distance(w[1]);
+            point = w[0].lerp(w[1], (left / step.max(1e-6)).min(1.0));
+            left -= step;
+            if left <= 0.0 {
+                break;
+            }
+        }
+        let nearest = (0..mean.len()).filter(|v| skin(*v)).min_by(|a, b| {
+            let far = |v: &usize| Vec3::from(mean[*v]).distance_squared(point);
+            far(a).total_cmp(&far(b))
+        });
+        nearest.map_or(landmarks[i], |v| v as u32)
+    })
+}
+
 /// Paths of up to [`PATH`] vertices for the 17 jaw landmarks; only vertices with `skin` are used.
+/// `edge`: the vertex of each on the lower jaw's edge ([`jaw_edge`]).
 pub fn contour_paths(
     mean: &[[f32; 3]],
     triangles: &[[u32; 3]],
     landmarks: &[u32; LANDMARKS],
+    edge: &[u32; JAW],
     skin: impl Fn(usize) -> bool,
 ) -> [Vec<u32>; JAW] {
     let normals = normals(mean, triangles);
@@ -71,13 +119,57 @@ pub fn contour_paths(
             })
             .collect();
         let end = strip.iter().fold(0.0f32, |m, s| m.max(s.0));
+        let lowest = (0..mean.len()).filter(|v| skin(*v)).filter_map(|v| {
+            let way = Vec3::from(mean[v]) - start;
+            let near = way.length() < BELOW_MM;
+            near.then_some((way.dot(out) - way.dot(side).abs(), v as u32))
+        });
+        let behind = match edge[i] == landmarks[i] {
+            true => lowest.max_by(|a, b| a.0.total_cmp(&b.0)).map(|l| l.1),
+            false => Some(edge[i]),
+        };
         let mut path = vec![landmarks[i]];
-        for k in 1..PATH {
-            let want = end * k as f32 / (PATH - 1) as f32;
+        path.extend(behind.filter(|v| !path.contains(v)));
+        let steps = PATH - path.len();
+        for k in 1..=steps {
+            let want = end * k as f32 / steps as f32;
             let cost = |s: &(f32, f32, u32)| (s.0 - want).abs() + 0.5 * s.1;
             let best = strip.iter().min_by(|a, b| cost(a).total_cmp(&cost(b)));
             path.extend(best.map(|b| b.2).filter(|v| !path.contains(v)));
         }
         path
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_edge_has_even_steps_and_keeps_the_chin() {
+        // Two lines that run down and back up, 40 mm behind the landmarks, which are 1 mm apart.
+        let mut mean: Vec<[f32; 3]> = (0..LANDMARKS).map(|i| [i as f32, 0.0, 0.0]).collect();
+        mean[JAW / 2] = [0.0, 80.0, 40.0];
+        let mut line = |x: f32| -> Vec<u32> {
+            let first = mean.len() as u32;
+            mean.extend((0..80).map(|y| [x, y as f32, 40.0]));
+            (first..mean.len() as u32).collect()
+        };
+        let lines = [line(0.0), line(0.0)];
+        let landmarks = std::array::from_fn(|i| i as u32);
+        let edge = jaw_edge(&mean, &landmarks, [&lines[0], &lines[1]], |v| {
+            v >= LANDMARKS
+        });
+        for i in 0..JAW {
+            let from_top = i.min(JAW - 1 - i);
+            let [_, y, z] = mean[edge[i] as usize];
+            match from_top {
+                0..6 => assert!(
+                    (y - 10.0 * from_top as f32).abs() <= 2.0 && z == 40.0,
+                    "{i}: {y}"
+                ),
+                _ => assert_eq!(edge[i], landmarks[i]),
+            }
+        }
+    }
 }

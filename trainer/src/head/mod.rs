@@ -11,6 +11,7 @@ use anyhow::{Context, Result, ensure};
 use posewise::shape::{ANIMATION_NAMES, ANIMATIONS, LANDMARKS};
 use std::path::Path;
 
+use contour::jaw_edge;
 pub use contour::{JAW, contour_paths, outward};
 pub use wfm::{Unit, Wfm};
 
@@ -32,9 +33,11 @@ pub struct Head {
     pub expressions: Vec<Expression>,
     /// Vertex of each iBUG landmark.
     pub landmarks: [u32; LANDMARKS],
-    /// Per jaw landmark 0–16: vertices marching from the landmark inwards over the cheek, the
-    /// landmark itself first. Whichever is outermost in the image is on the visible contour.
+    /// Per jaw landmark 0–16: the landmark itself, what lies behind or below it, and vertices marching
+    /// inwards over the cheek. Whichever is outermost in the image is on the visible contour.
     pub jaw: [Vec<u32>; JAW],
+    /// Per jaw landmark 0–16 the vertex on the lower jaw's edge, from below one ear to the other.
+    pub jaw_edge: [u32; JAW],
     /// Number into `part_names` for each vertex.
     pub vertex_part: Vec<u8>,
     /// Number into `part_names` for each triangle.
@@ -171,15 +174,26 @@ impl Head {
             landmarks.iter().all(|v| (*v as usize) < n),
             "lm68 is out of range"
         );
-        let landmarks = landmarks.try_into().ok().context("lm68 is not 68 long")?;
+        let landmarks: [u32; LANDMARKS] =
+            landmarks.try_into().ok().context("lm68 is not 68 long")?;
         let triangles = corners(npz.array("tri")?.indices()?, n)?;
         let uv = npz.array("uv")?.floats()?;
         let uv: Vec<[f32; 2]> = uv.chunks_exact(2).map(|c| [c[0], c[1]]).collect();
         let names = npz.array("ex_names")?.strings()?;
         let expressions = expressions(&names, modes(npz, "ex_delta", n)?)?;
         let skin = |v: usize| vertex_part[v] == face;
+        let [right, left] = ["jaw_right_ext", "jaw_left_ext"].map(|name| npz.array(name));
+        let (right, mut left) = (right?.indices()?, left?.indices()?);
+        // It runs up from the chin.
+        left.reverse();
+        ensure!(
+            right.iter().chain(&left).all(|v| (*v as usize) < n),
+            "the jaw's edge is out of range"
+        );
+        let jaw_edge = jaw_edge(&mean, &landmarks, [&right, &left], skin);
         Ok(Head {
-            jaw: contour_paths(&mean, &triangles, &landmarks, skin),
+            jaw: contour_paths(&mean, &triangles, &landmarks, &jaw_edge, skin),
+            jaw_edge,
             triangle_uv: corners(npz.array("tri_uv")?.indices()?, uv.len())?,
             triangle_part: bytes(npz.array("tpart")?.indices()?)?,
             animation: animation_index(&expressions),

@@ -263,8 +263,10 @@ impl Head {
         let first = wfm.vertices.len() as u32;
         let landmarks: [u32; LANDMARKS] = std::array::from_fn(|i| first + i as u32);
         let triangles = outward_faces(&mean, &wfm.faces);
+        let jaw_edge = std::array::from_fn(|i| landmarks[i]);
         Ok(Head {
-            jaw: contour_paths(&mean, &triangles, &landmarks, |_| true),
+            jaw: contour_paths(&mean, &triangles, &landmarks, &jaw_edge, |_| true),
+            jaw_edge,
             uv: vec![[0.0; 2]],
             triangle_uv: vec![[0; 3]; triangles.len()],
             animation: animation_index(&expressions),

@@ -2,16 +2,26 @@
 //! the 2D points in the photographs' convention, where the jaw follows the visible outline.
 //!
 //! As in landmark marching (Zhu et al., CVPR 2015) each jaw point has a path over the cheek; of
-//! the path's points the one that lies outermost in the image is on the outline.
+//! the path's points the one that lies outermost in the image is on the outline. The paths begin on the
+//! lower jaw's edge, where the outline runs on the side that turns towards the camera, and reach below
+//! the chin's vertices, which lie on its front. Along the outline the points are at even distances, on
+//! each side of the chin.
 
 use super::draw::{Drawn, Posed, SUPER, View};
 use super::mesh::{Material, Mesh};
 use super::skin::is_ear;
-use glam::{Vec2, Vec3};
+use crate::head::JAW;
+use glam::{Mat3, Vec2, Vec3};
 use posewise::shape::LANDMARKS;
 
-/// Jaw landmarks.
-const JAW: usize = 17;
+/// Half the width of the chin \[mm\].
+const CHIN_MM: f32 = 36.0;
+
+/// How far paths go on below the chin's vertices \[mm\].
+const BELOW_MM: f32 = 12.0;
+
+/// How far ahead the camera is that sees the jaw's points at even distances \[mm\].
+const FAR_MM: f32 = 1000.0;
 
 /// A point on an edge of the mesh.
 #[derive(Clone, Copy, Debug)]
@@ -32,6 +42,8 @@ pub struct Landmarker {
     /// From the vertices to where labels sit \[mm, head axes\].
     offsets: [Vec3; LANDMARKS],
     paths: Vec<Path>,
+    /// Where along the line through the paths' outermost points the jaw's points are.
+    places: [f32; JAW],
 }
 
 /// The 68 points of a picture.
@@ -67,13 +79,18 @@ impl Landmarker {
                     8 => Vec2::Y,
                     _ => outward,
                 };
+                let edge = mesh.jaw_edge[i];
+                let below_mm = match edge == mesh.landmarks[i] {
+                    true => BELOW_MM,
+                    false => 0.0,
+                };
                 Path {
-                    points: cut(mesh, at(i), end),
+                    points: cut(mesh, mesh.mean[edge as usize], end, below_mm),
                     outward,
                 }
             })
             .collect();
-        Landmarker {
+        let mut landmarker = Landmarker {
             vertices: mesh.landmarks,
             offsets: std::array::from_fn(|i| {
                 offsets_mm
@@ -82,7 +99,17 @@ impl Landmarker {
                     .unwrap_or_default()
             }),
             paths,
-        }
+            places: std::array::from_fn(|i| i as f32),
+        };
+        // Seen by a camera ahead, and then at the same places of the head however it turns.
+        let ahead = Posed::new(mesh, &mesh.mean, &[], Mat3::IDENTITY, FAR_MM * Vec3::Z);
+        landmarker.places = even_places(&landmarker.outline(&ahead, &View::unit(), 0.0));
+        landmarker
+    }
+
+    /// The outline where each path meets it \[px\].
+    fn outline(&self, head: &Posed, view: &View, roll_deg: f32) -> [Vec2; JAW] {
+        std::array::from_fn(|i| view.project(self.outermost(i, head, view, roll_deg).0))
     }
 
     /// The outline point (camera axes) of jaw landmark `i` in a picture whose face is rolled.
@@ -122,8 +149,11 @@ impl Landmarker {
             };
             facing && is_drawn(p, view, drawn)
         };
+        let mut projected = contour.map(|(p, _)| view.project(p));
+        let jaw = at_places(&projected[..JAW], &self.places);
+        projected[..JAW].copy_from_slice(&jaw);
         Points {
-            contour: contour.map(|(p, _)| view.project(p)),
+            contour: projected,
             fixed: fixed.map(|(p, _)| view.project(p)),
             contour_seen: std::array::from_fn(|i| match i {
                 0..JAW => seen(i, contour[i]),
@@ -136,6 +166,37 @@ impl Landmarker {
             solid: fixed.map(|(p, _)| p),
         }
     }
+}
+
+/// Places along the jaw's line, in numbers of its points, that lie at even distances on each side of
+/// the chin.
+fn even_places(line: &[Vec2; JAW]) -> [f32; JAW] {
+    const CHIN: usize = JAW / 2;
+    let mut places = [0.0; JAW];
+    for first in [0, CHIN] {
+        let side = &line[first..=first + CHIN];
+        let lengths: Vec<f32> = side.windows(2).map(|w| w[0].distance(w[1])).collect();
+        let step = lengths.iter().sum::<f32>() / CHIN as f32;
+        let (mut segment, mut before) = (0, 0.0);
+        for k in 0..=CHIN {
+            let want = k as f32 * step;
+            while segment + 1 < CHIN && before + lengths[segment] < want {
+                before += lengths[segment];
+                segment += 1;
+            }
+            let share = ((want - before) / lengths[segment].max(1e-6)).min(1.0);
+            places[first + k] = (first + segment) as f32 + share;
+        }
+    }
+    places
+}
+
+/// The points at these places of the jaw's line.
+fn at_places(line: &[Vec2], places: &[f32; JAW]) -> [Vec2; JAW] {
+    places.map(|place| {
+        let before = (place as usize).min(JAW - 2);
+        line[before].lerp(line[before + 1], place - before as f32)
+    })
 }
 
 /// Whether nothing nearer was drawn over a point.
@@ -170,11 +231,13 @@ fn path_end(i: usize, at: &impl Fn(usize) -> Vec3) -> Vec3 {
     }
 }
 
-/// Where the mesh's edges cross the plane through a path's ends and the skin's normal.
-fn cut(mesh: &Mesh, start: Vec3, end: Vec3) -> Vec<Crossing> {
+/// Where the mesh's edges cross the plane through a path's ends and the skin's normal, from
+/// `below_mm` beyond the start on.
+fn cut(mesh: &Mesh, start: Vec3, end: Vec3, below_mm: f32) -> Vec<Crossing> {
     let along = end - start;
-    // The cheek faces half sideways, half forwards.
-    let out = Vec3::new(start.x.signum() * f32::from(start.x != 0.0), 0.0, -1.0);
+    // The cheek faces half sideways, half forwards; the chin only forwards.
+    let sideways = f32::from(start.x.abs() > CHIN_MM);
+    let out = Vec3::new(start.x.signum() * sideways, 0.0, -1.0);
     let normal = along.cross(out).normalize_or_zero();
     let run = mesh.run(Material::Skin);
     let mut points: Vec<(f32, Crossing)> = Vec::new();
@@ -196,7 +259,8 @@ fn cut(mesh: &Mesh, start: Vec3, end: Vec3) -> Vec<Crossing> {
             let share = da / (da - db);
             let p = a.lerp(b, share);
             let way = p.dot(along) / along.length_squared();
-            if (0.0..=1.0).contains(&way) && p.z < 2.0 {
+            let inside = (0.0..=1.0).contains(&way) && p.z < 2.0;
+            if inside || way < 0.0 && p.y > 0.0 && p.length() < below_mm {
                 points.push((
                     way,
                     Crossing {
@@ -209,4 +273,26 @@ fn cut(mesh: &Mesh, start: Vec3, end: Vec3) -> Vec<Crossing> {
     }
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
     points.into_iter().map(|(_, c)| c).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_are_even_on_each_side_of_the_chin() {
+        // Steps of 1 on one side; of 1, 3, 1, 3 … on the other.
+        let mut at = 0.0;
+        let line: [Vec2; JAW] = std::array::from_fn(|i| {
+            at += if i > 8 && i % 2 == 0 { 3.0 } else { 1.0 };
+            Vec2::new(at, 0.0)
+        });
+        let places = even_places(&line);
+        let points = at_places(&line, &places);
+        for (side, step) in [(0..8, 1.0), (8..16, 2.0)] {
+            for i in side {
+                assert!((points[i + 1].x - points[i].x - step).abs() < 1e-4, "{i}");
+            }
+        }
+    }
 }

@@ -31,6 +31,20 @@ pub struct View {
 }
 
 impl View {
+    /// A view of focal length 1 round the optical axis.
+    pub fn unit() -> View {
+        View {
+            width: 1,
+            height: 1,
+            camera: Intrinsics {
+                fx: 1.0,
+                fy: 1.0,
+                cx: 0.0,
+                cy: 0.0,
+            },
+        }
+    }
+
     /// Image point \[px\] of a point in camera axes \[mm\].
     pub fn project(&self, p: Vec3) -> Vec2 {
         let z = p.z.max(1.0);

@@ -2,7 +2,7 @@
 //! expressions, and per vertex which directions of light reach it.
 
 use super::raster::{Cull, Projected, Target};
-use crate::head::Head;
+use crate::head::{Head, JAW};
 use anyhow::{Result, ensure};
 use glam::{Vec2, Vec3};
 use posewise::shape::LANDMARKS;
@@ -69,6 +69,8 @@ pub struct Mesh {
     pub materials: Vec<(Material, Range<usize>)>,
     /// Vertex of each landmark.
     pub landmarks: [u32; LANDMARKS],
+    /// Vertex of each jaw landmark on the lower jaw's edge.
+    pub jaw_edge: [u32; JAW],
     /// Vertices of the eyeballs: the image left's (subject's right), the image right's.
     pub eyes: [Vec<u32>; 2],
     /// Bit d: light from direction d of [`directions`] reaches the vertex of the mean head.
@@ -136,6 +138,7 @@ impl Mesh {
             corner_uv,
             materials,
             landmarks: head.landmarks,
+            jaw_edge: head.jaw_edge,
             eyes: [eye("sclera_R"), eye("sclera_L")],
             reached: Vec::new(),
             open: Vec::new(),

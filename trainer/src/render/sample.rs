@@ -265,16 +265,7 @@ impl Renderer {
     /// A camera that frames the 68 points with the wanted margin, and the box's longer side.
     fn frame(&self, rng: &mut ChaCha8Rng, posed: &Posed, spec: &SampleSpec) -> (View, f32) {
         let face_px = rng.random_range(spec.face_px.0..=spec.face_px.1);
-        let unit = View {
-            width: 1,
-            height: 1,
-            camera: Intrinsics {
-                fx: 1.0,
-                fy: 1.0,
-                cx: 0.0,
-                cy: 0.0,
-            },
-        };
+        let unit = View::unit();
         let points = self
             .mesh
             .landmarks

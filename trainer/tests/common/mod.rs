@@ -128,8 +128,10 @@ pub fn head() -> Head {
             mode(&mean, |v| [0.0, -8.0 * bump(v, 0.0, -20.0, 20.0), 0.0]),
         ),
     ];
+    let jaw_edge = std::array::from_fn(|i| landmarks[i]);
     Head {
-        jaw: contour_paths(&mean, &triangles, &landmarks, |_| true),
+        jaw: contour_paths(&mean, &triangles, &landmarks, &jaw_edge, |_| true),
+        jaw_edge,
         uv: vec![[0.0; 2]],
         triangle_uv: vec![[0; 3]; triangles.len()],
         animation: ANIMATION_NAMES.map(|n| expressions.iter().position(|e| e.name == n)),
