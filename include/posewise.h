@@ -177,7 +177,7 @@ typedef struct posewise_result {
     float roll_deg;
     // The head's origin, midway between the eyeballs, in the camera frame [mm].
     float translation_mm[3];
-    // The subject's left and right eye: 0 shut .. 1 open, -1 unknown.
+    // The subject's left and right eye: 0 shut .. 1 open, -1 unknown (hidden, or too fast to tell).
     float eye_open[2];
     // POSEWISE_LOSS_*: why the face was lost that is now held or searched for.
     uint32_t loss;

@@ -197,7 +197,7 @@ pub struct posewise_result {
     pub roll_deg: f32,
     /// The head's origin, midway between the eyeballs, in the camera frame \[mm\].
     pub translation_mm: [f32; 3],
-    /// The subject's left and right eye: 0 shut .. 1 open, -1 unknown.
+    /// The subject's left and right eye: 0 shut .. 1 open, -1 unknown (hidden, or too fast to tell).
     pub eye_open: [f32; 2],
     /// POSEWISE_LOSS_*: why the face was lost that is now held or searched for.
     pub loss: u32,

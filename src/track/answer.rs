@@ -6,7 +6,11 @@ use crate::align::Shape;
 use crate::experts::Verdict;
 use crate::shape::{ANSWERED, FIRST, FaceFit, FaceModel, Intrinsics, eye_open};
 
-/// Writes all of a result.
+/// An eye that moves farther than this while a frame is exposed, in its own widths, is a streak in
+/// which open and shut look alike.
+const STREAK: f32 = 0.6;
+
+/// Writes all of a result. `blur_px`: how far the face may have moved while the frame was exposed.
 pub(super) fn write(
     to: &mut TrackResult,
     now: i64,
@@ -14,6 +18,7 @@ pub(super) fn write(
     shape: &Shape,
     verdict: &Verdict,
     fitted: &FaceFit,
+    blur_px: f32,
 ) {
     let pose = &fitted.state.pose;
     let angles = pose.angles();
@@ -44,7 +49,7 @@ pub(super) fn write(
     *rotation = pose.quaternion();
     (*yaw_deg, *pitch_deg, *roll_deg) = (angles.yaw_deg, angles.pitch_deg, angles.roll_deg);
     *translation_mm = pose.translation_mm.to_array();
-    *eye_open = eyes(face, camera, fitted, shape, verdict);
+    *eye_open = eyes(face, camera, fitted, shape, verdict, blur_px);
     *loss = Loss::None;
     *seen_share = verdict.seen.iter().skip(FIRST).sum::<f32>() / ANSWERED as f32;
     let sigma = |k: usize| {
@@ -73,8 +78,8 @@ pub(super) fn write(
 }
 
 /// Openness of the subject's left and right eye; −1 for an eye that is hidden by the head or by
-/// something before it, so that a hand does not shut it. Kept apart, not inlined: two whole faces are
-/// on its stack.
+/// something before it, so that a hand does not shut it, and for one that moves too fast to tell. Kept
+/// apart, not inlined: two whole faces are on its stack.
 #[inline(never)]
 fn eyes(
     face: &FaceModel<'_>,
@@ -82,14 +87,19 @@ fn eyes(
     fitted: &FaceFit,
     shape: &Shape,
     verdict: &Verdict,
+    blur_px: f32,
 ) -> [f32; 2] {
     let neutral = face.neutral(&fitted.state.identity);
     let eye = |blink: usize, first: usize| {
         let lids = fitted.visible.iter().skip(first).take(6);
         let turned_here = lids.filter(|v| **v).count() >= 4;
         let seen: f32 = verdict.seen.iter().skip(first).take(6).sum();
+        let corner = |k: usize| shape.get(first + k).copied().unwrap_or_default();
+        let ([ax, ay], [bx, by]) = (corner(0), corner(3));
+        let still = blur_px <= STREAK * libm::sqrtf((bx - ax) * (bx - ax) + (by - ay) * (by - ay));
         let open = eye_open(face, camera, &fitted.state, &neutral, shape, first, blink);
-        open.filter(|_| turned_here && seen >= 3.0).unwrap_or(-1.0)
+        open.filter(|_| turned_here && seen >= 3.0 && still)
+            .unwrap_or(-1.0)
     };
     // browDown ×2, browInnerUp, browOuterUp ×2 come before eyeBlinkLeft, eyeBlinkRight.
     [eye(5, 42), eye(6, 36)]

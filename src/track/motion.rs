@@ -10,6 +10,9 @@ const FARTHEST: f32 = 0.3;
 /// Motion below this share of the face's width per frame is noise.
 const STILL: f32 = 0.02;
 
+/// The longest that a frame is exposed, as far as blur goes \[µs\]: 1/30 s.
+const EXPOSURE_US: f32 = 33_333.0;
+
 /// Velocity of a face's middle \[px/µs\].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Motion {
@@ -32,6 +35,11 @@ impl Motion {
         Motion {
             velocity: shift.map(|v| v / elapsed_us as f32),
         }
+    }
+
+    /// How far the face moves while a frame is exposed, at most \[px\].
+    pub fn blur_px(&self) -> f32 {
+        length(self.velocity) * EXPOSURE_US
     }
 
     /// A shape moved on.
@@ -99,6 +107,7 @@ mod tests {
         assert!((next[0][0] - moved[0][0] - 8.0).abs() < 1e-3);
         assert!((next[0][1] - moved[0][1] + 4.0).abs() < 1e-3);
         assert_eq!(motion.predict(&moved, 1_000_000), moved);
+        assert!((motion.blur_px() - 80.0f32.sqrt()).abs() < 0.1);
         assert_eq!(Motion::between(&shape, &moved, 0), Motion::STILL);
         assert_eq!(
             Motion::between(&shape, &shape.map(|[x, y]| [x + 0.1, y]), 33_000),

@@ -79,7 +79,8 @@ pub struct TrackResult {
     pub roll_deg: f32,
     /// The head's origin (midway between the eye centres) in the camera frame \[mm\].
     pub translation_mm: [f32; 3],
-    /// Openness of the subject's left and right eye: 0 shut, 1 open, −1 unknown.
+    /// Openness of the subject's left and right eye: 0 shut, 1 open, −1 unknown, which is an eye that is
+    /// hidden or moves by more than 0.6 of its width in 1/30 s.
     pub eye_open: [f32; 2],
     /// Why the face was lost that is now held or searched for.
     pub loss: Loss,

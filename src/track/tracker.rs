@@ -733,7 +733,16 @@ impl Tracker {
             subject.face.identity = subject.identity.estimate();
         }
         let seen_by = (&model.face, &camera);
-        write(&mut self.result, now, seen_by, shape, verdict, fitted);
+        let blur_px = subject.motion.blur_px();
+        write(
+            &mut self.result,
+            now,
+            seen_by,
+            shape,
+            verdict,
+            fitted,
+            blur_px,
+        );
         true
     }
 }

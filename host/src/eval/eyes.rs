@@ -1,13 +1,14 @@
 //! `posewise eval eyes`: do the lids follow the truth?
 //!
-//! Frames that count are those tracked with both true and reported yaw within ±45°. Closures are
-//! runs of at least 200 ms; missed is one of the truth in which fewer than half of the frames are
-//! closed for the tracker, invented one of the tracker's in which none is closing in truth.
+//! Frames that count are those tracked with both true and reported yaw within ±45°; for the
+//! correlations those of them in which the openness of an eye is known. Closures are runs of at least
+//! 200 ms; missed is one of the truth in which fewer than half of the frames are closed for the tracker
+//! (unknown is not closed), invented one of the tracker's in which none is closing in truth.
 
 use std::fmt::Write as _;
 
 use anyhow::Result;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::table::Table;
 use super::{clips_of, mean};
@@ -31,51 +32,99 @@ const FPS: f64 = 30.0;
 #[derive(Clone, Copy, Debug)]
 struct Frame {
     number: i64,
-    /// Eye aspect ratio: truth in 3D, and of the landmarks.
-    ear: (f64, f64),
-    /// Blink weight: truth, and 1 − `eye_open`.
-    blink: (f64, f64),
+    /// True eye aspect ratio, in 3D.
+    ear: f64,
+    /// True blink weight.
+    blink: f64,
+    /// Aspect ratio of the landmarks, less foreshortening.
+    ratio: f64,
+    /// `eye_open`; `None` where neither eye is known.
+    open: Option<f64>,
+}
+
+/// Truth and finding of the frames in which an eye is known.
+struct Pairs {
+    /// True aspect ratio and that of the landmarks.
+    ear: Vec<(f64, f64)>,
+    /// True aspect ratio and `eye_open`.
+    open: Vec<(f64, f64)>,
+    /// True blink weight and 1 − `eye_open`.
+    blink: Vec<(f64, f64)>,
+}
+
+impl Pairs {
+    fn of(frames: &[Frame]) -> Pairs {
+        let pairs = |pair: &dyn Fn(&Frame, f64) -> (f64, f64)| {
+            let known = frames.iter().filter_map(|f| f.open.map(|open| (f, open)));
+            known.map(|(f, open)| pair(f, open)).collect()
+        };
+        Pairs {
+            ear: pairs(&|f, _| (f.ear, f.ratio)),
+            open: pairs(&|f, open| (f.ear, open)),
+            blink: pairs(&|f, open| (f.blink, 1.0 - open)),
+        }
+    }
+
+    /// Adds another clip's, less their means: faces differ in how far their eyes open.
+    fn pool(&mut self, clip: &Pairs) {
+        self.ear.extend(centred(&clip.ear));
+        self.open.extend(centred(&clip.open));
+        self.blink.extend(centred(&clip.blink));
+    }
+
+    /// All numbers of so many frames as text and as JSON.
+    fn report(&self, frames: usize, closures: &Closures) -> (String, Value) {
+        let known = self.blink.len();
+        let [ear, blink, open] = [&self.ear, &self.blink, &self.open].map(|p| correlation(p));
+        let Closures {
+            truth,
+            missed,
+            invented,
+        } = closures;
+        let text = format!(
+            "{frames} frames, eyes known in {known}, correlation of the eye aspect ratio {}, of eye_open {}, of eye_open with the true ratio {}; {truth} closures, {missed} missed, {invented} invented",
+            shown(ear),
+            shown(blink),
+            shown(open),
+        );
+        let value = json!({"frames": frames, "known": known, "ear": ear, "eye_open": blink,
+            "eye_open_ear": open, "closures": truth, "missed": missed, "invented": invented});
+        (text, value)
+    }
+}
+
+/// Closures of the truth, those of them missed, and invented ones.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Closures {
+    truth: usize,
+    missed: usize,
+    invented: usize,
 }
 
 /// Runs the command.
 pub fn run(args: &ClipsArgs) -> Result<()> {
     let mut out = String::new();
-    let (mut clips, mut all) = (Vec::new(), Vec::new());
-    let (mut missed, mut invented, mut closures) = (0, 0, 0);
+    let (mut clips, mut all) = (Vec::new(), Pairs::of(&[]));
+    let (mut frames, mut closures) = (0, Closures::default());
     for (truth, csv) in clips_of(args)? {
-        let frames = compare(&Table::read(truth)?, &Table::read(csv)?)?;
-        let (m, i, n) = count(&frames);
+        let clip = compare(&Table::read(truth)?, &Table::read(csv)?)?;
+        let (pairs, counted) = (Pairs::of(&clip), count(&clip));
         let name = truth.display().to_string();
-        let ear = correlation(frames.iter().map(|f| f.ear));
-        let blink = correlation(frames.iter().map(|f| f.blink));
-        writeln!(
-            out,
-            "{name}: {} frames, correlation of the eye aspect ratio {}, of eye_open {}; {n} closures, {m} missed, {i} invented",
-            frames.len(),
-            shown(ear),
-            shown(blink),
-        )?;
-        clips.push(
-            json!({"clip": name, "frames": frames.len(), "ear": ear, "eye_open": blink,
-            "closures": n, "missed": m, "invented": i}),
-        );
-        (missed, invented, closures) = (missed + m, invented + i, closures + n);
-        // Faces differ in how far their eyes open: correlations are pooled clip by clip.
-        all.extend(centred(&frames));
+        let (text, mut value) = pairs.report(clip.len(), &counted);
+        writeln!(out, "{name}: {text}")?;
+        value["clip"] = name.into();
+        clips.push(value);
+        frames += clip.len();
+        closures.truth += counted.truth;
+        closures.missed += counted.missed;
+        closures.invented += counted.invented;
+        all.pool(&pairs);
     }
-    let ear = correlation(all.iter().map(|f| f.ear));
-    let blink = correlation(all.iter().map(|f| f.blink));
-    writeln!(
-        out,
-        "all: {} frames, correlation of the eye aspect ratio {}, of eye_open {}; {closures} closures, {missed} missed, {invented} invented",
-        all.len(),
-        shown(ear),
-        shown(blink),
-    )?;
+    let (text, mut value) = all.report(frames, &closures);
+    writeln!(out, "all: {text}")?;
     output::print(&out)?;
     if let Some(path) = &args.json {
-        let value = json!({"frames": all.len(), "ear": ear, "eye_open": blink,
-            "closures": closures, "missed": missed, "invented": invented, "clips": clips});
+        value["clips"] = clips.into();
         output::write_json(path, &value)?;
     }
     Ok(())
@@ -114,8 +163,8 @@ fn compare(truth: &Table, csv: &Table) -> Result<Vec<Frame>> {
                 seen.push(value);
             }
         }
-        if let (Some(open), true) = (mean(&seen), turn[0].abs() <= YAW_DEG) {
-            tracked.insert(csv.number(row, number)? as i64, (ratio * view, open));
+        if turn[0].abs() <= YAW_DEG {
+            tracked.insert(csv.number(row, number)? as i64, (ratio * view, mean(&seen)));
         }
     }
     let column = |name: &str| truth.column(name);
@@ -134,18 +183,19 @@ fn compare(truth: &Table, csv: &Table) -> Result<Vec<Frame>> {
         if truth.number(row, yaw)?.abs() <= YAW_DEG {
             frames.push(Frame {
                 number: at,
-                ear: (both(ears)?, *ratio),
-                blink: (both(blinks)?, 1.0 - open),
+                ear: both(ears)?,
+                blink: both(blinks)?,
+                ratio: *ratio,
+                open: *open,
             });
         }
     }
     Ok(frames)
 }
 
-/// Missed and invented closures, and those of the truth.
-fn count(frames: &[Frame]) -> (usize, usize, usize) {
+fn count(frames: &[Frame]) -> Closures {
     let shortest = (CLOSURE_S * FPS).round() as usize;
-    let closed = |f: &Frame| 1.0 - f.blink.1 < OPEN;
+    let closed = |f: &Frame| f.open.is_some_and(|open| open < OPEN);
     let runs = |closed: &dyn Fn(&Frame) -> bool| -> Vec<Vec<Frame>> {
         let mut runs: Vec<Vec<Frame>> = vec![vec![]];
         for frame in frames {
@@ -160,46 +210,38 @@ fn count(frames: &[Frame]) -> (usize, usize, usize) {
         runs.retain(|r| r.len() >= shortest);
         runs
     };
-    let truth = runs(&|f| f.blink.0 > CLOSED);
+    let truth = runs(&|f| f.blink > CLOSED);
     let missed = truth
         .iter()
         .filter(|run| 2 * run.iter().filter(|f| closed(f)).count() < run.len())
         .count();
     let invented = runs(&closed)
         .iter()
-        .filter(|run| run.iter().all(|f| f.blink.0 < CLOSING))
+        .filter(|run| run.iter().all(|f| f.blink < CLOSING))
         .count();
-    (missed, invented, truth.len())
+    Closures {
+        truth: truth.len(),
+        missed,
+        invented,
+    }
 }
 
-/// Values less their means over the clip.
-fn centred(frames: &[Frame]) -> Vec<Frame> {
-    let of = |value: &dyn Fn(&Frame) -> f64| {
-        let values: Vec<f64> = frames.iter().map(value).collect();
-        mean(&values).unwrap_or(0.0)
-    };
-    let ear = (of(&|f| f.ear.0), of(&|f| f.ear.1));
-    let blink = (of(&|f| f.blink.0), of(&|f| f.blink.1));
-    let less = |f: &Frame| Frame {
-        ear: (f.ear.0 - ear.0, f.ear.1 - ear.1),
-        blink: (f.blink.0 - blink.0, f.blink.1 - blink.1),
-        ..*f
-    };
-    frames.iter().map(less).collect()
+/// Values less their means.
+fn centred(pairs: &[(f64, f64)]) -> impl Iterator<Item = (f64, f64)> {
+    let n = pairs.len().max(1) as f64;
+    let (x, y) = pairs
+        .iter()
+        .fold((0.0, 0.0), |m, p| (m.0 + p.0 / n, m.1 + p.1 / n));
+    pairs.iter().map(move |p| (p.0 - x, p.1 - y))
 }
 
 /// Pearson's; `None` when either side does not vary.
-fn correlation(pairs: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
-    let pairs: Vec<(f64, f64)> = pairs.collect();
-    let n = pairs.len() as f64;
-    let (mx, my) = pairs
-        .iter()
-        .fold((0.0, 0.0), |m, p| (m.0 + p.0 / n, m.1 + p.1 / n));
+fn correlation(pairs: &[(f64, f64)]) -> Option<f64> {
     let (mut xy, mut xx, mut yy) = (0.0, 0.0, 0.0);
-    for (x, y) in &pairs {
-        xy += (x - mx) * (y - my);
-        xx += (x - mx).powi(2);
-        yy += (y - my).powi(2);
+    for (x, y) in centred(pairs) {
+        xy += x * y;
+        xx += x * x;
+        yy += y * y;
     }
     (xx > 1e-12 && yy > 1e-12).then(|| xy / (xx * yy).sqrt())
 }
@@ -211,8 +253,10 @@ mod tests {
     fn frame(number: i64, truth: f64, found: f64) -> Frame {
         Frame {
             number,
-            ear: (truth, found),
-            blink: (truth, found),
+            ear: truth,
+            blink: truth,
+            ratio: found,
+            open: Some(1.0 - found),
         }
     }
 
@@ -224,15 +268,25 @@ mod tests {
                 .map(|n| frame(n, f64::from(closed(n)), f64::from(closed(n - shift))))
                 .collect()
         };
-        assert_eq!(count(&clip(0)), (0, 0, 1));
-        assert_eq!(count(&clip(4)), (0, 0, 1), "late, yet the same closure");
-        assert_eq!(count(&clip(15)), (1, 1, 1));
+        let found = |frames: &[Frame]| {
+            let closures = count(frames);
+            assert_eq!(closures.truth, 1);
+            (closures.missed, closures.invented)
+        };
+        assert_eq!(found(&clip(0)), (0, 0));
+        assert_eq!(found(&clip(4)), (0, 0), "late, yet the same closure");
+        assert_eq!(found(&clip(15)), (1, 1));
+        let mut unknown = clip(0);
+        unknown[12..18].iter_mut().for_each(|f| f.open = None);
+        assert_eq!(found(&unknown), (1, 0), "unknown is not closed");
+        assert_eq!(Pairs::of(&unknown).blink.len(), 34);
     }
 
     #[test]
     fn correlation_of_a_line_is_one() {
         let line = (0..9).map(|k| (f64::from(k), 3.0 * f64::from(k) - 1.0));
-        assert!((correlation(line).expect("it varies") - 1.0).abs() < 1e-12);
-        assert_eq!(correlation([(1.0, 2.0), (1.0, 3.0)].into_iter()), None);
+        let line: Vec<(f64, f64)> = line.collect();
+        assert!((correlation(&line).expect("it varies") - 1.0).abs() < 1e-12);
+        assert_eq!(correlation(&[(1.0, 2.0), (1.0, 3.0)]), None);
     }
 }
