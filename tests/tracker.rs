@@ -211,6 +211,26 @@ fn the_reason_of_a_loss_is_told() {
 }
 
 #[test]
+fn eyes_that_move_too_fast_to_tell_are_unknown() {
+    watch(patient(), |watch| {
+        let at = |x: f32| Pasted {
+            scale: 1.7,
+            at: [x, 180.0],
+        };
+        watch.until_tracked(&[at(200.0)], 3);
+        let known = |result: &TrackResult| result.eye_open.map(|open| open >= 0.0);
+        assert_eq!(known(&watch.see(&[at(200.0)])), [true; 2]);
+        // An eye is some 26 px wide: it moves by 0.8 of that in 1/30 s.
+        for n in 1..=4 {
+            let result = watch.see(&[at(200.0 + 25.0 * n as f32)]);
+            assert_eq!(result.state, State::Tracking, "{n}");
+            assert_eq!(known(&result), [false; 2], "{n}: {:?}", result.eye_open);
+        }
+        assert_eq!(known(&watch.see(&[at(300.0)])), [true; 2]);
+    });
+}
+
+#[test]
 fn smoothed_answers_follow_the_raw_ones() {
     watch(patient(), |watch| {
         let (_, raw) = watch.until_tracked(&[LARGE], 3);
