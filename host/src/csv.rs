@@ -207,13 +207,13 @@ pub const COLUMNS: &[Column] = &[
     one(
         "eye_open_left",
         "0..1, −1",
-        "openness of the subject's left eye, −1 unknown",
+        "openness of the subject's left eye; −1 unknown: hidden, or moving by more than 0.6 of its width in 1/30 s",
         |r, _| num(r.result.eye_open[0], 3),
     ),
     one(
         "eye_open_right",
         "0..1, −1",
-        "openness of the subject's right eye, −1 unknown",
+        "openness of the subject's right eye, likewise",
         |r, _| num(r.result.eye_open[1], 3),
     ),
     Column {
