@@ -1,5 +1,6 @@
 //! A fitted face as the answer to a frame.
 
+use super::motion::length;
 use super::place::bounds;
 use super::{Landmark, Loss, State, TrackResult};
 use crate::align::Shape;
@@ -96,7 +97,7 @@ fn eyes(
         let seen: f32 = verdict.seen.iter().skip(first).take(6).sum();
         let corner = |k: usize| shape.get(first + k).copied().unwrap_or_default();
         let ([ax, ay], [bx, by]) = (corner(0), corner(3));
-        let still = blur_px <= STREAK * libm::sqrtf((bx - ax) * (bx - ax) + (by - ay) * (by - ay));
+        let still = blur_px <= STREAK * length([bx - ax, by - ay]);
         let open = eye_open(face, camera, &fitted.state, &neutral, shape, first, blink);
         open.filter(|_| turned_here && seen >= 3.0 && still)
             .unwrap_or(-1.0)

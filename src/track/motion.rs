@@ -76,7 +76,7 @@ const FOLLOWED: f32 = 0.08;
 /// Share of a small distance by which it follows.
 const LEAST_SHARE: f32 = 0.1;
 
-fn length([x, y]: [f32; 2]) -> f32 {
+pub(super) fn length([x, y]: [f32; 2]) -> f32 {
     libm::sqrtf(x * x + y * y)
 }
 
