@@ -3,8 +3,9 @@
 //!
 //! Mean and variance of every feature at every landmark follow the frames of one person, with the
 //! same rate for both (the thesis's α and β). A landmark that looks less like itself than usual is
-//! less likely seen. Drift is bounded: only the trained classifiers decide what is learnt from, never
-//! what was learnt, and the person's say is limited.
+//! less likely seen, and a face some of whose landmarks look like themselves is likely still there,
+//! whatever covers the others. Drift is bounded: only the trained classifiers decide what is learnt
+//! from, never what was learnt, and the person's say is limited.
 
 use super::Verdict;
 use crate::math::sigmoid;
@@ -24,6 +25,8 @@ const FIRST: u32 = 10;
 const SEEN: f32 = 0.7;
 /// Most that the person can change a logit.
 const MOST: f32 = 4.0;
+/// A landmark that is less than this far from its model looks like itself.
+const ALIKE: f32 = 0.5;
 
 /// Landmarks that are learnt: none in builds that lack the features.
 const LEARNT: usize = if cfg!(all(feature = "experts", feature = "adaptation")) {
@@ -50,26 +53,30 @@ impl Person {
 
     /// Takes the next frame's features (landmark by landmark): betters what the trained classifiers
     /// say of seen and hidden, and learns from what they are sure of where the face is `trusted`.
+    /// Returns how many landmarks are seen and look like themselves.
     #[inline(never)]
-    pub fn follow(&mut self, features: &[i8], trusted: bool, verdict: &mut Verdict) {
+    pub fn follow(&mut self, features: &[i8], trusted: bool, verdict: &mut Verdict) -> u32 {
         let each = features.len() / LANDMARKS;
         if !(1..=MAX_FEATURES).contains(&each) {
-            return;
+            return 0;
         }
+        let mut recognised = 0;
         let models = self.mean.iter_mut().zip(&mut self.variance);
         let models = models.zip(&mut self.frames).zip(&mut verdict.seen);
         let features = features.chunks_exact(each);
         for ((((mean, variance), frames), seen), features) in models.zip(features) {
             let learns = trusted && *seen >= SEEN;
             if u32::from(*frames) >= FIRST {
-                let apart = distance(mean, variance, features).clamp(-MOST, MOST);
-                *seen = shifted(*seen, -apart);
+                let apart = distance(mean, variance, features);
+                *seen = shifted(*seen, -apart.clamp(-MOST, MOST));
+                recognised += u32::from(apart < ALIKE && *seen >= 0.5);
             }
             if learns {
                 learn(mean, variance, *frames, features);
                 *frames = frames.saturating_add(1);
             }
         }
+        recognised
     }
 }
 
@@ -140,6 +147,22 @@ mod tests {
         person.follow(&covered, true, &mut verdict);
         assert!(verdict.seen[30] < 0.2, "{}", verdict.seen[30]);
         assert!(verdict.seen[31] > 0.8, "{}", verdict.seen[31]);
+    }
+
+    #[test]
+    fn a_face_is_recognised_by_what_is_left_of_it() {
+        let mut person = Person::NOBODY;
+        for n in 0..40 {
+            let frame = face(|i| ((i + n) % 3) as i8 * 4);
+            let recognised = person.follow(&frame, true, &mut sure());
+            let all = if n < FIRST as usize { 0 } else { LANDMARKS };
+            assert_eq!(recognised, all as u32);
+        }
+        for covered in [40, 60, LANDMARKS] {
+            let frame = face(|i| if i / MAX_FEATURES < covered { 50 } else { 4 });
+            let recognised = person.follow(&frame, false, &mut sure());
+            assert_eq!(recognised, (LANDMARKS - covered) as u32);
+        }
     }
 
     #[test]

@@ -3,9 +3,9 @@
 //! Searching runs a slice of the detector's sweep; a face found there is aligned and judged at
 //! once. A face that was lost not long ago is mostly looked for at its own size, wherever it is.
 //! Tracking runs the cascade once from the shape that the last frames predict. A fit whose
-//! probability falls below `KEEP` (`STAY` where it was never sure) makes the tracker Holding: the last
-//! answer is repeated, the detector looks around it and elsewhere, and after `HOLD_US` the search
-//! starts anew.
+//! probability falls below `KEEP` (`STAY` where it was never sure, `KEEP_RECOGNISED` where what is seen
+//! of it looks like itself) makes the tracker Holding: the last answer is repeated, the detector looks
+//! around it and elsewhere, and after `HOLD_US` the search starts anew.
 //!
 //! Keyframes are kept of sure frames while Tracking, at most one a step and none that brings nothing
 //! new. With the step that loses the face and with each one after it one window of the frame is
@@ -46,6 +46,10 @@ const DOUBT: f32 = 0.1;
 /// A face that was sure once is given up below this probability: a fit that was right a frame ago
 /// deserves more trust than one out of the blue.
 const KEEP: f32 = 0.02;
+/// … and below this one while so many of its landmarks look like themselves: something covers the
+/// others.
+const KEEP_RECOGNISED: f32 = 0.003;
+const RECOGNISED: u32 = 6;
 /// How long the last answer is held \[µs\].
 const HOLD_US: i64 = 500_000;
 /// How long a lost face is expected back at about the same size \[µs\].
@@ -129,6 +133,15 @@ impl Subject {
         trusted_frames: 0,
         fitted_us: 0,
     };
+
+    /// Probability below which the face counts as lost, when so many landmarks look like themselves.
+    fn keep(&self, recognised: u32) -> f32 {
+        match self.trusted {
+            true if recognised >= RECOGNISED => KEEP_RECOGNISED,
+            true => KEEP,
+            false => STAY,
+        }
+    }
 }
 
 /// A face that was there not long ago.
@@ -616,9 +629,8 @@ impl Tracker {
         let mut verdict = judged(model, &self.work);
         let person = &mut self.subject.person;
         let trusted = verdict.face >= TRUST;
-        person.follow(self.work.features(), trusted, &mut verdict);
-        let keep = if self.subject.trusted { KEEP } else { STAY };
-        if !ran || verdict.face < keep {
+        let recognised = person.follow(self.work.features(), trusted, &mut verdict);
+        if !ran || verdict.face < self.subject.keep(recognised) {
             Some(Loss::Doubt)
         } else if !overlaps(&shape, frame) {
             Some(Loss::Left)
@@ -692,8 +704,7 @@ impl Tracker {
         #[cfg(not(feature = "experts"))]
         by_fit(verdict, fitted, &camera);
         let least = match whose {
-            Whose::Tracked if subject.trusted => KEEP,
-            Whose::Tracked => STAY,
+            Whose::Tracked => subject.keep(0),
             _ => ACCEPT,
         };
         if cfg!(not(feature = "experts")) && verdict.face < least {
