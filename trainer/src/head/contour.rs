@@ -7,16 +7,13 @@
 //! ear, up to 22 mm behind the outline of the frontal view, and under the chin it is the lowest point.
 
 use glam::{Vec2, Vec3};
-use posewise::shape::LANDMARKS;
-
-/// Jaw landmarks of iBUG 68 (0–16).
-pub const JAW: usize = 17;
+use posewise::shape::{JAW, LANDMARKS};
 
 /// Vertices of one path, the landmark and the one behind it included.
 const PATH: usize = 8;
 
 /// How far from its landmark the lowest point of the chin may lie \[mm\].
-const BELOW_MM: f32 = 12.0;
+pub const BELOW_MM: f32 = 12.0;
 
 /// Half the width of the strip of skin that a path may wander in \[mm\].
 const STRIP_MM: f32 = 6.0;
@@ -47,54 +44,66 @@ pub fn outward(points: &[[f32; 3]; LANDMARKS]) -> [[f32; 2]; JAW] {
     })
 }
 
-/// Vertices at even distances along the lower jaw's edge, down to the chin and up again; the five of
-/// the chin are the landmarks themselves. `lines`: vertices along each side of the edge, the uppermost
-/// first; what lies above the first landmark is left out.
+/// Places along a line, in numbers of its points, that cut it into parts of even length.
+pub fn even_places<const N: usize>(line: &[Vec3]) -> [f32; N] {
+    let lengths: Vec<f32> = line.windows(2).map(|w| w[0].distance(w[1])).collect();
+    let step = lengths.iter().sum::<f32>() / (N - 1) as f32;
+    let (mut segment, mut before) = (0, 0.0);
+    std::array::from_fn(|k| {
+        let want = k as f32 * step;
+        while segment + 1 < lengths.len() && before + lengths[segment] < want {
+            before += lengths[segment];
+            segment += 1;
+        }
+        segment as f32 + ((want - before) / lengths[segment].max(1e-6)).min(1.0)
+    })
+}
+
+/// The point at a place of a line.
+pub fn at_place(line: &[Vec3], place: f32) -> Vec3 {
+    let before = (place as usize).min(line.len() - 2);
+    line[before].lerp(line[before + 1], place - before as f32)
+}
+
+/// Vertices at even distances along the lower jaw's edge, down to the chin and up again; none for the
+/// five landmarks of the chin, which lie on it. `lines`: vertices along each side of the edge, the
+/// uppermost first; what lies above the first landmark is left out.
 pub fn jaw_edge(
     mean: &[[f32; 3]],
     landmarks: &[u32; LANDMARKS],
     lines: [&[u32]; 2],
     skin: impl Fn(usize) -> bool,
-) -> [u32; JAW] {
+) -> [Option<u32>; JAW] {
+    const CHIN: usize = JAW / 2;
     let at = |v: u32| Vec3::from(mean[v as usize]);
-    let chin = JAW / 2;
+    let sides = [(lines[0], 0), (lines[1], JAW - 1)].map(|(line, first): (&[u32], usize)| {
+        let top = at(landmarks[first]).y;
+        let below = line.iter().map(|v| at(*v)).filter(|p| p.y > top);
+        let line: Vec<Vec3> = below.chain([at(landmarks[CHIN])]).collect();
+        even_places::<{ CHIN + 1 }>(&line).map(|place| at_place(&line, place))
+    });
     std::array::from_fn(|i| {
-        let from_top = i.min(JAW - 1 - i);
-        if from_top + 3 > chin {
-            return landmarks[i];
-        }
-        let (line, top) = match i < chin {
-            true => (lines[0], at(landmarks[0])),
-            false => (lines[1], at(landmarks[JAW - 1])),
+        let point = match i {
+            0..6 => sides[0][i],
+            6..=10 => return None,
+            _ => sides[1][JAW - 1 - i],
         };
-        let below = line.iter().map(|v| at(*v)).filter(|p| p.y > top.y);
-        let line: Vec<Vec3> = below.chain([at(landmarks[chin])]).collect();
-        let length: f32 = line.windows(2).map(|w| w[0].distance(w[1])).sum();
-        let mut left = length * from_top as f32 / chin as f32;
-        let mut point = line[0];
-        for w in line.windows(2) {
-            let step = w[0].distance(w[1]);
-            point = w[0].lerp(w[1], (left / step.max(1e-6)).min(1.0));
-            left -= step;
-            if left <= 0.0 {
-                break;
-            }
-        }
         let nearest = (0..mean.len()).filter(|v| skin(*v)).min_by(|a, b| {
             let far = |v: &usize| Vec3::from(mean[*v]).distance_squared(point);
             far(a).total_cmp(&far(b))
         });
-        nearest.map_or(landmarks[i], |v| v as u32)
+        nearest.map(|v| v as u32)
     })
 }
 
 /// Paths of up to [`PATH`] vertices for the 17 jaw landmarks; only vertices with `skin` are used.
-/// `edge`: the vertex of each on the lower jaw's edge ([`jaw_edge`]).
+/// `edge`: the vertex of each on the lower jaw's edge ([`jaw_edge`]); where there is none the path goes
+/// on to the lowest point.
 pub fn contour_paths(
     mean: &[[f32; 3]],
     triangles: &[[u32; 3]],
     landmarks: &[u32; LANDMARKS],
-    edge: &[u32; JAW],
+    edge: &[Option<u32>; JAW],
     skin: impl Fn(usize) -> bool,
 ) -> [Vec<u32>; JAW] {
     let normals = normals(mean, triangles);
@@ -124,10 +133,7 @@ pub fn contour_paths(
             let near = way.length() < BELOW_MM;
             near.then_some((way.dot(out) - way.dot(side).abs(), v as u32))
         });
-        let behind = match edge[i] == landmarks[i] {
-            true => lowest.max_by(|a, b| a.0.total_cmp(&b.0)).map(|l| l.1),
-            false => Some(edge[i]),
-        };
+        let behind = edge[i].or_else(|| lowest.max_by(|a, b| a.0.total_cmp(&b.0)).map(|l| l.1));
         let mut path = vec![landmarks[i]];
         path.extend(behind.filter(|v| !path.contains(v)));
         let steps = PATH - path.len();
@@ -146,8 +152,22 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_edge_has_even_steps_and_keeps_the_chin() {
-        // Two lines that run down and back up, 40 mm behind the landmarks, which are 1 mm apart.
+    fn places_are_even() {
+        // Steps of 1, 3, 1, 3 …
+        let mut at = 0.0;
+        let line: [Vec3; 9] = std::array::from_fn(|i| {
+            at += if i % 2 == 0 { 3.0 } else { 1.0 };
+            at * Vec3::X
+        });
+        let points = even_places::<9>(&line).map(|place| at_place(&line, place));
+        for (i, w) in points.windows(2).enumerate() {
+            assert!((w[1].x - w[0].x - 2.0).abs() < 1e-4, "{i}");
+        }
+    }
+
+    #[test]
+    fn the_edge_has_even_steps_and_spares_the_chin() {
+        // Two lines that run down 40 mm behind the landmarks, which are 1 mm apart.
         let mut mean: Vec<[f32; 3]> = (0..LANDMARKS).map(|i| [i as f32, 0.0, 0.0]).collect();
         mean[JAW / 2] = [0.0, 80.0, 40.0];
         let mut line = |x: f32| -> Vec<u32> {
@@ -155,20 +175,22 @@ mod tests {
             mean.extend((0..80).map(|y| [x, y as f32, 40.0]));
             (first..mean.len() as u32).collect()
         };
-        let lines = [line(0.0), line(0.0)];
+        let lines = [line(-1.0), line(1.0)];
         let landmarks = std::array::from_fn(|i| i as u32);
         let edge = jaw_edge(&mean, &landmarks, [&lines[0], &lines[1]], |v| {
             v >= LANDMARKS
         });
-        for i in 0..JAW {
+        for (i, vertex) in edge.iter().enumerate() {
             let from_top = i.min(JAW - 1 - i);
-            let [_, y, z] = mean[edge[i] as usize];
-            match from_top {
-                0..6 => assert!(
-                    (y - 10.0 * from_top as f32).abs() <= 2.0 && z == 40.0,
-                    "{i}: {y}"
-                ),
-                _ => assert_eq!(edge[i], landmarks[i]),
+            match vertex.map(|v| mean[v as usize]) {
+                Some([x, y, z]) => {
+                    assert!(
+                        (y - 10.0 * from_top as f32).abs() <= 2.0 && z == 40.0,
+                        "{i}: {y}"
+                    );
+                    assert_eq!(x < 0.0, i < JAW / 2);
+                }
+                None => assert!(from_top > 5, "{i}"),
             }
         }
     }

@@ -8,11 +8,11 @@ mod npz;
 mod wfm;
 
 use anyhow::{Context, Result, ensure};
-use posewise::shape::{ANIMATION_NAMES, ANIMATIONS, LANDMARKS};
+use posewise::shape::{ANIMATION_NAMES, ANIMATIONS, JAW, LANDMARKS};
 use std::path::Path;
 
 use contour::jaw_edge;
-pub use contour::{JAW, contour_paths, outward};
+pub use contour::{BELOW_MM, at_place, contour_paths, even_places, outward};
 pub use wfm::{Unit, Wfm};
 
 /// A morphable head: `mean + Σ identity_k·w_k + Σ expression_j·a_j`.
@@ -36,8 +36,9 @@ pub struct Head {
     /// Per jaw landmark 0–16: the landmark itself, what lies behind or below it, and vertices marching
     /// inwards over the cheek. Whichever is outermost in the image is on the visible contour.
     pub jaw: [Vec<u32>; JAW],
-    /// Per jaw landmark 0–16 the vertex on the lower jaw's edge, from below one ear to the other.
-    pub jaw_edge: [u32; JAW],
+    /// Per jaw landmark 0–16 the vertex on the lower jaw's edge, from below one ear to the other; none at
+    /// the chin, which lies on it.
+    pub jaw_edge: [Option<u32>; JAW],
     /// Number into `part_names` for each vertex.
     pub vertex_part: Vec<u8>,
     /// Number into `part_names` for each triangle.
@@ -189,6 +190,11 @@ impl Head {
         ensure!(
             right.iter().chain(&left).all(|v| (*v as usize) < n),
             "the jaw's edge is out of range"
+        );
+        let below = |v: &u32, i: usize| mean[*v as usize][1] > mean[landmarks[i] as usize][1];
+        ensure!(
+            right.iter().any(|v| below(v, 0)) && left.iter().any(|v| below(v, JAW - 1)),
+            "the jaw's edge ends above its landmarks"
         );
         let jaw_edge = jaw_edge(&mean, &landmarks, [&right, &left], skin);
         Ok(Head {

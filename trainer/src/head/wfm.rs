@@ -2,7 +2,7 @@
 
 use super::{Expression, Head, animation_index, contour_paths};
 use anyhow::{Context, Result, ensure};
-use posewise::shape::LANDMARKS;
+use posewise::shape::{JAW, LANDMARKS};
 use std::path::Path;
 
 /// A wireframe file. Units of its own: x the subject's left, y up, z out of the face.
@@ -263,7 +263,7 @@ impl Head {
         let first = wfm.vertices.len() as u32;
         let landmarks: [u32; LANDMARKS] = std::array::from_fn(|i| first + i as u32);
         let triangles = outward_faces(&mean, &wfm.faces);
-        let jaw_edge = std::array::from_fn(|i| landmarks[i]);
+        let jaw_edge = [None; JAW];
         Ok(Head {
             jaw: contour_paths(&mean, &triangles, &landmarks, &jaw_edge, |_| true),
             jaw_edge,

@@ -10,15 +10,12 @@
 use super::draw::{Drawn, Posed, SUPER, View};
 use super::mesh::{Material, Mesh};
 use super::skin::is_ear;
-use crate::head::JAW;
+use crate::head::{BELOW_MM, at_place, even_places};
 use glam::{Mat3, Vec2, Vec3};
-use posewise::shape::LANDMARKS;
+use posewise::shape::{JAW, LANDMARKS};
 
 /// Half the width of the chin \[mm\].
 const CHIN_MM: f32 = 36.0;
-
-/// How far paths go on below the chin's vertices \[mm\].
-const BELOW_MM: f32 = 12.0;
 
 /// How far ahead the camera is that sees the jaw's points at even distances \[mm\].
 const FAR_MM: f32 = 1000.0;
@@ -71,6 +68,10 @@ impl Landmarker {
         let at = |i: usize| mesh.mean[mesh.landmarks[i] as usize];
         let paths = (0..JAW)
             .map(|i| {
+                let (start, below_mm) = match mesh.jaw_edge[i] {
+                    Some(edge) => (mesh.mean[edge as usize], 0.0),
+                    None => (at(i), BELOW_MM),
+                };
                 let end = path_end(i, &at);
                 let outward = (at(i) - end).truncate().normalize_or_zero();
                 // The uppermost points only slide sideways, the chin only up and down.
@@ -79,13 +80,8 @@ impl Landmarker {
                     8 => Vec2::Y,
                     _ => outward,
                 };
-                let edge = mesh.jaw_edge[i];
-                let below_mm = match edge == mesh.landmarks[i] {
-                    true => BELOW_MM,
-                    false => 0.0,
-                };
                 Path {
-                    points: cut(mesh, mesh.mean[edge as usize], end, below_mm),
+                    points: cut(mesh, start, end, below_mm),
                     outward,
                 }
             })
@@ -103,7 +99,7 @@ impl Landmarker {
         };
         // Seen by a camera ahead, and then at the same places of the head however it turns.
         let ahead = Posed::new(mesh, &mesh.mean, &[], Mat3::IDENTITY, FAR_MM * Vec3::Z);
-        landmarker.places = even_places(&landmarker.outline(&ahead, &View::unit(), 0.0));
+        landmarker.places = places_by_side(&landmarker.outline(&ahead, &View::unit(), 0.0));
         landmarker
     }
 
@@ -150,8 +146,10 @@ impl Landmarker {
             facing && is_drawn(p, view, drawn)
         };
         let mut projected = contour.map(|(p, _)| view.project(p));
-        let jaw = at_places(&projected[..JAW], &self.places);
-        projected[..JAW].copy_from_slice(&jaw);
+        let outline: [Vec3; JAW] = std::array::from_fn(|i| projected[i].extend(0.0));
+        for (point, place) in projected.iter_mut().zip(self.places) {
+            *point = at_place(&outline, place).truncate();
+        }
         Points {
             contour: projected,
             fixed: fixed.map(|(p, _)| view.project(p)),
@@ -170,32 +168,13 @@ impl Landmarker {
 
 /// Places along the jaw's line, in numbers of its points, that lie at even distances on each side of
 /// the chin.
-fn even_places(line: &[Vec2; JAW]) -> [f32; JAW] {
+fn places_by_side(line: &[Vec2; JAW]) -> [f32; JAW] {
     const CHIN: usize = JAW / 2;
-    let mut places = [0.0; JAW];
-    for first in [0, CHIN] {
-        let side = &line[first..=first + CHIN];
-        let lengths: Vec<f32> = side.windows(2).map(|w| w[0].distance(w[1])).collect();
-        let step = lengths.iter().sum::<f32>() / CHIN as f32;
-        let (mut segment, mut before) = (0, 0.0);
-        for k in 0..=CHIN {
-            let want = k as f32 * step;
-            while segment + 1 < CHIN && before + lengths[segment] < want {
-                before += lengths[segment];
-                segment += 1;
-            }
-            let share = ((want - before) / lengths[segment].max(1e-6)).min(1.0);
-            places[first + k] = (first + segment) as f32 + share;
-        }
-    }
-    places
-}
-
-/// The points at these places of the jaw's line.
-fn at_places(line: &[Vec2], places: &[f32; JAW]) -> [Vec2; JAW] {
-    places.map(|place| {
-        let before = (place as usize).min(JAW - 2);
-        line[before].lerp(line[before + 1], place - before as f32)
+    let line = line.map(|p| p.extend(0.0));
+    let [right, left] = [&line[..=CHIN], &line[CHIN..]].map(even_places::<{ CHIN + 1 }>);
+    std::array::from_fn(|i| match i < CHIN {
+        true => right[i],
+        false => CHIN as f32 + left[i - CHIN],
     })
 }
 
@@ -213,11 +192,11 @@ fn is_drawn(p: Vec3, view: &View, drawn: &Drawn) -> bool {
 
 /// Where the outline of jaw landmark `i` can slide to at most.
 fn path_end(i: usize, at: &impl Fn(usize) -> Vec3) -> Vec3 {
-    let start = at(i);
+    let height = at(i).y;
     let right = i < 8;
     let pick = |r: usize, l: usize| at(if right { r } else { l });
     // Sideways at the landmark's own height, so far in as the given feature.
-    let level = |inner: Vec3| Vec3::new(inner.x, start.y, inner.z + 12.0);
+    let level = |inner: Vec3| Vec3::new(inner.x, height, inner.z + 12.0);
     match if i > 8 { 16 - i } else { i } {
         0 => level(pick(36, 45)),
         1 => level(pick(41, 46)),
@@ -273,26 +252,4 @@ fn cut(mesh: &Mesh, start: Vec3, end: Vec3, below_mm: f32) -> Vec<Crossing> {
     }
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
     points.into_iter().map(|(_, c)| c).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn places_are_even_on_each_side_of_the_chin() {
-        // Steps of 1 on one side; of 1, 3, 1, 3 … on the other.
-        let mut at = 0.0;
-        let line: [Vec2; JAW] = std::array::from_fn(|i| {
-            at += if i > 8 && i % 2 == 0 { 3.0 } else { 1.0 };
-            Vec2::new(at, 0.0)
-        });
-        let places = even_places(&line);
-        let points = at_places(&line, &places);
-        for (side, step) in [(0..8, 1.0), (8..16, 2.0)] {
-            for i in side {
-                assert!((points[i + 1].x - points[i].x - step).abs() < 1e-4, "{i}");
-            }
-        }
-    }
 }

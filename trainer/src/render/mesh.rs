@@ -2,10 +2,10 @@
 //! expressions, and per vertex which directions of light reach it.
 
 use super::raster::{Cull, Projected, Target};
-use crate::head::{Head, JAW};
+use crate::head::Head;
 use anyhow::{Result, ensure};
 use glam::{Vec2, Vec3};
-use posewise::shape::LANDMARKS;
+use posewise::shape::{JAW, LANDMARKS};
 use std::ops::Range;
 
 /// Identity modes that renders use; the rest move vertices by less than half a millimetre.
@@ -69,8 +69,8 @@ pub struct Mesh {
     pub materials: Vec<(Material, Range<usize>)>,
     /// Vertex of each landmark.
     pub landmarks: [u32; LANDMARKS],
-    /// Vertex of each jaw landmark on the lower jaw's edge.
-    pub jaw_edge: [u32; JAW],
+    /// Vertex of each jaw landmark on the lower jaw's edge; none at the chin.
+    pub jaw_edge: [Option<u32>; JAW],
     /// Vertices of the eyeballs: the image left's (subject's right), the image right's.
     pub eyes: [Vec<u32>; 2],
     /// Bit d: light from direction d of [`directions`] reaches the vertex of the mean head.

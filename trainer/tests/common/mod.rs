@@ -1,6 +1,6 @@
 //! A head of no one: an ellipsoid with a nose, for tests that need no data.
 
-use posewise::shape::{ANIMATION_NAMES, LANDMARKS};
+use posewise::shape::{ANIMATION_NAMES, JAW, LANDMARKS};
 use posewise_train::head::{Expression, Head, contour_paths};
 
 const COLUMNS: usize = 121;
@@ -128,7 +128,7 @@ pub fn head() -> Head {
             mode(&mean, |v| [0.0, -8.0 * bump(v, 0.0, -20.0, 20.0), 0.0]),
         ),
     ];
-    let jaw_edge = std::array::from_fn(|i| landmarks[i]);
+    let jaw_edge = [None; JAW];
     Head {
         jaw: contour_paths(&mean, &triangles, &landmarks, &jaw_edge, |_| true),
         jaw_edge,
