@@ -152,20 +152,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn places_are_even() {
-        // Steps of 1, 3, 1, 3 …
-        let mut at = 0.0;
-        let line: [Vec3; 9] = std::array::from_fn(|i| {
-            at += if i % 2 == 0 { 3.0 } else { 1.0 };
-            at * Vec3::X
-        });
-        let points = even_places::<9>(&line).map(|place| at_place(&line, place));
-        for (i, w) in points.windows(2).enumerate() {
-            assert!((w[1].x - w[0].x - 2.0).abs() < 1e-4, "{i}");
-        }
-    }
-
-    #[test]
     fn the_edge_has_even_steps_and_spares_the_chin() {
         // Two lines that run down 40 mm behind the landmarks, which are 1 mm apart.
         let mut mean: Vec<[f32; 3]> = (0..LANDMARKS).map(|i| [i as f32, 0.0, 0.0]).collect();

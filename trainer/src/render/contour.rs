@@ -253,3 +253,25 @@ fn cut(mesh: &Mesh, start: Vec3, end: Vec3, below_mm: f32) -> Vec<Crossing> {
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
     points.into_iter().map(|(_, c)| c).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_are_even_on_each_side_of_the_chin() {
+        // Steps of 1 on one side; of 1, 3, 1, 3 … on the other.
+        let mut at = 0.0;
+        let line: [Vec2; JAW] = std::array::from_fn(|i| {
+            at += if i > 8 && i % 2 == 0 { 3.0 } else { 1.0 };
+            Vec2::new(at, 0.0)
+        });
+        let outline = line.map(|p| p.extend(0.0));
+        let points = places_by_side(&line).map(|place| at_place(&outline, place));
+        for (side, step) in [(0..8, 1.0), (8..16, 2.0)] {
+            for i in side {
+                assert!((points[i + 1].x - points[i].x - step).abs() < 1e-4, "{i}");
+            }
+        }
+    }
+}
