@@ -49,7 +49,13 @@ const KEEP: f32 = 0.02;
 /// … and below this one while so many of its landmarks look like themselves: something covers the
 /// others.
 const KEEP_RECOGNISED: f32 = 0.003;
-const RECOGNISED: u32 = 6;
+const RECOGNISED: u32 = 8;
+/// How long a face may be in doubt without being recognised \[µs\]: what is left where somebody was
+/// may resemble a face a little for as long as it is looked at.
+const DOUBTED_US: i64 = match cfg!(feature = "adaptation") {
+    true => 500_000,
+    false => i64::MAX,
+};
 /// How long the last answer is held \[µs\].
 const HOLD_US: i64 = 500_000;
 /// How long a lost face is expected back at about the same size \[µs\].
@@ -118,6 +124,8 @@ struct Subject {
     trusted_frames: u32,
     /// When it was last fitted \[µs\].
     fitted_us: i64,
+    /// When it was last a face more likely than not, or recognised \[µs\].
+    known_us: i64,
 }
 
 impl Subject {
@@ -132,14 +140,16 @@ impl Subject {
         trusted: false,
         trusted_frames: 0,
         fitted_us: 0,
+        known_us: 0,
     };
 
     /// Probability below which the face counts as lost, when so many landmarks look like themselves.
-    fn keep(&self, recognised: u32) -> f32 {
+    fn keep(&self, recognised: u32, now: i64) -> f32 {
+        let doubted_us = now.saturating_sub(self.known_us);
         match self.trusted {
             true if recognised >= RECOGNISED => KEEP_RECOGNISED,
-            true => KEEP,
-            false => STAY,
+            true if doubted_us <= DOUBTED_US => KEEP,
+            _ => STAY,
         }
     }
 }
@@ -630,13 +640,16 @@ impl Tracker {
         let person = &mut self.subject.person;
         let trusted = verdict.face >= TRUST;
         let recognised = person.follow(self.work.features(), trusted, &mut verdict);
-        if !ran || verdict.face < self.subject.keep(recognised) {
+        if !ran || verdict.face < self.subject.keep(recognised, now) {
             Some(Loss::Doubt)
         } else if !overlaps(&shape, frame) {
             Some(Loss::Left)
         } else if !self.answer(model, frame, now, &shape, Whose::Tracked, &mut verdict) {
             Some(Loss::Pose)
         } else {
+            if recognised >= RECOGNISED {
+                self.subject.known_us = now;
+            }
             self.subject.guess = guess;
             self.looks = 0;
             None
@@ -704,7 +717,7 @@ impl Tracker {
         #[cfg(not(feature = "experts"))]
         by_fit(verdict, fitted, &camera);
         let least = match whose {
-            Whose::Tracked => subject.keep(0),
+            Whose::Tracked => subject.keep(0, now),
             _ => ACCEPT,
         };
         if cfg!(not(feature = "experts")) && verdict.face < least {
@@ -730,6 +743,9 @@ impl Tracker {
         }
         subject.shape = *carried;
         subject.fitted_us = now;
+        if verdict.face >= STAY {
+            subject.known_us = now;
+        }
         subject.face = fitted.state;
         subject.trusted = verdict.face >= TRUST || subject.trusted && whose != Whose::Stranger;
         subject.trusted_frames = subject

@@ -8,7 +8,7 @@
 use super::evaluate::start_of;
 use super::starts::{Jitter, jittered_box, start_from_box};
 use crate::faces::{Face, Picture};
-use anyhow::{Context, Result};
+use anyhow::Result;
 use posewise::align::{AlignModel, Shape, Workspace};
 use posewise::shape::{LANDMARKS, MIRROR};
 use rand::SeedableRng;
@@ -96,12 +96,7 @@ pub fn blended(model: &AlignModel<'_>, faces: &[Face]) -> Vec<Face> {
 /// Faces in pictures without labels: one in the middle of each, as wide as two fifths of the
 /// picture. Those on which the looks do not agree are left out; also returns how many.
 pub fn found(model: &AlignModel<'_>, folder: &Path) -> Result<(Vec<Face>, usize)> {
-    let mut paths = std::fs::read_dir(folder)
-        .with_context(|| format!("reading {}", folder.display()))?
-        .map(|entry| Ok(entry?.path()))
-        .collect::<Result<Vec<_>>>()?;
-    paths.retain(|p| p.extension().is_some_and(|e| e == "jpg"));
-    paths.sort();
+    let paths = Picture::list(folder)?;
     let faces = paths
         .par_iter()
         .enumerate()

@@ -1,12 +1,13 @@
 //! Pictures without people: photographs and made-up ones.
 
 use std::collections::HashSet;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::{Context, Result};
 use rayon::prelude::*;
 
 use super::grey::Grey;
+use crate::faces::Picture;
 use crate::render::background::procedural;
 
 /// The usable photographs, in the order of their names, but for each fifth.
@@ -30,15 +31,11 @@ fn usable(data: &Path, wanted: impl Fn(usize) -> bool + Sync) -> Result<Vec<Grey
     let listed = std::fs::read_to_string(folder.join("with-people.txt"))
         .context("backgrounds/with-people.txt")?;
     let people: HashSet<&str> = listed.lines().map(str::trim).collect();
-    let mut paths: Vec<PathBuf> = std::fs::read_dir(&folder)?
-        .filter_map(|entry| Some(entry.ok()?.path()))
-        .filter(|path| path.extension().is_some_and(|e| e == "jpg"))
-        .filter(|path| {
-            let name = path.file_name().unwrap_or_default().to_string_lossy();
-            !people.contains(name.as_ref())
-        })
-        .collect();
-    paths.sort();
+    let mut paths = Picture::list(&folder)?;
+    paths.retain(|path| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        !people.contains(name.as_ref())
+    });
     paths
         .par_iter()
         .enumerate()
