@@ -52,10 +52,7 @@ const KEEP_RECOGNISED: f32 = 0.003;
 const RECOGNISED: u32 = 8;
 /// How long a face may be in doubt without being recognised \[µs\]: what is left where somebody was
 /// may resemble a face a little for as long as it is looked at.
-const DOUBTED_US: i64 = match cfg!(feature = "adaptation") {
-    true => 500_000,
-    false => i64::MAX,
-};
+const DOUBTED_US: i64 = 500_000;
 /// How long the last answer is held \[µs\].
 const HOLD_US: i64 = 500_000;
 /// How long a lost face is expected back at about the same size \[µs\].
@@ -145,10 +142,12 @@ impl Subject {
 
     /// Probability below which the face counts as lost, when so many landmarks look like themselves.
     fn keep(&self, recognised: u32, now: i64) -> f32 {
-        let doubted_us = now.saturating_sub(self.known_us);
+        // Without `experts` and `adaptation` nobody is recognised, and a covered face would be given up too.
+        let doubted = cfg!(all(feature = "experts", feature = "adaptation"))
+            && now.saturating_sub(self.known_us) > DOUBTED_US;
         match self.trusted {
             true if recognised >= RECOGNISED => KEEP_RECOGNISED,
-            true if doubted_us <= DOUBTED_US => KEEP,
+            true if !doubted => KEEP,
             _ => STAY,
         }
     }
