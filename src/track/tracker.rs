@@ -777,3 +777,26 @@ impl Tracker {
 fn judged(model: &Model<'_>, work: &Workspace) -> Verdict {
     model.verifier.judge(work.features(), work.view())
 }
+
+#[cfg(all(test, feature = "experts", feature = "adaptation"))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_doubted_face_is_kept_for_a_while_and_longer_where_it_is_recognised() {
+        let stranger = Subject {
+            known_us: 1_000_000,
+            ..Subject::EMPTY
+        };
+        let subject = Subject {
+            trusted: true,
+            ..stranger.clone()
+        };
+        let (soon, late) = (1_000_000 + DOUBTED_US, 1_000_001 + DOUBTED_US);
+        assert_eq!(stranger.keep(0, soon), STAY);
+        assert_eq!(subject.keep(0, soon), KEEP);
+        assert_eq!(subject.keep(0, late), STAY);
+        assert_eq!(subject.keep(RECOGNISED - 1, late), STAY);
+        assert_eq!(subject.keep(RECOGNISED, late), KEEP_RECOGNISED);
+    }
+}
