@@ -176,6 +176,10 @@ pub struct JitterArgs {
     /// What `posewise track --csv` wrote; repeat for several clips
     #[arg(long, value_name = "FILE", required = true)]
     pub csv: Vec<PathBuf>,
+    /// The clip that was tracked, any INPUT of `track`: also measures how the picture itself moves;
+    /// repeat in the same order
+    #[arg(long, value_name = "FILE")]
+    pub clip: Vec<String>,
     /// Write the numbers as JSON
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,

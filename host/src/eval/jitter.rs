@@ -4,35 +4,64 @@
 //! tracked frames, scaled to an inter-ocular distance of 40 px; then the median over landmarks. The
 //! same of what is left when the similarity that the landmarks follow together is taken off each
 //! second difference: the face moves as a whole, a bad tracker's landmarks tremble each by itself.
+//! With the clip at hand also how much the landmarks would tremble if they moved just as the picture
+//! between brows and nose does: no tracker that does not lag behind the head is below that.
 
 use std::fmt::Write as _;
 
-use anyhow::Result;
+use anyhow::{Result, ensure};
+use rayon::prelude::*;
 use serde_json::json;
 
 use super::median;
+use super::registration::{Luma, Motion, Patch, register};
 use super::table::Table;
 use crate::cli::JitterArgs;
-use crate::output;
+use crate::{output, source};
 
 /// Inter-ocular distance that figures are scaled to \[px\].
 const INTER_OCULAR: f64 = 40.0;
+/// Frames per second of a folder of pictures; nothing here depends on it.
+const FPS: f64 = 30.0;
+/// Brows, nose and eyes: where nothing but the head moves much.
+const RIGID: std::ops::Range<usize> = 17..48;
+
+type Shape = [[f64; 2]; 68];
 
 /// Runs the command.
 pub fn run(args: &JitterArgs) -> Result<()> {
+    ensure!(
+        args.clip.is_empty() || args.clip.len() == args.csv.len(),
+        "--clip once for every --csv, or not at all"
+    );
     let mut out = String::new();
     let mut rows = Vec::new();
-    for path in &args.csv {
-        let [jitter, rest] = jitter(&Table::read(path)?)?;
+    for (index, path) in args.csv.iter().enumerate() {
         let name = path.display().to_string();
+        let shapes = shapes(&Table::read(path)?)?;
+        let [jitter, rest] = jitter(&shapes);
+        let picture = match args.clip.get(index) {
+            Some(clip) => of_picture(&shapes, &frames(clip, shapes.len())?),
+            None => None,
+        };
         let shown = |v: Option<f64>| v.map_or("-".into(), |v| format!("{v:.3}"));
-        writeln!(
+        write!(
             out,
             "{name}: {} px per {INTER_OCULAR} px between the eyes, {} beside motions as a whole",
             shown(jitter),
             shown(rest)
         )?;
-        rows.push(json!({"csv": name, "jitter_px": jitter, "rest_px": rest}));
+        if !args.clip.is_empty() {
+            write!(
+                out,
+                "; {} if they moved as the picture does",
+                shown(picture)
+            )?;
+        }
+        out.push('\n');
+        rows.push(
+            json!({"csv": name, "jitter_px": jitter, "rest_px": rest, "picture_px": picture}),
+        );
     }
     output::print(&out)?;
     if let Some(path) = &args.json {
@@ -41,43 +70,111 @@ pub fn run(args: &JitterArgs) -> Result<()> {
     Ok(())
 }
 
-/// Of the landmarks as they are, and without what they do together.
-fn jitter(table: &Table) -> Result<[Option<f64>; 2]> {
+/// The landmarks of every frame; `None` where no face is tracked.
+fn shapes(table: &Table) -> Result<Vec<Option<Shape>>> {
     let success = table.column("success")?;
     let (xs, ys) = (table.columns68("x_")?, table.columns68("y_")?);
-    let mut shapes: Vec<Option<[[f64; 2]; 68]>> = Vec::with_capacity(table.len());
-    for row in 0..table.len() {
+    let row = |row| {
         let mut shape = [[0.0; 2]; 68];
         for (i, p) in shape.iter_mut().enumerate() {
             *p = [table.number(row, xs[i])?, table.number(row, ys[i])?];
         }
-        shapes.push((table.number(row, success)? > 0.5).then_some(shape));
+        Ok((table.number(row, success)? > 0.5).then_some(shape))
+    };
+    (0..table.len()).map(row).collect()
+}
+
+/// The frames of the clip that rows were written for, one each.
+fn frames(clip: &str, rows: usize) -> Result<Vec<Luma>> {
+    let mut source = source::open(clip, FPS)?;
+    let mut frames = Vec::with_capacity(rows);
+    while let Some(picture) = source.next()? {
+        frames.push(Luma::of(&picture.upright_grey()?));
     }
-    let (mut squares, mut count) = ([[0.0; 68]; 2], 0.0);
-    for three in shapes.windows(3) {
+    ensure!(
+        frames.len() == rows,
+        "{clip} has {} frames, but {rows} rows were written",
+        frames.len()
+    );
+    Ok(frames)
+}
+
+/// Three frames in a row in which the face is tracked, and what scales them.
+fn triples(shapes: &[Option<Shape>]) -> impl Iterator<Item = (usize, [&Shape; 3], f64)> {
+    shapes.windows(3).enumerate().filter_map(|(first, three)| {
         let [Some(a), Some(b), Some(c)] = three else {
-            continue;
+            return None;
         };
-        let scale = INTER_OCULAR / (b[36][0] - b[45][0]).hypot(b[36][1] - b[45][1]).max(1.0);
-        count += 1.0;
-        let trembles: [[f64; 2]; 68] =
-            std::array::from_fn(|i| [0, 1].map(|k| (a[i][k] - 2.0 * b[i][k] + c[i][k]) * scale));
-        let whole = as_a_whole(b, &trembles);
-        for (i, (d, w)) in trembles.iter().zip(whole).enumerate() {
-            squares[0][i] += d[0].powi(2) + d[1].powi(2);
-            squares[1][i] += (d[0] - w[0]).powi(2) + (d[1] - w[1]).powi(2);
-        }
+        let eyes = (b[36][0] - b[45][0]).hypot(b[36][1] - b[45][1]);
+        Some((first, [a, b, c], INTER_OCULAR / eyes.max(1.0)))
+    })
+}
+
+/// The second difference of each landmark.
+fn second_difference([a, b, c]: [&Shape; 3], scale: f64) -> Shape {
+    std::array::from_fn(|i| [0, 1].map(|k| (a[i][k] - 2.0 * b[i][k] + c[i][k]) * scale))
+}
+
+/// The median over landmarks of their r.m.s. length; `None` of nothing.
+fn trembling(of: &[Shape]) -> Option<f64> {
+    let rms = |i: usize| {
+        let squares = of.iter().map(|d| d[i][0].powi(2) + d[i][1].powi(2));
+        (squares.sum::<f64>() / of.len() as f64).sqrt()
+    };
+    let values: [f64; 68] = std::array::from_fn(rms);
+    median(&values).filter(|v| v.is_finite())
+}
+
+/// Of the landmarks as they are, and without what they do together.
+fn jitter(shapes: &[Option<Shape>]) -> [Option<f64>; 2] {
+    let (mut all, mut rest) = (Vec::new(), Vec::new());
+    for (_, three, scale) in triples(shapes) {
+        let trembles = second_difference(three, scale);
+        let whole = as_a_whole(three[1], &trembles);
+        rest.push(std::array::from_fn(|i| {
+            [0, 1].map(|k| trembles[i][k] - whole[i][k])
+        }));
+        all.push(trembles);
     }
-    Ok(squares.map(|of| {
-        let values = of.map(|sum| (sum / count).sqrt());
-        median(&values).filter(|v| v.is_finite())
-    }))
+    [trembling(&all), trembling(&rest)]
+}
+
+/// Of landmarks that move from each frame to its neighbours as the picture does.
+fn of_picture(shapes: &[Option<Shape>], frames: &[Luma]) -> Option<f64> {
+    let triples: Vec<_> = triples(shapes).collect();
+    let moved = |(first, [a, b, c], scale): &(usize, [&Shape; 3], f64)| {
+        let rigid = |shape: &Shape| shape[RIGID].to_vec();
+        let patch = around(&rigid(b));
+        let to = |other: &Shape, frame: usize| -> Option<Shape> {
+            let guess = Motion::of_points(&patch, &rigid(b), &rigid(other));
+            let motion = register(&frames[first + 1], &frames[frame], &patch, guess)?;
+            Some(b.map(|p| motion.apply(&patch, p)))
+        };
+        let (a, c) = (to(a, *first)?, to(c, first + 2)?);
+        Some(second_difference([&a, b, &c], *scale))
+    };
+    let moved: Vec<Shape> = triples.par_iter().filter_map(moved).collect();
+    trembling(&moved)
+}
+
+/// The patch as wide and high as these points lie around their mean.
+fn around(points: &[[f64; 2]]) -> Patch {
+    let n = points.len() as f64;
+    let centre = [0, 1].map(|k| points.iter().map(|p| p[k]).sum::<f64>() / n);
+    let reach = |k: usize| {
+        let far = points.iter().map(|p| (p[k] - centre[k]).abs());
+        far.fold(1.0, f64::max)
+    };
+    Patch {
+        centre,
+        reach: [0, 1].map(reach),
+    }
 }
 
 /// The part of the displacements that a similarity of the shape explains, in the sense of least
 /// squares.
-fn as_a_whole(shape: &[[f64; 2]; 68], displacements: &[[f64; 2]; 68]) -> [[f64; 2]; 68] {
-    let mean = |of: &[[f64; 2]; 68]| [0, 1].map(|k| of.iter().map(|p| p[k]).sum::<f64>() / 68.0);
+fn as_a_whole(shape: &Shape, displacements: &Shape) -> Shape {
+    let mean = |of: &Shape| [0, 1].map(|k| of.iter().map(|p| p[k]).sum::<f64>() / 68.0);
     let (centre, shift) = (mean(shape), mean(displacements));
     let at = shape.map(|p| [p[0] - centre[0], p[1] - centre[1]]);
     let extent: f64 = at.iter().map(|p| p[0] * p[0] + p[1] * p[1]).sum();
@@ -109,13 +206,14 @@ mod tests {
             }
         }
         let table = Table::parse("test", text.as_bytes()).expect("a table");
-        let jitter = jitter(&table).expect("numbers")[0].expect("frames");
+        let shapes = shapes(&table).expect("numbers");
+        let jitter = jitter(&shapes)[0].expect("frames");
         assert!((jitter - 2.0).abs() < 0.05, "{jitter}");
     }
 
     #[test]
     fn what_moves_together_is_told_apart() {
-        let shape: [[f64; 2]; 68] = std::array::from_fn(|i| {
+        let shape: Shape = std::array::from_fn(|i| {
             let (sin, cos) = (i as f64).sin_cos();
             [100.0 + 30.0 * cos, 80.0 + 20.0 * sin]
         });

@@ -11,6 +11,7 @@ pub mod landmarks;
 pub mod pose;
 pub mod pose_metrics;
 pub mod recovery;
+pub mod registration;
 pub mod show;
 pub mod table;
 pub mod trust;
