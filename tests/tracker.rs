@@ -190,6 +190,34 @@ fn a_face_that_comes_back_elsewhere_is_found_at_the_camera_s_budget() {
 }
 
 #[test]
+fn a_large_face_that_appears_is_found_soon_wherever_the_sweep_is() {
+    for empty in [1, 13, 25, 37] {
+        watch(Config::default(), |watch| {
+            for _ in 0..empty {
+                assert_eq!(watch.see(&[]).state, State::Searching);
+            }
+            let (frames, result) = watch.until_tracked(&[LARGE], 15);
+            assert!(is_at(&result, LARGE), "{:?}", result.face_box);
+            println!("found after {frames} frames, {empty} into the sweep");
+        });
+    }
+}
+
+#[test]
+fn a_small_face_that_moves_is_found() {
+    // Smaller than what every other slice goes to, and never twice where it was.
+    let (from, to) = ([60.0, 100.0], [560.0, 240.0]);
+    watch(Config::default(), |watch| {
+        let tracked = (0..60).any(|n| {
+            let share = n as f32 / 60.0;
+            let at = [0, 1].map(|k| from[k] + share * (to[k] - from[k]));
+            watch.see(&[Pasted { at, ..SMALL }]).state == State::Tracking
+        });
+        assert!(tracked);
+    });
+}
+
+#[test]
 fn the_reason_of_a_loss_is_told() {
     watch(patient(), |watch| {
         watch.until_tracked(&[LARGE], 3);

@@ -117,7 +117,8 @@ fn a_face_that_comes_back_is_found() {
     let args = recovery(&["--pieces", "2", "--length", "30"]);
     let args: Vec<&str> = args.split('\n').collect();
     let json = json_of(&args);
-    for (mode, mirrored) in [("half_mirrored", 1), ("not_mirrored", 0)] {
+    let modes = [("half_mirrored", 1), ("not_mirrored", 0), ("first_seen", 0)];
+    for (mode, mirrored) in modes {
         let mode = &json[mode];
         let pieces = mode["pieces"].as_array().unwrap();
         assert_eq!(pieces.len(), 2);
@@ -132,7 +133,9 @@ fn a_face_that_comes_back_is_found() {
     }
     let only = json_of(&[&args[..], &["--no-mirror"]].concat());
     assert!(only["half_mirrored"].is_null());
-    assert_eq!(only["not_mirrored"], json["not_mirrored"], "same seed");
+    for mode in ["not_mirrored", "first_seen"] {
+        assert_eq!(only[mode], json[mode], "same seed");
+    }
 
     let fails = |more: &[&str], words: &[&str]| {
         let args = recovery(more);
@@ -204,6 +207,35 @@ fn angles_of_the_demo_clip_do_not_drift() {
         Vec::new(),
         &["--minutes must be positive"],
     );
+}
+
+#[test]
+fn jitter_beside_the_picture_s_own_motion() {
+    let dir = tempfile::tempdir().unwrap();
+    let csv = dir.path().join("demo.csv");
+    let clip = DEMO[0];
+    posewise()
+        .args(["track", clip, "--quiet", "--csv", arg(&csv)])
+        .assert()
+        .success();
+    let csv = arg(&csv);
+    let jitter = ["eval", "jitter", "--csv", csv];
+    let json = json_of(&[&jitter[..], &["--clip", clip]].concat());
+    let number = |key: &str| json["clips"][0][key].as_f64().unwrap();
+    assert!(number("rest_px") < number("jitter_px"));
+    // The head is rigid there, so landmarks that tremble little follow the picture.
+    let ratio = number("picture_px") / number("jitter_px");
+    assert!((0.3..1.5).contains(&ratio), "{json:#}");
+    assert!(json_of(&jitter)["clips"][0]["picture_px"].is_null());
+
+    let short = dir.path().join("short.csv");
+    let text = std::fs::read_to_string(csv).unwrap();
+    let rows: Vec<&str> = text.lines().take(31).collect();
+    std::fs::write(&short, rows.join("\n")).unwrap();
+    let args = ["eval", "jitter", "--csv", arg(&short), "--clip", clip];
+    fails_with(&args, Vec::new(), &["120 frames", "30 rows"]);
+    let args = ["eval", "jitter", "--csv", csv, "--csv", csv, "--clip", clip];
+    fails_with(&args, Vec::new(), &["--clip once for every --csv"]);
 }
 
 #[test]

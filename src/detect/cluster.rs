@@ -33,6 +33,8 @@ struct Cluster {
     last_pass: u16,
     // Already answered with in this sweep.
     told: bool,
+    // Hit in this slice.
+    fresh: bool,
 }
 
 /// A cluster's mean: \[1/16 px\], \[1/65536 turn\].
@@ -53,6 +55,7 @@ impl Cluster {
         roll: 0,
         last_pass: 0,
         told: false,
+        fresh: false,
     };
 
     fn mean(&self) -> Option<Mean> {
@@ -66,6 +69,21 @@ impl Cluster {
         })
     }
 
+    /// The score is the strength over `confirm`, less one.
+    fn tell(&mut self, confirm: i32) -> Option<Detection> {
+        self.told = true;
+        let mean = self.mean()?;
+        let px = |v: i32| v as f32 / Q4 as f32;
+        Some(Detection {
+            x: px(mean.x),
+            y: px(mean.y),
+            size: px(mean.size),
+            roll: turns(mean.roll),
+            turn: 0.0,
+            score: self.strength as f32 / confirm.max(1) as f32 - 1.0,
+        })
+    }
+
     fn add(&mut self, hit: &Hit) {
         let weight = hit.score as i64;
         self.strength += weight;
@@ -74,6 +92,7 @@ impl Cluster {
         self.size += weight * hit.size as i64;
         self.roll += weight * hit.roll as i64;
         self.last_pass = hit.pass;
+        self.fresh = true;
     }
 }
 
@@ -122,13 +141,30 @@ impl Clusters {
         }
     }
 
-    /// The largest cluster of at least `confirm`, or the strongest of those that overlap it; `None`
-    /// if there is none, or if it was still hit in pass `pass`, unless that was the last. Each
-    /// cluster is told once.
-    ///
-    /// The score is the strength over `confirm`, less one.
+    /// From here on another frame may be looked at.
+    pub fn begin_slice(&mut self) {
+        self.table.iter_mut().for_each(|c| c.fresh = false);
+    }
+
+    /// The best cluster; `None` if there is none, or if it was still hit in pass `pass`, unless that
+    /// was the last. Each cluster is told once.
     pub fn tell(&mut self, confirm: i32, pass: u16, last: bool) -> Option<Detection> {
-        let open = |c: &Cluster| !c.told && c.strength >= confirm as i64;
+        let best = self.best(confirm, |_| true)?;
+        match last || best.last_pass < pass {
+            true => best.tell(confirm),
+            false => None,
+        }
+    }
+
+    /// The best cluster that was hit in this slice, complete or not.
+    pub fn tell_fresh(&mut self, confirm: i32) -> Option<Detection> {
+        self.best(confirm, |c| c.fresh)?.tell(confirm)
+    }
+
+    /// Of these and not yet told the largest cluster of at least `confirm`, or the strongest of those
+    /// that overlap it.
+    fn best(&mut self, confirm: i32, of: impl Fn(&Cluster) -> bool) -> Option<&mut Cluster> {
+        let open = |c: &Cluster| !c.told && c.strength >= confirm as i64 && of(c);
         let open_mean = |c: &Cluster| if open(c) { c.mean() } else { None };
         let largest = self
             .table
@@ -137,25 +173,10 @@ impl Clusters {
             .max_by_key(|mean| mean.size)?;
         // Windows a step too large around a face may make a weak cluster of their own.
         let near = |c: &&mut Cluster| open_mean(c).is_some_and(|m| overlaps(&m, &largest, 8, 64));
-        let cluster = self
-            .table
+        self.table
             .iter_mut()
             .filter(near)
-            .max_by_key(|c| c.strength)?;
-        if !last && cluster.last_pass >= pass {
-            return None;
-        }
-        cluster.told = true;
-        let mean = cluster.mean()?;
-        let px = |v: i32| v as f32 / Q4 as f32;
-        Some(Detection {
-            x: px(mean.x),
-            y: px(mean.y),
-            size: px(mean.size),
-            roll: turns(mean.roll),
-            turn: 0.0,
-            score: cluster.strength as f32 / confirm.max(1) as f32 - 1.0,
-        })
+            .max_by_key(|c| c.strength)
     }
 }
 

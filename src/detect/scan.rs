@@ -3,26 +3,30 @@
 //! Sizes go from the frame's shorter side down, so the largest face is met first, and large sizes,
 //! which are cheap, are done soon. All sizes are searched for upright faces first, then for turned
 //! ones: most heads are upright, and are found in a fraction of the sweep. After each size the
-//! largest confirmed cluster that is complete ends the sweep. Between slices the frame may change:
-//! a sweep over a live stream sees each part of it at another time.
+//! largest confirmed cluster that is complete is told. Between slices the frame may change: a sweep
+//! over a live stream sees each part of it at another time, and a face that moves is elsewhere when
+//! its cluster is complete. So what was met in a slice is told at its end, and a small search around
+//! it makes up for the sizes that were not looked at yet.
 
 use super::cluster::{Clusters, Hit, turns};
 use super::window::Q4;
-use super::{Detection, DetectorModel, Window, judge, refine};
+use super::{Detection, DetectorModel, Window, judge, refine, search_near};
 use crate::image::Frame;
 
 /// Trees per unit of work beyond the first: most windows are rejected by fewer.
 const TREES_PER_UNIT: usize = 16;
 /// Smallest face that can be asked for \[px\].
 const FACE_MIN_PX: i32 = 16;
+/// Work of a search around what is told before it is complete.
+const SETTLE_UNITS: u32 = 800;
 
 /// What a slice of the sweep ended with.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Swept {
     /// The budget is used up; the sweep goes on with the next call.
     Unfinished,
-    /// A face. Should it prove not to be one, the next call goes on with the sweep and does not tell
-    /// it again; else call [`Scan::restart`].
+    /// A face. Should it prove not to be one, the next call goes on with the sweep, and tells it again
+    /// only where other sizes show it too; else call [`Scan::restart`].
     Found(Detection),
     /// The whole frame was seen and holds no face; the next call starts a new sweep.
     Nothing,
@@ -118,8 +122,8 @@ impl Scan {
     /// Goes on with the sweep for at most about `budget` units of work.
     ///
     /// A window costs one unit and one more for every 16 trees that it needs, so a call asks at
-    /// most 16·`budget` trees plus those of one window, and once those of [`refine`]. How the work
-    /// is cut into slices does not change what is found on a still frame.
+    /// most 16·`budget` trees plus those of one window, and once those of [`refine`] and of a search
+    /// around what is told at a slice's end, 800 units.
     pub fn advance(
         &mut self,
         model: &DetectorModel<'_>,
@@ -132,6 +136,7 @@ impl Scan {
         if self.size == 0 || wanted != self.wanted() {
             self.begin(wanted, false);
         }
+        self.clusters.begin_slice();
         let mut left = budget.max(1) as i64;
         while left > 0 {
             let Some(roll) = self.rolls(model).get(self.roll) else {
@@ -145,7 +150,10 @@ impl Scan {
             self.rows(model, frame, *roll as i32, &mut left);
         }
         self.left = 0;
-        Swept::Unfinished
+        match self.clusters.tell_fresh(model.confirm) {
+            Some(told) => Swept::Found(settle(model, frame, &told)),
+            None => Swept::Unfinished,
+        }
     }
 
     /// Units of the last slice's budget that it did not use.
@@ -233,4 +241,10 @@ impl Scan {
         self.size = next;
         None
     }
+}
+
+/// An incomplete cluster, moved onto the face: it may be off by a step of the grid.
+fn settle(model: &DetectorModel<'_>, frame: &Frame<'_>, told: &Detection) -> Detection {
+    let rough = refine(model, frame, told);
+    search_near(model, frame, &rough, SETTLE_UNITS).unwrap_or(rough)
 }

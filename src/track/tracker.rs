@@ -1,7 +1,8 @@
 //! One step: frame in, result out; and the state machine around it.
 //!
 //! Searching runs a slice of the detector's sweep; a face found there is aligned and judged at
-//! once. A face that was lost not long ago is mostly looked for at its own size, wherever it is.
+//! once. Small faces take most of a sweep, so every other slice goes to one over large faces alone. A
+//! face that was lost not long ago is mostly looked for at its own size, wherever it is.
 //! Tracking runs the cascade once from the shape that the last frames predict. A fit whose
 //! probability falls below `KEEP` (`STAY` where it was never sure, `KEEP_RECOGNISED` where what is seen
 //! of it looks like itself) makes the tracker Holding: the last answer is repeated, the detector looks
@@ -59,6 +60,10 @@ const HOLD_US: i64 = 500_000;
 const RECALL_US: i64 = 10_000_000;
 /// Of so many slices of the search for it one goes to faces of all sizes.
 const RECALL_TURNS: u32 = 4;
+/// Of so many slices of any other search one goes to large faces.
+const LARGE_TURNS: u32 = 2;
+/// Large faces are at least this share of the frame's shorter side: who sits before a camera.
+const LARGE: f32 = 0.25;
 /// Only frames at least this sure teach who it is.
 const TRUST: f32 = 0.9;
 /// So many trusted frames teach it one by one.
@@ -199,8 +204,8 @@ pub struct Tracker {
     smoother: Smoother,
     last_timestamp_us: Option<i64>,
     scan: Scan,
-    /// The sweep for a face that was lost.
-    recall: Scan,
+    /// The sweep over the sizes that are likeliest.
+    likely: Scan,
     lost: Lost,
     /// The likeliest of the last frame's candidates that were refused; 0 if there was none.
     doubt: f32,
@@ -233,7 +238,7 @@ impl Tracker {
         smoother: Smoother::EMPTY,
         last_timestamp_us: None,
         scan: Scan::new(),
-        recall: Scan::new(),
+        likely: Scan::new(),
         lost: Lost::NOBODY,
         doubt: 0.0,
         doubtful: [[0.0; 2]; LANDMARKS],
@@ -350,7 +355,7 @@ impl Tracker {
         self.smoother = Smoother::EMPTY;
         self.last_timestamp_us = None;
         self.scan.restart();
-        self.recall.restart();
+        self.likely.restart();
         self.lost = Lost::NOBODY;
         self.doubt = 0.0;
         self.turn = 0;
@@ -383,13 +388,17 @@ impl Tracker {
         Ok(())
     }
 
-    /// One slice of a sweep: over all sizes, or mostly, while a face was lost not long ago, over those
-    /// near its own, which takes a few frames.
+    /// One slice of a sweep: over all sizes, or over those that are likeliest, which takes a few
+    /// frames.
     fn search(&mut self, model: &Model<'_>, frame: &Frame<'_>, now: i64) {
         let age_us = now.saturating_sub(self.lost.when_us);
         self.turn = self.turn.wrapping_add(1);
         let recent = self.lost.size_px > 0.0 && age_us < RECALL_US;
-        let recalled = (recent && !self.turn.is_multiple_of(RECALL_TURNS)).then_some(self.lost);
+        let likely = match recent {
+            true => (!self.turn.is_multiple_of(RECALL_TURNS)).then(|| self.sizes_of(&self.lost)),
+            // Not the first one: where it sees the whole frame, there is no need for it.
+            false => (self.turn.is_multiple_of(LARGE_TURNS)).then(|| self.large_sizes(frame)),
+        };
         // Rarely where the budget is so small that a look would be most of it.
         let rare = RECOLLECT_UNITS.div_ceil(self.config.scan_budget.max(1));
         let rare = rare.max(if recent { 1 } else { RECALL_TURNS });
@@ -399,29 +408,41 @@ impl Tracker {
             Some(Recollected::Nobody(spent)) => spent,
             None => 0,
         };
-        if !self.sweep(model, frame, now, recalled, spent) {
+        if !self.sweep(model, frame, now, likely, spent) {
             self.lose(now);
         }
     }
 
-    /// Goes on with the sweep over faces of about that size, or with that over all, after `spent`
-    /// units of this step's work were used; true when a face is found and taken.
+    fn all_sizes(&self) -> Sizes {
+        Sizes::from(self.config.min_face_px as i32)
+    }
+
+    /// About as large as a face was when it was lost.
+    fn sizes_of(&self, lost: &Lost) -> Sizes {
+        Sizes {
+            min_px: ((lost.size_px * 0.8) as i32).max(self.all_sizes().min_px),
+            max_px: (lost.size_px * 1.25) as i32,
+        }
+    }
+
+    fn large_sizes(&self, frame: &Frame<'_>) -> Sizes {
+        let large = LARGE * frame.width().min(frame.height()) as f32;
+        Sizes::from((large as i32).max(self.all_sizes().min_px))
+    }
+
+    /// Goes on with the sweep over the likely sizes, if any are given, and with that over all of them
+    /// where work is left, after `spent` units of this step's work were used; true when a face is
+    /// found and taken.
     fn sweep(
         &mut self,
         model: &Model<'_>,
         frame: &Frame<'_>,
         now: i64,
-        recalled: Option<Lost>,
+        likely: Option<Sizes>,
         spent: u32,
     ) -> bool {
-        let smallest = self.config.min_face_px as i32;
-        let sizes = match recalled {
-            None => Sizes::from(smallest),
-            Some(lost) => Sizes {
-                min_px: ((lost.size_px * 0.8) as i32).max(smallest),
-                max_px: (lost.size_px * 1.25) as i32,
-            },
-        };
+        let all = self.all_sizes();
+        let mut likely = likely.filter(|sizes| *sizes != all);
         let mut budget = self.config.scan_budget.saturating_sub(spent).max(1);
         let mut found = false;
         if self.doubt >= DOUBT && spent <= RECOLLECT_UNITS {
@@ -429,14 +450,20 @@ impl Tracker {
             budget = budget.saturating_sub(SECOND_LOOK_UNITS).max(1);
         }
         while budget > 0 && !found {
-            let scan = match recalled {
-                None => &mut self.scan,
-                Some(_) => &mut self.recall,
+            let (scan, sizes) = match likely {
+                Some(sizes) => (&mut self.likely, sizes),
+                None => (&mut self.scan, all),
             };
             let swept = scan.advance(&model.detector, frame, sizes, budget);
-            let Swept::Found(face) = swept else { break };
-            budget = scan.left().saturating_sub(ACQUIRE_UNITS);
-            found = self.acquire(model, frame, now, &face, Whose::Stranger);
+            budget = scan.left();
+            match swept {
+                Swept::Found(face) => {
+                    budget = budget.saturating_sub(ACQUIRE_UNITS);
+                    found = self.acquire(model, frame, now, &face, Whose::Stranger);
+                }
+                Swept::Nothing if likely.is_some() => likely = None,
+                Swept::Nothing | Swept::Unfinished => break,
+            }
         }
         if found {
             self.found();
@@ -447,7 +474,7 @@ impl Tracker {
     /// Nobody is looked for any more.
     fn found(&mut self) {
         self.scan.restart();
-        self.recall.restart();
+        self.likely.restart();
         self.lost = Lost::NOBODY;
         self.doubt = 0.0;
     }
@@ -540,7 +567,7 @@ impl Tracker {
             )
             .is_some_and(|face| self.acquire(model, frame, now, &face, Whose::Lost))
         } else {
-            self.sweep(model, frame, now, Some(jumped), spent)
+            self.sweep(model, frame, now, Some(self.sizes_of(&jumped)), spent)
         };
         if !found {
             self.keep_holding(model, now);

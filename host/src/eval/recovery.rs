@@ -5,6 +5,8 @@
 //! people, and a piece from another time of the clip, moved by up to a quarter of the width and an
 //! eighth of the height, edges repeated. The person is the one before; half of the pieces are
 //! mirrored, which makes somebody else of an asymmetric face, unless they are to stay as they are.
+//! And once more with a tracker that forgets everything before each picture without people: how
+//! soon is a face found that was never seen?
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -30,6 +32,37 @@ const MAX_FRAMES: usize = 3000;
 const MOVE: (u32, u32) = (4, 8);
 /// Frames per second of a folder of pictures.
 const FPS: f64 = 25.0;
+
+/// How the pieces are shown.
+struct Mode {
+    title: &'static str,
+    key: &'static str,
+    /// Whether half of them are mirrored.
+    mirrored: bool,
+    /// Whether the tracker forgets everything before each.
+    forgetful: bool,
+}
+
+const MODES: [Mode; 3] = [
+    Mode {
+        title: "half of them mirrored",
+        key: "half_mirrored",
+        mirrored: true,
+        forgetful: false,
+    },
+    Mode {
+        title: "as they are",
+        key: "not_mirrored",
+        mirrored: false,
+        forgetful: false,
+    },
+    Mode {
+        title: "seen for the first time",
+        key: "first_seen",
+        mirrored: false,
+        forgetful: true,
+    },
+];
 
 /// A clip and the order in which it is shown.
 struct Cut {
@@ -78,36 +111,33 @@ pub fn run(args: &RecoveryArgs) -> Result<()> {
     }
     let file = ModelFile::read(args.tracker.model.as_deref())?;
     let model = file.model()?;
-    let modes: &[(&str, &str, bool)] = match args.no_mirror {
-        false => &[
-            ("half of them mirrored", "half_mirrored", true),
-            ("as they are", "not_mirrored", false),
-        ],
-        true => &[("as they are", "not_mirrored", false)],
-    };
+    let modes = MODES
+        .iter()
+        .filter(|mode| !(args.no_mirror && mode.mirrored));
     let mut out = format!(
-        "{:<22}{:>7}{:>8}{:>7}{:>7}{:>17}{:>9}\n",
+        "{:<24}{:>7}{:>8}{:>7}{:>7}{:>17}{:>9}\n",
         "pieces", "", "median", "worst", "never", "faceless frames", "tracked"
     );
     let mut lists = String::new();
     let mut value = Map::new();
-    for (title, key, mirror) in modes {
+    for mode in modes {
+        let title = mode.title;
         let mut rows = Vec::new();
         let mut all = Vec::new();
         for cut in &cuts {
-            let outcomes = show(&model, cut, args, *mirror)?;
+            let outcomes = show(&model, cut, args, mode)?;
             let untils: Vec<String> = outcomes.iter().map(|o| shown(o.until)).collect();
             writeln!(lists, "{}, {title}: {}", cut.name, untils.join(" "))?;
             rows.extend(cut.pieces.iter().zip(&outcomes).map(|(piece, o)| {
                 json!({"clip": cut.name, "from_frame": piece.start + 1, "moved_px": piece.by,
-                    "mirrored": *mirror && piece.mirrored, "frames_until_tracked": o.until})
+                    "mirrored": mode.mirrored && piece.mirrored, "frames_until_tracked": o.until})
             }));
             all.extend(outcomes);
         }
         let sum = summarize(&all);
         writeln!(
             out,
-            "{title:<22}{:>7}{:>8}{:>7}{:>7}{:>17}{:>9}",
+            "{title:<24}{:>7}{:>8}{:>7}{:>7}{:>17}{:>9}",
             all.len(),
             sum.median.map_or("never".into(), |m| m.to_string()),
             shown(sum.worst),
@@ -116,7 +146,7 @@ pub fn run(args: &RecoveryArgs) -> Result<()> {
             sum.faceless.1,
         )?;
         value.insert(
-            key.to_string(),
+            mode.key.to_string(),
             json!({"median_frames": sum.median, "worst_frames": sum.worst, "never": sum.never,
                 "faceless_frames": sum.faceless.0, "false_tracks": sum.faceless.1,
                 "pieces": rows}),
@@ -180,9 +210,10 @@ fn cut(
 }
 
 /// Shows a clip's pieces to a fresh tracker that searches as for a camera.
-fn show(model: &Model<'_>, cut: &Cut, args: &RecoveryArgs, mirror: bool) -> Result<Vec<Outcome>> {
+fn show(model: &Model<'_>, cut: &Cut, args: &RecoveryArgs, mode: &Mode) -> Result<Vec<Outcome>> {
     let Clip { frames, fps } = &cut.clip;
-    let mut show = Show::new(model, &args.tracker, true, *fps)?;
+    let fresh = || Show::new(model, &args.tracker, true, *fps);
+    let mut show = fresh()?;
     for frame in &frames[cut.first..][..args.length] {
         show.frame(frame)?;
     }
@@ -190,6 +221,9 @@ fn show(model: &Model<'_>, cut: &Cut, args: &RecoveryArgs, mirror: bool) -> Resu
     let size = frames[0].dimensions();
     let mut outcomes = Vec::new();
     for piece in &cut.pieces {
+        if mode.forgetful {
+            show = fresh()?;
+        }
         let picture = backgrounds::open(&piece.background)?;
         let empty = window(&covering(&picture, size), size, 0.5);
         let mut false_tracks = 0;
@@ -198,7 +232,7 @@ fn show(model: &Model<'_>, cut: &Cut, args: &RecoveryArgs, mirror: bool) -> Resu
         }
         let mut until = None;
         for (k, frame) in frames[piece.start..][..args.length].iter().enumerate() {
-            let frame = seen(frame, piece, mirror);
+            let frame = seen(frame, piece, mode.mirrored);
             if show.frame(&frame)?.state == State::Tracking && until.is_none() {
                 until = Some(k + 1);
             }
