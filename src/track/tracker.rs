@@ -431,8 +431,8 @@ impl Tracker {
     }
 
     /// Goes on with the sweep over the likely sizes, if any are given, and with that over all of them
-    /// where work is left, after `spent` units of this step's work were used; true when a face is
-    /// found and taken.
+    /// where work is left and no face is held, after `spent` units of this step's work were used; true
+    /// when a face is found and taken.
     fn sweep(
         &mut self,
         model: &Model<'_>,
@@ -442,6 +442,8 @@ impl Tracker {
         spent: u32,
     ) -> bool {
         let all = self.all_sizes();
+        // While a face is held nobody of another size takes its place.
+        let searching = self.result.state == State::Searching;
         let mut likely = likely.filter(|sizes| *sizes != all);
         let mut budget = self.config.scan_budget.saturating_sub(spent).max(1);
         let mut found = false;
@@ -461,7 +463,7 @@ impl Tracker {
                     budget = budget.saturating_sub(ACQUIRE_UNITS);
                     found = self.acquire(model, frame, now, &face, Whose::Stranger);
                 }
-                Swept::Nothing if likely.is_some() => likely = None,
+                Swept::Nothing if likely.is_some() && searching => likely = None,
                 Swept::Nothing | Swept::Unfinished => break,
             }
         }

@@ -10,11 +10,10 @@
 use std::fmt::Write as _;
 
 use anyhow::{Result, ensure};
-use rayon::prelude::*;
 use serde_json::json;
 
 use super::median;
-use super::registration::{Luma, Motion, Patch, register};
+use super::registration::{Luma, Motion, Patch, mean, register};
 use super::table::Table;
 use crate::cli::JitterArgs;
 use crate::{output, source};
@@ -41,7 +40,7 @@ pub fn run(args: &JitterArgs) -> Result<()> {
         let shapes = shapes(&Table::read(path)?)?;
         let [jitter, rest] = jitter(&shapes);
         let picture = match args.clip.get(index) {
-            Some(clip) => of_picture(&shapes, &frames(clip, shapes.len())?),
+            Some(clip) => of_picture(&shapes, clip)?,
             None => None,
         };
         let shown = |v: Option<f64>| v.map_or("-".into(), |v| format!("{v:.3}"));
@@ -84,30 +83,13 @@ fn shapes(table: &Table) -> Result<Vec<Option<Shape>>> {
     (0..table.len()).map(row).collect()
 }
 
-/// The frames of the clip that rows were written for, one each.
-fn frames(clip: &str, rows: usize) -> Result<Vec<Luma>> {
-    let mut source = source::open(clip, FPS)?;
-    let mut frames = Vec::with_capacity(rows);
-    while let Some(picture) = source.next()? {
-        frames.push(Luma::of(&picture.upright_grey()?));
-    }
-    ensure!(
-        frames.len() == rows,
-        "{clip} has {} frames, but {rows} rows were written",
-        frames.len()
-    );
-    Ok(frames)
-}
-
-/// Three frames in a row in which the face is tracked, and what scales them.
-fn triples(shapes: &[Option<Shape>]) -> impl Iterator<Item = (usize, [&Shape; 3], f64)> {
-    shapes.windows(3).enumerate().filter_map(|(first, three)| {
-        let [Some(a), Some(b), Some(c)] = three else {
-            return None;
-        };
-        let eyes = (b[36][0] - b[45][0]).hypot(b[36][1] - b[45][1]);
-        Some((first, [a, b, c], INTER_OCULAR / eyes.max(1.0)))
-    })
+/// Three frames in a row, if the face is tracked in them, and what scales them.
+fn triple(three: &[Option<Shape>]) -> Option<([&Shape; 3], f64)> {
+    let [Some(a), Some(b), Some(c)] = three else {
+        return None;
+    };
+    let eyes = (b[36][0] - b[45][0]).hypot(b[36][1] - b[45][1]);
+    Some(([a, b, c], INTER_OCULAR / eyes.max(1.0)))
 }
 
 /// The second difference of each landmark.
@@ -128,7 +110,7 @@ fn trembling(of: &[Shape]) -> Option<f64> {
 /// Of the landmarks as they are, and without what they do together.
 fn jitter(shapes: &[Option<Shape>]) -> [Option<f64>; 2] {
     let (mut all, mut rest) = (Vec::new(), Vec::new());
-    for (_, three, scale) in triples(shapes) {
+    for (three, scale) in shapes.windows(3).filter_map(triple) {
         let trembles = second_difference(three, scale);
         let whole = as_a_whole(three[1], &trembles);
         rest.push(std::array::from_fn(|i| {
@@ -139,28 +121,47 @@ fn jitter(shapes: &[Option<Shape>]) -> [Option<f64>; 2] {
     [trembling(&all), trembling(&rest)]
 }
 
-/// Of landmarks that move from each frame to its neighbours as the picture does.
-fn of_picture(shapes: &[Option<Shape>], frames: &[Luma]) -> Option<f64> {
-    let triples: Vec<_> = triples(shapes).collect();
-    let moved = |(first, [a, b, c], scale): &(usize, [&Shape; 3], f64)| {
-        let rigid = |shape: &Shape| shape[RIGID].to_vec();
-        let patch = around(&rigid(b));
-        let to = |other: &Shape, frame: usize| -> Option<Shape> {
-            let guess = Motion::of_points(&patch, &rigid(b), &rigid(other));
-            let motion = register(&frames[first + 1], &frames[frame], &patch, guess)?;
-            Some(b.map(|p| motion.apply(&patch, p)))
+/// Of landmarks that move from each frame to its neighbours as the picture does. The clip must have a
+/// frame for each shape.
+fn of_picture(shapes: &[Option<Shape>], clip: &str) -> Result<Option<f64>> {
+    let mut source = source::open(clip, FPS)?;
+    let mut frames: Vec<Luma> = Vec::new();
+    let (mut moved, mut count) = (Vec::new(), 0usize);
+    while let Some(picture) = source.next()? {
+        count += 1;
+        frames.truncate(2);
+        frames.insert(0, Luma::of(&picture.upright_grey()?));
+        let three = count.checked_sub(3).and_then(|k| shapes.get(k..count));
+        let ([c, b, a], Some((shapes, scale))) = (&frames[..], three.and_then(triple)) else {
+            continue;
         };
-        let (a, c) = (to(a, *first)?, to(c, first + 2)?);
-        Some(second_difference([&a, b, &c], *scale))
+        moved.extend(as_in_picture(shapes, [a, b, c], scale));
+    }
+    ensure!(
+        count == shapes.len(),
+        "{clip} has {count} frames, but {} rows were written",
+        shapes.len()
+    );
+    Ok(trembling(&moved))
+}
+
+/// The second difference of landmarks that move from the middle frame to both others as the picture
+/// does.
+fn as_in_picture([a, b, c]: [&Shape; 3], frames: [&Luma; 3], scale: f64) -> Option<Shape> {
+    let rigid = |shape: &Shape| shape[RIGID].to_vec();
+    let patch = around(&rigid(b));
+    let to = |other: &Shape, frame: &Luma| -> Option<Shape> {
+        let guess = Motion::of_points(&rigid(b), &rigid(other));
+        let motion = register(frames[1], frame, &patch, guess)?;
+        Some(b.map(|p| motion.apply(p)))
     };
-    let moved: Vec<Shape> = triples.par_iter().filter_map(moved).collect();
-    trembling(&moved)
+    let (a, c) = (to(a, frames[0])?, to(c, frames[2])?);
+    Some(second_difference([&a, b, &c], scale))
 }
 
 /// The patch as wide and high as these points lie around their mean.
 fn around(points: &[[f64; 2]]) -> Patch {
-    let n = points.len() as f64;
-    let centre = [0, 1].map(|k| points.iter().map(|p| p[k]).sum::<f64>() / n);
+    let centre = mean(points);
     let reach = |k: usize| {
         let far = points.iter().map(|p| (p[k] - centre[k]).abs());
         far.fold(1.0, f64::max)
@@ -174,18 +175,12 @@ fn around(points: &[[f64; 2]]) -> Patch {
 /// The part of the displacements that a similarity of the shape explains, in the sense of least
 /// squares.
 fn as_a_whole(shape: &Shape, displacements: &Shape) -> Shape {
-    let mean = |of: &Shape| [0, 1].map(|k| of.iter().map(|p| p[k]).sum::<f64>() / 68.0);
-    let (centre, shift) = (mean(shape), mean(displacements));
-    let at = shape.map(|p| [p[0] - centre[0], p[1] - centre[1]]);
-    let extent: f64 = at.iter().map(|p| p[0] * p[0] + p[1] * p[1]).sum();
-    let pairs = || at.iter().zip(displacements);
-    let grow = pairs().map(|(p, d)| p[0] * d[0] + p[1] * d[1]).sum::<f64>() / extent.max(1e-9);
-    let turn = pairs().map(|(p, d)| p[0] * d[1] - p[1] * d[0]).sum::<f64>() / extent.max(1e-9);
-    at.map(|[x, y]| {
-        [
-            shift[0] + grow * x - turn * y,
-            shift[1] + grow * y + turn * x,
-        ]
+    let add = |i: usize| [0, 1].map(|k| shape[i][k] + displacements[i][k]);
+    let moved: Shape = std::array::from_fn(add);
+    let motion = Motion::of_points(shape, &moved);
+    shape.map(|p| {
+        let q = motion.apply(p);
+        [q[0] - p[0], q[1] - p[1]]
     })
 }
 

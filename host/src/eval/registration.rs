@@ -66,46 +66,58 @@ pub struct Patch {
     pub reach: [f64; 2],
 }
 
-/// A similarity about the patch's centre: growth and turn of what is there, and its shift \[px\].
+/// A similarity: growth and turn about a centre, and its shift \[px\].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
+    centre: [f64; 2],
     grow: f64,
     turn: f64,
     shift: [f64; 2],
 }
 
 impl Motion {
-    /// As the points of the patch move, in the sense of least squares.
-    pub fn of_points(patch: &Patch, from: &[[f64; 2]], to: &[[f64; 2]]) -> Self {
-        let n = from.len().max(1) as f64;
-        let mean = |of: &[[f64; 2]]| [0, 1].map(|k| of.iter().map(|p| p[k]).sum::<f64>() / n);
-        let (a, b) = (mean(from), mean(to));
+    /// As points move, in the sense of least squares.
+    pub fn of_points(from: &[[f64; 2]], to: &[[f64; 2]]) -> Self {
+        let (centre, goal) = (mean(from), mean(to));
         let (mut extent, mut along, mut across) = (1e-9, 0.0, 0.0);
         for (p, q) in from.iter().zip(to) {
-            let (p, q) = ([p[0] - a[0], p[1] - a[1]], [q[0] - b[0], q[1] - b[1]]);
+            let (p, q) = (less(*p, centre), less(*q, goal));
             extent += p[0] * p[0] + p[1] * p[1];
             along += p[0] * q[0] + p[1] * q[1];
             across += p[0] * q[1] - p[1] * q[0];
         }
-        let mut motion = Motion {
+        Motion {
+            centre,
             grow: along / extent,
             turn: across / extent,
-            shift: [0.0; 2],
-        };
-        let moved = motion.apply(patch, a);
-        motion.shift = [b[0] - moved[0], b[1] - moved[1]];
-        motion
+            shift: less(goal, centre),
+        }
     }
 
     /// Where a point goes.
-    pub fn apply(&self, patch: &Patch, p: [f64; 2]) -> [f64; 2] {
-        let Motion { grow, turn, shift } = self;
-        let [x, y] = [p[0] - patch.centre[0], p[1] - patch.centre[1]];
+    pub fn apply(&self, p: [f64; 2]) -> [f64; 2] {
+        let Motion {
+            centre,
+            grow,
+            turn,
+            shift,
+        } = self;
+        let [x, y] = less(p, *centre);
         [
-            patch.centre[0] + shift[0] + grow * x - turn * y,
-            patch.centre[1] + shift[1] + grow * y + turn * x,
+            centre[0] + shift[0] + grow * x - turn * y,
+            centre[1] + shift[1] + grow * y + turn * x,
         ]
     }
+}
+
+/// Mean of points.
+pub fn mean(points: &[[f64; 2]]) -> [f64; 2] {
+    let n = points.len().max(1) as f64;
+    [0, 1].map(|k| points.iter().map(|p| p[k]).sum::<f64>() / n)
+}
+
+fn less(p: [f64; 2], q: [f64; 2]) -> [f64; 2] {
+    [p[0] - q[0], p[1] - q[1]]
 }
 
 /// Where the patch of one picture is in another, searched from a first guess; `None` where it shows
@@ -117,10 +129,12 @@ pub fn register(from: &Luma, to: &Luma, patch: &Patch, guess: Motion) -> Option<
         let mut right = SVector::<f64, 6>::zeros();
         for k in 0..GRID[0] * GRID[1] {
             let along = |k: usize, n: usize| 2.0 * k as f64 / (n - 1) as f64 - 1.0;
-            let x = patch.reach[0] * along(k % GRID[0], GRID[0]);
-            let y = patch.reach[1] * along(k / GRID[0], GRID[1]);
-            let place = [patch.centre[0] + x, patch.centre[1] + y];
-            let at = motion.apply(patch, place);
+            let place = [
+                patch.centre[0] + patch.reach[0] * along(k % GRID[0], GRID[0]),
+                patch.centre[1] + patch.reach[1] * along(k / GRID[0], GRID[1]),
+            ];
+            let [x, y] = less(place, motion.centre);
+            let at = motion.apply(place);
             let beside = |dx: f64, dy: f64| to.at([at[0] + dx, at[1] + dy]);
             let slope = [
                 beside(0.5, 0.0) - beside(-0.5, 0.0),
@@ -149,11 +163,13 @@ pub fn register(from: &Luma, to: &Luma, patch: &Patch, guess: Motion) -> Option<
             break;
         }
     }
-    let Motion { grow, turn, shift } = motion;
-    [grow, turn, shift[0], shift[1]]
+    let Motion {
+        grow, turn, shift, ..
+    } = motion;
+    let finite = [grow, turn, shift[0], shift[1]]
         .iter()
-        .all(|v| v.is_finite())
-        .then_some(motion)
+        .all(|v| v.is_finite());
+    finite.then_some(motion)
 }
 
 #[cfg(test)]
@@ -174,6 +190,7 @@ mod tests {
         reach: [25.0, 20.0],
     };
     const STILL: Motion = Motion {
+        centre: [60.0, 50.0],
         grow: 1.0,
         turn: 0.0,
         shift: [0.0; 2],
@@ -185,9 +202,12 @@ mod tests {
             grow: 1.01,
             turn: 0.02,
             shift: [1.3, -0.7],
+            ..STILL
         };
         let inverse = |x: f64, y: f64| {
-            let Motion { grow, turn, shift } = motion;
+            let Motion {
+                grow, turn, shift, ..
+            } = motion;
             let [x, y] = [x - 60.0 - shift[0], y - 50.0 - shift[1]];
             let over = grow * grow + turn * turn;
             [
@@ -202,7 +222,7 @@ mod tests {
         });
         let found = register(&before, &after, &PATCH, STILL).expect("enough to see");
         for p in [[40.0, 40.0], [60.0, 50.0], [80.0, 65.0]] {
-            let (a, b) = (found.apply(&PATCH, p), motion.apply(&PATCH, p));
+            let (a, b) = (found.apply(p), motion.apply(p));
             assert!((a[0] - b[0]).hypot(a[1] - b[1]) < 0.02, "{found:?}");
         }
     }
@@ -221,12 +241,13 @@ mod tests {
             grow: 0.97,
             turn: -0.05,
             shift: [3.0, 4.0],
+            ..STILL
         };
         let from = [[40.0, 30.0], [70.0, 35.0], [66.0, 70.0]];
-        let to = from.map(|p| motion.apply(&PATCH, p));
-        let found = Motion::of_points(&PATCH, &from, &to);
+        let to = from.map(|p| motion.apply(p));
+        let found = Motion::of_points(&from, &to);
         for (p, q) in from.iter().zip(to) {
-            let r = found.apply(&PATCH, *p);
+            let r = found.apply(*p);
             assert!((r[0] - q[0]).hypot(r[1] - q[1]) < 1e-6, "{found:?}");
         }
     }
