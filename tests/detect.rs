@@ -150,6 +150,8 @@ fn finds_the_pattern_in_slices_of_any_length() {
         for budget in [0, 1, 7, 100, 1013] {
             close(sweep(&model, &frame, budget), 90.0, 70.0, 48.0);
         }
+        // A slice that sees the whole frame is the whole sweep.
+        assert_eq!(sweep(&model, &frame, 1_000_000), whole);
         assert_eq!(sweep(&model, &blank, 100), None);
     });
 }

@@ -10,10 +10,11 @@
 use std::fmt::Write as _;
 
 use anyhow::{Result, ensure};
+use posewise::math::Similarity;
 use serde_json::json;
 
 use super::median;
-use super::registration::{Luma, Motion, Patch, mean, register};
+use super::registration::{Luma, Patch, register};
 use super::table::Table;
 use crate::cli::JitterArgs;
 use crate::{output, source};
@@ -148,23 +149,25 @@ fn of_picture(shapes: &[Option<Shape>], clip: &str) -> Result<Option<f64>> {
 /// The second difference of landmarks that move from the middle frame to both others as the picture
 /// does.
 fn as_in_picture([a, b, c]: [&Shape; 3], frames: [&Luma; 3], scale: f64) -> Option<Shape> {
-    let rigid = |shape: &Shape| shape[RIGID].to_vec();
-    let patch = around(&rigid(b));
-    let to = |other: &Shape, frame: &Luma| -> Option<Shape> {
-        let guess = Motion::of_points(&rigid(b), &rigid(other));
+    let rigid = |shape: &Shape| shape[RIGID].iter().map(|p| p.map(|v| v as f32)).collect();
+    let [before, here, after]: [Vec<[f32; 2]>; 3] = [rigid(a), rigid(b), rigid(c)];
+    let patch = around(&here);
+    let to = |there: &[[f32; 2]], frame: &Luma| -> Option<Shape> {
+        let guess = Similarity::fit(&here, there)?;
         let motion = register(frames[1], frame, &patch, guess)?;
-        Some(b.map(|p| motion.apply(p)))
+        Some(b.map(|p| motion.apply(p.map(|v| v as f32)).map(f64::from)))
     };
-    let (a, c) = (to(a, frames[0])?, to(c, frames[2])?);
+    let (a, c) = (to(&before, frames[0])?, to(&after, frames[2])?);
     Some(second_difference([&a, b, &c], scale))
 }
 
 /// The patch as wide and high as these points lie around their mean.
-fn around(points: &[[f64; 2]]) -> Patch {
-    let centre = mean(points);
+fn around(points: &[[f32; 2]]) -> Patch {
+    let n = points.len() as f32;
+    let centre = [0, 1].map(|k| points.iter().map(|p| p[k]).sum::<f32>() / n);
     let reach = |k: usize| {
         let far = points.iter().map(|p| (p[k] - centre[k]).abs());
-        far.fold(1.0, f64::max)
+        far.fold(1.0, f32::max)
     };
     Patch {
         centre,
@@ -175,12 +178,18 @@ fn around(points: &[[f64; 2]]) -> Patch {
 /// The part of the displacements that a similarity of the shape explains, in the sense of least
 /// squares.
 fn as_a_whole(shape: &Shape, displacements: &Shape) -> Shape {
-    let add = |i: usize| [0, 1].map(|k| shape[i][k] + displacements[i][k]);
-    let moved: Shape = std::array::from_fn(add);
-    let motion = Motion::of_points(shape, &moved);
-    shape.map(|p| {
-        let q = motion.apply(p);
-        [q[0] - p[0], q[1] - p[1]]
+    let mean = |of: &Shape| [0, 1].map(|k| of.iter().map(|p| p[k]).sum::<f64>() / 68.0);
+    let (centre, shift) = (mean(shape), mean(displacements));
+    let at = shape.map(|p| [p[0] - centre[0], p[1] - centre[1]]);
+    let extent: f64 = at.iter().map(|p| p[0] * p[0] + p[1] * p[1]).sum();
+    let pairs = || at.iter().zip(displacements);
+    let grow = pairs().map(|(p, d)| p[0] * d[0] + p[1] * d[1]).sum::<f64>() / extent.max(1e-9);
+    let turn = pairs().map(|(p, d)| p[0] * d[1] - p[1] * d[0]).sum::<f64>() / extent.max(1e-9);
+    at.map(|[x, y]| {
+        [
+            shift[0] + grow * x - turn * y,
+            shift[1] + grow * y + turn * x,
+        ]
     })
 }
 
