@@ -127,6 +127,33 @@ pub enum Start {
     Box,
 }
 
+/// Parses a number from `least` to `most`.
+fn within(least: f64, most: f64) -> impl Fn(&str) -> Result<f64, String> + Clone {
+    move |text| match text.parse() {
+        Ok(v) if (least..=most).contains(&v) => Ok(v),
+        _ => Err(format!("not a number from {least} to {most}")),
+    }
+}
+
+/// Defects of a poor camera, applied to the pictures in this order.
+#[derive(Args, Clone, Copy)]
+pub struct CameraArgs {
+    /// Blur the pictures: sigma of a Gaussian [px]
+    #[arg(long, value_name = "PX", default_value_t = 0.0,
+        value_parser = within(0.0, 100.0))]
+    pub blur: f64,
+    /// Leave this share of their contrast, as haze does
+    #[arg(long, value_name = "F", default_value_t = 1.0, value_parser = within(0.0, 1.0))]
+    pub contrast: f64,
+    /// Multiply their grey levels: 0.15 is a dim room
+    #[arg(long, value_name = "F", default_value_t = 1.0, value_parser = within(0.0, 100.0))]
+    pub gain: f64,
+    /// Add noise of this deviation [grey levels]
+    #[arg(long, value_name = "SIGMA", default_value_t = 0.0,
+        value_parser = within(0.0, 255.0))]
+    pub noise: f64,
+}
+
 #[derive(Args)]
 pub struct LandmarksArgs {
     /// Labels: image,x0,y0,…,x67,y67 [px], iBUG 68 order
@@ -135,6 +162,8 @@ pub struct LandmarksArgs {
     /// Folder of the pictures that the labels name
     #[arg(long, value_name = "DIR")]
     pub images: PathBuf,
+    #[command(flatten)]
+    pub camera: CameraArgs,
     /// Where the first fit starts
     #[arg(long, value_enum, default_value = "detector")]
     pub start: Start,
@@ -234,6 +263,8 @@ pub struct FacelessArgs {
     /// Show 60 frames of this clip with a face before each picture
     #[arg(long, value_name = "CLIP")]
     pub after: Option<String>,
+    #[command(flatten)]
+    pub camera: CameraArgs,
     #[command(flatten)]
     pub tracker: TrackerArgs,
     /// Write the numbers as JSON

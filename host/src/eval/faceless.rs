@@ -13,6 +13,7 @@ use posewise::track::State;
 use serde_json::json;
 
 use super::backgrounds::{self, covering, window};
+use super::camera;
 use super::show::Show;
 use crate::cli::FacelessArgs;
 use crate::clip::{Clip, back_and_forth};
@@ -43,19 +44,23 @@ pub fn run(args: &FacelessArgs) -> Result<()> {
     let mut show = Show::new(&model, &args.tracker, false, FPS)?;
     let mut tracks = Vec::new();
     let (mut remembered, mut faces_shown) = (0, 0);
+    let mut seed = 0;
+    let mut seen = |frame: &GrayImage| {
+        seed += 1;
+        camera::through(&args.camera, frame.clone(), seed)
+    };
     for path in &paths {
         let mut state = State::Searching;
         for _ in 0..if faces.is_empty() { 0 } else { AFTER } {
-            state = show
-                .frame(&faces[back_and_forth(faces_shown, faces.len())])?
-                .state;
+            let frame = seen(&faces[back_and_forth(faces_shown, faces.len())]);
+            state = show.frame(&frame)?.state;
             faces_shown += 1;
         }
         remembered += usize::from(state == State::Tracking);
         let picture = scaled(&backgrounds::open(path)?);
         let mut tracked = 0;
         for k in 0..PAN {
-            let frame = window(&picture, FRAME, k as f64 / (PAN - 1) as f64);
+            let frame = seen(&window(&picture, FRAME, k as f64 / (PAN - 1) as f64));
             tracked += usize::from(show.frame(&frame)?.state == State::Tracking);
         }
         tracks.push(tracked);

@@ -14,6 +14,7 @@ use posewise::track::{Config, Model, State, Tracker};
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
+use super::camera;
 use super::landmark_metrics::{Outcome, PARTS, Points, Summary, Trust, YawBand, bounds, summarize};
 use super::table::Table;
 use crate::cli::{LandmarksArgs, Start};
@@ -62,6 +63,8 @@ pub fn run(args: &LandmarksArgs) -> Result<()> {
             .progress_with(progress)
             .map(|label| {
                 let picture = Picture::from_rgb(read_rgb(&args.images.join(&label.image))?);
+                let grey = camera::through(&args.camera, picture.upright_grey()?, 1);
+                let picture = Picture::from_grey(grey);
                 let start = (args.start == Start::Box).then(|| detection_of(&label.points));
                 let found = fit_still(&model, &config, picture, start, args.steps)
                     .with_context(|| label.image.clone())?;

@@ -2,6 +2,7 @@
 //! `recovery`, `faceless` and `drift` make their clips in memory and show them to a tracker.
 
 pub mod backgrounds;
+pub mod camera;
 pub mod drift;
 pub mod eyes;
 pub mod faceless;
