@@ -46,8 +46,22 @@ fn picture(clip: &Clip, frame: usize, faces: &[Pasted]) -> Vec<u8> {
     luma
 }
 
+/// What a camera shows of a picture in a room so dim: every level is this share of what it was, and
+/// the sensor's noise stays.
+fn dimmed(luma: &mut [u8], share: f32, frame: usize) {
+    const NOISE: f32 = 6.0;
+    for (i, level) in luma.iter_mut().enumerate() {
+        let mixed = (i as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15)
+            ^ (frame as u64).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let random = (mixed.wrapping_mul(0x94d0_49bb_1331_11eb) >> 40) as f32 / (1 << 24) as f32;
+        *level = (share * *level as f32 + NOISE * (random - 0.5)).clamp(0.0, 255.0) as u8;
+    }
+}
+
 struct Watch<'m> {
     clip: Clip,
+    /// 1 by day.
+    light: f32,
     model: &'m Model<'m>,
     tracker: Box<Tracker>,
     frame: usize,
@@ -55,7 +69,10 @@ struct Watch<'m> {
 
 impl Watch<'_> {
     fn see(&mut self, faces: &[Pasted]) -> TrackResult {
-        let luma = picture(&self.clip, self.frame, faces);
+        let mut luma = picture(&self.clip, self.frame, faces);
+        if self.light < 1.0 {
+            dimmed(&mut luma, self.light, self.frame);
+        }
         let layout = FrameLayout::grey(WIDTH as u32, HEIGHT as u32);
         let frame = Frame::new(&layout, &luma).expect("a frame");
         let time = self.frame as i64 * FRAME_US;
@@ -87,6 +104,7 @@ fn watch(config: Config, test: impl FnOnce(&mut Watch<'_>)) {
     let model = Model::load(posewise::DEFAULT_MODEL).expect("the default model is valid");
     test(&mut Watch {
         clip,
+        light: 1.0,
         model: &model,
         tracker: Box::new(Tracker::new(&config).expect("good settings")),
         frame: 0,
@@ -214,6 +232,15 @@ fn a_small_face_that_moves_is_found() {
             watch.see(&[Pasted { at, ..SMALL }]).state == State::Tracking
         });
         assert!(tracked);
+    });
+}
+
+#[test]
+fn a_face_in_a_dim_room_is_found() {
+    watch(patient(), |watch| {
+        watch.light = 0.12;
+        let (_, result) = watch.until_tracked(&[SMALL], 3);
+        assert!(is_at(&result, SMALL));
     });
 }
 

@@ -2,10 +2,12 @@
 
 use crate::detect::grey::Grey;
 use crate::fit::labels;
+use crate::render::effects::Camera;
 use anyhow::{Context, Result};
 use posewise::align::Shape;
 use posewise::image::{Frame, FrameLayout};
 use posewise::shape::{LANDMARKS, MIRROR};
+use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -65,6 +67,15 @@ impl Picture {
         }
     }
 
+    /// As a camera shows it.
+    pub fn through(&self, camera: &Camera, rng: &mut ChaCha8Rng) -> Picture {
+        let mut light = self.luma.iter().map(|v| *v as f32 / 255.0).collect();
+        Picture {
+            size: self.size,
+            luma: camera.develop(rng, &mut light, self.size[0] as usize),
+        }
+    }
+
     /// In all eight orientations.
     pub fn orientations(&self) -> Vec<Picture> {
         let mut all = vec![self.clone()];
@@ -114,6 +125,19 @@ impl Face {
             landmarks,
             yaw_deg: self.yaw_deg.map(|yaw| -yaw),
             visible: MIRROR.map(|from| self.visible[from]),
+            ..self.clone()
+        }
+    }
+
+    /// Width of the face, roughly, however it is turned \[px\].
+    pub fn width(&self) -> f32 {
+        self.scale() / 0.42
+    }
+
+    /// The face as a camera shows its picture.
+    pub fn through(&self, camera: &Camera, rng: &mut ChaCha8Rng) -> Face {
+        Face {
+            picture: Arc::new(self.picture.through(camera, rng)),
             ..self.clone()
         }
     }

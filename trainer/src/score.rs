@@ -9,12 +9,14 @@ use crate::align::evaluate::{mean_error, start_of};
 use crate::align::{Jitter, jittered_box, normal, start_from_box};
 use crate::faces::{Face, Picture};
 use crate::pack::SectionWriter;
+use crate::render::effects::Camera;
 use crate::ridge::{Linear, Normal, predict};
 use anyhow::Result;
 use faer::Mat;
 use posewise::align::{AlignModel, Workspace};
-use posewise::detect::{DetectorModel, Scan, Sizes, Swept};
+use posewise::detect::{Detection, DetectorModel, Scan, Sizes, Swept};
 use posewise::experts::{Verifier, first_answer};
+use posewise::image::Frame;
 use posewise::shape::LANDMARKS;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -26,8 +28,17 @@ const FOLDS: u32 = 4;
 /// Weight of a false alarm: pictures are looked at in eight orientations but count like two, lest
 /// doubtful faces drown.
 const ORIENTED: f32 = 0.25;
+/// Of so many pictures one is as a poor camera shows it.
+const POOR: usize = 3;
+/// Most false alarms taken from a picture in one orientation: poor ones have hundreds.
+const ALARMS: usize = 40;
+/// Width of the faces that would be seen where nobody is, for that camera's defects \[px\].
+const NOBODY_PX: f32 = 100.0;
 /// Smallest face that false alarms are looked for at \[px\].
 const MIN_FACE_PX: i32 = 30;
+/// Units of work of a slice of that search: a camera's. What is met in one is told before it is
+/// complete, where larger boxes would show that it is none.
+const SLICE: u32 = 2000;
 
 struct Row {
     features: Vec<i8>,
@@ -51,7 +62,7 @@ pub fn train(
 ) -> Result<SectionWriter> {
     let mut rows = on_faces(model, faces, seed);
     rows.extend(on_empty(model, empty, seed ^ 1, rows.len() / 4));
-    let alarms = on_alarms(model, detector, empty);
+    let alarms = on_alarms(model, detector, empty, seed ^ 2);
     println!("score: {} false alarms of the detector", alarms.len());
     rows.extend(alarms);
     let positives = rows.iter().filter(|r| r.face).count();
@@ -235,7 +246,11 @@ fn on_faces(model: &AlignModel<'_>, faces: &[Face], seed: u64) -> Vec<Row> {
                         covered(face, other, &mut rng)
                     });
                     let (bare, face) = (face, hidden.as_ref().unwrap_or(face));
-                    let frame = face.picture.frame();
+                    let poor = (rng.random_range(0..POOR) == 0).then(|| {
+                        let camera = Camera::poor(&mut rng, face.width());
+                        face.through(&camera, &mut rng)
+                    });
+                    let frame = poor.as_ref().unwrap_or(face).picture.frame();
                     if !model.run(&frame, model.passes() + k % 2, &mut shape, work) {
                         continue;
                     }
@@ -303,7 +318,12 @@ fn on_empty(model: &AlignModel<'_>, empty: &[Picture], seed: u64, count: usize) 
                 let start = start_of(model, rng.random_range(-1.0..1.0));
                 let mut shape = start_from_box(&start, at, size, 0.3 * normal(&mut rng));
                 let passes = model.passes() + index % 2;
-                let ran = model.run(&picture.frame(), passes, &mut shape, work);
+                let poor = (rng.random_range(0..POOR) == 0).then(|| {
+                    let camera = Camera::poor(&mut rng, size);
+                    picture.through(&camera, &mut rng)
+                });
+                let frame = poor.as_ref().unwrap_or(picture).frame();
+                let ran = model.run(&frame, passes, &mut shape, work);
                 ran.then(|| no_face(work, which, 1.0))
             },
         )
@@ -312,28 +332,30 @@ fn on_empty(model: &AlignModel<'_>, empty: &[Picture], seed: u64, count: usize) 
 }
 
 /// Runs the cascade where the detector sees a face though there is none.
-fn on_alarms(model: &AlignModel<'_>, detector: &DetectorModel<'_>, empty: &[Picture]) -> Vec<Row> {
+fn on_alarms(
+    model: &AlignModel<'_>,
+    detector: &DetectorModel<'_>,
+    empty: &[Picture],
+    seed: u64,
+) -> Vec<Row> {
     empty
         .par_iter()
         .enumerate()
         .map_init(
             || Box::new(Workspace::new()),
             |work, (index, picture)| {
+                let mut rng = ChaCha8Rng::seed_from_u64(seed);
+                rng.set_stream(index as u64);
                 let mut rows = Vec::new();
-                for picture in picture.orientations() {
+                for (turn, mut picture) in picture.orientations().into_iter().enumerate() {
+                    if turn % POOR == 1 {
+                        let camera = Camera::poor(&mut rng, NOBODY_PX);
+                        picture = picture.through(&camera, &mut rng);
+                    }
                     let frame = picture.frame();
-                    let mut scan = Scan::new();
-                    loop {
-                        let found = match scan.advance(
-                            detector,
-                            &frame,
-                            Sizes::from(MIN_FACE_PX),
-                            u32::MAX,
-                        ) {
-                            Swept::Found(found) => found,
-                            Swept::Unfinished => continue,
-                            Swept::Nothing => break,
-                        };
+                    let alarms = alarms(detector, &frame);
+                    let every = alarms.len().div_ceil(ALARMS).max(1);
+                    for found in alarms.iter().step_by(every) {
                         let start = start_of(model, found.turn);
                         let at = [found.x, found.y];
                         let mut shape = start_from_box(&start, at, found.size, found.roll);
@@ -347,6 +369,18 @@ fn on_alarms(model: &AlignModel<'_>, detector: &DetectorModel<'_>, empty: &[Pict
         )
         .flatten()
         .collect()
+}
+
+/// All that the detector takes for a face in a picture.
+fn alarms(detector: &DetectorModel<'_>, frame: &Frame<'_>) -> Vec<Detection> {
+    let (mut scan, mut all) = (Scan::new(), vec![]);
+    loop {
+        match scan.advance(detector, frame, Sizes::from(MIN_FACE_PX), SLICE) {
+            Swept::Found(found) => all.push(found),
+            Swept::Unfinished => continue,
+            Swept::Nothing => return all,
+        }
+    }
 }
 
 /// Least squares to ±1 with both classes of equal weight; also the out-of-fold score of every row.

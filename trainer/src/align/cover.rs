@@ -11,7 +11,7 @@ const HALF: (f32, f32) = (0.1, 0.42);
 
 /// A face with a piece of another's picture before it; the landmarks under it are marked hidden.
 pub fn covered(face: &Face, other: &Face, rng: &mut ChaCha8Rng) -> Face {
-    let width = face.scale() / 0.42;
+    let width = face.width();
     let [cx, cy] = face.landmarks[rng.random_range(17..68)];
     let half = [0, 0].map(|_| width * rng.random_range(HALF.0..HALF.1));
     let (sin, cos) = rng.random_range(0.0..std::f32::consts::PI).sin_cos();

@@ -56,8 +56,8 @@ impl Default for Options {
     fn default() -> Self {
         Options {
             seed: 1,
-            trees: 300,
-            kept: 250,
+            trees: 400,
+            kept: 350,
             depth: 5,
             confirm: 1000,
             positives: 36_000,

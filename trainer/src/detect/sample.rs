@@ -140,8 +140,18 @@ fn blur(luma: &mut [u8], side: usize, rng: &mut ChaCha8Rng) {
 
 /// Light, contrast, noise and occluders on a patch: what leaves a face a face.
 pub fn disturb(patch: &mut [u8], rng: &mut ChaCha8Rng, occlude: bool) {
-    let contrast = rng.random_range(0.4f32..1.35);
-    let middle = rng.random_range(60.0f32..190.0);
+    // Every fifth is what a camera sees at night, in haze or against the light.
+    let dim = rng.random_bool(0.2);
+    let contrast = if dim {
+        rng.random_range(0.1f32.ln()..0.4f32.ln()).exp()
+    } else {
+        rng.random_range(0.4f32..1.35)
+    };
+    let middle = if dim && rng.random_bool(0.5) {
+        128.0 * contrast
+    } else {
+        rng.random_range(60.0f32..190.0)
+    };
     let (gx, gy) = if rng.random_bool(0.4) {
         (
             rng.random_range(-0.4f32..0.4),
@@ -150,10 +160,10 @@ pub fn disturb(patch: &mut [u8], rng: &mut ChaCha8Rng, occlude: bool) {
     } else {
         (0.0, 0.0)
     };
-    let sigma = if rng.random_bool(0.7) {
-        rng.random_range(0.0f32..6.0) * contrast.max(0.5)
-    } else {
-        0.0
+    let sigma = match rng.random_range(0..10) {
+        0..3 => 0.0,
+        3..9 => rng.random_range(0.0f32..6.0) * contrast.max(0.5),
+        _ => rng.random_range(6.0f32..24.0) * contrast,
     };
     let covered = (occlude && rng.random_bool(0.07)).then(|| {
         let (w, h) = (rng.random_range(8..20), rng.random_range(8..18));

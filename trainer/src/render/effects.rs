@@ -55,6 +55,32 @@ impl Camera {
         }
     }
 
+    /// A camera at night, in haze, out of focus, shaken or with a poor link, before which a picture
+    /// is held that shows a face so many pixels wide.
+    pub fn poor(rng: &mut ChaCha8Rng, face_px: f32) -> Camera {
+        let mut up_to = |share: f64, most: f32| match rng.random_bool(share) {
+            true => rng.random_range(0.0..most),
+            false => 0.0,
+        };
+        let dark = up_to(0.5, 3.0);
+        let haze = up_to(0.3, 0.85);
+        let blur_px = up_to(0.4, 0.03) * face_px;
+        let motion = up_to(0.3, 0.12) * face_px;
+        let (s, c) = rng.random_range(0.0..std::f32::consts::TAU).sin_cos();
+        let exposure = (-dark).exp();
+        // Where the picture is dark the steps of its levels and of the sensor's amplifier are left.
+        let noise = 25.0 * (exposure * (1.0 - haze)).max(0.12);
+        Camera {
+            blur_px,
+            motion_px: (motion * c, motion * s),
+            exposure,
+            gamma: 1.0,
+            haze,
+            noise: rng.random_range(0.0..1.0f32).powi(2) * noise,
+            jpeg: rng.random_bool(0.3).then(|| rng.random_range(10..60)),
+        }
+    }
+
     /// Light in, 8-bit luma out.
     pub fn develop(&self, rng: &mut ChaCha8Rng, light: &mut Vec<f32>, width: usize) -> Vec<u8> {
         blur(light, width, self.blur_px);
