@@ -134,14 +134,6 @@ impl Face {
         self.scale() / 0.42
     }
 
-    /// The face as a camera shows its picture.
-    pub fn through(&self, camera: &Camera, rng: &mut ChaCha8Rng) -> Face {
-        Face {
-            picture: Arc::new(self.picture.through(camera, rng)),
-            ..self.clone()
-        }
-    }
-
     /// Distance between the outer eye corners \[px\].
     pub fn inter_ocular(&self) -> f32 {
         let [a, b] = [self.landmarks[36], self.landmarks[45]];

@@ -2,7 +2,7 @@
 //!
 //! Positives and negatives come from running the finished cascade: from jittered boxes on the
 //! training faces (some of which fail), and on pictures without a face from random boxes and from
-//! every place that the detector takes for one.
+//! places that the detector takes for one. One picture in three is as a poor camera shows it.
 
 use crate::align::cover::covered;
 use crate::align::evaluate::{mean_error, start_of};
@@ -216,6 +216,17 @@ fn train_seen(rows: &[&Row], features: usize, out: &mut SectionWriter) -> Result
     Ok(())
 }
 
+/// A picture as a poor camera shows it, with a face so many pixels wide or without one.
+fn poor(picture: &Picture, face_px: f32, rng: &mut ChaCha8Rng) -> Picture {
+    let camera = Camera::poor(rng, face_px);
+    picture.through(&camera, rng)
+}
+
+/// The same, one time in [`POOR`].
+fn sometimes_poor(picture: &Picture, face_px: f32, rng: &mut ChaCha8Rng) -> Option<Picture> {
+    (rng.random_range(0..POOR) == 0).then(|| poor(picture, face_px, rng))
+}
+
 /// Runs the cascade on the faces, from boxes as good as a detector's to hopeless ones.
 fn on_faces(model: &AlignModel<'_>, faces: &[Face], seed: u64) -> Vec<Row> {
     let per_face = (48_000 / faces.len().max(1)).clamp(1, 6);
@@ -246,11 +257,8 @@ fn on_faces(model: &AlignModel<'_>, faces: &[Face], seed: u64) -> Vec<Row> {
                         covered(face, other, &mut rng)
                     });
                     let (bare, face) = (face, hidden.as_ref().unwrap_or(face));
-                    let poor = (rng.random_range(0..POOR) == 0).then(|| {
-                        let camera = Camera::poor(&mut rng, face.width());
-                        face.through(&camera, &mut rng)
-                    });
-                    let frame = poor.as_ref().unwrap_or(face).picture.frame();
+                    let poor = sometimes_poor(&face.picture, face.width(), &mut rng);
+                    let frame = poor.as_ref().unwrap_or(&face.picture).frame();
                     if !model.run(&frame, model.passes() + k % 2, &mut shape, work) {
                         continue;
                     }
@@ -318,10 +326,7 @@ fn on_empty(model: &AlignModel<'_>, empty: &[Picture], seed: u64, count: usize) 
                 let start = start_of(model, rng.random_range(-1.0..1.0));
                 let mut shape = start_from_box(&start, at, size, 0.3 * normal(&mut rng));
                 let passes = model.passes() + index % 2;
-                let poor = (rng.random_range(0..POOR) == 0).then(|| {
-                    let camera = Camera::poor(&mut rng, size);
-                    picture.through(&camera, &mut rng)
-                });
+                let poor = sometimes_poor(picture, size, &mut rng);
                 let frame = poor.as_ref().unwrap_or(picture).frame();
                 let ran = model.run(&frame, passes, &mut shape, work);
                 ran.then(|| no_face(work, which, 1.0))
@@ -349,8 +354,7 @@ fn on_alarms(
                 let mut rows = Vec::new();
                 for (turn, mut picture) in picture.orientations().into_iter().enumerate() {
                     if turn % POOR == 1 {
-                        let camera = Camera::poor(&mut rng, NOBODY_PX);
-                        picture = picture.through(&camera, &mut rng);
+                        picture = poor(&picture, NOBODY_PX, &mut rng);
                     }
                     let frame = picture.frame();
                     let alarms = alarms(detector, &frame);

@@ -45,14 +45,14 @@ pub fn run(args: &FacelessArgs) -> Result<()> {
     let mut tracks = Vec::new();
     let (mut remembered, mut faces_shown) = (0, 0);
     let mut seed = 0;
-    let mut seen = |frame: &GrayImage| {
+    let mut seen = |frame: GrayImage| {
         seed += 1;
-        camera::through(&args.camera, frame.clone(), seed)
+        camera::through(&args.camera, frame, seed)
     };
     for path in &paths {
         let mut state = State::Searching;
         for _ in 0..if faces.is_empty() { 0 } else { AFTER } {
-            let frame = seen(&faces[back_and_forth(faces_shown, faces.len())]);
+            let frame = seen(faces[back_and_forth(faces_shown, faces.len())].clone());
             state = show.frame(&frame)?.state;
             faces_shown += 1;
         }
@@ -60,7 +60,7 @@ pub fn run(args: &FacelessArgs) -> Result<()> {
         let picture = scaled(&backgrounds::open(path)?);
         let mut tracked = 0;
         for k in 0..PAN {
-            let frame = seen(&window(&picture, FRAME, k as f64 / (PAN - 1) as f64));
+            let frame = seen(window(&picture, FRAME, k as f64 / (PAN - 1) as f64));
             tracked += usize::from(show.frame(&frame)?.state == State::Tracking);
         }
         tracks.push(tracked);
