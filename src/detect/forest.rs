@@ -1,23 +1,25 @@
 //! Complete binary trees of pixel comparisons, stored breadth first.
 //!
-//! A node is four i8, the offsets x₁, y₁, x₂, y₂ from the window's centre in 1/256 of its side, and
-//! a u8 margin. The walk goes to the second child where the luma at the first point exceeds that at
-//! the second by more than the margin: without one, noise decides where a picture is flat (halves
-//! the false alarms of equally many trees).
+//! A node is two pixels of the window's [grid](super::grid) and a u8 margin. The walk goes to the
+//! second child where the luma at the first exceeds that at the second by more than the margin:
+//! without one, noise decides where a picture is flat (halves the false alarms of equally many
+//! trees).
 
-use super::Window;
-use crate::image::Frame;
+use super::grid::{GRID, Pixel};
 use crate::model::{ModelError, Section};
 
 /// Deepest trees that a model may have.
 pub(super) const DEPTH_MAX: usize = 8;
+
+/// Trees that are walked side by side.
+pub(super) const ABREAST: usize = 4;
 
 /// Trees of one depth; leaves are kept by the owner.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Forest<'m> {
     depth: u32,
     trees: usize,
-    nodes: &'m [[i8; 4]],
+    nodes: &'m [[Pixel; 2]],
     margins: &'m [u8],
 }
 
@@ -27,7 +29,12 @@ impl<'m> Forest<'m> {
         let depth = section.count(1, DEPTH_MAX, "trees are too deep")? as u32;
         let trees = section.count(min, max, "the number of trees is out of range")?;
         let count = trees * ((1 << depth) - 1);
-        let (nodes, _) = section.i8s(count * 4)?.as_chunks();
+        let (nodes, _) = section.u16s(count * 2)?.as_chunks();
+        let outside = |pixel: &Pixel| *pixel as usize >= GRID * GRID;
+        section.require(
+            !nodes.as_flattened().iter().any(outside),
+            "a tree looks outside the grid",
+        )?;
         let margins = section.u8s(count)?;
         Ok(Forest {
             depth,
@@ -47,20 +54,23 @@ impl<'m> Forest<'m> {
         1 << self.depth
     }
 
-    /// The leaf, 0..`leaves()`, that the window reaches in a tree (`< trees()`).
+    /// The leaf, 0..`leaves()`, that a window with this luma reaches in each of the [`ABREAST`] trees
+    /// from this one on; what is beyond the last tree means nothing.
+    ///
+    /// Each step of a walk waits for the pixels before it; walks side by side wait together.
     #[inline]
-    pub fn leaf(&self, tree: usize, frame: &Frame<'_>, window: &Window) -> usize {
+    pub fn walk(&self, tree: usize, luma: impl Fn(Pixel) -> u8) -> [usize; ABREAST] {
         let inner = (1usize << self.depth) - 1;
-        let base = tree * inner;
-        let mut at = 0;
+        let mut at = [0; ABREAST];
         for _ in 0..self.depth {
-            // `open` checked the length, so the fallback is never taken.
-            let [x1, y1, x2, y2] = self.nodes.get(base + at).copied().unwrap_or_default();
-            let margin = self.margins.get(base + at).copied().unwrap_or(0);
-            let first = window.read(frame, x1, y1) as u16;
-            let brighter = first > window.read(frame, x2, y2) as u16 + margin as u16;
-            at = 2 * at + 1 + usize::from(brighter);
+            for (k, at) in at.iter_mut().enumerate() {
+                let node = (tree + k) * inner + *at;
+                let [first, second] = self.nodes.get(node).copied().unwrap_or_default();
+                let margin = self.margins.get(node).copied().unwrap_or(0);
+                let brighter = luma(first) as u16 > luma(second) as u16 + margin as u16;
+                *at = 2 * *at + 1 + usize::from(brighter);
+            }
         }
-        at - inner
+        at.map(|at| at - inner)
     }
 }

@@ -13,17 +13,20 @@
 
 mod cluster;
 mod forest;
+mod grid;
+mod judge;
 mod model;
 mod near;
 mod refine;
 mod scan;
 mod window;
 
+pub use grid::{GRID, Pixel};
 pub use model::{DetectorModel, ENSEMBLES_MAX, Ensemble, REFINE_OUTPUTS, ROLLS_MAX, Refiner, TAG};
 pub use near::search_near;
 pub use refine::refine;
 pub use scan::{Scan, Sizes, Swept};
-pub use window::{Window, judge};
+pub use window::Window;
 
 /// A face candidate: a square that is turned with the head.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -5,9 +5,9 @@
 //! u32 margin [1/256 of size] u32 confirming strength
 //! u32 R, i16[R] rolls [1/65536 turn]
 //! u32 E, then per ensemble: u32 mirrored, u32 depth, u32 T,
-//!     i8[T·(2^depth − 1)·4] nodes, u8[T·(2^depth − 1)] margins,
-//!     i16[T·2^depth] leaves, i32[T] thresholds
-//! u32 rounds, u32 depth, u32 T, i8[…] nodes, u8[…] margins,
+//!     u16[T·(2^depth − 1)·2] nodes: pixels of the window's 40×40 grid,
+//!     u8[T·(2^depth − 1)] margins, i16[T·2^depth] leaves, i32[T] thresholds
+//! u32 rounds, u32 depth, u32 T, u16[…] nodes, u8[…] margins,
 //!     i16[T·2^depth·5] leaves  (the refining forest)
 //! ```
 

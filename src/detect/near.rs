@@ -1,9 +1,11 @@
 //! A small, bounded search around a place where a face is expected.
 
 use super::cluster::{Clusters, Hit, turns};
+use super::judge::Windows;
 use super::refine::window_of;
-use super::{Detection, DetectorModel, judge, refine};
-use crate::image::Frame;
+use super::window::Q4;
+use super::{Detection, DetectorModel, refine};
+use crate::image::{Frame, MAX_SIDE};
 
 /// Places along each axis, in steps of the model's grid.
 const REACH: i32 = 3;
@@ -37,14 +39,22 @@ pub fn search_near(
                 ..*around
             };
             let step = place.size * model.step_q8 as f32 / 256.0;
-            for place in grid(&place, step) {
+            let windows = Windows::new(frame, window_of(model, &place));
+            for [x, y] in places(&place, step) {
                 if left <= 0 {
                     break;
                 }
-                let (score, trees) = judge(model, frame, &window_of(model, &place));
-                left -= 1 + (trees / 16) as i64;
+                let (score, units) = windows.judge(model, x, y);
+                left -= units;
                 if let Some(score) = score {
-                    clusters.add(hit(&place, roll, score));
+                    clusters.add(Hit {
+                        x: x * Q4,
+                        y: y * Q4,
+                        size: libm::roundf(place.size * Q4 as f32) as i32,
+                        roll,
+                        score,
+                        pass: 0,
+                    });
                 }
             }
         }
@@ -55,25 +65,12 @@ pub fn search_near(
     Some(refine(model, frame, &best))
 }
 
-fn grid(centre: &Detection, step: f32) -> impl Iterator<Item = Detection> {
-    let centre = *centre;
-    (-REACH..=REACH).flat_map(move |row| {
-        (-REACH..=REACH).map(move |column| Detection {
-            x: centre.x + step * column as f32,
-            y: centre.y + step * row as f32,
-            ..centre
-        })
-    })
-}
-
-fn hit(place: &Detection, roll: i32, score: i32) -> Hit {
-    let q4 = |v: f32| libm::roundf(v * 16.0) as i32;
-    Hit {
-        x: q4(place.x),
-        y: q4(place.y),
-        size: q4(place.size),
-        roll,
-        score,
-        pass: 0,
-    }
+/// The pixels in which windows are centred.
+fn places(around: &Detection, step: f32) -> impl Iterator<Item = [i32; 2]> {
+    // What is farther away is outside of any frame.
+    let near = |v: f32| v.min(2.0 * MAX_SIDE as f32).max(-2.0 * MAX_SIDE as f32);
+    let at = move |centre: f32, steps: i32| libm::roundf(near(centre + step * steps as f32)) as i32;
+    let (x, y) = (around.x, around.y);
+    (-REACH..=REACH)
+        .flat_map(move |row| (-REACH..=REACH).map(move |column| [at(x, column), at(y, row)]))
 }

@@ -1,5 +1,6 @@
 //! Moves a merged window onto the face: boosted regression on the same pixel comparisons.
 
+use super::forest::ABREAST;
 use super::model::REFINE_OUTPUTS;
 use super::{Detection, DetectorModel, Window};
 use crate::image::Frame;
@@ -35,12 +36,14 @@ pub(super) fn window_of(model: &DetectorModel<'_>, at: &Detection) -> Window {
 fn sums(model: &DetectorModel<'_>, frame: &Frame<'_>, window: &Window) -> [f32; REFINE_OUTPUTS] {
     let refiner = &model.refiner;
     let mut sums = [0i32; REFINE_OUTPUTS];
-    for tree in 0..refiner.forest.trees() {
-        let leaf = refiner.forest.leaf(tree, frame, window);
-        let at = (tree * refiner.forest.leaves() + leaf) * REFINE_OUTPUTS;
-        let values = refiner.leaves.get(at..).unwrap_or(&[]);
-        for (sum, value) in sums.iter_mut().zip(values) {
-            *sum += *value as i32;
+    let each = refiner.forest.leaves() * REFINE_OUTPUTS;
+    for (group, trees) in refiner.leaves.chunks(ABREAST * each).enumerate() {
+        let reached = (refiner.forest).walk(group * ABREAST, |pixel| window.read(frame, pixel));
+        for (leaves, leaf) in trees.chunks(each).zip(reached) {
+            let values = leaves.get(leaf * REFINE_OUTPUTS..).unwrap_or(&[]);
+            for (sum, value) in sums.iter_mut().zip(values) {
+                *sum += *value as i32;
+            }
         }
     }
     sums.map(|sum| sum as f32 * UNIT)

@@ -9,12 +9,11 @@
 //! it makes up for the sizes that were not looked at yet.
 
 use super::cluster::{Clusters, Hit, turns};
+use super::judge::Windows;
 use super::window::Q4;
-use super::{Detection, DetectorModel, Window, judge, refine, search_near};
+use super::{Detection, DetectorModel, Window, refine, search_near};
 use crate::image::Frame;
 
-/// Trees per unit of work beyond the first: most windows are rejected by fewer.
-const TREES_PER_UNIT: usize = 16;
 /// Smallest face that can be asked for \[px\].
 const FACE_MIN_PX: i32 = 16;
 /// Work of a search around what is told before it is complete.
@@ -72,7 +71,7 @@ pub struct Scan {
     clusters: Clusters,
 }
 
-/// Places of window centres along one axis \[1/16 px\].
+/// Places of window centres along one axis \[1/16 px\]; each is taken to the nearest pixel.
 #[derive(Clone, Copy)]
 struct Axis {
     first: i32,
@@ -92,6 +91,10 @@ impl Axis {
             step,
             count,
         }
+    }
+
+    fn pixel(&self, index: i32) -> i32 {
+        (self.first + index * self.step + Q4 / 2) / Q4
     }
 }
 
@@ -191,20 +194,21 @@ impl Scan {
         let across = Axis::new(self.width, margin, step);
         let down = Axis::new(self.height, margin, step);
         let window = Window::new(0, 0, q8(model.side_q8), turns(roll));
+        let windows = Windows::new(frame, window);
         while self.row < down.count {
-            let y = down.first + self.row * down.step;
+            let y = down.pixel(self.row);
             while self.column < across.count {
                 if *left <= 0 {
                     return;
                 }
-                let x = across.first + self.column * across.step;
+                let x = across.pixel(self.column);
                 self.column += 1;
-                let (score, trees) = judge(model, frame, &window.at(x, y));
-                *left -= 1 + (trees / TREES_PER_UNIT) as i64;
+                let (score, units) = windows.judge(model, x, y);
+                *left -= units;
                 if let Some(score) = score {
                     self.clusters.add(Hit {
-                        x,
-                        y,
+                        x: x * Q4,
+                        y: y * Q4,
                         size: self.size,
                         roll,
                         score,

@@ -1,6 +1,6 @@
-//! A square window on the frame, and what the ensembles say of it.
+//! A square window on the frame.
 
-use super::{DetectorModel, Ensemble};
+use super::grid::{GRID, Pixel, offset};
 use crate::image::{Frame, MAX_SIDE};
 
 /// Bits after the point of a pixel coordinate while an offset is turned and scaled.
@@ -63,54 +63,25 @@ impl Window {
         }
     }
 
-    /// Luma at an offset \[1/256 of the side\]: of the pixel that it falls into.
+    /// The same window around a pixel.
     #[inline]
-    pub fn read(&self, frame: &Frame<'_>, x: i8, y: i8) -> u8 {
-        let (x, y) = (x as i32 * self.flip, y as i32);
+    pub(super) fn at_pixel(self, x: i32, y: i32) -> Self {
+        self.at(x * Q4, y * Q4)
+    }
+
+    /// Luma at a pixel of the grid: of the frame's pixel that it falls into.
+    #[inline]
+    pub fn read(&self, frame: &Frame<'_>, pixel: Pixel) -> u8 {
+        let [x, y] = self.frame_pixel(pixel as usize / GRID, pixel as usize % GRID);
+        frame.luma(x, y)
+    }
+
+    /// The frame's pixel that one of the grid falls into.
+    #[inline]
+    pub(super) fn frame_pixel(&self, row: usize, column: usize) -> [i32; 2] {
+        let (x, y) = (offset(column) * self.flip, offset(row));
         let px = self.x.wrapping_add(x * self.cos).wrapping_sub(y * self.sin);
         let py = self.y.wrapping_add(x * self.sin).wrapping_add(y * self.cos);
-        frame.luma(px >> FRACTION, py >> FRACTION)
+        [px >> FRACTION, py >> FRACTION]
     }
-}
-
-impl Ensemble<'_> {
-    /// The final sum of a window that passes all thresholds, and the number of trees asked.
-    #[inline]
-    pub fn judge(&self, frame: &Frame<'_>, window: &Window) -> (Option<i32>, usize) {
-        let leaves = self.forest.leaves();
-        let mut sum = 0i32;
-        for (tree, threshold) in self.thresholds.iter().enumerate() {
-            let leaf = self.forest.leaf(tree, frame, window);
-            let value = self.leaves.get(tree * leaves + leaf).copied().unwrap_or(0);
-            sum += value as i32;
-            if sum < *threshold {
-                return (None, tree + 1);
-            }
-        }
-        let last = self.thresholds.last().copied().unwrap_or(0);
-        // > 0 always, so that a hit weighs something.
-        (Some(sum.saturating_sub(last).max(0) + 1), self.trees())
-    }
-}
-
-/// The best score (> 0) that an ensemble gives to the window, if any takes it for a face; and the
-/// number of trees asked, at most twice the trees of the model.
-#[inline]
-pub fn judge(
-    model: &DetectorModel<'_>,
-    frame: &Frame<'_>,
-    window: &Window,
-) -> (Option<i32>, usize) {
-    let (mut best, mut asked) = (None, 0);
-    for ensemble in model.ensembles() {
-        let (score, trees) = ensemble.judge(frame, window);
-        best = best.max(score);
-        asked += trees;
-        if ensemble.mirrored {
-            let (score, trees) = ensemble.judge(frame, &window.mirrored());
-            best = best.max(score);
-            asked += trees;
-        }
-    }
-    (best, asked)
 }

@@ -262,13 +262,34 @@ impl<'a> Frame<'a> {
     #[inline]
     pub fn luma(&self, x: i32, y: i32) -> u8 {
         // Not `clamp`, which panics where the compiler cannot see that the size is at least 1.
-        let x = x.min(self.width - 1).max(0) as isize;
-        let y = y.min(self.height - 1).max(0) as isize;
-        self.read((self.origin + x * self.step_x + y * self.step_y) as usize)
+        let (x, y) = (x.min(self.width - 1).max(0), y.min(self.height - 1).max(0));
+        self.luma_at(self.place(x, y))
+    }
+
+    /// Where an upright pixel of the frame lies in its bytes.
+    #[inline]
+    pub(crate) fn place(&self, x: i32, y: i32) -> isize {
+        self.origin + self.bytes_between(x, y)
+    }
+
+    /// Bytes from any pixel to the one this far right of and below it.
+    #[inline]
+    pub(crate) fn bytes_between(&self, right: i32, below: i32) -> isize {
+        right as isize * self.step_x + below as isize * self.step_y
+    }
+
+    /// The bytes among which each pixel's luma is the one at its [`place`](Self::place), if one byte holds it.
+    #[inline]
+    pub(crate) fn luma_bytes(&self) -> Option<&'a [u8]> {
+        match self.reading {
+            Reading::Byte(offset) => self.data.get(offset..),
+            _ => None,
+        }
     }
 
     #[inline]
-    fn read(&self, at: usize) -> u8 {
+    fn luma_at(&self, place: isize) -> u8 {
+        let at = place as usize;
         // `new` checked the bytes, so the fallback is never taken; it keeps panics out of the binary.
         let byte = |offset: usize| self.data.get(at + offset).copied().unwrap_or(0);
         match self.reading {

@@ -10,7 +10,7 @@ pub struct Config {
     pub intrinsics: Option<Intrinsics>,
     /// Narrowest face searched for \[px\], 24 to 4096.
     pub min_face_px: u32,
-    /// Work per step while searching, in units of the detector (about one window each), 100 to 10
+    /// Work per step while searching, in units of the detector (a window is about two), 100 to 10
     /// million.
     pub scan_budget: u32,
     /// Of [`crate::track::Tracker::smoothed`]: a cutoff of 0.01 to 100 Hz, a beta of 0 to 1000.
@@ -22,7 +22,7 @@ impl Default for Config {
         Config {
             intrinsics: None,
             min_face_px: 40,
-            scan_budget: 2000,
+            scan_budget: 3000,
             smoothing: Smoothing::default(),
         }
     }

@@ -75,12 +75,12 @@ const NEAR_BUDGET: u32 = 1500;
 
 /// What aligning and judging a candidate costs, in the detector's units (measured with
 /// `posewise bench`: align plus fit over detector slice).
-const ACQUIRE_UNITS: u32 = 3000;
+const ACQUIRE_UNITS: u32 = 4500;
 /// What a second look costs, likewise.
-const SECOND_LOOK_UNITS: u32 = 1700;
+const SECOND_LOOK_UNITS: u32 = 2500;
 
 /// What a look for keyframes costs, likewise.
-const RECOLLECT_UNITS: u32 = 1500;
+const RECOLLECT_UNITS: u32 = 2200;
 
 /// What a look for keyframes ended with.
 #[cfg_attr(not(feature = "keyframes"), allow(dead_code))]

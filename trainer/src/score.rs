@@ -18,6 +18,7 @@ use posewise::detect::{Detection, DetectorModel, Scan, Sizes, Swept};
 use posewise::experts::{Verifier, first_answer};
 use posewise::image::Frame;
 use posewise::shape::LANDMARKS;
+use posewise::track::Config;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -36,9 +37,6 @@ const ALARMS: usize = 40;
 const NOBODY_PX: f32 = 100.0;
 /// Smallest face that false alarms are looked for at \[px\].
 const MIN_FACE_PX: i32 = 30;
-/// Units of work of a slice of that search: a camera's. What is met in one is told before it is
-/// complete, where larger boxes would show that it is none.
-const SLICE: u32 = 2000;
 
 struct Row {
     features: Vec<i8>,
@@ -375,11 +373,13 @@ fn on_alarms(
         .collect()
 }
 
-/// All that the detector takes for a face in a picture.
+/// All that the detector takes for a face in a picture, searched in slices of a camera's work: what is
+/// met in one is told before it is complete, where larger boxes would show that it is none.
 fn alarms(detector: &DetectorModel<'_>, frame: &Frame<'_>) -> Vec<Detection> {
     let (mut scan, mut all) = (Scan::new(), vec![]);
+    let slice = Config::default().scan_budget;
     loop {
-        match scan.advance(detector, frame, Sizes::from(MIN_FACE_PX), SLICE) {
+        match scan.advance(detector, frame, Sizes::from(MIN_FACE_PX), slice) {
             Swept::Found(found) => all.push(found),
             Swept::Unfinished => continue,
             Swept::Nothing => return all,

@@ -1,11 +1,12 @@
 //! Grows one regression tree of pixel comparisons by weighted least squares.
 
+use posewise::detect::GRID;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::sample::{GRID, PATCH};
+use super::sample::PATCH;
 
 /// Comparisons drawn for a node.
 const DRAWN: usize = 700;

@@ -13,13 +13,15 @@ use super::sample::{window, with_view};
 
 /// Windows on the grid around each face that must survive.
 const SURVIVORS: usize = 3;
-/// Share of the faces that may lose one of them.
-const LOSS: f32 = 0.005;
+/// Share of these windows that may be lost, and the power of the share of the trees with which it grows
+/// up to that: few trees lose most of it, because what they reject costs least.
+const LOSS: f32 = 0.01;
+const LATENESS: f32 = 0.2;
 /// How far below the faces' sums the thresholds lie, for people not seen in training.
 const MARGIN: f32 = 0.12;
 
-/// The cascade with thresholds as high as leaves each face its best windows on the scan's grid
-/// (after Zhang and Viola's multiple-instance pruning, 2007).
+/// The cascade with thresholds as high as leaves faces their best windows on the scan's grid, all but
+/// a few (after Zhang and Viola's multiple-instance pruning, 2007).
 pub fn thresholds(cascade: &Cascade, faces: &[Face]) -> Cascade {
     let flat = cascade.flat();
     let last = *cascade.thresholds.last().unwrap_or(&0);
@@ -39,12 +41,17 @@ pub fn thresholds(cascade: &Cascade, faces: &[Face]) -> Cascade {
         .filter(|sums| sums.last().is_some_and(|s| *s >= last))
         .collect();
     let mut out = cascade.clone();
+    let all = sums.len();
     for tree in 0..cascade.trees.len() {
-        // The faces already lost must not hold later thresholds down.
+        // The windows already lost must not hold later thresholds down.
         let mut at: Vec<i32> = sums.iter().map(|s| s[tree]).collect();
-        let lost = (LOSS * at.len() as f32 / cascade.trees.len() as f32) as usize;
+        let asked = (tree + 1) as f32 / cascade.trees.len() as f32;
+        let lost = (LOSS * asked.powf(LATENESS) * all as f32) as usize;
         at.sort_unstable();
-        let bound = at.get(lost).copied().unwrap_or(i32::MIN / 4);
+        let bound = at
+            .get(lost.saturating_sub(all - at.len()))
+            .copied()
+            .unwrap_or(i32::MIN / 4);
         sums.retain(|s| s[tree] >= bound);
         out.thresholds[tree] = bound - (MARGIN / UNIT) as i32;
     }

@@ -14,7 +14,7 @@ use super::boost::{Node, Planes, Tree, brighter, grow};
 use super::faces::Face;
 use super::grey::Grey;
 use super::mine::{Ground, mine};
-use super::sample::{Jitter, PATCH, cut, disturb, offsets, window, with_view};
+use super::sample::{Jitter, PATCH, cut, disturb, window, with_view};
 use super::{Options, rng_for};
 
 /// One unit of a leaf.
@@ -36,8 +36,7 @@ pub struct Cascade {
 
 /// The cascade as the core stores it.
 pub struct Flat {
-    pub offsets: Vec<[i8; 4]>,
-    nodes: Vec<Node>,
+    pub nodes: Vec<Node>,
     pub leaves: Vec<i16>,
     thresholds: Vec<i32>,
     inner: usize,
@@ -46,10 +45,8 @@ pub struct Flat {
 impl Cascade {
     /// Flattened for speed.
     pub fn flat(&self) -> Flat {
-        let nodes: Vec<Node> = self.trees.iter().flat_map(|t| t.nodes.clone()).collect();
         Flat {
-            offsets: nodes.iter().copied().map(offsets).collect(),
-            nodes,
+            nodes: self.trees.iter().flat_map(|t| t.nodes.clone()).collect(),
             leaves: self
                 .trees
                 .iter()
@@ -89,15 +86,10 @@ impl Flat {
         passed
     }
 
-    /// The margins, in the order of the offsets.
-    pub fn margins(&self) -> Vec<u8> {
-        self.nodes.iter().map(|n| n[2] as u8).collect()
-    }
-
     fn asks(&self, node: usize, frame: &Frame<'_>, window: &Window) -> bool {
-        let [x1, y1, x2, y2] = self.offsets[node];
-        let first = window.read(frame, x1, y1);
-        brighter(first, window.read(frame, x2, y2), self.nodes[node][2])
+        let [first, second, margin] = self.nodes[node];
+        let first = window.read(frame, first);
+        brighter(first, window.read(frame, second), margin)
     }
 
     /// Whether a window passes every threshold.

@@ -1,8 +1,9 @@
 //! Writes section `DTCT`, in the order in which `posewise::detect::DetectorModel` reads it.
 
-use posewise::detect::TAG;
+use posewise::detect::{Pixel, TAG};
 
 use super::SIDE_Q8;
+use super::boost::Node;
 use super::cascade::Cascade;
 use super::refine::Forest;
 use crate::pack::SectionWriter;
@@ -24,15 +25,19 @@ pub fn section(cascade: &Cascade, refiner: &Forest, confirm: u32) -> SectionWrit
     w.scalar(ROLLS.len() as u32).array(&ROLLS);
     w.scalar(1u32).scalar(0u32);
     let flat = cascade.flat();
-    w.scalar(cascade.depth as u32)
-        .scalar(cascade.trees.len() as u32);
-    w.array(flat.offsets.as_flattened()).array(&flat.margins());
+    trees(&mut w, cascade.depth, cascade.trees.len(), &flat.nodes);
     w.array(&flat.leaves).array(&cascade.thresholds);
-    let (offsets, margins, leaves) = refiner.flat();
-    w.scalar(refiner.rounds as u32).scalar(refiner.depth as u32);
-    w.scalar(refiner.trees.len() as u32);
-    w.array(offsets.as_flattened())
-        .array(&margins)
-        .array(&leaves);
+    let (nodes, leaves) = refiner.flat();
+    w.scalar(refiner.rounds as u32);
+    trees(&mut w, refiner.depth, refiner.trees.len(), &nodes);
+    w.array(&leaves);
     w
+}
+
+/// Depth and number of trees, the pixels that their nodes compare, and by how much.
+fn trees(w: &mut SectionWriter, depth: usize, count: usize, nodes: &[Node]) {
+    let pixels: Vec<[Pixel; 2]> = nodes.iter().map(|[a, b, _]| [*a, *b]).collect();
+    let margins: Vec<u8> = nodes.iter().map(|node| node[2] as u8).collect();
+    w.scalar(depth as u32).scalar(count as u32);
+    w.array(pixels.as_flattened()).array(&margins);
 }

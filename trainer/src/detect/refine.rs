@@ -9,9 +9,9 @@ use rand::Rng;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::boost::{Planes, Tree, grow};
+use super::boost::{Node, Planes, Tree, grow};
 use super::faces::Face;
-use super::sample::{Jitter, PATCH, cut, disturb, offsets, window, with_view};
+use super::sample::{Jitter, PATCH, cut, disturb, window, with_view};
 use super::{Options, rng_for};
 
 /// One unit of a leaf, for all five outputs.
@@ -34,15 +34,12 @@ pub struct Forest {
 }
 
 impl Forest {
-    /// Offsets, margins and leaves as the core stores them.
-    pub fn flat(&self) -> (Vec<[i8; 4]>, Vec<u8>, Vec<i16>) {
-        let nodes = || self.trees.iter().flat_map(|t| t.nodes.iter().copied());
+    /// Nodes and leaves.
+    pub fn flat(&self) -> (Vec<Node>, Vec<i16>) {
+        let nodes = self.trees.iter().flat_map(|t| t.nodes.clone());
         let leaves = self.trees.iter().flat_map(|t| t.leaves.iter().flatten());
-        (
-            nodes().map(offsets).collect(),
-            nodes().map(|n| n[2] as u8).collect(),
-            leaves.map(|l| (l / UNIT).round() as i16).collect(),
-        )
+        let leaves = leaves.map(|l| (l / UNIT).round() as i16);
+        (nodes.collect(), leaves.collect())
     }
 }
 

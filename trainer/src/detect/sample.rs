@@ -1,31 +1,16 @@
 //! Augmented patches: what a window sees, on a fixed grid of offsets.
 
-use posewise::detect::{Detection, Window};
+use posewise::detect::{Detection, GRID, Pixel, Window};
 use posewise::image::{Crop, Frame, FrameLayout, warp};
 use posewise::math::Similarity;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 
 use super::SIDE_Q8;
-use super::boost::Node;
 use super::faces::Face;
 
-/// Offsets per axis that the trees may compare; finer than the smallest face's pixels.
-pub const GRID: usize = 40;
 /// Pixels of a patch.
 pub const PATCH: usize = GRID * GRID;
-
-/// The offset \[1/256 of the window's side\] of a column or row of the grid.
-pub fn offset(index: usize) -> i8 {
-    ((2 * index as i32 + 1 - GRID as i32) * 128 / GRID as i32).clamp(-127, 127) as i8
-}
-
-/// The offsets of a node that compares two pixels of a patch.
-pub fn offsets([first, second, _]: Node) -> [i8; 4] {
-    let at = |p: u16| (offset(p as usize % GRID), offset(p as usize / GRID));
-    let ((x1, y1), (x2, y2)) = (at(first), at(second));
-    [x1, y1, x2, y2]
-}
 
 /// The window of a face.
 pub fn window(at: &Detection) -> Window {
@@ -40,9 +25,7 @@ pub fn window(at: &Detection) -> Window {
 
 /// Appends what the window sees.
 pub fn cut(frame: &Frame<'_>, window: &Window, out: &mut Vec<u8>) {
-    for row in 0..GRID {
-        out.extend((0..GRID).map(|column| window.read(frame, offset(column), offset(row))));
-    }
+    out.extend((0..PATCH).map(|pixel| window.read(frame, pixel as Pixel)));
 }
 
 /// Largest departures of a window from the face.

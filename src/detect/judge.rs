@@ -1,0 +1,173 @@
+//! What the ensembles say of windows.
+
+use super::forest::ABREAST;
+use super::grid::{GRID, Pixel, mirrored};
+use super::{DetectorModel, Ensemble, Window};
+use crate::image::Frame;
+
+/// Trees per unit of work beyond the first: most windows are rejected by fewer.
+const TREES_PER_UNIT: usize = 16;
+
+/// All windows of one size and roll on a frame, around its pixels.
+///
+/// The same pixels of the grid lie equally far from the centres of all of them. Where, is computed
+/// once: it would be most of the work of a walk.
+pub(super) struct Windows<'a> {
+    frame: &'a Frame<'a>,
+    /// From a centre to each pixel of the grid, right and down \[px\].
+    from_centre: [[i16; 2]; GRID * GRID],
+    /// The farthest of them in either direction.
+    reach: [i32; 2],
+}
+
+impl<'a> Windows<'a> {
+    /// The windows of this one's size and roll.
+    pub fn new(frame: &'a Frame<'a>, window: Window) -> Self {
+        let window = window.at_pixel(0, 0);
+        let mut from_centre = [[0; 2]; GRID * GRID];
+        let mut reach = [0; 2];
+        for (row, pixels) in from_centre.chunks_exact_mut(GRID).enumerate() {
+            for (column, pixel) in pixels.iter_mut().enumerate() {
+                // What is farther than that is outside of any frame, wherever the centre is.
+                let near = |v: i32| v.min(i16::MAX.into()).max(i16::MIN.into());
+                let far = window.frame_pixel(row, column).map(near);
+                *pixel = far.map(|v| v as i16);
+                reach = [reach[0].max(far[0].abs()), reach[1].max(far[1].abs())];
+            }
+        }
+        Windows {
+            frame,
+            from_centre,
+            reach,
+        }
+    }
+
+    /// The score (> 0) of the window around a pixel of the frame, if it is taken for a face, and what
+    /// it cost to see that \[units of work\].
+    #[inline]
+    pub fn judge(&self, model: &DetectorModel<'_>, x: i32, y: i32) -> (Option<i32>, i64) {
+        let (score, trees) = match self.inside(x, y) {
+            Some(luma) => judge(model, luma),
+            None => judge(model, self.anywhere(x, y)),
+        };
+        (score, 1 + (trees / TREES_PER_UNIT) as i64)
+    }
+
+    /// The luma of the grid around a pixel of the frame.
+    #[inline]
+    fn anywhere(&self, x: i32, y: i32) -> impl Fn(Pixel) -> u8 {
+        move |pixel| {
+            let [right, below] = self.far(pixel);
+            self.frame.luma(x + right, y + below)
+        }
+    }
+
+    /// The same, faster, if all of the grid lies inside and the frame has its luma in single bytes.
+    #[inline]
+    fn inside(&self, x: i32, y: i32) -> Option<impl Fn(Pixel) -> u8> {
+        let ([across, down], frame) = (self.reach, self.frame);
+        let left_and_up = x >= across && y >= down;
+        let inside = left_and_up && x + across < frame.width() && y + down < frame.height();
+        let bytes = frame.luma_bytes().filter(|_| inside)?;
+        let centre = frame.place(x, y);
+        Some(move |pixel| {
+            let [right, below] = self.far(pixel);
+            let at = centre + frame.bytes_between(right, below);
+            // It lies inside, so the fallback is never taken.
+            bytes.get(at as usize).copied().unwrap_or(0)
+        })
+    }
+
+    #[inline]
+    fn far(&self, pixel: Pixel) -> [i32; 2] {
+        let far = self.from_centre.get(pixel as usize).copied();
+        far.unwrap_or_default().map(i32::from)
+    }
+}
+
+impl Ensemble<'_> {
+    /// The final sum of a window that passes all thresholds, and the number of trees asked.
+    #[inline]
+    fn judge(&self, luma: impl Fn(Pixel) -> u8) -> (Option<i32>, usize) {
+        let leaves = self.forest.leaves();
+        let mut sum = 0i32;
+        for (group, thresholds) in self.thresholds.chunks(ABREAST).enumerate() {
+            let first = group * ABREAST;
+            let reached = self.forest.walk(first, &luma);
+            for ((tree, leaf), threshold) in (first..).zip(reached).zip(thresholds) {
+                let value = self.leaves.get(tree * leaves + leaf).copied().unwrap_or(0);
+                sum += value as i32;
+                if sum < *threshold {
+                    return (None, tree + 1);
+                }
+            }
+        }
+        let last = self.thresholds.last().copied().unwrap_or(0);
+        // > 0 always, so that a hit weighs something.
+        (Some(sum.saturating_sub(last).max(0) + 1), self.trees())
+    }
+}
+
+/// The best score (> 0) that an ensemble gives to the window with this luma, if any takes it for a
+/// face; and the number of trees asked, at most twice the trees of the model.
+#[inline]
+fn judge(model: &DetectorModel<'_>, luma: impl Fn(Pixel) -> u8) -> (Option<i32>, usize) {
+    let (mut best, mut asked) = (None, 0);
+    for ensemble in model.ensembles() {
+        let (score, trees) = ensemble.judge(&luma);
+        best = best.max(score);
+        asked += trees;
+        if ensemble.mirrored {
+            let (score, trees) = ensemble.judge(|pixel| luma(mirrored(pixel)));
+            best = best.max(score);
+            asked += trees;
+        }
+    }
+    (best, asked)
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use super::*;
+    use crate::image::{FrameLayout, PixelFormat, Rotation};
+
+    #[test]
+    fn windows_see_what_each_of_them_reads() {
+        const WIDTH: u32 = 61;
+        const HEIGHT: u32 = 47;
+        let bytes: [u8; 4 * 64 * HEIGHT as usize] =
+            core::array::from_fn(|k| (k * 7919 % 251) as u8);
+        let formats = [PixelFormat::Grey, PixelFormat::Uyvy, PixelFormat::Bgrx32];
+        let rotations = [Rotation::None, Rotation::Cw90, Rotation::Half];
+        let mut seen_inside = 0;
+        for (format, rotation) in formats.into_iter().zip(rotations) {
+            let layout = FrameLayout {
+                format,
+                stride: 256,
+                rotation,
+                mirrored: true,
+                ..FrameLayout::grey(WIDTH, HEIGHT)
+            };
+            let frame = Frame::new(&layout, &bytes).unwrap();
+            for (side, roll) in [(16, 0.0), (25, 0.5), (33, -0.5), (90, 0.5), (60_000, 1.0)] {
+                let window = Window::new(0, 0, side * 16, roll);
+                let windows = Windows::new(&frame, window);
+                for (x, y) in (0..frame.width()).flat_map(|x| (0..9).map(move |y| (x, 5 * y))) {
+                    let window = window.at_pixel(x, y);
+                    let (anywhere, inside) = (windows.anywhere(x, y), windows.inside(x, y));
+                    seen_inside += inside.is_some() as u32;
+                    for pixel in 0..(GRID * GRID) as Pixel {
+                        let expected = window.read(&frame, pixel);
+                        assert_eq!(anywhere(pixel), expected, "{side} {roll} {x} {y}");
+                        if let Some(inside) = &inside {
+                            assert_eq!(inside(pixel), expected, "{side} {roll} {x} {y}");
+                        }
+                    }
+                }
+            }
+        }
+        assert!(seen_inside > 500, "{seen_inside}");
+    }
+}
