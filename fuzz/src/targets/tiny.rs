@@ -3,6 +3,7 @@
 
 use super::memory::Exact;
 use posewise::align::{READS_FINE, READS_LAST};
+use posewise::detect::GRID;
 use posewise::model::{ALIGN, FORMAT_VERSION, HEADER_LEN, MAGIC, crc32};
 use posewise::network::{OP_CONV, OP_INPUT};
 use posewise::shape::{ANIMATIONS, JAW, LANDMARKS, VIEW_BYTES};
@@ -156,6 +157,11 @@ fn face() -> Vec<u8> {
     w.0
 }
 
+/// A pixel of the grid that trees look at.
+fn pixel(column: usize, row: usize) -> i16 {
+    (row * GRID + column) as i16
+}
+
 fn detector() -> Vec<u8> {
     let mut w = Writer::default();
     // Scale ratio, step, window's side, margin, confirming strength.
@@ -168,14 +174,14 @@ fn detector() -> Vec<u8> {
     w.u32(1); // mirrored too
     w.u32(1); // depth
     w.u32(1); // trees
-    w.i8s(4, |i| [-60, 0, 60, 10][i]);
+    w.i16s(&[pixel(10, 20), pixel(29, 21)]);
     w.bytes([3]);
     w.i16s(&[-50, 300]);
     w.i32s(&[0]);
     w.u32(1); // one refining round
     w.u32(1);
     w.u32(1);
-    w.i8s(4, |i| [0, -50, 0, 50][i]);
+    w.i16s(&[pixel(20, 12), pixel(20, 27)]);
     w.bytes([0]);
     w.i16s(&[40, -40, 30, 20, -2000, -30, 50, -40, -20, 3000]);
     w.0
