@@ -8,25 +8,26 @@ use crate::image::Frame;
 /// Trees per unit of work beyond the first: most windows are rejected by fewer.
 const TREES_PER_UNIT: usize = 16;
 
+/// From a centre to each pixel of the grid, right and down \[px\].
+pub(super) type Table = [[i16; 2]; GRID * GRID];
+
 /// All windows of one size and roll on a frame, around its pixels.
 ///
 /// The same pixels of the grid lie equally far from the centres of all of them. Where, is computed
 /// once: it would be most of the work of a walk.
 pub(super) struct Windows<'a> {
     frame: &'a Frame<'a>,
-    /// From a centre to each pixel of the grid, right and down \[px\].
-    from_centre: [[i16; 2]; GRID * GRID],
-    /// The farthest of them in either direction.
+    table: &'a Table,
+    /// The farthest of the grid's pixels in either direction.
     reach: [i32; 2],
 }
 
 impl<'a> Windows<'a> {
-    /// The windows of this one's size and roll.
-    pub fn new(frame: &'a Frame<'a>, window: Window) -> Self {
+    /// The windows of this one's size and roll; fills the table.
+    pub fn new(frame: &'a Frame<'a>, window: Window, table: &'a mut Table) -> Self {
         let window = window.at_pixel(0, 0);
-        let mut from_centre = [[0; 2]; GRID * GRID];
         let mut reach = [0; 2];
-        for (row, pixels) in from_centre.chunks_exact_mut(GRID).enumerate() {
+        for (row, pixels) in table.chunks_exact_mut(GRID).enumerate() {
             for (column, pixel) in pixels.iter_mut().enumerate() {
                 // What is farther than that is outside of any frame, wherever the centre is.
                 let near = |v: i32| v.min(i16::MAX.into()).max(i16::MIN.into());
@@ -37,32 +38,42 @@ impl<'a> Windows<'a> {
         }
         Windows {
             frame,
-            from_centre,
+            table,
             reach,
         }
     }
 
-    /// The score (> 0) of the window around a pixel of the frame, if it is taken for a face, and what
-    /// it cost to see that \[units of work\].
-    #[inline]
+    /// The best score (> 0) that an ensemble gives to the window around a pixel of the frame, if any
+    /// takes it for a face, and what it cost to see that \[units of work\].
+    #[inline(never)]
     pub fn judge(&self, model: &DetectorModel<'_>, x: i32, y: i32) -> (Option<i32>, i64) {
-        let (score, trees) = match self.inside(x, y) {
-            Some(luma) => judge(model, luma),
-            None => judge(model, self.anywhere(x, y)),
-        };
-        (score, 1 + (trees / TREES_PER_UNIT) as i64)
+        let (mut best, mut asked) = (None, 0);
+        for ensemble in model.ensembles() {
+            let (score, trees) = match self.inside(x, y) {
+                Some(luma) => ensemble.judge(luma),
+                None => ensemble.judge(self.anywhere(x, y, false)),
+            };
+            best = best.max(score);
+            asked += trees;
+            if ensemble.mirrored {
+                let (score, trees) = ensemble.judge(self.anywhere(x, y, true));
+                best = best.max(score);
+                asked += trees;
+            }
+        }
+        (best, 1 + (asked / TREES_PER_UNIT) as i64)
     }
 
-    /// The luma of the grid around a pixel of the frame.
+    /// The luma of the grid, or of the mirrored grid, around a pixel of the frame.
     #[inline]
-    fn anywhere(&self, x: i32, y: i32) -> impl Fn(Pixel) -> u8 {
+    fn anywhere(&self, x: i32, y: i32, mirror: bool) -> impl Fn(Pixel) -> u8 {
         move |pixel| {
-            let [right, below] = self.far(pixel);
+            let [right, below] = self.far(if mirror { mirrored(pixel) } else { pixel });
             self.frame.luma(x + right, y + below)
         }
     }
 
-    /// The same, faster, if all of the grid lies inside and the frame has its luma in single bytes.
+    /// The luma of the grid, faster, if all of it lies inside and the frame has luma in single bytes.
     #[inline]
     fn inside(&self, x: i32, y: i32) -> Option<impl Fn(Pixel) -> u8> {
         let ([across, down], frame) = (self.reach, self.frame);
@@ -80,14 +91,13 @@ impl<'a> Windows<'a> {
 
     #[inline]
     fn far(&self, pixel: Pixel) -> [i32; 2] {
-        let far = self.from_centre.get(pixel as usize).copied();
+        let far = self.table.get(pixel as usize).copied();
         far.unwrap_or_default().map(i32::from)
     }
 }
 
 impl Ensemble<'_> {
     /// The final sum of a window that passes all thresholds, and the number of trees asked.
-    #[inline]
     fn judge(&self, luma: impl Fn(Pixel) -> u8) -> (Option<i32>, usize) {
         let leaves = self.forest.leaves();
         let mut sum = 0i32;
@@ -108,28 +118,8 @@ impl Ensemble<'_> {
     }
 }
 
-/// The best score (> 0) that an ensemble gives to the window with this luma, if any takes it for a
-/// face; and the number of trees asked, at most twice the trees of the model.
-#[inline]
-fn judge(model: &DetectorModel<'_>, luma: impl Fn(Pixel) -> u8) -> (Option<i32>, usize) {
-    let (mut best, mut asked) = (None, 0);
-    for ensemble in model.ensembles() {
-        let (score, trees) = ensemble.judge(&luma);
-        best = best.max(score);
-        asked += trees;
-        if ensemble.mirrored {
-            let (score, trees) = ensemble.judge(|pixel| luma(mirrored(pixel)));
-            best = best.max(score);
-            asked += trees;
-        }
-    }
-    (best, asked)
-}
-
 #[cfg(test)]
 mod tests {
-    extern crate std;
-
     use super::*;
     use crate::image::{FrameLayout, PixelFormat, Rotation};
 
@@ -153,10 +143,11 @@ mod tests {
             let frame = Frame::new(&layout, &bytes).unwrap();
             for (side, roll) in [(16, 0.0), (25, 0.5), (33, -0.5), (90, 0.5), (60_000, 1.0)] {
                 let window = Window::new(0, 0, side * 16, roll);
-                let windows = Windows::new(&frame, window);
+                let mut table = [[0; 2]; GRID * GRID];
+                let windows = Windows::new(&frame, window, &mut table);
                 for (x, y) in (0..frame.width()).flat_map(|x| (0..9).map(move |y| (x, 5 * y))) {
                     let window = window.at_pixel(x, y);
-                    let (anywhere, inside) = (windows.anywhere(x, y), windows.inside(x, y));
+                    let (anywhere, inside) = (windows.anywhere(x, y, false), windows.inside(x, y));
                     seen_inside += inside.is_some() as u32;
                     for pixel in 0..(GRID * GRID) as Pixel {
                         let expected = window.read(&frame, pixel);

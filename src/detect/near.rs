@@ -1,6 +1,7 @@
 //! A small, bounded search around a place where a face is expected.
 
 use super::cluster::{Clusters, Hit, turns};
+use super::grid::GRID;
 use super::judge::Windows;
 use super::refine::window_of;
 use super::window::Q4;
@@ -19,6 +20,7 @@ const ROLLS: [i32; 3] = [0, 3_641, -3_641];
 /// Tests at most `budget` units of work as [`Scan::advance`](super::Scan::advance) counts them,
 /// the expected size and roll first; the whole search is 7×7 places × 5 sizes × 3 rolls = 735
 /// windows.
+#[inline(never)]
 pub fn search_near(
     model: &DetectorModel<'_>,
     frame: &Frame<'_>,
@@ -30,6 +32,7 @@ pub fn search_near(
         return None;
     }
     let mut clusters = Clusters::default();
+    let mut table = [[0; 2]; GRID * GRID];
     let mut left = budget as i64;
     for roll in ROLLS {
         for scale in SIZES {
@@ -39,7 +42,7 @@ pub fn search_near(
                 ..*around
             };
             let step = place.size * model.step_q8 as f32 / 256.0;
-            let windows = Windows::new(frame, window_of(model, &place));
+            let windows = Windows::new(frame, window_of(model, &place), &mut table);
             for [x, y] in places(&place, step) {
                 if left <= 0 {
                     break;

@@ -36,11 +36,11 @@ pub(super) fn window_of(model: &DetectorModel<'_>, at: &Detection) -> Window {
 fn sums(model: &DetectorModel<'_>, frame: &Frame<'_>, window: &Window) -> [f32; REFINE_OUTPUTS] {
     let refiner = &model.refiner;
     let mut sums = [0i32; REFINE_OUTPUTS];
-    let each = refiner.forest.leaves() * REFINE_OUTPUTS;
-    for (group, trees) in refiner.leaves.chunks(ABREAST * each).enumerate() {
-        let reached = (refiner.forest).walk(group * ABREAST, |pixel| window.read(frame, pixel));
-        for (leaves, leaf) in trees.chunks(each).zip(reached) {
-            let values = leaves.get(leaf * REFINE_OUTPUTS..).unwrap_or(&[]);
+    for first in (0..refiner.forest.trees()).step_by(ABREAST) {
+        let reached = (refiner.forest).walk(first, |pixel| window.read(frame, pixel));
+        for (tree, leaf) in (first..refiner.forest.trees()).zip(reached) {
+            let at = (tree * refiner.forest.leaves() + leaf) * REFINE_OUTPUTS;
+            let values = refiner.leaves.get(at..).unwrap_or(&[]);
             for (sum, value) in sums.iter_mut().zip(values) {
                 *sum += *value as i32;
             }

@@ -9,6 +9,7 @@
 //! it makes up for the sizes that were not looked at yet.
 
 use super::cluster::{Clusters, Hit, turns};
+use super::grid::GRID;
 use super::judge::Windows;
 use super::window::Q4;
 use super::{Detection, DetectorModel, Window, refine, search_near};
@@ -188,13 +189,16 @@ impl Scan {
     }
 
     /// The rest of the places at one size and roll, as far as the work goes.
+    // By itself, so that its table has left the stack when a candidate is settled.
+    #[inline(never)]
     fn rows(&mut self, model: &DetectorModel<'_>, frame: &Frame<'_>, roll: i32, left: &mut i64) {
         let q8 = |v: i32| ((self.size as i64 * v as i64) >> 8) as i32;
         let (step, margin) = (q8(model.step_q8), q8(model.margin_q8));
         let across = Axis::new(self.width, margin, step);
         let down = Axis::new(self.height, margin, step);
         let window = Window::new(0, 0, q8(model.side_q8), turns(roll));
-        let windows = Windows::new(frame, window);
+        let mut table = [[0; 2]; GRID * GRID];
+        let windows = Windows::new(frame, window, &mut table);
         while self.row < down.count {
             let y = down.pixel(self.row);
             while self.column < across.count {
