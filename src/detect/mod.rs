@@ -4,7 +4,7 @@
 //! [`Detection`], that of the largest face. A window is judged by soft cascades of boosted trees
 //! whose nodes compare two pixels (Markuš et al., "Object detection with pixel intensity
 //! comparisons organized in decision trees", 2013): no pyramid, no integral image, no copy of the
-//! frame; the comparisons' offsets are scaled and turned with the window. Overlapping hits are
+//! frame; the [`GRID`] of pixels to compare is scaled and turned with the window. Overlapping hits are
 //! merged ([`cluster`]), and a small regression forest of the same comparisons then moves the
 //! merged window onto the face ([`refine`]).
 //!

@@ -10,7 +10,7 @@ pub(super) const Q4: i32 = 16;
 /// Largest side of a window \[px\]; with it no sum below leaves i32.
 const SIDE_MAX: i32 = 4 * MAX_SIDE as i32;
 
-/// A square of a frame, turned: maps offsets of comparisons to pixels.
+/// A square of a frame, turned: maps its grid to the frame's pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Window {
     // Centre [px, Q14], rounding included.
