@@ -188,12 +188,9 @@ fn rolls_and_mirrors_and_frame_layouts() {
         let b = sweep(&model, &mirror, 1000).expect("found mirrored");
         // Windows are centred on pixels: their mirror images lie up to one off.
         assert!((a.x + b.x - (SIDE - 1) as f32).abs() <= 0.5, "{a:?} {b:?}");
-        assert!((a.y - b.y).abs() <= 0.5, "{a:?} {b:?}");
-        let alike = |a: f32, b: f32| (a / b - 1.0).abs() < 0.05;
-        assert!(
-            alike(a.size, b.size) && alike(a.score, b.score),
-            "{a:?} {b:?}"
-        );
+        assert!((a.y - b.y).abs() <= 0.125, "{a:?} {b:?}");
+        assert!((a.size / b.size - 1.0).abs() < 0.005, "{a:?} {b:?}");
+        assert!((a.score / b.score - 1.0).abs() < 0.02, "{a:?} {b:?}");
     });
     let half = FrameLayout {
         rotation: Rotation::Half,
