@@ -10,6 +10,8 @@ const TREES_PER_UNIT: usize = 16;
 
 /// From a centre to each pixel of the grid, right and down \[px\].
 pub(super) type Table = [[i16; 2]; GRID * GRID];
+/// A table that [`Windows::new`] has not filled yet.
+pub(super) const EMPTY: Table = [[0; 2]; GRID * GRID];
 
 /// All windows of one size and roll on a frame, around its pixels.
 ///
@@ -143,7 +145,7 @@ mod tests {
             let frame = Frame::new(&layout, &bytes).unwrap();
             for (side, roll) in [(16, 0.0), (25, 0.5), (33, -0.5), (90, 0.5), (60_000, 1.0)] {
                 let window = Window::new(0, 0, side * 16, roll);
-                let mut table = [[0; 2]; GRID * GRID];
+                let mut table = EMPTY;
                 let windows = Windows::new(&frame, window, &mut table);
                 for (x, y) in (0..frame.width()).flat_map(|x| (0..9).map(move |y| (x, 5 * y))) {
                     let window = window.at_pixel(x, y);

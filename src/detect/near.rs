@@ -1,8 +1,7 @@
 //! A small, bounded search around a place where a face is expected.
 
 use super::cluster::{Clusters, Hit, turns};
-use super::grid::GRID;
-use super::judge::Windows;
+use super::judge::{EMPTY, Windows};
 use super::refine::window_of;
 use super::window::Q4;
 use super::{Detection, DetectorModel, refine};
@@ -20,6 +19,7 @@ const ROLLS: [i32; 3] = [0, 3_641, -3_641];
 /// Tests at most `budget` units of work as [`Scan::advance`](super::Scan::advance) counts them,
 /// the expected size and roll first; the whole search is 7×7 places × 5 sizes × 3 rolls = 735
 /// windows.
+// By itself, so that its table is on the stack only while it runs.
 #[inline(never)]
 pub fn search_near(
     model: &DetectorModel<'_>,
@@ -32,7 +32,7 @@ pub fn search_near(
         return None;
     }
     let mut clusters = Clusters::default();
-    let mut table = [[0; 2]; GRID * GRID];
+    let mut table = EMPTY;
     let mut left = budget as i64;
     for roll in ROLLS {
         for scale in SIZES {

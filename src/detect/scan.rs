@@ -9,8 +9,7 @@
 //! it makes up for the sizes that were not looked at yet.
 
 use super::cluster::{Clusters, Hit, turns};
-use super::grid::GRID;
-use super::judge::Windows;
+use super::judge::{EMPTY, Windows};
 use super::window::Q4;
 use super::{Detection, DetectorModel, Window, refine, search_near};
 use crate::image::Frame;
@@ -197,7 +196,7 @@ impl Scan {
         let across = Axis::new(self.width, margin, step);
         let down = Axis::new(self.height, margin, step);
         let window = Window::new(0, 0, q8(model.side_q8), turns(roll));
-        let mut table = [[0; 2]; GRID * GRID];
+        let mut table = EMPTY;
         let windows = Windows::new(frame, window, &mut table);
         while self.row < down.count {
             let y = down.pixel(self.row);
