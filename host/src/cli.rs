@@ -170,7 +170,7 @@ pub struct LandmarksArgs {
     /// Write the numbers as JSON
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
-    /// Write one row per picture: found, errors, yaw band
+    /// Write one row per picture: found, errors, yaw band, mean shift from the labels
     #[arg(long, value_name = "FILE")]
     pub per_image: Option<PathBuf>,
     /// Model file; without it the embedded model

@@ -56,6 +56,9 @@ pub struct Outcome {
     /// Distances per landmark over the inter-ocular distance; `None` when the labelled face was
     /// not found.
     pub errors: Option<[f64; 68]>,
+    /// Where the found landmarks lie on average beside the labelled ones, along the labelled eye
+    /// line and down across it, over the inter-ocular distance.
+    pub shift: Option<[f64; 2]>,
     /// What the tracker thought of that, if anybody asked.
     pub trust: Option<Trust>,
     /// The face's size that confidences refer to, over the inter-ocular distance: 1 towards the
@@ -79,6 +82,7 @@ impl Outcome {
         Outcome {
             band: yaw_band(label),
             errors: same.map(|f| errors(label, f)),
+            shift: same.map(|f| shift(label, f)),
             trust: None,
             scale: scale(label),
         }
@@ -109,6 +113,19 @@ impl Outcome {
         // A NaN is a failure too.
         !self.nme(0, 68).is_some_and(|e| e <= FAILURE_NME)
     }
+}
+
+/// From the outer corner of the right eye to that of the left one \[px\].
+pub fn eye_line(label: &Points) -> [f64; 2] {
+    [0, 1].map(|k| label[45][k] - label[36][k])
+}
+
+fn shift(label: &Points, found: &Points) -> [f64; 2] {
+    let [x, y] = eye_line(label);
+    let sum = |k: usize| -> f64 { label.iter().zip(found).map(|(l, f)| f[k] - l[k]).sum() };
+    let [dx, dy] = [0, 1].map(|k| sum(k) / 68.0);
+    let squared = (x * x + y * y).max(1e-18);
+    [(dx * x + dy * y) / squared, (dy * x - dx * y) / squared]
 }
 
 /// A landmark is right within this share of the face's size.
@@ -284,6 +301,17 @@ mod tests {
             "another face"
         );
         assert!(Outcome::new(&l, None).failed());
+    }
+
+    /// A turned picture: 3 px to the image's right and 4 px down are 5 px along an eye line of
+    /// 100 px that falls as steeply.
+    #[test]
+    fn shift_by_hand() {
+        let turned = label(50.0).map(|[x, y]| [0.6 * x - 0.8 * y, 0.8 * x + 0.6 * y]);
+        let moved = turned.map(|[x, y]| [x + 3.0, y + 4.0]);
+        let [along, down] = Outcome::new(&turned, Some(&moved)).shift.unwrap();
+        assert!((along - 0.05).abs() < 1e-12 && down.abs() < 1e-12);
+        assert_eq!(Outcome::new(&turned, None).shift, None);
     }
 
     #[test]

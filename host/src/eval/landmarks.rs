@@ -15,7 +15,9 @@ use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
 use super::camera;
-use super::landmark_metrics::{Outcome, PARTS, Points, Summary, Trust, YawBand, bounds, summarize};
+use super::landmark_metrics::{
+    Outcome, PARTS, Points, Summary, Trust, YawBand, bounds, eye_line, summarize,
+};
 use super::table::Table;
 use crate::cli::{LandmarksArgs, Start};
 use crate::model_file::ModelFile;
@@ -218,10 +220,22 @@ fn to_json(args: &LandmarksArgs, total: &Summary, bands: &[(&str, Summary)]) -> 
 fn write_per_image(path: &Path, labels: &[Label], outcomes: &[Outcome]) -> Result<()> {
     let mut out = csv::Writer::from_writer(output::create(path)?);
     let context = || format!("cannot write {}", path.display());
-    out.write_record(["image", "band", "found", "failed", "nme68", "nme51"])
-        .with_context(context)?;
+    out.write_record([
+        "image",
+        "band",
+        "found",
+        "failed",
+        "nme68",
+        "nme51",
+        "shift_along",
+        "shift_down",
+        "inter_ocular_px",
+        "roll_deg",
+    ])
+    .with_context(context)?;
     for (label, outcome) in labels.iter().zip(outcomes) {
         let band = YawBand::ALL.iter().find(|(b, _)| *b == outcome.band);
+        let [x, y] = eye_line(&label.points);
         let number = |v: Option<f64>| v.map_or(String::new(), |v| format!("{v:.5}"));
         out.write_record([
             label.image.as_str(),
@@ -230,6 +244,10 @@ fn write_per_image(path: &Path, labels: &[Label], outcomes: &[Outcome]) -> Resul
             if outcome.failed() { "1" } else { "0" },
             &number(outcome.nme(0, 68)),
             &number(outcome.nme(17, 68)),
+            &number(outcome.shift.map(|s| s[0])),
+            &number(outcome.shift.map(|s| s[1])),
+            &format!("{:.2}", x.hypot(y)),
+            &format!("{:.2}", y.atan2(x).to_degrees()),
         ])
         .with_context(context)?;
     }
