@@ -120,12 +120,16 @@ pub fn eye_line(label: &Points) -> [f64; 2] {
     [0, 1].map(|k| label[45][k] - label[36][k])
 }
 
-fn shift(label: &Points, found: &Points) -> [f64; 2] {
+/// A displacement \[px\] along the labelled eye line and down across it, over its length.
+fn by_eye_line(label: &Points, [dx, dy]: [f64; 2]) -> [f64; 2] {
     let [x, y] = eye_line(label);
-    let sum = |k: usize| -> f64 { label.iter().zip(found).map(|(l, f)| f[k] - l[k]).sum() };
-    let [dx, dy] = [0, 1].map(|k| sum(k) / 68.0);
     let squared = (x * x + y * y).max(1e-18);
     [(dx * x + dy * y) / squared, (dy * x - dx * y) / squared]
+}
+
+fn shift(label: &Points, found: &Points) -> [f64; 2] {
+    let sum = |k: usize| -> f64 { label.iter().zip(found).map(|(l, f)| f[k] - l[k]).sum() };
+    by_eye_line(label, [0, 1].map(|k| sum(k) / 68.0))
 }
 
 /// A landmark is right within this share of the face's size.
@@ -166,12 +170,9 @@ fn iou(a: &[f64; 4], b: &[f64; 4]) -> f64 {
 /// |dl − dr| / (dl + dr), dl and dr the distances along the eye line from the nose tip (30) to the
 /// outer eye corners 36 and 45: 0 frontal, 1 when the tip is level with a corner or past it.
 pub fn asymmetry(label: &Points) -> f64 {
-    let (right, left, tip) = (label[36], label[45], label[30]);
-    let iod = distance(right, left).max(1e-9);
-    let along = [(left[0] - right[0]) / iod, (left[1] - right[1]) / iod];
-    let to_right = (tip[0] - right[0]) * along[0] + (tip[1] - right[1]) * along[1];
-    // dl + dr = iod as long as the tip lies between the corners.
-    ((2.0 * to_right - iod) / iod).abs().min(1.0)
+    // dl + dr is the line's length as long as the tip lies between the corners.
+    let [to_right, _] = by_eye_line(label, [0, 1].map(|k| label[30][k] - label[36][k]));
+    (2.0 * to_right - 1.0).abs().min(1.0)
 }
 
 fn yaw_band(label: &Points) -> YawBand {
