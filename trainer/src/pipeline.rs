@@ -209,8 +209,9 @@ impl Training<'_> {
         detect::train(&faces, &self.empty()?, &self.args.cache, &options)
     }
 
-    /// The cascade: global and fine stages. The global stage is trained on the labels as they are, then, where there are photographs,
-    /// goes on with labels that it has bettered.
+    /// The cascade: global and fine stages. The global stage is trained on the labels as they are,
+    /// then goes on with labels that it has bettered and faces without; without photographs, with
+    /// the same renders, those from the front more often.
     fn cascade(&self) -> Result<Cascade> {
         let args = self.args;
         let mut options = align::Options {
@@ -232,23 +233,23 @@ impl Training<'_> {
             }
             false => align::cascade(self.faces()?, &options, &checkpoint, None),
         })?;
-        if !args.clean {
-            options = align::Options {
-                seed: args.seed ^ 0x5eed,
-                ..options.second()
-            };
-            key = format!("{options:?}-{key}");
-            if args.hard_renders > 0 {
-                key = format!("{key}-{}", args.hard_renders);
-            }
-            let second = self.checkpoint(&key);
-            global = kept(args, &AlignModel::TAG, &key, || {
-                let mut faces = align::with_model(&global, None, |teacher| self.bettered(teacher))?;
-                faces.extend(self.hard()?);
-                align::cascade(&faces, &options, &second, Some(&checkpoint))
-            })?;
-            checkpoint = second;
+        options = align::Options {
+            seed: args.seed ^ 0x5eed,
+            // Faces are mostly seen from the front: what photographs tell by themselves.
+            front: if args.clean { 4.0 } else { 0.0 },
+            ..options.second()
+        };
+        key = format!("{options:?}-{key}");
+        if !args.clean && args.hard_renders > 0 {
+            key = format!("{key}-{}", args.hard_renders);
         }
+        let second = self.checkpoint(&key);
+        global = kept(args, &AlignModel::TAG, &key, || {
+            let mut faces = self.bettered(&global)?;
+            faces.extend(self.hard()?);
+            align::cascade(&faces, &options, &second, Some(&checkpoint))
+        })?;
+        checkpoint = second;
         let trained = align::Trained::read(&checkpoint, &options.sizes);
         let options = align::parts::options(args.seed, args.steps / 2);
         // No hard renders: lids half way that are hardly seen would teach the network to guess the
@@ -256,10 +257,7 @@ impl Training<'_> {
         let key = format!("{options:?}-{key}-{}", args.near_renders);
         let parts = kept(args, &Parts::TAG, &key, || {
             let hash = posewise::model::crc32(key.as_bytes());
-            let mut faces = match args.clean {
-                true => self.faces()?.to_vec(),
-                false => align::with_model(&global, None, |model| self.bettered(model))?,
-            };
+            let mut faces = self.bettered(&global)?;
             faces.extend(faces::rendered(
                 &self.near_renders,
                 args.near_renders as usize,
@@ -283,19 +281,25 @@ impl Training<'_> {
         })
     }
 
-    /// The faces with labels as a trained cascade would have them, and those in photographs that
-    /// have no labels.
-    fn bettered(&self, teacher: &AlignModel<'_>) -> Result<Vec<Face>> {
-        let labels = self.args.data.join("faces68");
-        let photographs = faces::photographs(&labels.join("train.csv"), &labels.join("train"))?;
-        let mut faces = align::relabel::blended(teacher, &photographs);
-        let unlabelled = self.args.data.join("faces-unlabelled");
-        let (found, dropped) = align::relabel::found(teacher, &unlabelled)?;
-        println!(
-            "{} faces without labels taken, {dropped} dropped",
-            found.len()
-        );
-        faces.extend(found);
+    /// Photographs with labels as a trained global stage would have them, those without labels too,
+    /// and renders as they are.
+    fn bettered(&self, global: &SectionWriter) -> Result<Vec<Face>> {
+        if self.args.clean {
+            return Ok(self.faces()?.to_vec());
+        }
+        let mut faces = align::with_model(global, None, |teacher| {
+            let labels = self.args.data.join("faces68");
+            let photographs = faces::photographs(&labels.join("train.csv"), &labels.join("train"))?;
+            let mut faces = align::relabel::blended(teacher, &photographs);
+            let unlabelled = self.args.data.join("faces-unlabelled");
+            let (found, dropped) = align::relabel::found(teacher, &unlabelled)?;
+            println!(
+                "{} faces without labels taken, {dropped} dropped",
+                found.len()
+            );
+            faces.extend(found);
+            Ok(faces)
+        })?;
         faces.extend(faces::rendered(&self.renders, self.args.renders as usize)?);
         Ok(faces)
     }

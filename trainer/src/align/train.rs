@@ -44,6 +44,9 @@ pub struct Options {
     pub covered: f32,
     /// How much more often a photograph of a face in profile is drawn than one from the front.
     pub turned: f32,
+    /// How much more often a render of a face from the front is drawn than one in profile, beyond
+    /// once.
+    pub front: f32,
     /// Largest rate; it rises over `warm_up` steps, then falls as a cosine.
     pub rate: f32,
     /// Steps until then.
@@ -69,6 +72,7 @@ impl Default for Options {
             rendered: 0.4,
             covered: 0.0,
             turned: 3.0,
+            front: 0.0,
             rate: 2e-3,
             warm_up: 300,
             decay: 0.02,
@@ -421,7 +425,8 @@ impl Weighted {
 }
 
 impl Draw {
-    /// Photographs of turned faces come more often, and so do faces of interest.
+    /// Photographs of turned faces come more often, renders of turned ones less, and faces of
+    /// interest more.
     pub fn new(faces: &[Face], options: &Options, interest: impl Fn(&Face) -> f32) -> Result<Draw> {
         ensure!(!faces.is_empty(), "no faces to train on");
         let of = |rendered: bool| {
@@ -432,7 +437,10 @@ impl Draw {
             photographs: Weighted::new(of(false), |k| {
                 interest(&faces[k]) * (1.0 + options.turned * faces[k].turn().abs())
             }),
-            renders: Weighted::new(of(true), |k| interest(&faces[k])),
+            renders: Weighted::new(of(true), |k| {
+                let straight = 1.0 - faces[k].turn().abs();
+                interest(&faces[k]) * (1.0 + options.front * straight * straight)
+            }),
             rendered: options.rendered,
         })
     }

@@ -71,11 +71,12 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// Different procedural people.
-    fn people(self) -> usize {
-        match self {
-            Kind::Plain => 256,
-            Kind::Hard | Kind::Near => 600,
+    /// Different procedural people, alone or beside photographed ones.
+    fn people(self, clean: bool) -> usize {
+        match (self, clean) {
+            (Kind::Plain, true) => 2048,
+            (Kind::Plain, false) => 256,
+            (Kind::Hard | Kind::Near, _) => 600,
         }
     }
 
@@ -107,7 +108,7 @@ pub fn renderer(args: &Args) -> Result<Renderer> {
     };
     let mut people = People::new(
         &mesh,
-        args.kind.people(),
+        args.kind.people(args.clean),
         args.seed,
         args.kind == Kind::Near,
     );
