@@ -45,7 +45,7 @@ pub struct Args {
     /// Faces rendered from near, for the fine stages.
     #[arg(long, default_value_t = 9_000)]
     pub near_renders: u64,
-    /// Further ones of what plain ones lack, for the global stage: things worn, lids half way, odd
+    /// Further ones of what plain ones lack, for the second round: things worn, lids half way, odd
     /// eyes, larger turns.
     #[arg(long, default_value_t = 0)]
     pub hard_renders: u64,
@@ -221,17 +221,9 @@ impl Training<'_> {
             ..align::Options::default()
         };
         let mut key = format!("{options:?}-{}", args.renders);
-        if args.clean && args.hard_renders > 0 {
-            key = format!("{key}-{}", args.hard_renders);
-        }
         let mut checkpoint = self.checkpoint(&key);
-        let mut global = kept(args, &AlignModel::TAG, &key, || match args.clean {
-            true => {
-                let mut faces = self.faces()?.to_vec();
-                faces.extend(self.hard()?);
-                align::cascade(&faces, &options, &checkpoint, None)
-            }
-            false => align::cascade(self.faces()?, &options, &checkpoint, None),
+        let mut global = kept(args, &AlignModel::TAG, &key, || {
+            align::cascade(self.faces()?, &options, &checkpoint, None)
         })?;
         options = align::Options {
             seed: args.seed ^ 0x5eed,
@@ -240,7 +232,7 @@ impl Training<'_> {
             ..options.second()
         };
         key = format!("{options:?}-{key}");
-        if !args.clean && args.hard_renders > 0 {
+        if args.hard_renders > 0 {
             key = format!("{key}-{}", args.hard_renders);
         }
         let second = self.checkpoint(&key);

@@ -44,8 +44,7 @@ pub struct Options {
     pub covered: f32,
     /// How much more often a photograph of a face in profile is drawn than one from the front.
     pub turned: f32,
-    /// How much more often a render of a face from the front is drawn than one in profile, beyond
-    /// once.
+    /// How much more often a render of a face from the front is drawn than one in profile.
     pub front: f32,
     /// Largest rate; it rises over `warm_up` steps, then falls as a cosine.
     pub rate: f32,
