@@ -51,9 +51,9 @@ const KEEP: f32 = 0.02;
 /// others.
 const KEEP_RECOGNISED: f32 = 0.003;
 const RECOGNISED: u32 = 8;
-/// How long a face may be in doubt without being recognised \[µs\]: what is left where somebody was
-/// may resemble a face a little for as long as it is looked at.
-const DOUBTED_US: i64 = 500_000;
+/// How long a face may be in doubt without being recognised \[µs\], longer than a blink: what is left
+/// where somebody was may resemble a face a little for as long as it is looked at.
+const DOUBTED_US: i64 = 250_000;
 /// How long the last answer is held \[µs\].
 const HOLD_US: i64 = 500_000;
 /// How long a lost face is expected back at about the same size \[µs\].
