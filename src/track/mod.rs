@@ -6,7 +6,9 @@ mod model;
 mod motion;
 mod place;
 mod result;
+mod search;
 mod smooth;
+mod subject;
 mod tracker;
 
 pub use config::{Config, ConfigError};

@@ -1,12 +1,9 @@
 //! One step: frame in, result out; and the state machine around it.
 //!
-//! Searching runs a slice of the detector's sweep; a face found there is aligned and judged at
-//! once. Small faces take most of a sweep, so every other slice goes to one over large faces alone. A
-//! face that was lost not long ago is mostly looked for at its own size, wherever it is.
-//! Tracking runs the cascade once from the shape that the last frames predict. A fit whose
-//! probability falls below `KEEP` (`STAY` where it was never sure, `KEEP_RECOGNISED` where what is seen
-//! of it looks like itself) makes the tracker Holding: the last answer is repeated, the detector looks
-//! around it and elsewhere, and after `HOLD_US` the search starts anew.
+//! Searching runs a slice of the detector's sweeps; a face found there is aligned and judged at
+//! once. Tracking runs the cascade once from the shape that the last frames predict. A fit in more
+//! doubt than the face may bear makes the tracker Holding: the last answer is repeated, the detector
+//! looks around it and elsewhere, and after `HOLD_US` the search starts anew.
 //!
 //! Keyframes are kept of sure frames while Tracking, at most one a step and none that brings nothing
 //! new. With the step that loses the face and with each one after it one window of the frame is
@@ -14,62 +11,32 @@
 //! detection. They outlive a loss and a stranger, for the person may come back: a stranger's
 //! keyframes take the places of those that were of use longest ago.
 
-use super::config::{Config, ConfigError};
-use super::motion::{Motion, steadied};
 use core::mem::MaybeUninit;
 
 use super::answer::write;
+use super::config::{Config, ConfigError};
+use super::motion::steadied;
 use super::place::{overlaps, place_of, start_in};
+use super::search::{Lost, Search, Slice};
 use super::smooth::{Smoother, Smoothing};
+use super::subject::{STAY, Subject, TRUST, Whose};
 use super::{Loss, Model, State, TrackResult};
 use crate::align::{Shape, Workspace};
-use crate::detect::{Detection, Scan, Sizes, Swept, search_near};
+use crate::detect::{Detection, Sizes, search_near};
+use crate::experts::Verdict;
 #[cfg(not(feature = "experts"))]
 use crate::experts::by_fit;
-use crate::experts::{Person, Verdict};
 use crate::image::Frame;
 #[cfg(feature = "keyframes")]
 use crate::keyframe::{Keyframes, Seen, Wanted};
 #[cfg(feature = "keyframes")]
 use crate::math::HeadAngles;
-use crate::shape::{
-    FIRST, FRAME_WEIGHT, FaceState, FitOptions, IdentityEstimator, Intrinsics, LANDMARKS,
-    MAX_IDENTITIES, Observed, fit,
-};
+use crate::shape::{FIRST, FRAME_WEIGHT, FitOptions, Intrinsics, MAX_IDENTITIES, Observed, fit};
 
 /// A detection becomes a tracked face from this probability on.
 const ACCEPT: f32 = 0.8;
-/// A face that was never sure is given up below this probability: without a step between the two,
-/// one at the edge would come and go. Below it the fine stages' answer leads nowhere.
-const STAY: f32 = 0.5;
-/// A candidate gets a second look from this probability on.
-const DOUBT: f32 = 0.1;
-/// A face that was sure once is given up below this probability: a fit that was right a frame ago
-/// deserves more trust than one out of the blue.
-const KEEP: f32 = 0.02;
-/// … and below this one while so many of its landmarks look like themselves: something covers the
-/// others.
-const KEEP_RECOGNISED: f32 = 0.003;
-const RECOGNISED: u32 = 8;
-/// How long a face may be in doubt without being recognised \[µs\], longer than a blink: what is left
-/// where somebody was may resemble a face a little for as long as it is looked at.
-const DOUBTED_US: i64 = 250_000;
 /// How long the last answer is held \[µs\].
 const HOLD_US: i64 = 500_000;
-/// How long a lost face is expected back at about the same size \[µs\].
-const RECALL_US: i64 = 10_000_000;
-/// Of so many slices of the search for it one goes to faces of all sizes.
-const RECALL_TURNS: u32 = 4;
-/// Of so many slices of any other search one goes to large faces.
-const LARGE_TURNS: u32 = 2;
-/// Large faces are at least this share of the frame's shorter side: who sits before a camera.
-const LARGE: f32 = 0.25;
-/// Only frames at least this sure teach who it is.
-const TRUST: f32 = 0.9;
-/// So many trusted frames teach it one by one.
-const IDENTITY_FRAMES: u32 = 30;
-/// Of the trusted frames after those, one in so many refines the identity.
-const REFINED_EVERY: u32 = 4;
 /// Work of one search around a lost face, in the detector's units.
 const NEAR_BUDGET: u32 = 1500;
 
@@ -106,96 +73,6 @@ impl core::fmt::Display for StepError {
 
 impl core::error::Error for StepError {}
 
-/// What is known of the tracked face. Edited in place: it takes much of a small stack.
-#[derive(Clone)]
-struct Subject {
-    /// Where the next frame starts from.
-    shape: Shape,
-    /// Where the last frame's crop was placed.
-    guess: Shape,
-    motion: Motion,
-    /// The 3D face of the last fit.
-    face: FaceState,
-    identity: IdentityEstimator,
-    /// How the person's landmarks look.
-    person: Person,
-    /// Whether it was sure at least once since it was found: only then may it become as doubtful as
-    /// a covered face is.
-    trusted: bool,
-    /// Frames that were sure since it was found.
-    trusted_frames: u32,
-    /// When it was last fitted \[µs\].
-    fitted_us: i64,
-    /// When it was last a face more likely than not, or recognised \[µs\].
-    known_us: i64,
-}
-
-impl Subject {
-    const EMPTY: Subject = Subject {
-        shape: [[0.0; 2]; LANDMARKS],
-        guess: [[0.0; 2]; LANDMARKS],
-        motion: Motion::STILL,
-        face: FaceState::EMPTY,
-        // Renewed for every stranger; zero until then, as all of `Tracker::EMPTY`.
-        identity: IdentityEstimator::with_memory(0.0),
-        person: Person::NOBODY,
-        trusted: false,
-        trusted_frames: 0,
-        fitted_us: 0,
-        known_us: 0,
-    };
-
-    /// Probability below which the face counts as lost, when so many landmarks look like themselves.
-    fn keep(&self, recognised: u32, now: i64) -> f32 {
-        // Without `experts` and `adaptation` nobody is recognised, and a covered face would be given up too.
-        let doubted = cfg!(all(feature = "experts", feature = "adaptation"))
-            && now.saturating_sub(self.known_us) > DOUBTED_US;
-        match self.trusted {
-            true if recognised >= RECOGNISED => KEEP_RECOGNISED,
-            true if !doubted => KEEP,
-            _ => STAY,
-        }
-    }
-}
-
-/// A face that was there not long ago.
-#[derive(Clone, Copy)]
-struct Lost {
-    /// As the detector has it; 0 for nobody.
-    size_px: f32,
-    /// In-plane rotation \[rad\].
-    #[cfg_attr(not(feature = "keyframes"), allow(dead_code))]
-    roll: f32,
-    when_us: i64,
-}
-
-impl Lost {
-    const NOBODY: Lost = Lost {
-        size_px: 0.0,
-        roll: 0.0,
-        when_us: 0,
-    };
-
-    fn at(place: &Detection, when_us: i64) -> Lost {
-        Lost {
-            size_px: place.size,
-            roll: place.roll,
-            when_us,
-        }
-    }
-}
-
-/// Whose face a shape is, and what to fit the 3D face from.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Whose {
-    /// Nobody's that is known.
-    Stranger,
-    /// The subject's, lost for a while: the identity holds, the pose does not.
-    Lost,
-    /// The subject's, tracked from the frame before.
-    Tracked,
-}
-
 /// All state of one tracked face. Plain data: a copy of it goes on independently.
 #[derive(Clone)]
 pub struct Tracker {
@@ -203,15 +80,7 @@ pub struct Tracker {
     result: TrackResult,
     smoother: Smoother,
     last_timestamp_us: Option<i64>,
-    scan: Scan,
-    /// The sweep over the sizes that are likeliest.
-    likely: Scan,
-    lost: Lost,
-    /// The likeliest of the last frame's candidates that were refused; 0 if there was none.
-    doubt: f32,
-    doubtful: Shape,
-    /// Counts steps without a face.
-    turn: u32,
+    search: Search,
     /// Counts looks for keyframes since a face was tracked.
     looks: u32,
     /// Meaningful unless Searching.
@@ -237,12 +106,7 @@ impl Tracker {
         result: TrackResult::EMPTY,
         smoother: Smoother::EMPTY,
         last_timestamp_us: None,
-        scan: Scan::new(),
-        likely: Scan::new(),
-        lost: Lost::NOBODY,
-        doubt: 0.0,
-        doubtful: [[0.0; 2]; LANDMARKS],
-        turn: 0,
+        search: Search::EMPTY,
         looks: 0,
         subject: Subject::EMPTY,
         work: Workspace::new(),
@@ -354,11 +218,7 @@ impl Tracker {
         self.result = TrackResult::default();
         self.smoother = Smoother::EMPTY;
         self.last_timestamp_us = None;
-        self.scan.restart();
-        self.likely.restart();
-        self.lost = Lost::NOBODY;
-        self.doubt = 0.0;
-        self.turn = 0;
+        self.search.reset();
         self.looks = 0;
         #[cfg(feature = "keyframes")]
         self.keyframes.forget();
@@ -367,9 +227,7 @@ impl Tracker {
     /// Forgets whose face it is, as when somebody else takes the seat: the identity is learnt anew
     /// from the next trusted frames. The face goes on being tracked.
     pub fn forget_person(&mut self) {
-        self.subject.identity = IdentityEstimator::new();
-        self.subject.person = Person::NOBODY;
-        self.subject.face.identity = [0.0; MAX_IDENTITIES];
+        self.subject.forget_person();
         #[cfg(feature = "keyframes")]
         self.keyframes.forget();
     }
@@ -391,19 +249,10 @@ impl Tracker {
     /// One slice of a sweep: over all sizes, or over those that are likeliest, which takes a few
     /// frames.
     fn search(&mut self, model: &Model<'_>, frame: &Frame<'_>, now: i64) {
-        let age_us = now.saturating_sub(self.lost.when_us);
-        self.turn = self.turn.wrapping_add(1);
-        let recent = self.lost.size_px > 0.0 && age_us < RECALL_US;
-        let likely = match recent {
-            true => (!self.turn.is_multiple_of(RECALL_TURNS)).then(|| self.sizes_of(&self.lost)),
-            // Not the first one: where it sees the whole frame, there is no need for it.
-            false => (self.turn.is_multiple_of(LARGE_TURNS)).then(|| self.large_sizes(frame)),
-        };
-        // Rarely where the budget is so small that a look would be most of it.
-        let rare = RECOLLECT_UNITS.div_ceil(self.config.scan_budget.max(1));
-        let rare = rare.max(if recent { 1 } else { RECALL_TURNS });
-        let looked = self.turn.is_multiple_of(rare);
-        let spent = match looked.then(|| self.recollect(model, frame, now, self.lost)) {
+        self.search.next_turn();
+        let likely = self.search.likely_sizes(&self.config, frame, now);
+        let looked = self.search.recollects(&self.config, RECOLLECT_UNITS, now);
+        let spent = match looked.then(|| self.recollect(model, frame, now, self.search.lost)) {
             Some(Recollected::Found) => return,
             Some(Recollected::Nobody(spent)) => spent,
             None => 0,
@@ -411,23 +260,6 @@ impl Tracker {
         if !self.sweep(model, frame, now, likely, spent) {
             self.lose(now);
         }
-    }
-
-    fn all_sizes(&self) -> Sizes {
-        Sizes::from(self.config.min_face_px as i32)
-    }
-
-    /// About as large as a face was when it was lost.
-    fn sizes_of(&self, lost: &Lost) -> Sizes {
-        Sizes {
-            min_px: ((lost.size_px * 0.8) as i32).max(self.all_sizes().min_px),
-            max_px: (lost.size_px * 1.25) as i32,
-        }
-    }
-
-    fn large_sizes(&self, frame: &Frame<'_>) -> Sizes {
-        let large = LARGE * frame.width().min(frame.height()) as f32;
-        Sizes::from((large as i32).max(self.all_sizes().min_px))
     }
 
     /// Goes on with the sweep over the likely sizes, if any are given, and with that over all of them
@@ -439,46 +271,23 @@ impl Tracker {
         frame: &Frame<'_>,
         now: i64,
         likely: Option<Sizes>,
-        spent: u32,
+        mut spent: u32,
     ) -> bool {
-        let all = self.all_sizes();
-        // While a face is held nobody of another size takes its place.
-        let searching = self.result.state == State::Searching;
-        let mut likely = likely.filter(|sizes| *sizes != all);
-        let mut budget = self.config.scan_budget.saturating_sub(spent).max(1);
+        let wide = self.result.state == State::Searching;
         let mut found = false;
-        if self.doubt >= DOUBT && spent <= RECOLLECT_UNITS {
+        if self.search.is_in_doubt() && spent <= RECOLLECT_UNITS {
             found = self.second_look(model, frame, now);
-            budget = budget.saturating_sub(SECOND_LOOK_UNITS).max(1);
+            spent += SECOND_LOOK_UNITS;
         }
-        while budget > 0 && !found {
-            let (scan, sizes) = match likely {
-                Some(sizes) => (&mut self.likely, sizes),
-                None => (&mut self.scan, all),
-            };
-            let swept = scan.advance(&model.detector, frame, sizes, budget);
-            budget = scan.left();
-            match swept {
-                Swept::Found(face) => {
-                    budget = budget.saturating_sub(ACQUIRE_UNITS);
-                    found = self.acquire(model, frame, now, &face, Whose::Stranger);
-                }
-                Swept::Nothing if likely.is_some() && searching => likely = None,
-                Swept::Nothing | Swept::Unfinished => break,
-            }
+        let mut slice = Slice::new(&self.config, likely, wide, spent);
+        while !found && let Some(face) = self.search.next(&model.detector, frame, &mut slice) {
+            found = self.acquire(model, frame, now, &face, Whose::Stranger);
+            slice.spend(ACQUIRE_UNITS);
         }
         if found {
-            self.found();
+            self.search.end();
         }
         found
-    }
-
-    /// Nobody is looked for any more.
-    fn found(&mut self) {
-        self.scan.restart();
-        self.likely.restart();
-        self.lost = Lost::NOBODY;
-        self.doubt = 0.0;
     }
 
     /// Looks for the lost face, or another that was tracked before, by keyframes.
@@ -513,7 +322,7 @@ impl Tracker {
             return Recollected::Nobody(RECOLLECT_UNITS + SECOND_LOOK_UNITS);
         }
         self.keyframes.take(&found);
-        self.found();
+        self.search.end();
         Recollected::Found
     }
 
@@ -559,8 +368,8 @@ impl Tracker {
             Recollected::Found => return,
             Recollected::Nobody(spent) => spent,
         };
-        self.turn = self.turn.wrapping_add(1);
-        let found = if self.turn.is_multiple_of(2) {
+        self.search.next_turn();
+        let found = if self.search.is_one_in(2) {
             search_near(
                 &model.detector,
                 frame,
@@ -569,7 +378,7 @@ impl Tracker {
             )
             .is_some_and(|face| self.acquire(model, frame, now, &face, Whose::Lost))
         } else {
-            self.sweep(model, frame, now, Some(self.sizes_of(&jumped)), spent)
+            self.sweep(model, frame, now, Some(jumped.sizes(&self.config)), spent)
         };
         if !found {
             self.keep_holding(model, now);
@@ -579,8 +388,8 @@ impl Tracker {
     fn keep_holding(&mut self, model: &Model<'_>, now: i64) {
         let age_us = now.saturating_sub(self.subject.fitted_us);
         if age_us > HOLD_US {
-            self.scan.restart();
-            self.lost = Lost::at(&place_of(model, &self.subject.shape), now);
+            self.search
+                .begin(Lost::at(&place_of(model, &self.subject.shape), now));
             self.lose(now);
         } else {
             self.result.state = State::Holding;
@@ -615,9 +424,8 @@ impl Tracker {
         let taken = self.take(model, frame, now, passes, &mut shape, whose);
         if let Err(face) = taken
             && face < ACCEPT
-            && face > self.doubt
         {
-            (self.doubt, self.doubtful) = (face, *self.work.coarse());
+            self.search.refuse(face, self.work.coarse());
         }
         taken.is_ok()
     }
@@ -626,8 +434,7 @@ impl Tracker {
     /// cascade takes a pass more.
     #[inline(never)]
     fn second_look(&mut self, model: &Model<'_>, frame: &Frame<'_>, now: i64) -> bool {
-        let mut shape = self.doubtful;
-        self.doubt = 0.0;
+        let mut shape = self.search.doubtful();
         self.take(model, frame, now, 1, &mut shape, Whose::Stranger)
             .is_ok()
     }
@@ -675,9 +482,7 @@ impl Tracker {
         } else if !self.answer(model, frame, now, &shape, Whose::Tracked, &mut verdict) {
             Some(Loss::Pose)
         } else {
-            if recognised >= RECOGNISED {
-                self.subject.known_us = now;
-            }
+            self.subject.recognise(recognised, now);
             self.subject.guess = guess;
             self.looks = 0;
             None
@@ -752,36 +557,12 @@ impl Tracker {
             return false;
         }
         if whose == Whose::Stranger {
-            subject.identity = IdentityEstimator::new();
-            subject.person = Person::NOBODY;
-            subject.trusted_frames = 0;
+            subject.become_stranger();
             #[cfg(feature = "keyframes")]
             self.keyframes.stranger();
         }
-        subject.motion = match whose {
-            Whose::Tracked => {
-                let elapsed_us = now.saturating_sub(subject.fitted_us);
-                Motion::between(&subject.shape, carried, elapsed_us)
-            }
-            Whose::Stranger | Whose::Lost => Motion::STILL,
-        };
-        if whose != Whose::Tracked {
-            // From here on the crop moves as little as it can.
-            subject.guess = *carried;
-        }
-        subject.shape = *carried;
-        subject.fitted_us = now;
-        if verdict.face >= STAY {
-            subject.known_us = now;
-        }
-        subject.face = fitted.state;
-        subject.trusted = verdict.face >= TRUST || subject.trusted && whose != Whose::Stranger;
-        subject.trusted_frames = subject
-            .trusted_frames
-            .wrapping_add(u32::from(verdict.face >= TRUST));
-        let learns = subject.identity.frames() < IDENTITY_FRAMES
-            || subject.trusted_frames.is_multiple_of(REFINED_EVERY);
-        if verdict.face >= TRUST && learns {
+        subject.move_to(now, carried, fitted, verdict.face, whose);
+        if subject.learns(verdict.face) {
             subject
                 .identity
                 .add(&model.face, &camera, &observed, fitted, FRAME_WEIGHT);
@@ -805,27 +586,4 @@ impl Tracker {
 /// Judges the cascade's last run.
 fn judged(model: &Model<'_>, work: &Workspace) -> Verdict {
     model.verifier.judge(work.features(), work.view())
-}
-
-#[cfg(all(test, feature = "experts", feature = "adaptation"))]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_doubted_face_is_kept_for_a_while_and_longer_where_it_is_recognised() {
-        let stranger = Subject {
-            known_us: 1_000_000,
-            ..Subject::EMPTY
-        };
-        let subject = Subject {
-            trusted: true,
-            ..stranger.clone()
-        };
-        let (soon, late) = (1_000_000 + DOUBTED_US, 1_000_001 + DOUBTED_US);
-        assert_eq!(stranger.keep(0, soon), STAY);
-        assert_eq!(subject.keep(0, soon), KEEP);
-        assert_eq!(subject.keep(0, late), STAY);
-        assert_eq!(subject.keep(RECOGNISED - 1, late), STAY);
-        assert_eq!(subject.keep(RECOGNISED, late), KEEP_RECOGNISED);
-    }
 }
