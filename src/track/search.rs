@@ -209,8 +209,8 @@ impl Search {
         self.doubt >= DOUBT
     }
 
-    /// Where that was; asked once.
-    pub(super) fn doubtful(&mut self) -> Shape {
+    /// Where that was; it is forgotten with this.
+    pub(super) fn take_doubtful(&mut self) -> Shape {
         self.doubt = 0.0;
         self.doubtful
     }

@@ -434,7 +434,7 @@ impl Tracker {
     /// cascade takes a pass more.
     #[inline(never)]
     fn second_look(&mut self, model: &Model<'_>, frame: &Frame<'_>, now: i64) -> bool {
-        let mut shape = self.search.doubtful();
+        let mut shape = self.search.take_doubtful();
         self.take(model, frame, now, 1, &mut shape, Whose::Stranger)
             .is_ok()
     }
