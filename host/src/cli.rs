@@ -164,6 +164,10 @@ pub struct LandmarksArgs {
     pub images: PathBuf,
     #[command(flatten)]
     pub camera: CameraArgs,
+    /// Turn the pictures clockwise [deg]; what they do not show repeats their edges
+    #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_negative_numbers = true,
+        value_parser = within(-180.0, 180.0))]
+    pub roll: f64,
     /// Where the first fit starts
     #[arg(long, value_enum, default_value = "detector")]
     pub start: Start,

@@ -88,6 +88,11 @@ impl Slice {
         }
     }
 
+    /// Whether so much work is left.
+    pub(super) fn affords(&self, units: u32) -> bool {
+        self.budget >= units
+    }
+
     /// Takes the cost of a candidate that was judged.
     pub(super) fn spend(&mut self, units: u32) {
         self.budget = self.budget.saturating_sub(units);

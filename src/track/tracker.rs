@@ -33,8 +33,11 @@ use crate::keyframe::{Keyframes, Seen, Wanted};
 use crate::math::HeadAngles;
 use crate::shape::{FIRST, FRAME_WEIGHT, FitOptions, Intrinsics, MAX_IDENTITIES, Observed, fit};
 
-/// A detection becomes a tracked face from this probability on.
+/// A candidate becomes the tracked face from this probability on.
 const ACCEPT: f32 = 0.8;
+/// What the sweep meets does so at first sight from this one on, else at second sight: of what looks
+/// like a face by chance hardly anything still does once the cascade has gone on.
+const AT_FIRST_SIGHT: f32 = 0.9;
 /// How long the last answer is held \[µs\].
 const HOLD_US: i64 = 500_000;
 /// Work of one search around a lost face, in the detector's units.
@@ -48,6 +51,15 @@ const SECOND_LOOK_UNITS: u32 = 2500;
 
 /// What a look for keyframes costs, likewise.
 const RECOLLECT_UNITS: u32 = 2200;
+
+/// One look at a candidate.
+struct Look {
+    /// Passes of the cascade.
+    passes: usize,
+    whose: Whose,
+    /// Probability from which it is taken.
+    least: f32,
+}
 
 /// What a look for keyframes ended with.
 #[cfg_attr(not(feature = "keyframes"), allow(dead_code))]
@@ -177,7 +189,7 @@ impl Tracker {
         face: &Detection,
     ) -> Result<&TrackResult, StepError> {
         self.tick(timestamp_us)?;
-        if !self.acquire(model, frame, timestamp_us, face, Whose::Stranger) {
+        if !self.acquire(model, frame, timestamp_us, face, Whose::Stranger, ACCEPT) {
             self.lose(timestamp_us);
         }
         self.smoother.follow(&self.result, &self.config.smoothing);
@@ -281,8 +293,12 @@ impl Tracker {
         }
         let mut slice = Slice::new(&self.config, likely, wide, spent);
         while !found && let Some(face) = self.search.next(&model.detector, frame, &mut slice) {
-            found = self.acquire(model, frame, now, &face, Whose::Stranger);
+            found = self.acquire(model, frame, now, &face, Whose::Stranger, AT_FIRST_SIGHT);
             slice.spend(ACQUIRE_UNITS);
+        }
+        // A still is not shown again.
+        if !found && self.search.is_in_doubt() && slice.affords(SECOND_LOOK_UNITS) {
+            found = self.second_look(model, frame, now);
         }
         if found {
             self.search.end();
@@ -317,8 +333,12 @@ impl Tracker {
             true => Whose::Lost,
             false => Whose::Stranger,
         };
-        let taken = self.take(model, frame, now, 1, &mut shape, whose);
-        if taken.is_err() {
+        let look = Look {
+            passes: 1,
+            whose,
+            least: ACCEPT,
+        };
+        if self.take(model, frame, now, &mut shape, &look).is_err() {
             return Recollected::Nobody(RECOLLECT_UNITS + SECOND_LOOK_UNITS);
         }
         self.keyframes.take(&found);
@@ -376,7 +396,7 @@ impl Tracker {
                 &around,
                 NEAR_BUDGET.saturating_sub(spent).max(1),
             )
-            .is_some_and(|face| self.acquire(model, frame, now, &face, Whose::Lost))
+            .is_some_and(|face| self.acquire(model, frame, now, &face, Whose::Lost, ACCEPT))
         } else {
             self.sweep(model, frame, now, Some(jumped.sizes(&self.config)), spent)
         };
@@ -406,7 +426,7 @@ impl Tracker {
         };
     }
 
-    /// Aligns to a detection; true when it is a face.
+    /// Aligns to a detection; true when it is a face, which it is from a probability of `least` on.
     #[inline(never)]
     fn acquire(
         &mut self,
@@ -415,28 +435,37 @@ impl Tracker {
         now: i64,
         face: &Detection,
         whose: Whose,
+        least: f32,
     ) -> bool {
         let start = model.align.views().start(face.turn);
         let Some(mut shape) = start.and_then(|start| start_in(&start, face)) else {
             return false;
         };
-        let passes = model.align.passes();
-        let taken = self.take(model, frame, now, passes, &mut shape, whose);
+        let look = Look {
+            passes: model.align.passes(),
+            whose,
+            least,
+        };
+        let taken = self.take(model, frame, now, &mut shape, &look);
         if let Err(face) = taken
-            && face < ACCEPT
+            && face < least
         {
             self.search.refuse(face, self.work.coarse());
         }
         taken.is_ok()
     }
 
-    /// A second look, on the next frame, at what might have become a face: from a poor start the
-    /// cascade takes a pass more.
+    /// A second look, mostly on the next frame, at what might have become a face: from a poor start
+    /// the cascade takes a pass more.
     #[inline(never)]
     fn second_look(&mut self, model: &Model<'_>, frame: &Frame<'_>, now: i64) -> bool {
         let mut shape = self.search.take_doubtful();
-        self.take(model, frame, now, 1, &mut shape, Whose::Stranger)
-            .is_ok()
+        let look = Look {
+            passes: 1,
+            whose: Whose::Stranger,
+            least: ACCEPT,
+        };
+        self.take(model, frame, now, &mut shape, &look).is_ok()
     }
 
     /// Aligns, judges, and answers with what is a face.
@@ -449,16 +478,15 @@ impl Tracker {
         model: &Model<'_>,
         frame: &Frame<'_>,
         now: i64,
-        passes: usize,
         shape: &mut Shape,
-        whose: Whose,
+        look: &Look,
     ) -> Result<(), f32> {
-        if !model.align.run(frame, passes, shape, &mut self.work) {
+        if !model.align.run(frame, look.passes, shape, &mut self.work) {
             return Err(0.0);
         }
         let mut verdict = judged(model, &self.work);
-        let taken =
-            verdict.face >= ACCEPT && self.answer(model, frame, now, shape, whose, &mut verdict);
+        let taken = verdict.face >= look.least
+            && self.answer(model, frame, now, shape, look.whose, &mut verdict);
         taken.then_some(()).ok_or(verdict.face)
     }
 

@@ -20,6 +20,9 @@ use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+/// Rendered profiles that the detector learns from beside the photographs, which have none.
+const PROFILES: usize = 400;
+
 /// Settings of `posewise-train model`.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Args {
@@ -198,13 +201,18 @@ impl Training<'_> {
     }
 
     fn detector(&self) -> Result<SectionWriter> {
-        let options = detect::Options {
+        let mut options = detect::Options {
             seed: self.args.seed,
             ..detect::Options::default()
         };
-        let faces = match self.args.clean {
-            true => detect::faces::of_renders(self.faces()?),
-            false => detect::faces::load(&self.args.data)?,
+        let faces = if self.args.clean {
+            options.hopeless = 0.0;
+            detect::faces::of_renders(self.faces()?)
+        } else {
+            let near = faces::rendered(&self.near_renders, self.args.near_renders as usize)?;
+            let mut faces = detect::faces::load(&self.args.data)?;
+            faces.extend(detect::faces::profiles(&near, PROFILES));
+            faces
         };
         detect::train(&faces, &self.empty()?, &self.args.cache, &options)
     }

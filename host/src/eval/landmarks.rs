@@ -19,6 +19,7 @@ use super::landmark_metrics::{
     Outcome, PARTS, Points, Summary, Trust, YawBand, bounds, eye_line, summarize,
 };
 use super::table::Table;
+use super::turned::Turn;
 use crate::cli::{LandmarksArgs, Start};
 use crate::model_file::ModelFile;
 use crate::output;
@@ -66,12 +67,14 @@ pub fn run(args: &LandmarksArgs) -> Result<()> {
             .map(|label| {
                 let picture = Picture::from_rgb(read_rgb(&args.images.join(&label.image))?);
                 let grey = camera::through(&args.camera, picture.upright_grey()?, 1);
-                let picture = Picture::from_grey(grey);
-                let start = (args.start == Start::Box).then(|| detection_of(&label.points));
+                let turn = Turn::new(&grey, args.roll);
+                let picture = Picture::from_grey(turn.picture(&grey));
+                let start =
+                    (args.start == Start::Box).then(|| turned_box(&label.points, &turn, args.roll));
                 let found = fit_still(&model, &config, picture, start, args.steps)
                     .with_context(|| label.image.clone())?;
                 let (points, trust) = found.unzip();
-                let mut outcome = Outcome::new(&label.points, points.as_ref());
+                let mut outcome = Outcome::new(&turn.points(&label.points), points.as_ref());
                 outcome.trust = trust;
                 Ok(outcome)
             })
@@ -144,13 +147,15 @@ fn fit_still(
     Ok(found)
 }
 
-/// The upright square around the labels.
-fn detection_of(label: &Points) -> Detection {
+/// The upright square around the labels, turned with the picture.
+fn turned_box(label: &Points, turn: &Turn, roll_deg: f64) -> Detection {
     let [left, top, right, bottom] = bounds(label);
+    let [x, y] = turn.point([(left + right) / 2.0, (top + bottom) / 2.0]);
     Detection {
-        x: ((left + right) / 2.0) as f32,
-        y: ((top + bottom) / 2.0) as f32,
+        x: x as f32,
+        y: y as f32,
         size: (right - left).max(bottom - top) as f32,
+        roll: roll_deg.to_radians() as f32,
         score: 1.0,
         ..Detection::default()
     }
@@ -213,6 +218,7 @@ fn to_json(args: &LandmarksArgs, total: &Summary, bands: &[(&str, Summary)]) -> 
         map.insert("start".into(), json!(start));
         map.insert("steps_after_found".into(), json!(args.steps));
         map.insert("min_face_px".into(), json!(args.min_face));
+        map.insert("roll_deg".into(), json!(args.roll));
     }
     value
 }

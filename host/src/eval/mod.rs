@@ -16,6 +16,7 @@ pub mod registration;
 pub mod show;
 pub mod table;
 pub mod trust;
+pub mod turned;
 
 use std::path::PathBuf;
 

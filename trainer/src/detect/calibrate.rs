@@ -21,10 +21,10 @@ const LATENESS: f32 = 0.2;
 const MARGIN: f32 = 0.12;
 
 /// The cascade with thresholds as high as leaves faces their best windows on the scan's grid, all but
-/// a few (after Zhang and Viola's multiple-instance pruning, 2007).
-pub fn thresholds(cascade: &Cascade, faces: &[Face]) -> Cascade {
+/// a few (after Zhang and Viola's multiple-instance pruning, 2007). Of the windows a share is hopeless:
+/// what is known of them in the end would pass too much that is no face.
+pub fn thresholds(cascade: &Cascade, faces: &[Face], hopeless: f32) -> Cascade {
     let flat = cascade.flat();
-    let last = *cascade.thresholds.last().unwrap_or(&0);
     let mut sums: Vec<Vec<i32>> = faces
         .par_iter()
         .enumerate()
@@ -38,8 +38,14 @@ pub fn thresholds(cascade: &Cascade, faces: &[Face]) -> Cascade {
                 .collect();
             all
         })
-        .filter(|sums| sums.last().is_some_and(|s| *s >= last))
         .collect();
+    let mut ends: Vec<i32> = sums.iter().filter_map(|s| s.last().copied()).collect();
+    ends.sort_unstable();
+    // Negative sums add up to faces only by chance: the operating point of training is the least.
+    let least = *cascade.thresholds.last().unwrap_or(&0);
+    let end = ends.get((hopeless * ends.len() as f32) as usize);
+    let last = end.map_or(least, |end| least.max(*end));
+    sums.retain(|sums| sums.last().is_some_and(|s| *s >= last));
     let mut out = cascade.clone();
     let all = sums.len();
     for tree in 0..cascade.trees.len() {
@@ -55,7 +61,6 @@ pub fn thresholds(cascade: &Cascade, faces: &[Face]) -> Cascade {
         sums.retain(|s| s[tree] >= bound);
         out.thresholds[tree] = bound - (MARGIN / UNIT) as i32;
     }
-    // Negative sums add up to faces only by chance: the operating point of training stays.
     if let Some(t) = out.thresholds.last_mut() {
         *t = (*t).max(last);
     }

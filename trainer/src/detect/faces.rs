@@ -4,9 +4,11 @@ use std::path::Path;
 
 use anyhow::Result;
 use posewise::detect::Detection;
+use posewise::shape::MIRROR;
 use rayon::prelude::*;
 
 use super::grey::Grey;
+use crate::align::{self, StartShapes};
 use crate::fit::labels;
 
 /// A picture with one labelled face.
@@ -43,17 +45,44 @@ pub fn of_renders(renders: &[crate::faces::Face]) -> Vec<Face> {
     const MOST_YAW_DEG: f32 = 60.0;
     let chosen = renders.iter().enumerate().filter_map(|(k, face)| {
         let yaw_deg = face.yaw_deg.filter(|yaw| yaw.abs() <= MOST_YAW_DEG)?;
-        Some(Face {
-            name: format!("render_{k}"),
-            picture: Grey {
-                width: face.picture.size[0],
-                height: face.picture.size[1],
-                luma: face.picture.luma.clone(),
-            },
-            truth: face_box(&face.landmarks, None, Some(yaw_deg.to_radians())),
-        })
+        Some(of_render(k, face, yaw_deg, None))
     });
     chosen.collect()
+}
+
+/// Renders that are turned as far as hardly any photograph, with boxes: the first `most` of them
+/// whose side towards the camera is bare. Their roll is that of the start shape that resembles them
+/// most, from which the cascade will go on.
+pub fn profiles(renders: &[crate::faces::Face], most: usize) -> Vec<Face> {
+    const LEAST_YAW_DEG: f32 = 50.0;
+    let turns = align::Options::default().turns;
+    let starts = StartShapes::fit(renders, &align::mean_shape(renders), &turns);
+    let chosen = renders.iter().enumerate().filter_map(|(k, face)| {
+        let yaw_deg = face.yaw_deg.filter(|yaw| yaw.abs() >= LEAST_YAW_DEG)?;
+        let roll = starts.views().of(&face.landmarks)?.roll;
+        is_bare(face, yaw_deg).then(|| of_render(k, face, yaw_deg, Some(roll)))
+    });
+    chosen.take(most).collect()
+}
+
+fn of_render(index: usize, face: &crate::faces::Face, yaw_deg: f32, roll: Option<f32>) -> Face {
+    Face {
+        name: format!("render_{index}"),
+        picture: Grey {
+            width: face.picture.size[0],
+            height: face.picture.size[1],
+            luma: face.picture.luma.clone(),
+        },
+        truth: face_box(&face.landmarks, roll, Some(yaw_deg.to_radians())),
+    }
+}
+
+/// Whether nothing covers the side of a turned face that the camera sees.
+fn is_bare(face: &crate::faces::Face, yaw_deg: f32) -> bool {
+    // The subject's right brow, outer eye corner, corner of the mouth.
+    let right = [17, 18, 19, 20, 21, 36, 48];
+    let near = |k: usize| if yaw_deg > 0.0 { k } else { MIRROR[k] };
+    right.into_iter().all(|k| face.visible[near(k)])
 }
 
 /// The box of 68 landmarks. Roll and yaw \[rad\] where they are known, else from the points.

@@ -43,6 +43,9 @@ pub struct Options {
     /// Summed score from which merged hits are told. Low: every face told is then aligned and
     /// verified, which tells faces far better than the trees do.
     pub confirm: u32,
+    /// Share of the best windows around the faces that may be lost for the sum of all trees, beside
+    /// what training loses.
+    pub hopeless: f32,
     /// Patches of faces and of backgrounds.
     pub positives: usize,
     pub negatives: usize,
@@ -60,6 +63,7 @@ impl Default for Options {
             kept: 350,
             depth: 5,
             confirm: 1000,
+            hopeless: 0.08,
             positives: 36_000,
             negatives: 30_000,
             refine_trees: 100,
@@ -90,7 +94,7 @@ pub fn train(
     std::fs::create_dir_all(cache)?;
     let cascade = cascade::train(faces, backgrounds, cache, options)?;
     let refiner = refine::train(faces, cache, options)?;
-    let mut cascade = calibrate::thresholds(&cascade, faces);
+    let mut cascade = calibrate::thresholds(&cascade, faces, options.hopeless);
     cascade.trees.truncate(options.kept);
     cascade.thresholds.truncate(options.kept);
     Ok(pack::section(&cascade, &refiner, options.confirm))
