@@ -19,7 +19,8 @@ impl Turn {
     pub fn new(picture: &GrayImage, deg: f64) -> Turn {
         let (sin, cos) = deg.to_radians().sin_cos();
         let [w, h] = [picture.width(), picture.height()].map(f64::from);
-        let across = |w: f64, h: f64| (w * cos.abs() + h * sin.abs()).ceil();
+        // A quarter's cosine is not quite zero.
+        let across = |w: f64, h: f64| (w * cos.abs() + h * sin.abs() - 1e-9).ceil();
         let middle = |length: f64| (length - 1.0) / 2.0;
         Turn {
             sin,
