@@ -61,6 +61,17 @@ struct Look {
     least: f32,
 }
 
+impl Look {
+    /// At what was looked at before, which needs a pass more.
+    fn again(whose: Whose) -> Look {
+        Look {
+            passes: 1,
+            whose,
+            least: ACCEPT,
+        }
+    }
+}
+
 /// What a look for keyframes ended with.
 #[cfg_attr(not(feature = "keyframes"), allow(dead_code))]
 enum Recollected {
@@ -333,11 +344,7 @@ impl Tracker {
             true => Whose::Lost,
             false => Whose::Stranger,
         };
-        let look = Look {
-            passes: 1,
-            whose,
-            least: ACCEPT,
-        };
+        let look = Look::again(whose);
         if self.take(model, frame, now, &mut shape, &look).is_err() {
             return Recollected::Nobody(RECOLLECT_UNITS + SECOND_LOOK_UNITS);
         }
@@ -460,11 +467,7 @@ impl Tracker {
     #[inline(never)]
     fn second_look(&mut self, model: &Model<'_>, frame: &Frame<'_>, now: i64) -> bool {
         let mut shape = self.search.take_doubtful();
-        let look = Look {
-            passes: 1,
-            whose: Whose::Stranger,
-            least: ACCEPT,
-        };
+        let look = Look::again(Whose::Stranger);
         self.take(model, frame, now, &mut shape, &look).is_ok()
     }
 
