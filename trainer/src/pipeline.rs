@@ -20,8 +20,10 @@ use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Rendered profiles that the detector learns from beside the photographs, which have none.
+/// Rendered profiles that the detector learns from beside the photographs, which have none, and
+/// renders that stand in for photographs where there are none.
 const PROFILES: usize = 400;
+const FRONTS: usize = 3000;
 
 /// Settings of `posewise-train model`.
 #[derive(Clone, Debug, clap::Args)]
@@ -201,19 +203,16 @@ impl Training<'_> {
     }
 
     fn detector(&self) -> Result<SectionWriter> {
-        let mut options = detect::Options {
+        let options = detect::Options {
             seed: self.args.seed,
             ..detect::Options::default()
         };
-        let faces = if self.args.clean {
-            options.hopeless = 0.0;
-            detect::faces::of_renders(self.faces()?)
-        } else {
-            let near = faces::rendered(&self.near_renders, self.args.near_renders as usize)?;
-            let mut faces = detect::faces::load(&self.args.data)?;
-            faces.extend(detect::faces::profiles(&near, PROFILES));
-            faces
+        let mut faces = match self.args.clean {
+            true => detect::faces::fronts(self.faces()?, FRONTS),
+            false => detect::faces::load(&self.args.data)?,
         };
+        let near = faces::rendered(&self.near_renders, self.args.near_renders as usize)?;
+        faces.extend(detect::faces::profiles(&near, PROFILES));
         detect::train(&faces, &self.empty()?, &self.args.cache, &options)
     }
 
