@@ -24,6 +24,9 @@ use std::time::Instant;
 /// renders that stand in for photographs where there are none.
 const PROFILES: usize = 400;
 const FRONTS: usize = 3000;
+/// Share of the renders' windows given up by the detector: more of them than of photographs' are
+/// dark or full of noise.
+const HOPELESS_RENDERS: f32 = 0.15;
 
 /// Settings of `posewise-train model`.
 #[derive(Clone, Debug, clap::Args)]
@@ -203,13 +206,15 @@ impl Training<'_> {
     }
 
     fn detector(&self) -> Result<SectionWriter> {
-        let options = detect::Options {
+        let mut options = detect::Options {
             seed: self.args.seed,
             ..detect::Options::default()
         };
-        let mut faces = match self.args.clean {
-            true => detect::faces::fronts(self.faces()?, FRONTS),
-            false => detect::faces::load(&self.args.data)?,
+        let mut faces = if self.args.clean {
+            options.hopeless = HOPELESS_RENDERS;
+            detect::faces::fronts(self.faces()?, FRONTS)
+        } else {
+            detect::faces::load(&self.args.data)?
         };
         let near = faces::rendered(&self.near_renders, self.args.near_renders as usize)?;
         faces.extend(detect::faces::profiles(&near, PROFILES));
