@@ -20,13 +20,8 @@ use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Rendered profiles that the detector learns from beside the photographs, which have none, and
-/// renders that stand in for photographs where there are none.
+/// Rendered profiles that the detector learns from beside the photographs, which have none.
 const PROFILES: usize = 400;
-const FRONTS: usize = 3000;
-/// Share of the renders' windows given up by the detector: more of them than of photographs' are
-/// dark or full of noise.
-const HOPELESS_RENDERS: f32 = 0.15;
 
 /// Settings of `posewise-train model`.
 #[derive(Clone, Debug, clap::Args)]
@@ -210,14 +205,15 @@ impl Training<'_> {
             seed: self.args.seed,
             ..detect::Options::default()
         };
-        let mut faces = if self.args.clean {
-            options.hopeless = HOPELESS_RENDERS;
-            detect::faces::fronts(self.faces()?, FRONTS)
+        let faces = if self.args.clean {
+            options.hopeless = 0.0;
+            detect::faces::of_renders(self.faces()?)
         } else {
-            detect::faces::load(&self.args.data)?
+            let near = faces::rendered(&self.near_renders, self.args.near_renders as usize)?;
+            let mut faces = detect::faces::load(&self.args.data)?;
+            faces.extend(detect::faces::profiles(&near, PROFILES));
+            faces
         };
-        let near = faces::rendered(&self.near_renders, self.args.near_renders as usize)?;
-        faces.extend(detect::faces::profiles(&near, PROFILES));
         detect::train(&faces, &self.empty()?, &self.args.cache, &options)
     }
 

@@ -10,7 +10,6 @@
 pub mod background;
 pub mod cache;
 pub mod contour;
-pub mod dead_leaves;
 pub mod draw;
 pub mod effects;
 pub mod expression;

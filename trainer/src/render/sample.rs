@@ -8,7 +8,7 @@ use super::light::Lights;
 use super::mesh::{IDENTITIES, Mesh};
 use super::noise::normal;
 use super::people::{Person, Persons};
-use super::{background, dead_leaves, props, worn};
+use super::{background, props, worn};
 use glam::{Mat3, Vec2, Vec3};
 use image::GrayImage;
 use posewise::math::{HeadAngles, head_rotation};
@@ -296,7 +296,6 @@ impl Renderer {
                 let pick = &self.backgrounds[rng.random_range(0..n)];
                 background::from_photo(rng, pick, view.width, view.height)
             }
-            0 => dead_leaves::scene(rng, view.width, view.height),
             _ => background::procedural(rng, view.width, view.height),
         }
     }
