@@ -22,6 +22,11 @@ use std::time::Instant;
 
 /// Rendered profiles that the detector learns from beside the photographs, which have none.
 const PROFILES: usize = 400;
+/// Renders that stand in for photographs where there are none: with more of them the thresholds open.
+const FRONTS: usize = 3000;
+/// Share of the renders' windows given up by the detector: more of them than of photographs' are
+/// dark or full of noise.
+const HOPELESS_RENDERS: f32 = 0.15;
 
 /// Settings of `posewise-train model`.
 #[derive(Clone, Debug, clap::Args)]
@@ -66,8 +71,8 @@ pub fn run(args: &Args) -> Result<()> {
     let started = Instant::now();
     std::fs::create_dir_all(&args.cache)?;
     let head = Head::load(&args.data.join("facekit.npz"))?;
-    let offsets = if args.clean {
-        None
+    let offsets_mm = if args.clean {
+        head.conventional_offsets_mm()
     } else {
         let labels = args.data.join("faces68");
         let fits = fit_photographs_cached(
@@ -82,11 +87,11 @@ pub fn run(args: &Args) -> Result<()> {
             fits.fits.len(),
             fits.dropped.len()
         );
-        Some(fits.offsets_mm)
+        fits.offsets_mm
     };
     let face = match &args.wireframe {
         Some(path) => face_section::face_section(&Head::of_wfm(&Wfm::read(path)?)?, None)?,
-        None => face_section::face_section(&head, offsets.as_deref())?,
+        None => face_section::face_section(&head, Some(&offsets_mm))?,
     };
     let render = |kind, count| {
         render::run(&render::Args {
@@ -205,16 +210,19 @@ impl Training<'_> {
             seed: self.args.seed,
             ..detect::Options::default()
         };
-        let faces = if self.args.clean {
-            options.hopeless = 0.0;
-            detect::faces::of_renders(self.faces()?)
+        let near = faces::rendered(&self.near_renders, self.args.near_renders as usize)?;
+        let mut faces;
+        let told = if self.args.clean {
+            options.hopeless = HOPELESS_RENDERS;
+            faces = detect::faces::profiles(&near, PROFILES);
+            faces.extend(detect::faces::fronts(self.faces()?));
+            PROFILES + FRONTS
         } else {
-            let near = faces::rendered(&self.near_renders, self.args.near_renders as usize)?;
-            let mut faces = detect::faces::load(&self.args.data)?;
+            faces = detect::faces::load(&self.args.data)?;
             faces.extend(detect::faces::profiles(&near, PROFILES));
-            faces
+            faces.len()
         };
-        detect::train(&faces, &self.empty()?, &self.args.cache, &options)
+        detect::train(&faces, told, &self.empty()?, &self.args.cache, &options)
     }
 
     /// The cascade: global and fine stages. The global stage is trained on the labels as they are,

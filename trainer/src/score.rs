@@ -26,9 +26,9 @@ use rayon::prelude::*;
 /// Right means within this share of the inter-ocular distance \[%\].
 const RIGHT_PERCENT: f32 = 10.0;
 const FOLDS: u32 = 4;
-/// Weight of a false alarm: pictures are looked at in eight orientations but count like two, lest
+/// Weight of all false alarms over that of the right fits, however many the detector tells: lest
 /// doubtful faces drown.
-const ORIENTED: f32 = 0.25;
+const FALSE_ALARMS: f32 = 2.0 / 3.0;
 /// Of so many pictures one is as a poor camera shows it.
 const POOR: usize = 3;
 /// Most false alarms taken from a picture in one orientation: poor ones have hundreds.
@@ -60,10 +60,14 @@ pub fn train(
 ) -> Result<SectionWriter> {
     let mut rows = on_faces(model, faces, seed);
     rows.extend(on_empty(model, empty, seed ^ 1, rows.len() / 4));
-    let alarms = on_alarms(model, detector, empty, seed ^ 2);
-    println!("score: {} false alarms of the detector", alarms.len());
-    rows.extend(alarms);
     let positives = rows.iter().filter(|r| r.face).count();
+    let mut alarms = on_alarms(model, detector, empty, seed ^ 2);
+    println!("score: {} false alarms of the detector", alarms.len());
+    let weight = FALSE_ALARMS * positives as f32 / alarms.len().max(1) as f32;
+    for alarm in &mut alarms {
+        alarm.weight = weight;
+    }
+    rows.extend(alarms);
     println!(
         "score: {positives} right fits, {} others",
         rows.len() - positives
@@ -292,13 +296,13 @@ fn on_faces(model: &AlignModel<'_>, faces: &[Face], seed: u64) -> Vec<Row> {
 }
 
 /// The run that was last, on a picture without a face.
-fn no_face(work: &Workspace, picture: usize, weight: f32) -> Row {
+fn no_face(work: &Workspace, picture: usize) -> Row {
     Row {
         features: work.features().to_vec(),
         right: Vec::new(),
         seen: Vec::new(),
         face: false,
-        weight,
+        weight: 1.0,
         fold: picture as u32 % FOLDS,
         view: work.view(),
     }
@@ -327,7 +331,7 @@ fn on_empty(model: &AlignModel<'_>, empty: &[Picture], seed: u64, count: usize) 
                 let poor = sometimes_poor(picture, size, &mut rng);
                 let frame = poor.as_ref().unwrap_or(picture).frame();
                 let ran = model.run(&frame, passes, &mut shape, work);
-                ran.then(|| no_face(work, which, 1.0))
+                ran.then(|| no_face(work, which))
             },
         )
         .flatten()
@@ -362,7 +366,7 @@ fn on_alarms(
                         let at = [found.x, found.y];
                         let mut shape = start_from_box(&start, at, found.size, found.roll);
                         if model.run(&frame, model.passes(), &mut shape, work) {
-                            rows.push(no_face(work, index, ORIENTED));
+                            rows.push(no_face(work, index));
                         }
                     }
                 }

@@ -37,7 +37,7 @@ struct Part {
     rendered: f32,
     /// Share of crops that moved while they were exposed.
     smeared: f32,
-    /// Whether it has a second round, with eyes seen alone.
+    /// Whether eyes seen alone, if there are some, are added in a second round.
     alone: bool,
 }
 
@@ -108,7 +108,8 @@ pub struct Training<'a> {
     pub global: &'a SectionWriter,
     /// Faces to train on.
     pub faces: &'a [Face],
-    /// Folder of real eyes seen alone ([`single_eyes`]).
+    /// Folder of real eyes seen alone ([`single_eyes`]); without it eyes and lids have a second round on
+    /// the same faces.
     pub eyes: Option<&'a Path>,
     /// As of [`options`].
     pub options: &'a Options,
@@ -145,6 +146,9 @@ impl Training<'_> {
                 let starts: Vec<_> = starts.iter().copied().chain(found).collect();
                 println!("second round, with eyes seen alone");
                 trained = self.round(&part, &faces, &starts, Some(trained))?.0;
+            } else if self.eyes.is_none() && part.twin {
+                println!("second round");
+                trained = self.round(&part, self.faces, &starts, Some(trained))?.0;
             }
             let mut alone = SectionWriter::new(Parts::TAG);
             alone.scalar(1u32);
@@ -186,7 +190,7 @@ impl Training<'_> {
         if after.is_some() {
             options.seed ^= 0xe7e;
             options.rate *= 0.5;
-            name += "-eyes";
+            name += "-second";
         }
         let source = PartFaces {
             faces,

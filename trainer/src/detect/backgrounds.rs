@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::grey::Grey;
 use crate::faces::Picture;
-use crate::render::background::procedural;
+use crate::render::{background, dead_leaves};
 
 /// The usable photographs, in the order of their names, but for each fifth.
 ///
@@ -52,7 +52,12 @@ pub fn made_up(seed: u64, count: u64) -> Vec<Grey> {
         .map(|index| {
             let mut rng = super::rng_for(seed, 0x4D41_4445, index);
             let [width, height] = SIZE;
-            let light = procedural(&mut rng, width as usize, height as usize);
+            // Bare rooms and skies now and then: few of them pass the first trees.
+            let make = match index % 6 {
+                0 => background::procedural,
+                _ => dead_leaves::scene,
+            };
+            let light = make(&mut rng, width as usize, height as usize);
             let level = |l: f32| (255.0 * l.clamp(0.0, 1.0).powf(1.0 / 2.2)).round() as u8;
             Grey {
                 width,

@@ -39,13 +39,16 @@ pub fn load(data: &Path) -> Result<Vec<Face>> {
         .collect()
 }
 
-/// Renders as faces with boxes, those that are turned so far that the eye line does not tell the
-/// roll left out.
-pub fn of_renders(renders: &[crate::faces::Face]) -> Vec<Face> {
+/// Renders as faces with boxes: those whose eye line tells the roll and whose sides towards the camera
+/// are bare. Others would open the thresholds for what is no face.
+pub fn fronts(renders: &[crate::faces::Face]) -> Vec<Face> {
     const MOST_YAW_DEG: f32 = 60.0;
+    const BOTH_SIDES_DEG: f32 = 15.0;
     let chosen = renders.iter().enumerate().filter_map(|(k, face)| {
         let yaw_deg = face.yaw_deg.filter(|yaw| yaw.abs() <= MOST_YAW_DEG)?;
-        Some(of_render(k, face, yaw_deg, None))
+        let both = yaw_deg.abs() <= BOTH_SIDES_DEG;
+        let bare = is_bare(face, yaw_deg) && (!both || is_bare(face, -yaw_deg));
+        bare.then(|| of_render(k, face, yaw_deg, None))
     });
     chosen.collect()
 }

@@ -81,20 +81,23 @@ pub(crate) fn rng_for(seed: u64, purpose: u64, index: u64) -> ChaCha8Rng {
 }
 
 /// Trains everything on these faces and backgrounds, keeping intermediate results in `cache`, from
-/// which an interrupted run goes on.
+/// which an interrupted run goes on. The cascade learns from the first `told` faces alone, the forest
+/// that refines its hits from all.
 ///
 /// # Errors
 /// When the cache cannot be written.
 pub fn train(
     faces: &[faces::Face],
+    told: usize,
     backgrounds: &[grey::Grey],
     cache: &Path,
     options: &Options,
 ) -> Result<SectionWriter> {
     std::fs::create_dir_all(cache)?;
-    let cascade = cascade::train(faces, backgrounds, cache, options)?;
+    let learnt = &faces[..told.min(faces.len())];
+    let cascade = cascade::train(learnt, backgrounds, cache, options)?;
     let refiner = refine::train(faces, cache, options)?;
-    let mut cascade = calibrate::thresholds(&cascade, faces, options.hopeless);
+    let mut cascade = calibrate::thresholds(&cascade, learnt, options.hopeless);
     cascade.trees.truncate(options.kept);
     cascade.thresholds.truncate(options.kept);
     Ok(pack::section(&cascade, &refiner, options.confirm))

@@ -4,6 +4,7 @@
 //! sees it (the subject's left), y down, z away from the camera, nose along −z.
 
 mod contour;
+mod convention;
 mod npz;
 mod wfm;
 

@@ -10,6 +10,7 @@
 pub mod background;
 pub mod cache;
 pub mod contour;
+pub mod dead_leaves;
 pub mod draw;
 pub mod effects;
 pub mod expression;
@@ -112,7 +113,7 @@ pub fn renderer(args: &Args) -> Result<Renderer> {
         args.seed,
         args.kind == Kind::Near,
     );
-    let mut offsets_mm = Vec::new();
+    let mut offsets_mm = head.conventional_offsets_mm();
     if !args.clean {
         let faces = args.data.join("faces68");
         let (csv, images) = (faces.join("train.csv"), faces.join("train"));

@@ -1,0 +1,78 @@
+//! Where landmarks of the 68-point convention (Sagonas et al., "300 Faces in-the-Wild Challenge",
+//! 2013) lie that the kit puts elsewhere. Its points are at even distances on the skin; people place
+//! them in pictures, mostly seen from the front.
+
+use super::Head;
+use posewise::shape::{LANDMARKS, MIRROR};
+
+/// From the middle of the upper lip to a peak of its bow \[mm\].
+const BOW_MM: f32 = 5.2;
+
+/// Lines that points slide along, of the image's left side, from outside to the middle.
+const BROW: [usize; 5] = [17, 18, 19, 20, 21];
+const UPPER_LIP: [usize; 4] = [48, 49, 50, 51];
+const LOWER_LIP: [usize; 4] = [48, 59, 58, 57];
+const UPPER_INNER: [usize; 3] = [60, 61, 62];
+const LOWER_INNER: [usize; 3] = [60, 67, 66];
+
+impl Head {
+    /// From each landmark's vertex to where the convention has it \[mm, head frame\]: brows and lower
+    /// lip evenly in the frontal view, the peaks of the bow as far apart as people's, and half way
+    /// between them and the corners; the inner points of the lips in line with the outer ones above
+    /// and below. The others stay.
+    pub fn conventional_offsets_mm(&self) -> Vec<[f32; 3]> {
+        let at = |i: usize| self.mean[self.landmarks[i] as usize];
+        let mut moved: [[f32; 3]; LANDMARKS] = std::array::from_fn(at);
+        let x = |i: usize| at(i)[0];
+        let between = |from: f32, to: f32, share: f32| from + share * (to - from);
+        let middle = x(51);
+        let bow = middle - BOW_MM;
+        for (k, &landmark) in BROW.iter().enumerate() {
+            let even = between(x(17), x(21), k as f32 / 4.0);
+            moved[landmark] = slid(&BROW.map(at), even);
+        }
+        moved[50] = slid(&UPPER_LIP.map(at), bow);
+        moved[49] = slid(&UPPER_LIP.map(at), between(x(48), bow, 0.5));
+        moved[59] = slid(&LOWER_LIP.map(at), between(x(48), middle, 1.0 / 3.0));
+        moved[58] = slid(&LOWER_LIP.map(at), between(x(48), middle, 2.0 / 3.0));
+        // Where the line from the one to the other crosses the lips' own.
+        let share = (at(61)[1] - moved[50][1]) / (moved[58][1] - moved[50][1]);
+        let column = between(moved[50][0], moved[58][0], share);
+        moved[61] = slid(&UPPER_INNER.map(at), column);
+        moved[67] = slid(&LOWER_INNER.map(at), column);
+        let offset = |i: usize| -> [f32; 3] { std::array::from_fn(|k| moved[i][k] - at(i)[k]) };
+        (0..LANDMARKS)
+            .map(|i| match x(i) > middle {
+                true => mirrored(offset(MIRROR[i])),
+                false => offset(i),
+            })
+            .collect()
+    }
+}
+
+fn mirrored([x, y, z]: [f32; 3]) -> [f32; 3] {
+    [-x, y, z]
+}
+
+/// The point of a line, whose x rises, at an x.
+fn slid(line: &[[f32; 3]], x: f32) -> [f32; 3] {
+    let last = line.len() - 2;
+    let k = (0..last).find(|k| x <= line[k + 1][0]).unwrap_or(last);
+    let (a, b) = (line[k], line[k + 1]);
+    let share = ((x - a[0]) / (b[0] - a[0])).clamp(0.0, 1.0);
+    std::array::from_fn(|i| a[i] + share * (b[i] - a[i]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_point_slides_along_its_line() {
+        let line = [[0.0, 0.0, 0.0], [2.0, 2.0, 1.0], [4.0, 0.0, 1.0]];
+        assert_eq!(slid(&line, 0.0), [0.0; 3]);
+        assert_eq!(slid(&line, 1.0), [1.0, 1.0, 0.5]);
+        assert_eq!(slid(&line, 3.0), [3.0, 1.0, 1.0]);
+        assert_eq!(slid(&line, 5.0), [4.0, 0.0, 1.0]);
+    }
+}
