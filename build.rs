@@ -12,8 +12,9 @@ use std::path::Path;
 const MODEL: &str = "models/default.posewise";
 
 /// Sections that only one feature reads, by the name that cargo gives it here.
-const READ_BY: [(&str, Tag); 2] = [
+const READ_BY: [(&str, Tag); 3] = [
     ("CARGO_FEATURE_FINE_STAGES", *b"PART"),
+    ("CARGO_FEATURE_FINE_STAGES", *b"CORR"),
     ("CARGO_FEATURE_EXPERTS", *b"SCOR"),
 ];
 

@@ -7,6 +7,7 @@
 //! eyes share one network, the subject's left eye is seen in a mirror.
 
 use super::Shape;
+use super::correction::Correction;
 use super::regressor::{Memory, Regressor};
 use crate::image::{Crop, Frame, warp};
 use crate::math::Similarity;
@@ -18,8 +19,8 @@ pub const MAX_PARTS: usize = 3;
 /// Most landmarks of a part.
 pub const MAX_POINTS: usize = 24;
 
-/// Section `PART`, checked; no parts where the model lacks it, or the build its feature
-/// (`fine-stages`).
+/// Section `PART` with what follows the fine stages (`CORR`), checked; no parts where the model lacks
+/// the first, or the build its feature (`fine-stages`).
 ///
 /// A part's network is read anew whenever it runs, which takes a microsecond: all of them would make
 /// a model too large for small stacks.
@@ -29,6 +30,8 @@ pub struct Parts<'m> {
     count: usize,
     /// What follows that number.
     content: Option<Section<'m>>,
+    /// What comes after the last of them.
+    correction: Option<Correction<'m>>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -44,11 +47,11 @@ impl<'m> Parts<'m> {
     /// Name of the section.
     pub const TAG: [u8; 4] = *b"PART";
 
-    /// Reads and checks the section: `parts: u32`, then for each `points, twin: u32, landmarks:
+    /// Reads and checks the sections. `PART` holds `parts: u32`, then for each `points, twin: u32, landmarks:
     /// u32[points]` and its regressor.
     ///
     /// # Errors
-    /// When it is too short or a number is out of range.
+    /// When one is too short or a number is out of range.
     #[inline(never)]
     pub fn open(blob: &Blob<'m>) -> Result<Self, ModelError> {
         if !cfg!(feature = "fine-stages") {
@@ -61,6 +64,7 @@ impl<'m> Parts<'m> {
         let parts = Parts {
             count: s.count(1, MAX_PARTS, "number of parts")?,
             content: Some(s.clone()),
+            correction: Correction::open(blob)?,
         };
         for _ in 0..parts.count {
             Part::check(&mut s)?;
@@ -93,6 +97,9 @@ impl<'m> Parts<'m> {
             if part.twin {
                 part.run(frame, &face, true, shape, crop, memory);
             }
+        }
+        if let Some(correction) = &self.correction {
+            correction.run(mean, shape);
         }
     }
 }

@@ -12,7 +12,7 @@ use crate::head::{Head, Wfm};
 use crate::pack::{SectionWriter, blob};
 use crate::{detect, face_section, render, score};
 use anyhow::{Context, Result};
-use posewise::align::{AlignModel, Parts};
+use posewise::align::{AlignModel, Correction, Parts};
 use posewise::detect::DetectorModel;
 use posewise::model::{Blob, Tag};
 use rayon::prelude::*;
@@ -120,9 +120,11 @@ pub fn run(args: &Args) -> Result<()> {
         key,
         global: cascade,
         parts,
+        correction,
         trained,
     } = training.cascade()?;
-    let alone = AlignedBlob::new(&blob(&[cascade.clone(), parts.clone()]));
+    let whole = [cascade.clone(), parts.clone(), correction.clone()];
+    let alone = AlignedBlob::new(&blob(&whole));
     let opened = Blob::open(alone.bytes())?;
     let model = AlignModel::open(&opened, Parts::open(&opened)?)?;
     let alone = AlignedBlob::new(&blob(std::slice::from_ref(&detector)));
@@ -139,7 +141,7 @@ pub fn run(args: &Args) -> Result<()> {
     let mut info = SectionWriter::new(*b"INFO");
     let sheet = data_sheet(args, &dev);
     info.array(sheet.as_bytes());
-    let bytes = blob(&[face, detector, cascade, parts, verifier, info]);
+    let bytes = blob(&[face, detector, cascade, parts, correction, verifier, info]);
     std::fs::write(&args.out, &bytes).with_context(|| format!("writing {}", args.out.display()))?;
     std::fs::write(
         args.out.with_extension("md"),
@@ -160,6 +162,7 @@ struct Cascade {
     key: String,
     global: SectionWriter,
     parts: SectionWriter,
+    correction: SectionWriter,
     /// The global stage before it was turned into integers, where its checkpoint is left.
     trained: Option<align::Trained>,
 }
@@ -197,6 +200,10 @@ impl Training<'_> {
         }
     }
 
+    fn near(&self) -> Result<Vec<Face>> {
+        faces::rendered(&self.near_renders, self.args.near_renders as usize)
+    }
+
     /// Pictures in which nobody is seen.
     fn empty(&self) -> Result<Vec<Grey>> {
         match self.args.clean {
@@ -210,7 +217,7 @@ impl Training<'_> {
             seed: self.args.seed,
             ..detect::Options::default()
         };
-        let near = faces::rendered(&self.near_renders, self.args.near_renders as usize)?;
+        let near = self.near()?;
         let mut faces;
         let told = if self.args.clean {
             options.hopeless = HOPELESS_RENDERS;
@@ -265,11 +272,7 @@ impl Training<'_> {
         let key = format!("{options:?}-{key}-{}", args.near_renders);
         let parts = kept(args, &Parts::TAG, &key, || {
             let hash = posewise::model::crc32(key.as_bytes());
-            let mut faces = self.bettered(&global)?;
-            faces.extend(faces::rendered(
-                &self.near_renders,
-                args.near_renders as usize,
-            )?);
+            let faces = [self.bettered(&global)?, self.near()?].concat();
             let eyes = args.data.join("eyes");
             let training = align::parts::Training {
                 global: &global,
@@ -281,10 +284,18 @@ impl Training<'_> {
             };
             training.run()
         })?;
+        let correction = kept(args, &Correction::TAG, &key, || {
+            // As the annotator has them: labels that a network has bettered lack what it lacks.
+            let faces = [self.faces()?, &self.near()?].concat();
+            align::with_model(&global, Some(&parts), |model| {
+                align::correction::train(model, &faces)
+            })
+        })?;
         Ok(Cascade {
             key,
             global,
             parts,
+            correction,
             trained,
         })
     }

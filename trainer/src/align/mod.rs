@@ -1,5 +1,6 @@
 //! Trains the cascade (section `ALGN`).
 
+pub mod correction;
 pub mod cover;
 pub mod evaluate;
 mod graph;

@@ -266,8 +266,27 @@ impl Start {
     }
 }
 
-/// Where the global stage ends on every face, from boxes as a detector gives them.
+/// Where the global stage ends on every face, from boxes as a detector gives them; at the label where
+/// it goes astray.
 fn starts(model: &AlignModel<'_>, faces: &[Face]) -> Vec<[Start; STARTS]> {
+    let ends = ends(model, faces).into_iter();
+    ends.zip(faces)
+        .map(|(ends, face)| {
+            ends.map(|end| {
+                let shape = end.unwrap_or(face.landmarks);
+                let seat = Similarity::fit(model.mean(), &shape);
+                Start {
+                    seat: seat.expect("an answer has extent"),
+                    shape,
+                }
+            })
+        })
+        .collect()
+}
+
+/// Where the stages of a model end on every face, from boxes as a detector gives them; nowhere when
+/// that is far from the label.
+pub(super) fn ends(model: &AlignModel<'_>, faces: &[Face]) -> Vec<[Option<Shape>; STARTS]> {
     faces
         .par_iter()
         .enumerate()
@@ -285,12 +304,7 @@ fn starts(model: &AlignModel<'_>, faces: &[Face]) -> Vec<[Start; STARTS]> {
                     let pairs = shape.iter().zip(&face.landmarks);
                     let sum: f32 = pairs.map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1])).sum();
                     let lost = 100.0 * sum / LANDMARKS as f32 > LOST * face.scale();
-                    let shape = if ran && !lost { shape } else { face.landmarks };
-                    let seat = Similarity::fit(model.mean(), &shape);
-                    Start {
-                        seat: seat.expect("an answer has extent"),
-                        shape,
-                    }
+                    (ran && !lost).then_some(shape)
                 })
             },
         )

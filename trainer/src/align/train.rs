@@ -109,7 +109,7 @@ pub struct Gaps {
 }
 
 /// Upper and lower lids, upper and lower inner lips.
-const LIDS: [[usize; 2]; 4] = [[37, 41], [38, 40], [43, 47], [44, 46]];
+pub(super) const LIDS: [[usize; 2]; 4] = [[37, 41], [38, 40], [43, 47], [44, 46]];
 const LIPS: [[usize; 2]; 3] = [[61, 67], [62, 66], [63, 65]];
 
 impl Gaps {
