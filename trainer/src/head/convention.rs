@@ -8,7 +8,15 @@ use posewise::shape::{LANDMARKS, MIRROR};
 /// From the middle of the upper lip to a peak of its bow \[mm\].
 const BOW_MM: f32 = 5.2;
 
-/// Lines that points slide along, of the image's left side, from outside to the middle.
+/// From the kit's tip of the nose down to the point that stands out furthest \[mm\].
+const TIP_MM: f32 = 2.1;
+/// From the kit's points under the nose up to its edge \[mm\]: in the middle to where the underside
+/// turns down into the lip, outside to the crease below the wing.
+const UNDER_NOSE_MM: f32 = 1.2;
+const UNDER_WING_MM: f32 = 1.8;
+
+/// Lines that points slide along: downwards, and of the image's left side from outside to the middle.
+const BRIDGE: [usize; 4] = [27, 28, 29, 30];
 const BROW: [usize; 5] = [17, 18, 19, 20, 21];
 const UPPER_LIP: [usize; 4] = [48, 49, 50, 51];
 const LOWER_LIP: [usize; 4] = [48, 59, 58, 57];
@@ -16,10 +24,11 @@ const UPPER_INNER: [usize; 3] = [60, 61, 62];
 const LOWER_INNER: [usize; 3] = [60, 67, 66];
 
 impl Head {
-    /// From each landmark's vertex to where the convention has it \[mm, head frame\]: brows and lower
-    /// lip evenly in the frontal view, the peaks of the bow as far apart as people's, and half way
-    /// between them and the corners; the inner points of the lips in line with the outer ones above
-    /// and below. The others stay.
+    /// From each landmark's vertex to where the convention has it \[mm, head frame\]: brows, bridge of
+    /// the nose and lower lip evenly in the frontal view; the tip of the nose where it stands out
+    /// furthest, the points under the nose on its edge; the peaks of the bow as far apart as people's,
+    /// and half way between them and the corners; the inner points of the lips in line with the outer
+    /// ones above and below. The others stay.
     pub fn conventional_offsets_mm(&self) -> Vec<[f32; 3]> {
         let at = |i: usize| self.mean[self.landmarks[i] as usize];
         let mut moved: [[f32; 3]; LANDMARKS] = std::array::from_fn(at);
@@ -27,19 +36,27 @@ impl Head {
         let between = |from: f32, to: f32, share: f32| from + share * (to - from);
         let middle = x(51);
         let bow = middle - BOW_MM;
+        moved[30][1] += TIP_MM;
+        for (landmark, share) in [(28, 1.0 / 3.0), (29, 2.0 / 3.0)] {
+            let even = between(at(27)[1], moved[30][1], share);
+            moved[landmark] = slid(&BRIDGE.map(at), 1, even);
+        }
+        moved[31][1] -= UNDER_WING_MM;
+        moved[32][1] -= 0.5 * (UNDER_WING_MM + UNDER_NOSE_MM);
+        moved[33][1] -= UNDER_NOSE_MM;
         for (k, &landmark) in BROW.iter().enumerate() {
             let even = between(x(17), x(21), k as f32 / 4.0);
-            moved[landmark] = slid(&BROW.map(at), even);
+            moved[landmark] = slid(&BROW.map(at), 0, even);
         }
-        moved[50] = slid(&UPPER_LIP.map(at), bow);
-        moved[49] = slid(&UPPER_LIP.map(at), between(x(48), bow, 0.5));
-        moved[59] = slid(&LOWER_LIP.map(at), between(x(48), middle, 1.0 / 3.0));
-        moved[58] = slid(&LOWER_LIP.map(at), between(x(48), middle, 2.0 / 3.0));
+        moved[50] = slid(&UPPER_LIP.map(at), 0, bow);
+        moved[49] = slid(&UPPER_LIP.map(at), 0, between(x(48), bow, 0.5));
+        moved[59] = slid(&LOWER_LIP.map(at), 0, between(x(48), middle, 1.0 / 3.0));
+        moved[58] = slid(&LOWER_LIP.map(at), 0, between(x(48), middle, 2.0 / 3.0));
         // Where the line from the one to the other crosses the lips' own.
         let share = (at(61)[1] - moved[50][1]) / (moved[58][1] - moved[50][1]);
         let column = between(moved[50][0], moved[58][0], share);
-        moved[61] = slid(&UPPER_INNER.map(at), column);
-        moved[67] = slid(&LOWER_INNER.map(at), column);
+        moved[61] = slid(&UPPER_INNER.map(at), 0, column);
+        moved[67] = slid(&LOWER_INNER.map(at), 0, column);
         let offset = |i: usize| -> [f32; 3] { std::array::from_fn(|k| moved[i][k] - at(i)[k]) };
         (0..LANDMARKS)
             .map(|i| match x(i) > middle {
@@ -54,12 +71,13 @@ fn mirrored([x, y, z]: [f32; 3]) -> [f32; 3] {
     [-x, y, z]
 }
 
-/// The point of a line, whose x rises, at an x.
-fn slid(line: &[[f32; 3]], x: f32) -> [f32; 3] {
+/// The point of a line, along which a coordinate rises, where that has a value.
+fn slid(line: &[[f32; 3]], axis: usize, value: f32) -> [f32; 3] {
     let last = line.len() - 2;
-    let k = (0..last).find(|k| x <= line[k + 1][0]).unwrap_or(last);
+    let beyond = |k: &usize| value <= line[k + 1][axis];
+    let k = (0..last).find(beyond).unwrap_or(last);
     let (a, b) = (line[k], line[k + 1]);
-    let share = ((x - a[0]) / (b[0] - a[0])).clamp(0.0, 1.0);
+    let share = ((value - a[axis]) / (b[axis] - a[axis])).clamp(0.0, 1.0);
     std::array::from_fn(|i| a[i] + share * (b[i] - a[i]))
 }
 
@@ -70,9 +88,9 @@ mod tests {
     #[test]
     fn a_point_slides_along_its_line() {
         let line = [[0.0, 0.0, 0.0], [2.0, 2.0, 1.0], [4.0, 0.0, 1.0]];
-        assert_eq!(slid(&line, 0.0), [0.0; 3]);
-        assert_eq!(slid(&line, 1.0), [1.0, 1.0, 0.5]);
-        assert_eq!(slid(&line, 3.0), [3.0, 1.0, 1.0]);
-        assert_eq!(slid(&line, 5.0), [4.0, 0.0, 1.0]);
+        assert_eq!(slid(&line, 0, 0.0), [0.0; 3]);
+        assert_eq!(slid(&line, 0, 1.0), [1.0, 1.0, 0.5]);
+        assert_eq!(slid(&line, 0, 3.0), [3.0, 1.0, 1.0]);
+        assert_eq!(slid(&line, 0, 5.0), [4.0, 0.0, 1.0]);
     }
 }

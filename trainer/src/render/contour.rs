@@ -17,6 +17,9 @@ use posewise::shape::{JAW, LANDMARKS};
 /// Half the width of the chin \[mm\].
 const CHIN_MM: f32 = 36.0;
 
+/// Points beside each cheek, from the uppermost on.
+const CHEEK: usize = 6;
+
 /// How far ahead the camera is that sees the jaw's points at even distances \[mm\].
 const FAR_MM: f32 = 1000.0;
 
@@ -31,6 +34,8 @@ struct Crossing {
 struct Path {
     points: Vec<Crossing>,
     outward: Vec2,
+    /// Whether the landmark's own vertex is on it.
+    through_vertex: bool,
 }
 
 /// Finds the 68 points.
@@ -83,6 +88,7 @@ impl Landmarker {
                 Path {
                     points: cut(mesh, start, end, below_mm),
                     outward,
+                    through_vertex: true,
                 }
             })
             .collect();
@@ -103,6 +109,35 @@ impl Landmarker {
         landmarker
     }
 
+    /// Lets the points beside the cheeks slide level: what annotators put beside an eye, a nose or a
+    /// mouth stays beside it however the head turns. Their heights are those of even distances in the
+    /// frontal view.
+    pub fn levelled(mut self, mesh: &Mesh) -> Landmarker {
+        let ahead = Posed::new(mesh, &mesh.mean, &[], Mat3::IDENTITY, FAR_MM * Vec3::Z);
+        let view = View::unit();
+        let outline = self.outline(&ahead, &view, 0.0).map(|p| p.extend(0.0));
+        let edge = |i: usize| mesh.jaw_edge[i].map(|v| mesh.mean[v as usize]);
+        for i in (0..JAW).filter(|i| *i < CHEEK || *i >= JAW - CHEEK) {
+            // Seen from so far away heights hardly depend on how far a point is.
+            let height = at_place(&outline, self.places[i]).y * FAR_MM;
+            let side = |k: usize| if i < JAW / 2 { k } else { JAW - 1 - k };
+            let line: Vec<Vec3> = (0..JAW / 2).map_while(|k| edge(side(k))).collect();
+            let below = line
+                .partition_point(|p| p.y < height)
+                .clamp(1, line.len() - 1);
+            let (a, b) = (line[below - 1], line[below]);
+            let start = a.lerp(b, ((height - a.y) / (b.y - a.y)).clamp(0.0, 1.0));
+            let end = path_end(i, &|k| mesh.mean[mesh.landmarks[k] as usize]);
+            self.paths[i] = Path {
+                points: cut(mesh, start, Vec3::new(end.x, start.y, end.z), 0.0),
+                outward: Vec2::new(start.x.signum(), 0.0),
+                through_vertex: false,
+            };
+        }
+        self.places = places_by_side(&self.outline(&ahead, &view, 0.0));
+        self
+    }
+
     /// The outline where each path meets it \[px\].
     fn outline(&self, head: &Posed, view: &View, roll_deg: f32) -> [Vec2; JAW] {
         std::array::from_fn(|i| view.project(self.outermost(i, head, view, roll_deg).0))
@@ -112,9 +147,13 @@ impl Landmarker {
     fn outermost(&self, i: usize, head: &Posed, view: &View, roll_deg: f32) -> (Vec3, Vec3) {
         let vertex = self.vertices[i] as usize;
         let mut best = (head.vertices[vertex], head.normals[vertex]);
-        let d = Vec2::from_angle(roll_deg.to_radians()).rotate(self.paths[i].outward);
-        let mut reach = view.project(best.0).dot(d);
-        for c in &self.paths[i].points {
+        let path = &self.paths[i];
+        let d = Vec2::from_angle(roll_deg.to_radians()).rotate(path.outward);
+        let mut reach = match path.through_vertex {
+            true => view.project(best.0).dot(d),
+            false => f32::NEG_INFINITY,
+        };
+        for c in &path.points {
             let [a, b] = c.ends.map(|v| v as usize);
             let p = head.vertices[a].lerp(head.vertices[b], c.share);
             let r = view.project(p).dot(d);

@@ -122,7 +122,11 @@ pub fn renderer(args: &Args) -> Result<Renderer> {
         people.add_photographs(&head, &mesh, &fits.fits, &images, args.kind.pictures())?;
         offsets_mm = fits.offsets_mm;
     }
-    Ok(Renderer::new(mesh, people, backgrounds, &offsets_mm))
+    let renderer = Renderer::new(mesh, people, backgrounds, &offsets_mm);
+    Ok(match args.clean {
+        true => renderer.by_convention(),
+        false => renderer,
+    })
 }
 
 /// The spec that goes with `args`.

@@ -145,6 +145,8 @@ pub struct Renderer {
     pub mesh: Mesh,
     /// Finds the 68 points.
     pub landmarker: Landmarker,
+    /// Whether the outline is that of the head without its hair.
+    bare: bool,
     people: super::people::People,
     backgrounds: Vec<GrayImage>,
 }
@@ -161,8 +163,19 @@ impl Renderer {
         Renderer {
             landmarker: Landmarker::new(&mesh, offsets_mm),
             mesh,
+            bare: false,
             people,
             backgrounds,
+        }
+    }
+
+    /// Puts the jaw where the convention has it: on the skin, not on hair that stands off it, each
+    /// point beside the cheeks at a height of its own however the head turns.
+    pub fn by_convention(self) -> Renderer {
+        Renderer {
+            landmarker: self.landmarker.levelled(&self.mesh),
+            bare: true,
+            ..self
         }
     }
 
@@ -221,9 +234,13 @@ impl Renderer {
         let level = rng.random_range(0.3..1.6);
         behind.iter_mut().for_each(|b| *b *= level);
         let drawn = draw(&scene, &view, &behind);
+        let skin = self
+            .bare
+            .then(|| Posed::new(&self.mesh, &head, &[], pose.rotation, pose.at));
+        let labelled = skin.as_ref().unwrap_or(&posed);
         let points = self
             .landmarker
-            .points(&posed, &view, &drawn, angles.roll_deg);
+            .points(labelled, &view, &drawn, angles.roll_deg);
         let camera = Camera::random(
             rng,
             face_px,
