@@ -85,6 +85,32 @@ fn the_far_jaw_slides_to_the_outline() {
 }
 
 #[test]
+fn by_convention_only_the_jaw_is_elsewhere() {
+    let spec = SampleSpec {
+        pitch_deg: 0.0,
+        roll_deg: 0.0,
+        ..spec()
+    };
+    let (plain, renderer) = (renderer(), renderer().by_convention());
+    for index in 0..16 {
+        let s = renderer.sample(2, index, &spec);
+        let before = plain.sample(2, index, &spec);
+        assert_eq!(s.luma, before.luma);
+        assert_eq!(s.landmarks[17..], before.landmarks[17..]);
+        assert_ne!(s.landmarks[..17], before.landmarks[..17]);
+        for i in 0..6 {
+            let [a, b] = [i, i + 1].map(|k| s.landmarks[k].y);
+            let [c, d] = [16 - i, 15 - i].map(|k| s.landmarks[k].y);
+            assert!(
+                a < b && c < d,
+                "downwards beside the cheeks: {:?}",
+                s.landmarks
+            );
+        }
+    }
+}
+
+#[test]
 fn an_interrupted_cache_goes_on() {
     let renderer = renderer();
     let folder = std::env::temp_dir().join(format!("posewise-cache-{}", std::process::id()));

@@ -117,17 +117,21 @@ impl Landmarker {
         let view = View::unit();
         let outline = self.outline(&ahead, &view, 0.0).map(|p| p.extend(0.0));
         let edge = |i: usize| mesh.jaw_edge[i].map(|v| mesh.mean[v as usize]);
+        let vertex = |i: usize| mesh.mean[mesh.landmarks[i] as usize];
         for i in (0..JAW).filter(|i| *i < CHEEK || *i >= JAW - CHEEK) {
             // Seen from so far away heights hardly depend on how far a point is.
             let height = at_place(&outline, self.places[i]).y * FAR_MM;
             let side = |k: usize| if i < JAW / 2 { k } else { JAW - 1 - k };
-            let line: Vec<Vec3> = (0..JAW / 2).map_while(|k| edge(side(k))).collect();
+            let mut line: Vec<Vec3> = (0..JAW / 2).map_while(|k| edge(side(k))).collect();
+            if line.len() < 2 {
+                line = (0..JAW / 2).map(|k| vertex(side(k))).collect();
+            }
             let below = line
                 .partition_point(|p| p.y < height)
                 .clamp(1, line.len() - 1);
             let (a, b) = (line[below - 1], line[below]);
             let start = a.lerp(b, ((height - a.y) / (b.y - a.y)).clamp(0.0, 1.0));
-            let end = path_end(i, &|k| mesh.mean[mesh.landmarks[k] as usize]);
+            let end = path_end(i, &vertex);
             self.paths[i] = Path {
                 points: cut(mesh, start, Vec3::new(end.x, start.y, end.z), 0.0),
                 outward: Vec2::new(start.x.signum(), 0.0),
