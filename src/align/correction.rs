@@ -2,8 +2,7 @@
 //!
 //! What a stage reads around a landmark cannot tell it that the others disagree. Here each landmark
 //! moves by a linear map of the whole shape, learnt from where the stages before it end on labelled
-//! faces: a nose well placed corrects the jaw, two lids each other (correlative regression, thesis
-//! 5.1).
+//! faces: a nose well placed corrects the jaw (correlative regression, thesis 5.1).
 
 use super::Shape;
 use crate::math::Similarity;

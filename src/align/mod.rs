@@ -6,9 +6,9 @@
 //! the 68 points where the answer before it put them, and all points' features together move all
 //! points, so that landmarks that are well placed correct their neighbours (coarse-to-fine
 //! correlative regression, thesis 5.1; shape-indexed features as in Cao et al. 2014). Fine stages of
-//! the same kind then see eyes with brows, the mouth and the lids closer by, and in the end the whole
-//! shape corrects each of its points. From pixels to the sums that make an answer everything is
-//! integer arithmetic.
+//! the same kind then see eyes with brows, the mouth and the lids closer by. From pixels to the sums
+//! that make an answer everything is integer arithmetic. In the end the whole shape corrects each of
+//! its points.
 //!
 //! A guess matters only through the similarity transform that brings the mean shape onto it: a pass
 //! that starts from its own answer does not drift.

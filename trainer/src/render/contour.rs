@@ -34,8 +34,6 @@ struct Crossing {
 struct Path {
     points: Vec<Crossing>,
     outward: Vec2,
-    /// Whether the landmark's own vertex is on it.
-    through_vertex: bool,
 }
 
 /// Finds the 68 points.
@@ -85,10 +83,13 @@ impl Landmarker {
                     8 => Vec2::Y,
                     _ => outward,
                 };
+                let vertex = Crossing {
+                    ends: [mesh.landmarks[i]; 2],
+                    share: 0.0,
+                };
                 Path {
-                    points: cut(mesh, start, end, below_mm),
+                    points: [vec![vertex], cut(mesh, start, end, below_mm)].concat(),
                     outward,
-                    through_vertex: true,
                 }
             })
             .collect();
@@ -104,8 +105,7 @@ impl Landmarker {
             places: std::array::from_fn(|i| i as f32),
         };
         // Seen by a camera ahead, and then at the same places of the head however it turns.
-        let ahead = Posed::new(mesh, &mesh.mean, &[], Mat3::IDENTITY, FAR_MM * Vec3::Z);
-        landmarker.places = places_by_side(&landmarker.outline(&ahead, &View::unit(), 0.0));
+        landmarker.places = places_by_side(&landmarker.frontal_outline(mesh));
         landmarker
     }
 
@@ -113,9 +113,7 @@ impl Landmarker {
     /// mouth stays beside it however the head turns. Their heights are those of even distances in the
     /// frontal view.
     pub fn levelled(mut self, mesh: &Mesh) -> Landmarker {
-        let ahead = Posed::new(mesh, &mesh.mean, &[], Mat3::IDENTITY, FAR_MM * Vec3::Z);
-        let view = View::unit();
-        let outline = self.outline(&ahead, &view, 0.0).map(|p| p.extend(0.0));
+        let outline = self.frontal_outline(mesh).map(|p| p.extend(0.0));
         let edge = |i: usize| mesh.jaw_edge[i].map(|v| mesh.mean[v as usize]);
         let vertex = |i: usize| mesh.mean[mesh.landmarks[i] as usize];
         for i in (0..JAW).filter(|i| *i < CHEEK || *i >= JAW - CHEEK) {
@@ -135,11 +133,16 @@ impl Landmarker {
             self.paths[i] = Path {
                 points: cut(mesh, start, Vec3::new(end.x, start.y, end.z), 0.0),
                 outward: Vec2::new(start.x.signum(), 0.0),
-                through_vertex: false,
             };
         }
-        self.places = places_by_side(&self.outline(&ahead, &view, 0.0));
+        self.places = places_by_side(&self.frontal_outline(mesh));
         self
+    }
+
+    /// The mean head's outline as a camera far ahead sees it, at unit focal length.
+    fn frontal_outline(&self, mesh: &Mesh) -> [Vec2; JAW] {
+        let ahead = Posed::new(mesh, &mesh.mean, &[], Mat3::IDENTITY, FAR_MM * Vec3::Z);
+        self.outline(&ahead, &View::unit(), 0.0)
     }
 
     /// The outline where each path meets it \[px\].
@@ -153,10 +156,7 @@ impl Landmarker {
         let mut best = (head.vertices[vertex], head.normals[vertex]);
         let path = &self.paths[i];
         let d = Vec2::from_angle(roll_deg.to_radians()).rotate(path.outward);
-        let mut reach = match path.through_vertex {
-            true => view.project(best.0).dot(d),
-            false => f32::NEG_INFINITY,
-        };
+        let mut reach = f32::NEG_INFINITY;
         for c in &path.points {
             let [a, b] = c.ends.map(|v| v as usize);
             let p = head.vertices[a].lerp(head.vertices[b], c.share);
