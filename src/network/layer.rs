@@ -1,6 +1,6 @@
 //! Runs the nodes.
 
-use super::kernel::{BLOCK, products};
+use super::kernel::{BLOCK, NO_COARSE, Scale, TAP_PAIRS, TILE, convolved, windowed};
 use super::plan::{
     ARENA, MAX_CHANNELS, MAX_COLUMNS, MAX_WEIGHTS, Map, Network, Node, OP_ADD, OP_DEPTHWISE,
     OP_INPUT, OP_LATERAL, OP_LINEAR,
@@ -84,17 +84,9 @@ fn standardise(crop: &Crop, node: &Node<'_>, work: &mut Activations) {
     }
 }
 
-/// The sum's share of the next layer's bytes.
-#[inline]
-fn requantise(sum: i32, factor: i32, node: &Node<'_>) -> i32 {
-    let (before, after) = (node.before as u32, node.after as u32);
-    let kept = sum >> (before & 31);
-    let round = 1i32 << (after.wrapping_sub(1) & 31);
-    kept.wrapping_mul(factor).wrapping_add(round) >> (after & 31)
-}
-
 fn convolve(node: &Node<'_>, work: &mut Activations) {
     let (from, to) = (node.input, node.output);
+    let (side, channels) = (to.side().max(1), to.channels().max(1));
     let kernel = node.kernel as usize;
     let Some(wide) = work.weights.get_mut(..node.weights.len()) else {
         return;
@@ -102,8 +94,12 @@ fn convolve(node: &Node<'_>, work: &mut Activations) {
     for (wide, weight) in wide.iter_mut().zip(node.weights) {
         *wide = *weight as i16;
     }
-    let count = (kernel * kernel * from.channels()).next_multiple_of(2);
-    let Some(columns) = work.columns.get_mut(..count) else {
+    let count = (kernel * kernel * from.channels())
+        .next_multiple_of(2)
+        .max(2);
+    // As many pixels at a time as there is room for their windows.
+    let pixels = (MAX_COLUMNS / count).clamp(1, TILE);
+    let Some(columns) = work.columns.get_mut(..pixels * count) else {
         return;
     };
     let lateral = node.op == OP_LATERAL;
@@ -117,39 +113,44 @@ fn convolve(node: &Node<'_>, work: &mut Activations) {
     let Ok([input, other, output]) = work.arena.get_disjoint_mut(maps) else {
         return;
     };
-    let floor = if node.op == OP_LINEAR { 128 } else { 0 };
-    let pixels = output.chunks_exact_mut(to.channels().max(1));
-    for (at, pixel) in pixels.enumerate() {
-        let (y, x) = (at / to.side().max(1), at % to.side().max(1));
-        window(node, input, y, x, columns);
-        let coarse = if lateral {
-            let first = ((y / 2) * node.other.side() + x / 2) * to.channels();
-            other.get(first..first + to.channels()).unwrap_or(&[])
-        } else {
-            &[]
-        };
-        let blocks = wide.chunks_exact((count * BLOCK).max(1));
-        let constants = node
-            .bias
-            .as_chunks::<BLOCK>()
-            .0
-            .iter()
-            .zip(node.factor.as_chunks::<BLOCK>().0);
-        let outputs = pixel.as_chunks_mut::<BLOCK>().0;
-        for (block, ((out, weights), (bias, factor))) in
-            outputs.iter_mut().zip(blocks).zip(constants).enumerate()
-        {
-            let mut sums = products(columns, weights);
-            for ((sum, bias), factor) in sums.iter_mut().zip(bias).zip(factor) {
-                *sum = requantise(sum.wrapping_add(*bias), *factor, node) + floor;
+    for (tile, out) in output.chunks_mut((pixels * channels).max(1)).enumerate() {
+        let first = tile * pixels;
+        let present = out.len() / channels;
+        for (p, columns) in columns.chunks_exact_mut(count).take(present).enumerate() {
+            let (y, x) = ((first + p) / side, (first + p) % side);
+            window(node, input, y, x, columns);
+        }
+        // Where there are fewer, the last stands in for the others.
+        let index = [0, 1, 2, 3].map(|p: usize| p.min(present.saturating_sub(1)));
+        let views = index.map(|p| columns.get(p * count..(p + 1) * count).unwrap_or(&[]));
+        let under = index.map(|p| {
+            let (y, x) = ((first + p) / side, (first + p) % side);
+            match lateral {
+                true => ((y / 2) * node.other.side() + x / 2) * channels,
+                false => usize::MAX,
             }
-            let coarse = coarse.as_chunks::<BLOCK>().0.get(block);
-            if let Some(coarse) = coarse {
-                for (sum, c) in sums.iter_mut().zip(coarse) {
-                    *sum += 2 * (*c as i32 - 128);
+        });
+        let blocks = wide.chunks_exact((count * BLOCK).max(1));
+        for (block, (weights, (bias, factor))) in blocks.zip(node.constants()).enumerate() {
+            let at = block * BLOCK;
+            let coarse = under.map(|under| {
+                let block = other.get(under.saturating_add(at)..);
+                block.and_then(|b| b.first_chunk()).unwrap_or(&NO_COARSE)
+            });
+            let scale = Scale {
+                bias,
+                factor,
+                before: node.before as u32,
+                after: node.after as u32,
+                floor: if node.op == OP_LINEAR { 128 } else { 0 },
+            };
+            let bytes = convolved(views, weights, &scale, coarse);
+            for (p, bytes) in bytes.iter().enumerate() {
+                let out = out.get_mut(p * channels + at..);
+                if let Some(out) = out.and_then(|o| o.first_chunk_mut()) {
+                    *out = *bytes;
                 }
             }
-            *out = sums.map(|v| v.clamp(0, 255) as u8);
         }
     }
 }
@@ -199,32 +200,55 @@ fn window(node: &Node<'_>, input: &[u8], y: usize, x: usize, columns: &mut [i16]
 fn depthwise(node: &Node<'_>, work: &mut Activations) {
     let (from, to) = (node.input, node.output);
     let stride = node.stride as usize;
+    let (side, channels) = (to.side().max(1), to.channels().max(1));
     let Ok([input, output]) = work.arena.get_disjoint_mut([from.range(), to.range()]) else {
         return;
     };
-    let channels = to.channels().min(MAX_CHANNELS);
-    let mut sums = [0i32; MAX_CHANNELS];
-    let Some(sums) = sums.get_mut(..channels) else {
+    // [block][pair of taps][channel][2]
+    let blocks = channels / BLOCK;
+    let pairs = work.weights.as_chunks_mut::<{ 2 * BLOCK }>().0;
+    let Some(pairs) = pairs.get_mut(..blocks * TAP_PAIRS) else {
         return;
     };
-    for (at, pixel) in output.chunks_exact_mut(channels.max(1)).enumerate() {
-        let (y, x) = (at / to.side().max(1), at % to.side().max(1));
-        sums.iter_mut().zip(node.bias).for_each(|(s, b)| *s = *b);
-        for (tap, weights) in node.weights.chunks_exact(channels.max(1)).enumerate() {
+    for (k, pair) in pairs.iter_mut().enumerate() {
+        let (first, tap) = (k / TAP_PAIRS * BLOCK, k % TAP_PAIRS * 2);
+        for (i, wide) in pair.iter_mut().enumerate() {
+            let at = (tap + i % 2) * channels + first + i / 2;
+            *wide = node.weights.get(at).map_or(0, |w| *w as i16);
+        }
+    }
+    let zeros = [0u8; MAX_CHANNELS];
+    for (at, pixel) in output.chunks_exact_mut(channels).enumerate() {
+        let (y, x) = (at / side, at % side);
+        let mut taps =
+            [[0, 1]; TAP_PAIRS].map(|pair| pair.map(|_: usize| zeros.as_chunks().0.iter()));
+        for (tap, values) in taps.as_flattened_mut().iter_mut().take(9).enumerate() {
             let sy = (y * stride + tap / 3).wrapping_sub(1);
             let sx = (x * stride + tap % 3).wrapping_sub(1);
-            if sy >= from.side() || sx >= from.side() {
-                continue;
-            }
-            let at = (sy * from.side() + sx) * channels;
-            let values = input.get(at..at + channels).unwrap_or(&[]);
-            for ((sum, value), weight) in sums.iter_mut().zip(values).zip(weights) {
-                // 255·127 fits 16 bits.
-                *sum += (*value as i16).wrapping_mul(*weight as i16) as i32;
+            if sy < from.side() && sx < from.side() {
+                let at = (sy * from.side() + sx) * channels;
+                *values = input
+                    .get(at..at + channels)
+                    .unwrap_or(&[])
+                    .as_chunks()
+                    .0
+                    .iter();
             }
         }
-        for ((out, sum), factor) in pixel.iter_mut().zip(&*sums).zip(node.factor) {
-            *out = requantise(*sum, *factor, node).clamp(0, 255) as u8;
+        let out = pixel.as_chunks_mut::<BLOCK>().0;
+        let weights = pairs.as_chunks::<TAP_PAIRS>().0;
+        for ((out, weights), (bias, factor)) in out.iter_mut().zip(weights).zip(node.constants()) {
+            let scale = Scale {
+                bias,
+                factor,
+                before: node.before as u32,
+                after: node.after as u32,
+                floor: 0,
+            };
+            let block = taps
+                .each_mut()
+                .map(|pair| pair.each_mut().map(|tap| tap.next().unwrap_or(&[0; BLOCK])));
+            *out = windowed(block, weights, &scale);
         }
     }
 }
@@ -235,10 +259,21 @@ fn add(node: &Node<'_>, work: &mut Activations) {
         return;
     };
     let &[own, second] = node.factor else { return };
+    let (before, after) = (node.before as u32 & 31, node.after as u32 & 31);
+    let half = 1i32 << (after.wrapping_sub(1) & 31);
     for (out, other) in output.iter_mut().zip(other) {
-        let sum = (*out as i32)
-            .wrapping_mul(own)
-            .wrapping_add((*other as i32).wrapping_mul(second));
-        *out = requantise(sum, 1, node).clamp(0, 255) as u8;
+        // 16-bit factors: what machines multiply in pairs.
+        let sum = (*out as i16 as i32).wrapping_mul(own as i16 as i32);
+        let sum = sum.wrapping_add((*other as i16 as i32).wrapping_mul(second as i16 as i32));
+        let value = (sum >> before).wrapping_add(half) >> after;
+        *out = value.clamp(0, 255) as u8;
+    }
+}
+
+impl<'m> Node<'m> {
+    /// Bias and factor, block by block.
+    fn constants(&self) -> impl Iterator<Item = (&'m [i32; BLOCK], &'m [i32; BLOCK])> {
+        let (bias, factor) = (self.bias.as_chunks().0, self.factor.as_chunks().0);
+        bias.iter().zip(factor)
     }
 }

@@ -153,7 +153,11 @@ impl<'m> Network<'m> {
                     && (op == OP_LINEAR
                         || other.side() * 2 == output.side() && other.channels() == channels),
             ),
-            OP_DEPTHWISE => (9 * channels, channels, channels == input.channels()),
+            OP_DEPTHWISE => (
+                9 * channels,
+                channels,
+                channels == input.channels() && channels.is_multiple_of(8),
+            ),
             _ => (
                 0,
                 2,

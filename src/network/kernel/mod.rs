@@ -1,0 +1,161 @@
+//! The loops that nearly all time goes into. The twins for single machines give the same integers
+//! as the portable code, which compilers turn into good code for the others.
+
+// SIMD kernels are one of the places where `unsafe` is allowed.
+#![allow(unsafe_code)]
+
+#[cfg(target_arch = "aarch64")]
+mod neon;
+#[cfg(any(test, not(any(target_arch = "x86_64", target_arch = "aarch64"))))]
+mod portable;
+#[cfg(target_arch = "x86_64")]
+mod sse2;
+
+/// Outputs computed together.
+pub(super) const BLOCK: usize = 8;
+/// Pixels whose outputs are computed together, so that weights are read once for all of them.
+pub(super) const TILE: usize = 4;
+/// Pairs of the nine taps of a 3×3 window, the last with a weight of 0.
+pub(super) const TAP_PAIRS: usize = 5;
+
+/// From a block's sums to its bytes: `(((sum + bias) >> before)·factor + half) >> after + floor`,
+/// clamped. What is left of a sum by `before` fits 16 bits in a sound model, and is cut to them in
+/// others; so does a factor.
+#[derive(Clone, Copy)]
+pub(super) struct Scale<'a> {
+    pub bias: &'a [i32; BLOCK],
+    pub factor: &'a [i32; BLOCK],
+    pub before: u32,
+    pub after: u32,
+    pub floor: i32,
+}
+
+/// What a coarse map of nothing is.
+pub(super) const NO_COARSE: [u8; BLOCK] = [128; BLOCK];
+
+/// A block of [`TILE`] pixels' outputs: `Σₖ columns[k]·weights[k/2][output][k%2]`, brought to bytes
+/// with twice what `coarse` lies above 128 on top. All columns are as long, and of an even length;
+/// `weights` holds [`BLOCK`] outputs for each pair of columns.
+#[inline]
+pub(super) fn convolved(
+    columns: [&[i16]; TILE],
+    weights: &[i16],
+    scale: &Scale<'_>,
+    coarse: [&[u8; BLOCK]; TILE],
+) -> [[u8; BLOCK]; TILE] {
+    #[cfg(target_arch = "x86_64")]
+    // SAFETY: SSE2 is part of x86-64.
+    return unsafe { sse2::convolved(columns, weights, scale, coarse) };
+    #[cfg(target_arch = "aarch64")]
+    // SAFETY: NEON is part of AArch64 with an operating system's floats, which its targets name.
+    return unsafe { neon::convolved(columns, weights, scale, coarse) };
+    #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+    portable::convolved(columns, weights, scale, coarse)
+}
+
+/// A block of channels' 3×3 windows: taps beside each other in pairs, `weights[pair][channel][2]`.
+#[inline]
+pub(super) fn windowed(
+    taps: [[&[u8; BLOCK]; 2]; TAP_PAIRS],
+    weights: &[[i16; 2 * BLOCK]; TAP_PAIRS],
+    scale: &Scale<'_>,
+) -> [u8; BLOCK] {
+    #[cfg(target_arch = "x86_64")]
+    // SAFETY: SSE2 is part of x86-64.
+    return unsafe { sse2::windowed(taps, weights, scale) };
+    #[cfg(target_arch = "aarch64")]
+    // SAFETY: as above.
+    return unsafe { neon::windowed(taps, weights, scale) };
+    #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+    portable::windowed(taps, weights, scale)
+}
+
+/// `Σ a·b` of features and weights.
+#[inline]
+pub(crate) fn dot(features: &[u8], weights: &[i8]) -> i32 {
+    // 16-bit factors: what machines multiply in pairs.
+    let products = features
+        .iter()
+        .zip(weights)
+        .map(|(f, w)| (*f as i16) as i32 * (*w as i16) as i32);
+    products.sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn noise(k: usize) -> i16 {
+        ((k * 7919 + 13) % 511) as i16 - 255
+    }
+
+    fn bytes(k: usize) -> [u8; BLOCK] {
+        core::array::from_fn(|i| noise(k * BLOCK + i).unsigned_abs() as u8)
+    }
+
+    const BIAS: [i32; BLOCK] = [0, 1000, -1000, 30_000, -200_000, 7, 123_456, -8];
+    const FACTOR: [i32; BLOCK] = [32_767, 1, 0, 12_345, 20_000, 30_000, 999, -400];
+
+    fn scales() -> impl Iterator<Item = Scale<'static>> {
+        let shifts = [(0, 1), (4, 14), (6, 18), (12, 30)];
+        shifts.into_iter().flat_map(|(before, after)| {
+            [0, 128].map(|floor| Scale {
+                bias: &BIAS,
+                factor: &FACTOR,
+                before,
+                after,
+                floor,
+            })
+        })
+    }
+
+    #[test]
+    fn convolutions_agree() {
+        let columns: [[i16; 26]; TILE] =
+            core::array::from_fn(|p| core::array::from_fn(|k| noise(k + 100 * p)));
+        let columns = columns.each_ref().map(|c| &c[..]);
+        let weights: [i16; 26 * BLOCK] = core::array::from_fn(|k| noise(k + 7) / 2);
+        let coarse: [[u8; BLOCK]; TILE] = core::array::from_fn(bytes);
+        for scale in scales() {
+            for coarse in [coarse, [NO_COARSE; TILE]] {
+                let coarse = coarse.each_ref();
+                assert_eq!(
+                    convolved(columns, &weights, &scale, coarse),
+                    portable::convolved(columns, &weights, &scale, coarse)
+                );
+            }
+        }
+        // One of them by hand.
+        let plain = Scale {
+            bias: &[0; BLOCK],
+            factor: &[1 << 10; BLOCK],
+            before: 4,
+            after: 16,
+            floor: 128,
+        };
+        let out = convolved(columns, &weights, &plain, [&NO_COARSE; TILE]);
+        let sum = |p: usize| -> i32 {
+            let one = |k: usize| columns[p][k] as i32 * weights[k / 2 * 16 + k % 2] as i32;
+            (0..26).map(one).sum()
+        };
+        for (p, out) in out.iter().enumerate() {
+            let want = (((sum(p) >> 4) * 1024 + (1 << 15)) >> 16) + 128;
+            assert_eq!(out[0] as i32, want.clamp(0, 255));
+        }
+    }
+
+    #[test]
+    fn windows_agree() {
+        let taps: [[[u8; BLOCK]; 2]; TAP_PAIRS] =
+            core::array::from_fn(|k| [bytes(2 * k), bytes(2 * k + 50)]);
+        let taps = taps.each_ref().map(|pair| pair.each_ref());
+        let weights: [[i16; 2 * BLOCK]; TAP_PAIRS] =
+            core::array::from_fn(|k| core::array::from_fn(|i| noise(k * 16 + i) / 2));
+        for scale in scales() {
+            assert_eq!(
+                windowed(taps, &weights, &scale),
+                portable::windowed(taps, &weights, &scale)
+            );
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! What the kernels compute, for every machine.
+
+use super::{BLOCK, Scale, TAP_PAIRS, TILE};
+
+pub(super) fn convolved(
+    columns: [&[i16]; TILE],
+    weights: &[i16],
+    scale: &Scale<'_>,
+    coarse: [&[u8; BLOCK]; TILE],
+) -> [[u8; BLOCK]; TILE] {
+    let mut out = [[0; BLOCK]; TILE];
+    for ((out, columns), coarse) in out.iter_mut().zip(columns).zip(coarse) {
+        *out = narrowed(products(columns, weights), scale, coarse);
+    }
+    out
+}
+
+pub(super) fn windowed(
+    taps: [[&[u8; BLOCK]; 2]; TAP_PAIRS],
+    weights: &[[i16; 2 * BLOCK]; TAP_PAIRS],
+    scale: &Scale<'_>,
+) -> [u8; BLOCK] {
+    let mut sums = [0i32; BLOCK];
+    for ([first, second], weights) in taps.iter().zip(weights) {
+        let values = first.iter().zip(*second);
+        let weights = weights.as_chunks::<2>().0;
+        for ((sum, (a, b)), [w0, w1]) in sums.iter_mut().zip(values).zip(weights) {
+            *sum += *a as i32 * *w0 as i32 + *b as i32 * *w1 as i32;
+        }
+    }
+    narrowed(sums, scale, &super::NO_COARSE)
+}
+
+fn products(columns: &[i16], weights: &[i16]) -> [i32; BLOCK] {
+    let mut sums = [0i32; BLOCK];
+    let pairs = columns.as_chunks::<2>().0;
+    for ([x0, x1], w) in pairs.iter().zip(weights.as_chunks::<16>().0) {
+        for (sum, [w0, w1]) in sums.iter_mut().zip(w.as_chunks::<2>().0) {
+            *sum = sum
+                .wrapping_add(*x0 as i32 * *w0 as i32)
+                .wrapping_add(*x1 as i32 * *w1 as i32);
+        }
+    }
+    sums
+}
+
+fn narrowed(sums: [i32; BLOCK], scale: &Scale<'_>, coarse: &[u8; BLOCK]) -> [u8; BLOCK] {
+    let (before, after) = (scale.before & 31, scale.after & 31);
+    let half = 1i32 << (after.wrapping_sub(1) & 31);
+    let mut out = [0; BLOCK];
+    let constants = scale.bias.iter().zip(scale.factor);
+    for (((out, sum), (bias, factor)), coarse) in
+        out.iter_mut().zip(sums).zip(constants).zip(coarse)
+    {
+        let kept = (sum.wrapping_add(*bias) >> before) as i16 as i32;
+        let scaled = (kept * *factor as i16 as i32).wrapping_add(half) >> after;
+        let value = scaled + scale.floor + 2 * (*coarse as i32 - 128);
+        *out = value.clamp(0, 255) as u8;
+    }
+    out
+}

@@ -1,0 +1,114 @@
+//! By `pmaddwd`, which adds two products of 16-bit numbers.
+
+use super::{BLOCK, NO_COARSE, Scale, TAP_PAIRS, TILE};
+use core::arch::x86_64::{
+    __m128i, _mm_add_epi32, _mm_and_si128, _mm_cvtsi32_si128, _mm_cvtsi64_si128, _mm_cvtsi128_si64,
+    _mm_madd_epi16, _mm_packs_epi32, _mm_packus_epi16, _mm_set1_epi32, _mm_setr_epi16,
+    _mm_setr_epi32, _mm_setzero_si128, _mm_slli_epi32, _mm_sra_epi32, _mm_unpackhi_epi16,
+    _mm_unpacklo_epi8, _mm_unpacklo_epi16,
+};
+
+#[target_feature(enable = "sse2")]
+#[inline]
+pub(super) fn convolved(
+    columns: [&[i16]; TILE],
+    weights: &[i16],
+    scale: &Scale<'_>,
+    coarse: [&[u8; BLOCK]; TILE],
+) -> [[u8; BLOCK]; TILE] {
+    let [a, b, c, d] = columns.map(|columns| columns.as_chunks::<2>().0);
+    let pairs = a.iter().zip(b).zip(c.iter().zip(d));
+    let mut sums = [[_mm_setzero_si128(); 2]; TILE];
+    for (((a, b), (c, d)), weights) in pairs.zip(weights.as_chunks::<16>().0) {
+        let weights = halves(weights);
+        for (sums, [x0, x1]) in sums.iter_mut().zip([a, b, c, d]) {
+            let pair = _mm_set1_epi32((*x0 as u16 as u32 | (*x1 as u16 as u32) << 16) as i32);
+            for (sum, weights) in sums.iter_mut().zip(weights) {
+                *sum = _mm_add_epi32(*sum, _mm_madd_epi16(pair, weights));
+            }
+        }
+    }
+    let mut out = [[0; BLOCK]; TILE];
+    for ((out, sums), coarse) in out.iter_mut().zip(sums).zip(coarse) {
+        *out = narrowed(sums, scale, coarse);
+    }
+    out
+}
+
+#[target_feature(enable = "sse2")]
+#[inline]
+pub(super) fn windowed(
+    taps: [[&[u8; BLOCK]; 2]; TAP_PAIRS],
+    weights: &[[i16; 2 * BLOCK]; TAP_PAIRS],
+    scale: &Scale<'_>,
+) -> [u8; BLOCK] {
+    let mut sums = [_mm_setzero_si128(); 2];
+    for ([first, second], weights) in taps.iter().zip(weights) {
+        let (first, second) = (widened(first), widened(second));
+        let pairs = [
+            _mm_unpacklo_epi16(first, second),
+            _mm_unpackhi_epi16(first, second),
+        ];
+        for ((sum, pair), weights) in sums.iter_mut().zip(pairs).zip(halves(weights)) {
+            *sum = _mm_add_epi32(*sum, _mm_madd_epi16(pair, weights));
+        }
+    }
+    narrowed(sums, scale, &NO_COARSE)
+}
+
+/// Two registers of eight.
+#[target_feature(enable = "sse2")]
+#[inline]
+fn halves(v: &[i16; 16]) -> [__m128i; 2] {
+    let [a, b, c, d, e, f, g, h, rest @ ..] = *v;
+    let [i, j, k, l, m, n, o, p] = rest;
+    [
+        _mm_setr_epi16(a, b, c, d, e, f, g, h),
+        _mm_setr_epi16(i, j, k, l, m, n, o, p),
+    ]
+}
+
+/// Two registers of four.
+#[target_feature(enable = "sse2")]
+#[inline]
+fn quarters(v: &[i32; BLOCK]) -> [__m128i; 2] {
+    let [a, b, c, d, e, f, g, h] = *v;
+    [_mm_setr_epi32(a, b, c, d), _mm_setr_epi32(e, f, g, h)]
+}
+
+/// Bytes as 16-bit numbers.
+#[target_feature(enable = "sse2")]
+#[inline]
+fn widened(v: &[u8; BLOCK]) -> __m128i {
+    let v = _mm_cvtsi64_si128(i64::from_le_bytes(*v));
+    _mm_unpacklo_epi8(v, _mm_setzero_si128())
+}
+
+#[target_feature(enable = "sse2")]
+#[inline]
+fn narrowed(sums: [__m128i; 2], scale: &Scale<'_>, coarse: &[u8; BLOCK]) -> [u8; BLOCK] {
+    let (before, after) = (scale.before & 31, scale.after & 31);
+    let half = _mm_set1_epi32(1 << (after.wrapping_sub(1) & 31));
+    let [before, after] = [before, after].map(|shift| _mm_cvtsi32_si128(shift as i32));
+    // Twice the coarse map, 256 below.
+    let floor = _mm_set1_epi32(scale.floor - 256);
+    let coarse = widened(coarse);
+    let coarse = [
+        _mm_unpacklo_epi16(coarse, _mm_setzero_si128()),
+        _mm_unpackhi_epi16(coarse, _mm_setzero_si128()),
+    ];
+    let low = _mm_set1_epi32(0xffff);
+    let (bias, factor) = (quarters(scale.bias), quarters(scale.factor));
+    let mut out = [_mm_setzero_si128(); 2];
+    let constants = bias.into_iter().zip(factor).zip(coarse);
+    for ((out, sum), ((bias, factor), coarse)) in out.iter_mut().zip(sums).zip(constants) {
+        let kept = _mm_sra_epi32(_mm_add_epi32(sum, bias), before);
+        // The upper halves meet zeros.
+        let scaled = _mm_madd_epi16(kept, _mm_and_si128(factor, low));
+        let scaled = _mm_sra_epi32(_mm_add_epi32(scaled, half), after);
+        let coarse = _mm_add_epi32(floor, _mm_slli_epi32::<1>(coarse));
+        *out = _mm_add_epi32(scaled, coarse);
+    }
+    let words = _mm_packs_epi32(out[0], out[1]);
+    _mm_cvtsi128_si64(_mm_packus_epi16(words, words)).to_le_bytes()
+}
