@@ -110,9 +110,9 @@ fn bilinear(frame: &Frame<'_>, x: i64, y: i64) -> u32 {
     // 8 bits of fraction are below the quantisation of the pixels themselves.
     let fx = ((x >> (FRACTION - 8)) & 255) as u32;
     let fy = ((y >> (FRACTION - 8)) & 255) as u32;
-    let l = |dx, dy| frame.luma(ix + dx, iy + dy) as u32;
-    let top = l(0, 0) * (256 - fx) + l(1, 0) * fx;
-    let bottom = l(0, 1) * (256 - fx) + l(1, 1) * fx;
+    let [a, b, c, d] = frame.square(ix, iy).map(u32::from);
+    let top = a * (256 - fx) + b * fx;
+    let bottom = c * (256 - fx) + d * fx;
     (top * (256 - fy) + bottom * fy + (1 << 15)) >> 16
 }
 

@@ -266,6 +266,19 @@ impl<'a> Frame<'a> {
         self.luma_at(self.place(x, y))
     }
 
+    /// Luma of a pixel and those right of it, below it and below that; beyond the border the nearest
+    /// there is.
+    #[inline]
+    pub(crate) fn square(&self, x: i32, y: i32) -> [u8; 4] {
+        if x >= 0 && y >= 0 && x < self.width - 1 && y < self.height - 1 {
+            let at = self.place(x, y);
+            let below = at + self.step_y;
+            [at, at + self.step_x, below, below + self.step_x].map(|at| self.luma_at(at))
+        } else {
+            [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(dx, dy)| self.luma(x + dx, y + dy))
+        }
+    }
+
     /// Where an upright pixel of the frame lies in its bytes.
     #[inline]
     pub(crate) fn place(&self, x: i32, y: i32) -> isize {

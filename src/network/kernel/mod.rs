@@ -73,12 +73,18 @@ pub(super) fn windowed(
 /// `Σ a·b` of features and weights.
 #[inline]
 pub(crate) fn dot(features: &[u8], weights: &[i8]) -> i32 {
-    // 16-bit factors: what machines multiply in pairs.
-    let products = features
-        .iter()
-        .zip(weights)
-        .map(|(f, w)| (*f as i16) as i32 * (*w as i16) as i32);
-    products.sum()
+    let (blocks, rest) = features.as_chunks::<{ 2 * BLOCK }>();
+    let (rows, rest_of_row) = weights.as_chunks::<{ 2 * BLOCK }>();
+    let tail = rest.iter().zip(rest_of_row);
+    let tail: i32 = tail.map(|(f, w)| *f as i32 * *w as i32).sum();
+    #[cfg(target_arch = "x86_64")]
+    // SAFETY: SSE2 is part of x86-64.
+    return tail + unsafe { sse2::dot(blocks, rows) };
+    #[cfg(target_arch = "aarch64")]
+    // SAFETY: as above.
+    return tail + unsafe { neon::dot(blocks, rows) };
+    #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+    return tail + portable::dot(blocks, rows);
 }
 
 #[cfg(test)]
@@ -142,6 +148,18 @@ mod tests {
             let want = (((sum(p) >> 4) * 1024 + (1 << 15)) >> 16) + 128;
             assert_eq!(out[0] as i32, want.clamp(0, 255));
         }
+    }
+
+    #[test]
+    fn products_agree() {
+        let features: [u8; 16 * 3 + 5] = core::array::from_fn(|k| noise(k).unsigned_abs() as u8);
+        let weights: [i8; 16 * 3 + 5] = core::array::from_fn(|k| (noise(k + 3) / 2) as i8);
+        let pairs = features.iter().zip(weights);
+        let sum: i32 = pairs.map(|(f, w)| i32::from(*f) * i32::from(w)).sum();
+        assert_eq!(dot(&features, &weights), sum);
+        let (blocks, rows) = (features.as_chunks().0, weights.as_chunks().0);
+        let whole = portable::dot(blocks, rows);
+        assert_eq!(whole, dot(&features[..48], &weights[..48]));
     }
 
     #[test]

@@ -2,10 +2,11 @@
 
 use super::{BLOCK, NO_COARSE, Scale, TAP_PAIRS, TILE};
 use core::arch::aarch64::{
-    int16x8_t, int16x8x2_t, int32x4_t, vaddq_s32, vaddw_s16, vcombine_s16, vcreate_u8, vdupq_n_s32,
-    vget_high_s16, vget_lane_u64, vget_low_s16, vld1q_s32, vld2q_s16, vmlal_high_n_s16,
-    vmlal_high_s16, vmlal_n_s16, vmlal_s16, vmovl_u8, vmovn_s32, vmull_s16, vqmovn_s32,
-    vqmovun_s16, vreinterpret_u64_u8, vreinterpretq_s16_u16, vshlq_n_s16, vshlq_s32,
+    int16x8_t, int16x8x2_t, int32x4_t, vaddq_s32, vaddvq_s32, vaddw_s16, vcombine_s16, vcreate_s8,
+    vcreate_u8, vdupq_n_s32, vget_high_s16, vget_lane_u64, vget_low_s16, vld1q_s32, vld2q_s16,
+    vmlal_high_n_s16, vmlal_high_s16, vmlal_n_s16, vmlal_s16, vmovl_s8, vmovl_u8, vmovn_s32,
+    vmull_s16, vqmovn_s32, vqmovun_s16, vreinterpret_u64_u8, vreinterpretq_s16_u16, vshlq_n_s16,
+    vshlq_s32,
 };
 
 #[target_feature(enable = "neon")]
@@ -52,6 +53,29 @@ pub(super) fn windowed(
         }
     }
     narrowed([low, high], scale, &NO_COARSE)
+}
+
+#[target_feature(enable = "neon")]
+#[inline]
+pub(super) fn dot(features: &[[u8; 2 * BLOCK]], weights: &[[i8; 2 * BLOCK]]) -> i32 {
+    let mut sums = [vdupq_n_s32(0); 2];
+    for (features, weights) in features.iter().zip(weights) {
+        let (features, weights) = (features.as_chunks().0, weights.as_chunks().0);
+        for ((sum, features), weights) in sums.iter_mut().zip(features).zip(weights) {
+            let (features, weights) = (widened(features), signed(weights));
+            *sum = vmlal_s16(*sum, vget_low_s16(features), vget_low_s16(weights));
+            *sum = vmlal_high_s16(*sum, features, weights);
+        }
+    }
+    vaddvq_s32(vaddq_s32(sums[0], sums[1]))
+}
+
+/// Signed bytes as 16-bit numbers.
+#[target_feature(enable = "neon")]
+#[inline]
+fn signed(v: &[i8; BLOCK]) -> int16x8_t {
+    let bytes = v.map(|v| v as u8);
+    vmovl_s8(vcreate_s8(u64::from_le_bytes(bytes)))
 }
 
 /// Those at even places, and those at odd ones.

@@ -31,6 +31,14 @@ pub(super) fn windowed(
     narrowed(sums, scale, &super::NO_COARSE)
 }
 
+pub(super) fn dot(features: &[[u8; 2 * BLOCK]], weights: &[[i8; 2 * BLOCK]]) -> i32 {
+    let pairs = features.as_flattened().iter().zip(weights.as_flattened());
+    // 16-bit factors: what machines multiply in pairs.
+    pairs
+        .map(|(f, w)| (*f as i16) as i32 * (*w as i16) as i32)
+        .sum()
+}
+
 fn products(columns: &[i16], weights: &[i16]) -> [i32; BLOCK] {
     let mut sums = [0i32; BLOCK];
     let pairs = columns.as_chunks::<2>().0;

@@ -2,9 +2,10 @@
 
 use super::{BLOCK, NO_COARSE, Scale, TAP_PAIRS, TILE};
 use core::arch::x86_64::{
-    __m128i, _mm_add_epi32, _mm_and_si128, _mm_cvtsi32_si128, _mm_cvtsi64_si128, _mm_cvtsi128_si64,
-    _mm_madd_epi16, _mm_packs_epi32, _mm_packus_epi16, _mm_set1_epi32, _mm_setr_epi16,
-    _mm_setr_epi32, _mm_setzero_si128, _mm_slli_epi32, _mm_sra_epi32, _mm_unpackhi_epi16,
+    __m128i, _mm_add_epi32, _mm_and_si128, _mm_cvtsi32_si128, _mm_cvtsi64_si128, _mm_cvtsi128_si32,
+    _mm_cvtsi128_si64, _mm_madd_epi16, _mm_packs_epi32, _mm_packus_epi16, _mm_set_epi64x,
+    _mm_set1_epi32, _mm_setr_epi16, _mm_setr_epi32, _mm_setzero_si128, _mm_shuffle_epi32,
+    _mm_slli_epi32, _mm_sra_epi32, _mm_srai_epi16, _mm_unpackhi_epi8, _mm_unpackhi_epi16,
     _mm_unpacklo_epi8, _mm_unpacklo_epi16,
 };
 
@@ -54,6 +55,35 @@ pub(super) fn windowed(
         }
     }
     narrowed(sums, scale, &NO_COARSE)
+}
+
+#[target_feature(enable = "sse2")]
+#[inline]
+pub(super) fn dot(features: &[[u8; 2 * BLOCK]], weights: &[[i8; 2 * BLOCK]]) -> i32 {
+    let zero = _mm_setzero_si128();
+    let [mut low, mut high] = [zero; 2];
+    for (features, weights) in features.iter().zip(weights) {
+        let features = sixteen(*features);
+        let weights = sixteen(weights.map(|w| w as u8));
+        // A byte in the upper half of a word, shifted down, keeps its sign.
+        let below = _mm_srai_epi16::<8>(_mm_unpacklo_epi8(zero, weights));
+        let above = _mm_srai_epi16::<8>(_mm_unpackhi_epi8(zero, weights));
+        let first = _mm_unpacklo_epi8(features, zero);
+        let second = _mm_unpackhi_epi8(features, zero);
+        low = _mm_add_epi32(low, _mm_madd_epi16(first, below));
+        high = _mm_add_epi32(high, _mm_madd_epi16(second, above));
+    }
+    let sums = _mm_add_epi32(low, high);
+    let sums = _mm_add_epi32(sums, _mm_shuffle_epi32::<0b1110>(sums));
+    _mm_cvtsi128_si32(_mm_add_epi32(sums, _mm_shuffle_epi32::<0b01>(sums)))
+}
+
+#[target_feature(enable = "sse2")]
+#[inline]
+fn sixteen(v: [u8; 2 * BLOCK]) -> __m128i {
+    let [low, high] = [v.first_chunk(), v.last_chunk()]
+        .map(|half: Option<&[u8; BLOCK]>| i64::from_le_bytes(*half.unwrap_or(&[0; BLOCK])));
+    _mm_set_epi64x(high, low)
 }
 
 /// Two registers of eight.
