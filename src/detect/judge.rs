@@ -3,10 +3,13 @@
 use super::forest::ABREAST;
 use super::grid::{GRID, Pixel, mirrored};
 use super::{DetectorModel, Ensemble, Window};
-use crate::image::Frame;
+use crate::image::{Frame, mean_of_nine};
 
 /// Trees per unit of work beyond the first: most windows are rejected by fewer.
 const TREES_PER_UNIT: usize = 16;
+
+/// What a unit of work is on a softened frame.
+const SOFT: i64 = 3;
 
 /// From a centre to each pixel of the grid, right and down \[px\].
 pub(super) type Table = [[i16; 2]; GRID * GRID];
@@ -53,7 +56,10 @@ impl<'a> Windows<'a> {
         for ensemble in model.ensembles() {
             let (score, trees) = match self.inside(x, y) {
                 Some(luma) => ensemble.judge(luma),
-                None => ensemble.judge(self.anywhere(x, y, false)),
+                None => match self.inside_soft(x, y) {
+                    Some(luma) => ensemble.judge(luma),
+                    None => ensemble.judge(self.anywhere(x, y, false)),
+                },
             };
             best = best.max(score);
             asked += trees;
@@ -63,7 +69,15 @@ impl<'a> Windows<'a> {
                 asked += trees;
             }
         }
-        (best, 1 + (asked / TREES_PER_UNIT) as i64)
+        let units = 1 + (asked / TREES_PER_UNIT) as i64;
+        (
+            best,
+            if self.frame.is_soft() {
+                SOFT * units
+            } else {
+                units
+            },
+        )
     }
 
     /// The luma of the grid, or of the mirrored grid, around a pixel of the frame.
@@ -78,17 +92,57 @@ impl<'a> Windows<'a> {
     /// The luma of the grid, faster, if all of it lies inside and the frame has luma in single bytes.
     #[inline]
     fn inside(&self, x: i32, y: i32) -> Option<impl Fn(Pixel) -> u8> {
-        let ([across, down], frame) = (self.reach, self.frame);
+        let stored = self.stored(x, y, 0).filter(|_| !self.frame.is_soft());
+        stored.map(|(bytes, centre)| {
+            move |pixel| {
+                let at = centre + self.bytes_to(pixel);
+                // It lies inside, so the fallback is never taken.
+                bytes.get(at as usize).copied().unwrap_or(0)
+            }
+        })
+    }
+
+    /// As [`Windows::inside`], of a softened frame.
+    #[inline]
+    fn inside_soft(&self, x: i32, y: i32) -> Option<impl Fn(Pixel) -> u8> {
+        let stored = self.stored(x, y, 1).filter(|_| self.frame.is_soft());
+        let [right, below] = [(1, 0), (0, 1)].map(|(x, y)| self.frame.bytes_between(x, y).abs());
+        stored.map(|(bytes, centre)| {
+            move |pixel| {
+                let at = centre + self.bytes_to(pixel);
+                let row = |at: isize| {
+                    // Mostly side by side.
+                    let first = (at - right) as usize;
+                    let bytes = bytes.get(first..first + 2 * right as usize + 1);
+                    match bytes.unwrap_or(&[]) {
+                        &[a, b, c] => [a, b, c].map(u16::from),
+                        bytes => [0, 1, 2].map(|k| {
+                            let byte = bytes.get(k * right as usize).copied();
+                            u16::from(byte.unwrap_or(0))
+                        }),
+                    }
+                };
+                mean_of_nine([row(at - below), row(at), row(at + below)])
+            }
+        })
+    }
+
+    /// The bytes of a frame that has luma in single ones, and the place of a pixel in them, where all of
+    /// the grid around that lies inside with so many pixels more on each side.
+    #[inline]
+    fn stored(&self, x: i32, y: i32, more: i32) -> Option<(&'a [u8], isize)> {
+        let (reach, frame) = (self.reach, self.frame);
+        let [across, down] = reach.map(|reach| reach.saturating_add(more));
         let left_and_up = x >= across && y >= down;
         let inside = left_and_up && x + across < frame.width() && y + down < frame.height();
         let bytes = frame.luma_bytes().filter(|_| inside)?;
-        let centre = frame.place(x, y);
-        Some(move |pixel| {
-            let [right, below] = self.far(pixel);
-            let at = centre + frame.bytes_between(right, below);
-            // It lies inside, so the fallback is never taken.
-            bytes.get(at as usize).copied().unwrap_or(0)
-        })
+        Some((bytes, frame.place(x, y)))
+    }
+
+    #[inline]
+    fn bytes_to(&self, pixel: Pixel) -> isize {
+        let [right, below] = self.far(pixel);
+        self.frame.bytes_between(right, below)
     }
 
     #[inline]

@@ -54,6 +54,10 @@ const FRACTION: u32 = 16;
 /// Most samples averaged along one axis of a crop pixel when the frame is finer than the crop.
 const MAX_TAPS: i32 = 4;
 
+/// How wide a softened frame's pixels are \[px\], and how far a crop's pixels reach for it at most.
+const SOFT_PX: f32 = 3.0;
+const REACH_MAX: usize = 3;
+
 /// Fills `crop` (`side` ≤ [`CROP_MAX`]) with the frame's luma: crop pixel (u, v) shows the frame
 /// at `to_frame` × (u, v). Bilinear; where the frame is finer than the crop, each pixel averages up
 /// to 4×4 samples, so the work is bounded by 16 `side`².
@@ -101,6 +105,47 @@ pub fn warp(frame: &Frame<'_>, to_frame: &Similarity, side: usize, crop: &mut Cr
             y += b;
         }
     }
+    if frame.is_soft() {
+        // As wide as three of the frame's pixels, which would be nine times the reading.
+        let reach = libm::roundf((SOFT_PX / scale.max(1e-3) - 1.0) / 2.0);
+        soften(crop, (reach as usize).min(REACH_MAX));
+    }
+}
+
+/// Means over squares that reach so far from their middle; the edges repeat.
+fn soften(crop: &mut Crop, reach: usize) {
+    let side = crop.side;
+    let width = 2 * reach as u32 + 1;
+    // Exact enough for the few widths that there are.
+    let share = (1 << 16) / width + 1;
+    // The rows, then the columns.
+    for (next, step) in [(side, 1), (1, side)] {
+        for k in 0..side {
+            soften_line(crop, k * next, step, reach, |sum| {
+                (((sum + reach as u32) * share) >> 16) as u8
+            });
+        }
+    }
+}
+
+/// Running sums over a row or column of the crop, from one pixel on in steps to the next.
+fn soften_line(crop: &mut Crop, first: usize, step: usize, reach: usize, mean: impl Fn(u32) -> u8) {
+    let side = crop.side;
+    let mut line = [0u8; CROP_MAX + 2 * REACH_MAX];
+    let Some(pixels) = crop.luma.get_mut(first..) else {
+        return;
+    };
+    for (k, v) in line.iter_mut().enumerate().take(side + 2 * reach) {
+        let at = k.saturating_sub(reach).min(side.saturating_sub(1));
+        *v = pixels.get(at * step).copied().unwrap_or(0);
+    }
+    let mut sum: u32 = line.iter().take(2 * reach).map(|v| u32::from(*v)).sum();
+    let ends = line.iter().skip(2 * reach).zip(&line);
+    for (pixel, (new, old)) in pixels.iter_mut().step_by(step.max(1)).take(side).zip(ends) {
+        sum += u32::from(*new);
+        *pixel = mean(sum);
+        sum -= u32::from(*old);
+    }
 }
 
 /// Luma at (x, y) in 16.16 fixed point, 0..=255.
@@ -138,6 +183,38 @@ mod tests {
             &mut crop,
         );
         assert_eq!(crop.luma(), &[5, 15, 45, 55]);
+    }
+
+    #[test]
+    fn a_softened_frame_gives_means() {
+        // A dot and a slope, at the frame's own scale: means over 3×3.
+        let mut bytes = [0u8; 64];
+        bytes[3 * 8 + 3] = 90;
+        (0..8).for_each(|x| bytes[7 * 8 + x] = 10 * x as u8);
+        let frame = Frame::new(&FrameLayout::grey(8, 8), &bytes).unwrap();
+        let mut crop = Crop::new();
+        warp(&frame.softened(), &Similarity::IDENTITY, 8, &mut crop);
+        assert_eq!(
+            [9, 18, 27, 28, 36].map(|k| crop.luma()[k]),
+            [0, 10, 10, 10, 10]
+        );
+        assert_eq!(crop.luma()[4], 0);
+        for (x, y) in (0..8).flat_map(|x| (0..8).map(move |y| (x, y))) {
+            let (read, cut) = (
+                frame.softened().luma(x, y),
+                crop.luma()[(y * 8 + x) as usize],
+            );
+            assert!(read.abs_diff(cut) <= 1, "{x} {y}: {read} {cut}");
+        }
+        // Where the frame is twice as fine the crop's own means are as wide.
+        let half = Similarity {
+            a: 2.0,
+            ..Similarity::IDENTITY
+        };
+        let (mut sharp, mut soft) = (Crop::new(), Crop::new());
+        warp(&frame, &half, 4, &mut sharp);
+        warp(&frame.softened(), &half, 4, &mut soft);
+        assert_eq!(sharp.luma(), soft.luma());
     }
 
     #[test]

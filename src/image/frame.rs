@@ -188,6 +188,8 @@ pub struct Frame<'a> {
     step_x: isize,
     step_y: isize,
     reading: Reading,
+    /// Whether each pixel is the mean of itself and its eight neighbours.
+    soft: bool,
 }
 
 impl<'a> Frame<'a> {
@@ -245,7 +247,23 @@ impl<'a> Frame<'a> {
             step_x: cx * pixel + rx * stride,
             step_y: cy * pixel + ry * stride,
             reading: format.reading(),
+            soft: false,
         })
+    }
+
+    /// The same frame, each of its pixels the mean of 3×3: a third of the noise, at nine times the
+    /// reading.
+    pub fn softened(&self) -> Self {
+        Frame {
+            soft: true,
+            ..*self
+        }
+    }
+
+    /// Whether it is [`softened`](Self::softened).
+    #[inline]
+    pub(crate) fn is_soft(&self) -> bool {
+        self.soft
     }
 
     /// Upright width \[px\].
@@ -261,13 +279,22 @@ impl<'a> Frame<'a> {
     /// Luma at the upright pixel (x, y); outside the frame, that of the nearest pixel.
     #[inline]
     pub fn luma(&self, x: i32, y: i32) -> u8 {
+        if self.soft {
+            return mean_of_nine(self.around(x - 1, y - 1));
+        }
+        self.sharp(x, y)
+    }
+
+    /// As [`Frame::luma`] of the frame before it was softened.
+    #[inline]
+    pub(crate) fn sharp(&self, x: i32, y: i32) -> u8 {
         // Not `clamp`, which panics where the compiler cannot see that the size is at least 1.
         let (x, y) = (x.min(self.width - 1).max(0), y.min(self.height - 1).max(0));
         self.luma_at(self.place(x, y))
     }
 
-    /// Luma of a pixel and those right of it, below it and below that; beyond the border the nearest
-    /// there is.
+    /// Luma, before the frame was softened, of a pixel and those right of it, below it and below that;
+    /// beyond the border the nearest there is.
     #[inline]
     pub(crate) fn square(&self, x: i32, y: i32) -> [u8; 4] {
         if x >= 0 && y >= 0 && x < self.width - 1 && y < self.height - 1 {
@@ -275,8 +302,48 @@ impl<'a> Frame<'a> {
             let below = at + self.step_y;
             [at, at + self.step_x, below, below + self.step_x].map(|at| self.luma_at(at))
         } else {
-            [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(dx, dy)| self.luma(x + dx, y + dy))
+            [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(dx, dy)| self.sharp(x + dx, y + dy))
         }
+    }
+
+    /// Rows of luma before the frame was softened, from (x, y) to the right and down.
+    #[inline]
+    fn around<const N: usize>(&self, x: i32, y: i32) -> [[u16; N]; N] {
+        let mut rows = [[0; N]; N];
+        let last = N as i32 - 1;
+        if x < 0 || y < 0 || x >= self.width - last || y >= self.height - last {
+            for (row, y) in rows.iter_mut().zip(y..) {
+                for (v, x) in row.iter_mut().zip(x..) {
+                    *v = u16::from(self.sharp(x, y));
+                }
+            }
+            return rows;
+        }
+        let mut first = self.place(x, y);
+        // Most frames: a row's bytes side by side.
+        let packed = self.luma_bytes().filter(|_| self.step_x == 1);
+        for row in &mut rows {
+            match packed.map(|bytes| bytes.get(first as usize..).and_then(|b| b.first_chunk())) {
+                Some(bytes) => *row = bytes.copied().unwrap_or([0; N]).map(u16::from),
+                None => {
+                    let mut at = first;
+                    for v in row {
+                        *v = u16::from(self.luma_at(at));
+                        at += self.step_x;
+                    }
+                }
+            }
+            first += self.step_y;
+        }
+        rows
+    }
+
+    /// How far a pixel is from what its neighbours promise: the absolute value of
+    /// `[1 −2 1; −2 4 −2; 1 −2 1]`.
+    pub(crate) fn roughness(&self, x: i32, y: i32) -> u16 {
+        let rows = self.around::<3>(x - 1, y - 1);
+        let [a, b, c] = rows.map(|[p, q, r]| (p + r) as i16 - 2 * q as i16);
+        (a + c - 2 * b).unsigned_abs()
     }
 
     /// Where an upright pixel of the frame lies in its bytes.
@@ -318,6 +385,14 @@ impl<'a> Frame<'a> {
             }
         }
     }
+}
+
+/// Of rows of luma, rounded.
+#[inline]
+pub(crate) fn mean_of_nine(rows: [[u16; 3]; 3]) -> u8 {
+    let sum: u16 = rows.map(|[a, b, c]| a + b + c).iter().sum();
+    // Exact for all sums of nine bytes.
+    (((u32::from(sum) + 4) * 7282) >> 16) as u8
 }
 
 #[cfg(test)]

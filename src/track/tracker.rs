@@ -26,7 +26,7 @@ use crate::detect::{Detection, Sizes, search_near};
 use crate::experts::Verdict;
 #[cfg(not(feature = "experts"))]
 use crate::experts::by_fit;
-use crate::image::Frame;
+use crate::image::{Frame, noise_share};
 #[cfg(feature = "keyframes")]
 use crate::keyframe::{Keyframes, Seen, Wanted};
 #[cfg(feature = "keyframes")]
@@ -38,6 +38,9 @@ const ACCEPT: f32 = 0.8;
 /// What the sweep meets does so at first sight from this one on, else at second sight: of what looks
 /// like a face by chance hardly anything still does once the cascade has gone on.
 const AT_FIRST_SIGHT: f32 = 0.9;
+/// Share of noise in a frame's luma from which it is softened, and below which no longer.
+const NOISY: f32 = 0.2;
+const LESS_NOISY: f32 = 0.15;
 /// How long the last answer is held \[µs\].
 const HOLD_US: i64 = 500_000;
 /// Work of one search around a lost face, in the detector's units.
@@ -103,6 +106,8 @@ pub struct Tracker {
     result: TrackResult,
     smoother: Smoother,
     last_timestamp_us: Option<i64>,
+    /// Whether the last frame was softened.
+    noisy: bool,
     search: Search,
     /// Counts looks for keyframes since a face was tracked.
     looks: u32,
@@ -129,6 +134,7 @@ impl Tracker {
         result: TrackResult::EMPTY,
         smoother: Smoother::EMPTY,
         last_timestamp_us: None,
+        noisy: false,
         search: Search::EMPTY,
         looks: 0,
         subject: Subject::EMPTY,
@@ -175,6 +181,7 @@ impl Tracker {
         timestamp_us: i64,
     ) -> Result<&TrackResult, StepError> {
         self.tick(timestamp_us)?;
+        let frame = &self.see(frame);
         match self.result.state {
             State::Tracking => match self.track(model, frame, timestamp_us) {
                 None => self.remember(model, frame),
@@ -200,11 +207,23 @@ impl Tracker {
         face: &Detection,
     ) -> Result<&TrackResult, StepError> {
         self.tick(timestamp_us)?;
+        let frame = &self.see(frame);
         if !self.acquire(model, frame, timestamp_us, face, Whose::Stranger, ACCEPT) {
             self.lose(timestamp_us);
         }
         self.smoother.follow(&self.result, &self.config.smoothing);
         Ok(&self.result)
+    }
+
+    /// The frame as it is looked at: softened where there is much noise in it.
+    fn see<'f>(&mut self, frame: &Frame<'f>) -> Frame<'f> {
+        // What is just noisy enough is not to be seen now one way, now the other.
+        let enough = if self.noisy { LESS_NOISY } else { NOISY };
+        self.noisy = noise_share(frame) >= enough;
+        match self.noisy {
+            true => frame.softened(),
+            false => *frame,
+        }
     }
 
     /// Moves the clock on; refuses to move it back.
@@ -241,6 +260,7 @@ impl Tracker {
         self.result = TrackResult::default();
         self.smoother = Smoother::EMPTY;
         self.last_timestamp_us = None;
+        self.noisy = false;
         self.search.reset();
         self.looks = 0;
         #[cfg(feature = "keyframes")]
