@@ -47,14 +47,13 @@ fn picture(clip: &Clip, frame: usize, faces: &[Pasted]) -> Vec<u8> {
 }
 
 /// What a camera shows of a picture in a room so dim: every level is this share of what it was, and
-/// the sensor's noise stays.
-fn dimmed(luma: &mut [u8], share: f32, frame: usize) {
-    const NOISE: f32 = 6.0;
+/// the sensor's noise, up to half of this to either side, stays.
+fn dimmed(luma: &mut [u8], share: f32, noise: f32, frame: usize) {
     for (i, level) in luma.iter_mut().enumerate() {
         let mixed = (i as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15)
             ^ (frame as u64).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         let random = (mixed.wrapping_mul(0x94d0_49bb_1331_11eb) >> 40) as f32 / (1 << 24) as f32;
-        *level = (share * *level as f32 + NOISE * (random - 0.5)).clamp(0.0, 255.0) as u8;
+        *level = (share * *level as f32 + noise * (random - 0.5)).clamp(0.0, 255.0) as u8;
     }
 }
 
@@ -62,6 +61,8 @@ struct Watch<'m> {
     clip: Clip,
     /// 1 by day.
     light: f32,
+    /// Range of the sensor's noise [grey levels]; as long as it is light there is none.
+    noise: f32,
     model: &'m Model<'m>,
     tracker: Box<Tracker>,
     frame: usize,
@@ -71,7 +72,7 @@ impl Watch<'_> {
     fn see(&mut self, faces: &[Pasted]) -> TrackResult {
         let mut luma = picture(&self.clip, self.frame, faces);
         if self.light < 1.0 {
-            dimmed(&mut luma, self.light, self.frame);
+            dimmed(&mut luma, self.light, self.noise, self.frame);
         }
         let layout = FrameLayout::grey(WIDTH as u32, HEIGHT as u32);
         let frame = Frame::new(&layout, &luma).expect("a frame");
@@ -105,6 +106,7 @@ fn watch(config: Config, test: impl FnOnce(&mut Watch<'_>)) {
     test(&mut Watch {
         clip,
         light: 1.0,
+        noise: 6.0,
         model: &model,
         tracker: Box::new(Tracker::new(&config).expect("good settings")),
         frame: 0,
@@ -241,6 +243,20 @@ fn a_face_in_a_dim_room_is_found() {
         watch.light = 0.12;
         let (_, result) = watch.until_tracked(&[SMALL], 3);
         assert!(is_at(&result, SMALL));
+    });
+}
+
+#[test]
+fn a_face_full_of_noise_is_found_and_kept() {
+    watch(patient(), |watch| {
+        (watch.light, watch.noise) = (0.9, 130.0);
+        let (_, result) = watch.until_tracked(&[SMALL], 3);
+        assert!(is_at(&result, SMALL));
+        for _ in 0..20 {
+            let result = watch.see(&[SMALL]);
+            assert_eq!(result.state, State::Tracking);
+            assert!(is_at(&result, SMALL));
+        }
     });
 }
 

@@ -69,15 +69,8 @@ impl<'a> Windows<'a> {
                 asked += trees;
             }
         }
-        let units = 1 + (asked / TREES_PER_UNIT) as i64;
-        (
-            best,
-            if self.frame.is_soft() {
-                SOFT * units
-            } else {
-                units
-            },
-        )
+        let cost = if self.frame.is_soft() { SOFT } else { 1 };
+        (best, cost * (1 + (asked / TREES_PER_UNIT) as i64))
     }
 
     /// The luma of the grid, or of the mirrored grid, around a pixel of the frame.
@@ -187,7 +180,7 @@ mod tests {
             core::array::from_fn(|k| (k * 7919 % 251) as u8);
         let formats = [PixelFormat::Grey, PixelFormat::Uyvy, PixelFormat::Bgrx32];
         let rotations = [Rotation::None, Rotation::Cw90, Rotation::Half];
-        let mut seen_inside = 0;
+        let mut seen_inside = [0; 2];
         for (format, rotation) in formats.into_iter().zip(rotations) {
             let layout = FrameLayout {
                 format,
@@ -196,25 +189,33 @@ mod tests {
                 mirrored: true,
                 ..FrameLayout::grey(WIDTH, HEIGHT)
             };
-            let frame = Frame::new(&layout, &bytes).unwrap();
-            for (side, roll) in [(16, 0.0), (25, 0.5), (33, -0.5), (90, 0.5), (60_000, 1.0)] {
+            let sharp = Frame::new(&layout, &bytes).unwrap();
+            let sizes = [(16, 0.0), (25, 0.5), (33, -0.5), (90, 0.5), (60_000, 1.0)];
+            for ((side, roll), soft) in sizes.into_iter().flat_map(|s| [(s, false), (s, true)]) {
+                let frame = if soft { sharp.softened() } else { sharp };
                 let window = Window::new(0, 0, side * 16, roll);
                 let mut table = EMPTY;
                 let windows = Windows::new(&frame, window, &mut table);
                 for (x, y) in (0..frame.width()).flat_map(|x| (0..9).map(move |y| (x, 5 * y))) {
                     let window = window.at_pixel(x, y);
-                    let (anywhere, inside) = (windows.anywhere(x, y, false), windows.inside(x, y));
-                    seen_inside += inside.is_some() as u32;
+                    let anywhere = windows.anywhere(x, y, false);
+                    let (inside, inside_soft) = (windows.inside(x, y), windows.inside_soft(x, y));
+                    assert!(!soft || inside.is_none());
+                    seen_inside[soft as usize] +=
+                        (inside.is_some() || inside_soft.is_some()) as u32;
                     for pixel in 0..(GRID * GRID) as Pixel {
                         let expected = window.read(&frame, pixel);
                         assert_eq!(anywhere(pixel), expected, "{side} {roll} {x} {y}");
                         if let Some(inside) = &inside {
                             assert_eq!(inside(pixel), expected, "{side} {roll} {x} {y}");
                         }
+                        if let Some(inside) = &inside_soft {
+                            assert_eq!(inside(pixel), expected, "{side} {roll} {x} {y}");
+                        }
                     }
                 }
             }
         }
-        assert!(seen_inside > 500, "{seen_inside}");
+        assert!(seen_inside.iter().all(|n| *n > 400), "{seen_inside:?}");
     }
 }

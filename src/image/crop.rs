@@ -108,7 +108,9 @@ pub fn warp(frame: &Frame<'_>, to_frame: &Similarity, side: usize, crop: &mut Cr
     if frame.is_soft() {
         // As wide as three of the frame's pixels, which would be nine times the reading.
         let reach = libm::roundf((SOFT_PX / scale.max(1e-3) - 1.0) / 2.0);
-        soften(crop, (reach as usize).min(REACH_MAX));
+        if reach >= 1.0 {
+            soften(crop, (reach as usize).min(REACH_MAX));
+        }
     }
 }
 

@@ -121,7 +121,7 @@ fn convolve(node: &Node<'_>, work: &mut Activations) {
             window(node, input, y, x, columns);
         }
         // Where there are fewer, the last stands in for the others.
-        let index = [0, 1, 2, 3].map(|p: usize| p.min(present.saturating_sub(1)));
+        let index: [usize; TILE] = core::array::from_fn(|p| p.min(present.saturating_sub(1)));
         let views = index.map(|p| columns.get(p * count..(p + 1) * count).unwrap_or(&[]));
         let under = index.map(|p| {
             let (y, x) = ((first + p) / side, (first + p) % side);
