@@ -110,8 +110,8 @@ typedef struct posewise_config {
     uint32_t flags;
     // Narrowest face searched for [px], 24..4096. 0: the default, 40.
     uint32_t min_face_px;
-    // Work per step while searching, 100..10000000; a window is about two. Bounds the time of a
-    // step, at the price of finding a face later. 0: the default, 3000.
+    // Work per step while searching, 100..10000000; a window is about two, six in a frame full
+    // of noise. Bounds the time of a step, at the price of finding a face later. 0: the default, 3000.
     uint32_t scan_budget;
     // The camera; see posewise_set_intrinsics().
     posewise_intrinsics intrinsics;

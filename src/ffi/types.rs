@@ -126,8 +126,8 @@ pub struct posewise_config {
     pub flags: u32,
     /// Narrowest face searched for \[px\], 24..4096. 0: the default, 40.
     pub min_face_px: u32,
-    /// Work per step while searching, 100..10000000; a window is about two. Bounds the time of a
-    /// step, at the price of finding a face later. 0: the default, 3000.
+    /// Work per step while searching, 100..10000000; a window is about two, six in a frame full
+    /// of noise. Bounds the time of a step, at the price of finding a face later. 0: the default, 3000.
     pub scan_budget: u32,
     /// The camera; see posewise_set_intrinsics().
     pub intrinsics: posewise_intrinsics,

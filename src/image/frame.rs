@@ -279,10 +279,16 @@ impl<'a> Frame<'a> {
     /// Luma at the upright pixel (x, y); outside the frame, that of the nearest pixel.
     #[inline]
     pub fn luma(&self, x: i32, y: i32) -> u8 {
-        if self.soft {
-            return mean_of_nine(self.around(x - 1, y - 1));
+        match self.soft {
+            true => self.mean(x, y),
+            false => self.sharp(x, y),
         }
-        self.sharp(x, y)
+    }
+
+    // By itself: it would be in many places, and make them large.
+    #[inline(never)]
+    fn mean(&self, x: i32, y: i32) -> u8 {
+        mean_of_nine(self.around(x - 1, y - 1))
     }
 
     /// As [`Frame::luma`] of the frame before it was softened.
@@ -306,12 +312,10 @@ impl<'a> Frame<'a> {
         }
     }
 
-    /// Rows of luma before the frame was softened, from (x, y) to the right and down.
-    #[inline]
-    fn around<const N: usize>(&self, x: i32, y: i32) -> [[u16; N]; N] {
-        let mut rows = [[0; N]; N];
-        let last = N as i32 - 1;
-        if x < 0 || y < 0 || x >= self.width - last || y >= self.height - last {
+    /// Three rows of luma before the frame was softened, from (x, y) to the right and down.
+    fn around(&self, x: i32, y: i32) -> [[u16; 3]; 3] {
+        let mut rows = [[0; 3]; 3];
+        if x < 0 || y < 0 || x >= self.width - 2 || y >= self.height - 2 {
             for (row, y) in rows.iter_mut().zip(y..) {
                 for (v, x) in row.iter_mut().zip(x..) {
                     *v = u16::from(self.sharp(x, y));
@@ -324,7 +328,7 @@ impl<'a> Frame<'a> {
         let packed = self.luma_bytes().filter(|_| self.step_x == 1);
         for row in &mut rows {
             match packed.map(|bytes| bytes.get(first as usize..).and_then(|b| b.first_chunk())) {
-                Some(bytes) => *row = bytes.copied().unwrap_or([0; N]).map(u16::from),
+                Some(bytes) => *row = bytes.copied().unwrap_or([0; 3]).map(u16::from),
                 None => {
                     let mut at = first;
                     for v in row {
@@ -341,7 +345,7 @@ impl<'a> Frame<'a> {
     /// How far a pixel is from what its neighbours promise: the absolute value of
     /// `[1 −2 1; −2 4 −2; 1 −2 1]`.
     pub(crate) fn roughness(&self, x: i32, y: i32) -> u16 {
-        let rows = self.around::<3>(x - 1, y - 1);
+        let rows = self.around(x - 1, y - 1);
         let [a, b, c] = rows.map(|[p, q, r]| (p + r) as i16 - 2 * q as i16);
         (a + c - 2 * b).unsigned_abs()
     }

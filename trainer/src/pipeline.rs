@@ -117,7 +117,6 @@ pub fn run(args: &Args) -> Result<()> {
         training.detector()
     })?;
     let Cascade {
-        key,
         global: cascade,
         parts,
         correction,
@@ -130,6 +129,12 @@ pub fn run(args: &Args) -> Result<()> {
     let alone = AlignedBlob::new(&blob(std::slice::from_ref(&detector)));
     let with_detector = Blob::open(alone.bytes())?;
     let scan = DetectorModel::open(with_detector.section(b"DTCT")?)?;
+    // It goes with all of these, however they were made.
+    let parents = [&cascade, &parts, &correction, &detector];
+    let key = format!(
+        "{:08x?}",
+        parents.map(|s| posewise::model::crc32(s.bytes()))
+    );
     let verifier = kept(args, &posewise::experts::Verifier::TAG, &key, || {
         let empty: Vec<Picture> = training.empty()?.into_iter().map(Picture::from).collect();
         // Plain renders: with hard ones it gives covered faces up too soon.
@@ -158,8 +163,6 @@ pub fn run(args: &Args) -> Result<()> {
 
 /// Sections of the cascade.
 struct Cascade {
-    /// Of the settings that it was made with.
-    key: String,
     global: SectionWriter,
     parts: SectionWriter,
     correction: SectionWriter,
@@ -292,7 +295,6 @@ impl Training<'_> {
             })
         })?;
         Ok(Cascade {
-            key,
             global,
             parts,
             correction,
