@@ -1,6 +1,6 @@
 //! Runs the nodes.
 
-use super::kernel::{BLOCK, NO_COARSE, Scale, TAP_PAIRS, TILE, convolved, windowed};
+use super::kernel::{BLOCK, NO_COARSE, Scale, TAP_PAIRS, TILE, Tile, convolved, windowed};
 use super::plan::{
     ARENA, MAX_CHANNELS, MAX_COLUMNS, MAX_WEIGHTS, Map, Network, Node, OP_ADD, OP_DEPTHWISE,
     OP_INPUT, OP_LATERAL, OP_LINEAR,
@@ -122,7 +122,7 @@ fn convolve(node: &Node<'_>, work: &mut Activations) {
         }
         // Where there are fewer, the last stands in for the others.
         let index: [usize; TILE] = core::array::from_fn(|p| p.min(present.saturating_sub(1)));
-        let views = index.map(|p| columns.get(p * count..(p + 1) * count).unwrap_or(&[]));
+        let columns = index.map(|p| columns.get(p * count..(p + 1) * count).unwrap_or(&[]));
         let under = index.map(|p| {
             let (y, x) = ((first + p) / side, (first + p) % side);
             match lateral {
@@ -144,7 +144,7 @@ fn convolve(node: &Node<'_>, work: &mut Activations) {
                 after: node.after as u32,
                 floor: if node.op == OP_LINEAR { 128 } else { 0 },
             };
-            let bytes = convolved(views, weights, &scale, coarse);
+            let bytes = convolved(&Tile { columns, coarse }, weights, &scale);
             for (p, bytes) in bytes.iter().enumerate() {
                 let out = out.get_mut(p * channels + at..);
                 if let Some(out) = out.and_then(|o| o.first_chunk_mut()) {
@@ -248,7 +248,7 @@ fn depthwise(node: &Node<'_>, work: &mut Activations) {
             let block = taps
                 .each_mut()
                 .map(|pair| pair.each_mut().map(|tap| tap.next().unwrap_or(&[0; BLOCK])));
-            *out = windowed(block, weights, &scale);
+            *out = windowed(&block, weights, &scale);
         }
     }
 }

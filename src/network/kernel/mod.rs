@@ -33,33 +33,49 @@ pub(super) struct Scale<'a> {
 /// What a coarse map of nothing is.
 pub(super) const NO_COARSE: [u8; BLOCK] = [128; BLOCK];
 
-/// A block of [`TILE`] pixels' outputs: `Σₖ columns[k]·weights[k/2][output][k%2]`, brought to bytes
-/// with twice what `coarse` lies above 128 on top. All columns are as long, and of an even length;
-/// `weights` holds [`BLOCK`] outputs for each pair of columns.
+/// What some pixels' outputs are computed from.
+pub(super) struct Tile<'a> {
+    /// The window of each, all as long, and of an even length.
+    pub columns: [&'a [i16]; TILE],
+    /// A block of a coarse map below each.
+    pub coarse: [&'a [u8; BLOCK]; TILE],
+}
+
+impl<'a> Tile<'a> {
+    /// The windows, two columns of each at a time.
+    #[inline]
+    fn pairs(&self) -> impl Iterator<Item = [&'a [i16; 2]; TILE]> + use<'a> {
+        let [a, b, c, d] = self.columns.map(|columns| columns.as_chunks::<2>().0);
+        let pairs = a.iter().zip(b).zip(c.iter().zip(d));
+        pairs.map(|((a, b), (c, d))| [a, b, c, d])
+    }
+}
+
+/// The taps of a 3×3 window, beside each other in pairs, and their weights: `[pair][channel][2]`.
+pub(super) type Taps<'a> = [[&'a [u8; BLOCK]; 2]; TAP_PAIRS];
+pub(super) type TapWeights = [[i16; 2 * BLOCK]; TAP_PAIRS];
+
+/// A block of outputs for each pixel: `Σₖ columns[k]·weights[k/2][output][k%2]`, brought to bytes with
+/// twice what `coarse` lies above 128 on top. `weights` holds [`BLOCK`] outputs for each pair of columns.
 #[inline]
 pub(super) fn convolved(
-    columns: [&[i16]; TILE],
+    tile: &Tile<'_>,
     weights: &[i16],
     scale: &Scale<'_>,
-    coarse: [&[u8; BLOCK]; TILE],
 ) -> [[u8; BLOCK]; TILE] {
     #[cfg(target_arch = "x86_64")]
     // SAFETY: SSE2 is part of x86-64.
-    return unsafe { sse2::convolved(columns, weights, scale, coarse) };
+    return unsafe { sse2::convolved(tile, weights, scale) };
     #[cfg(target_arch = "aarch64")]
     // SAFETY: NEON is part of AArch64 with an operating system's floats, which its targets name.
-    return unsafe { neon::convolved(columns, weights, scale, coarse) };
+    return unsafe { neon::convolved(tile, weights, scale) };
     #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
-    portable::convolved(columns, weights, scale, coarse)
+    portable::convolved(tile, weights, scale)
 }
 
-/// A block of channels' 3×3 windows: taps beside each other in pairs, `weights[pair][channel][2]`.
+/// A block of channels' 3×3 windows.
 #[inline]
-pub(super) fn windowed(
-    taps: [[&[u8; BLOCK]; 2]; TAP_PAIRS],
-    weights: &[[i16; 2 * BLOCK]; TAP_PAIRS],
-    scale: &Scale<'_>,
-) -> [u8; BLOCK] {
+pub(super) fn windowed(taps: &Taps<'_>, weights: &TapWeights, scale: &Scale<'_>) -> [u8; BLOCK] {
     #[cfg(target_arch = "x86_64")]
     // SAFETY: SSE2 is part of x86-64.
     return unsafe { sse2::windowed(taps, weights, scale) };
@@ -125,9 +141,10 @@ mod tests {
         for scale in scales() {
             for coarse in [coarse, [NO_COARSE; TILE]] {
                 let coarse = coarse.each_ref();
+                let tile = Tile { columns, coarse };
                 assert_eq!(
-                    convolved(columns, &weights, &scale, coarse),
-                    portable::convolved(columns, &weights, &scale, coarse)
+                    convolved(&tile, &weights, &scale),
+                    portable::convolved(&tile, &weights, &scale)
                 );
             }
         }
@@ -139,7 +156,8 @@ mod tests {
             after: 16,
             floor: 128,
         };
-        let out = convolved(columns, &weights, &plain, [&NO_COARSE; TILE]);
+        let coarse = [&NO_COARSE; TILE];
+        let out = convolved(&Tile { columns, coarse }, &weights, &plain);
         let sum = |p: usize| -> i32 {
             let one = |k: usize| columns[p][k] as i32 * weights[k / 2 * 16 + k % 2] as i32;
             (0..26).map(one).sum()
@@ -167,12 +185,12 @@ mod tests {
         let taps: [[[u8; BLOCK]; 2]; TAP_PAIRS] =
             core::array::from_fn(|k| [bytes(2 * k), bytes(2 * k + 50)]);
         let taps = taps.each_ref().map(|pair| pair.each_ref());
-        let weights: [[i16; 2 * BLOCK]; TAP_PAIRS] =
+        let weights: TapWeights =
             core::array::from_fn(|k| core::array::from_fn(|i| noise(k * 16 + i) / 2));
         for scale in scales() {
             assert_eq!(
-                windowed(taps, &weights, &scale),
-                portable::windowed(taps, &weights, &scale)
+                windowed(&taps, &weights, &scale),
+                portable::windowed(&taps, &weights, &scale)
             );
         }
     }

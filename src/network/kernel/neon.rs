@@ -1,6 +1,6 @@
 //! By `smlal`, which adds products of 16-bit numbers to 32-bit sums.
 
-use super::{BLOCK, NO_COARSE, Scale, TAP_PAIRS, TILE};
+use super::{BLOCK, NO_COARSE, Scale, TILE, TapWeights, Taps, Tile};
 use core::arch::aarch64::{
     int16x8_t, int16x8x2_t, int32x4_t, vaddq_s32, vaddvq_s32, vaddw_s16, vcombine_s16, vcreate_s8,
     vcreate_u8, vdupq_n_s32, vget_high_s16, vget_lane_u64, vget_low_s16, vld1q_s32, vld2q_s16,
@@ -12,17 +12,14 @@ use core::arch::aarch64::{
 #[target_feature(enable = "neon")]
 #[inline]
 pub(super) fn convolved(
-    columns: [&[i16]; TILE],
+    tile: &Tile<'_>,
     weights: &[i16],
     scale: &Scale<'_>,
-    coarse: [&[u8; BLOCK]; TILE],
 ) -> [[u8; BLOCK]; TILE] {
-    let [a, b, c, d] = columns.map(|columns| columns.as_chunks::<2>().0);
-    let pairs = a.iter().zip(b).zip(c.iter().zip(d));
     let mut sums = [[vdupq_n_s32(0); 2]; TILE];
-    for (((a, b), (c, d)), weights) in pairs.zip(weights.as_chunks::<16>().0) {
+    for (pairs, weights) in tile.pairs().zip(weights.as_chunks::<16>().0) {
         let int16x8x2_t(first, second) = halves(weights);
-        for ([low, high], [x0, x1]) in sums.iter_mut().zip([a, b, c, d]) {
+        for ([low, high], [x0, x1]) in sums.iter_mut().zip(pairs) {
             *low = vmlal_n_s16(*low, vget_low_s16(first), *x0);
             *high = vmlal_high_n_s16(*high, first, *x0);
             *low = vmlal_n_s16(*low, vget_low_s16(second), *x1);
@@ -30,7 +27,7 @@ pub(super) fn convolved(
         }
     }
     let mut out = [[0; BLOCK]; TILE];
-    for ((out, sums), coarse) in out.iter_mut().zip(sums).zip(coarse) {
+    for ((out, sums), coarse) in out.iter_mut().zip(sums).zip(tile.coarse) {
         *out = narrowed(sums, scale, coarse);
     }
     out
@@ -38,11 +35,7 @@ pub(super) fn convolved(
 
 #[target_feature(enable = "neon")]
 #[inline]
-pub(super) fn windowed(
-    taps: [[&[u8; BLOCK]; 2]; TAP_PAIRS],
-    weights: &[[i16; 2 * BLOCK]; TAP_PAIRS],
-    scale: &Scale<'_>,
-) -> [u8; BLOCK] {
+pub(super) fn windowed(taps: &Taps<'_>, weights: &TapWeights, scale: &Scale<'_>) -> [u8; BLOCK] {
     let [mut low, mut high] = [vdupq_n_s32(0); 2];
     for (taps, weights) in taps.iter().zip(weights) {
         let int16x8x2_t(first, second) = halves(weights);

@@ -1,25 +1,20 @@
 //! What the kernels compute, for every machine.
 
-use super::{BLOCK, Scale, TAP_PAIRS, TILE};
+use super::{BLOCK, Scale, TILE, TapWeights, Taps, Tile};
 
 pub(super) fn convolved(
-    columns: [&[i16]; TILE],
+    tile: &Tile<'_>,
     weights: &[i16],
     scale: &Scale<'_>,
-    coarse: [&[u8; BLOCK]; TILE],
 ) -> [[u8; BLOCK]; TILE] {
     let mut out = [[0; BLOCK]; TILE];
-    for ((out, columns), coarse) in out.iter_mut().zip(columns).zip(coarse) {
+    for ((out, columns), coarse) in out.iter_mut().zip(tile.columns).zip(tile.coarse) {
         *out = narrowed(products(columns, weights), scale, coarse);
     }
     out
 }
 
-pub(super) fn windowed(
-    taps: [[&[u8; BLOCK]; 2]; TAP_PAIRS],
-    weights: &[[i16; 2 * BLOCK]; TAP_PAIRS],
-    scale: &Scale<'_>,
-) -> [u8; BLOCK] {
+pub(super) fn windowed(taps: &Taps<'_>, weights: &TapWeights, scale: &Scale<'_>) -> [u8; BLOCK] {
     let mut sums = [0i32; BLOCK];
     for ([first, second], weights) in taps.iter().zip(weights) {
         let values = first.iter().zip(*second);

@@ -1,6 +1,6 @@
 //! By `pmaddwd`, which adds two products of 16-bit numbers.
 
-use super::{BLOCK, NO_COARSE, Scale, TAP_PAIRS, TILE};
+use super::{BLOCK, NO_COARSE, Scale, TILE, TapWeights, Taps, Tile};
 use core::arch::x86_64::{
     __m128i, _mm_add_epi32, _mm_and_si128, _mm_cvtsi32_si128, _mm_cvtsi64_si128, _mm_cvtsi128_si32,
     _mm_cvtsi128_si64, _mm_madd_epi16, _mm_packs_epi32, _mm_packus_epi16, _mm_set_epi64x,
@@ -12,17 +12,14 @@ use core::arch::x86_64::{
 #[target_feature(enable = "sse2")]
 #[inline]
 pub(super) fn convolved(
-    columns: [&[i16]; TILE],
+    tile: &Tile<'_>,
     weights: &[i16],
     scale: &Scale<'_>,
-    coarse: [&[u8; BLOCK]; TILE],
 ) -> [[u8; BLOCK]; TILE] {
-    let [a, b, c, d] = columns.map(|columns| columns.as_chunks::<2>().0);
-    let pairs = a.iter().zip(b).zip(c.iter().zip(d));
     let mut sums = [[_mm_setzero_si128(); 2]; TILE];
-    for (((a, b), (c, d)), weights) in pairs.zip(weights.as_chunks::<16>().0) {
+    for (pairs, weights) in tile.pairs().zip(weights.as_chunks::<16>().0) {
         let weights = halves(weights);
-        for (sums, [x0, x1]) in sums.iter_mut().zip([a, b, c, d]) {
+        for (sums, [x0, x1]) in sums.iter_mut().zip(pairs) {
             let pair = _mm_set1_epi32((*x0 as u16 as u32 | (*x1 as u16 as u32) << 16) as i32);
             for (sum, weights) in sums.iter_mut().zip(weights) {
                 *sum = _mm_add_epi32(*sum, _mm_madd_epi16(pair, weights));
@@ -30,7 +27,7 @@ pub(super) fn convolved(
         }
     }
     let mut out = [[0; BLOCK]; TILE];
-    for ((out, sums), coarse) in out.iter_mut().zip(sums).zip(coarse) {
+    for ((out, sums), coarse) in out.iter_mut().zip(sums).zip(tile.coarse) {
         *out = narrowed(sums, scale, coarse);
     }
     out
@@ -38,11 +35,7 @@ pub(super) fn convolved(
 
 #[target_feature(enable = "sse2")]
 #[inline]
-pub(super) fn windowed(
-    taps: [[&[u8; BLOCK]; 2]; TAP_PAIRS],
-    weights: &[[i16; 2 * BLOCK]; TAP_PAIRS],
-    scale: &Scale<'_>,
-) -> [u8; BLOCK] {
+pub(super) fn windowed(taps: &Taps<'_>, weights: &TapWeights, scale: &Scale<'_>) -> [u8; BLOCK] {
     let mut sums = [_mm_setzero_si128(); 2];
     for ([first, second], weights) in taps.iter().zip(weights) {
         let (first, second) = (widened(first), widened(second));
