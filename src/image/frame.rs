@@ -288,7 +288,14 @@ impl<'a> Frame<'a> {
     // By itself: it would be in many places, and make them large.
     #[inline(never)]
     fn mean(&self, x: i32, y: i32) -> u8 {
-        mean_of_nine(self.around(x - 1, y - 1))
+        mean_of_nine(self.around(x, y))
+    }
+
+    /// As [`Frame::luma`] of a softened frame, for a pixel at a [`place`](Self::place) that is not on the
+    /// border.
+    #[inline]
+    pub(crate) fn mean_at(&self, place: isize) -> u8 {
+        mean_of_nine(self.nine(place))
     }
 
     /// As [`Frame::luma`] of the frame before it was softened.
@@ -312,40 +319,37 @@ impl<'a> Frame<'a> {
         }
     }
 
-    /// Three rows of luma before the frame was softened, from (x, y) to the right and down.
+    /// Luma, before the frame was softened, of a pixel and its eight neighbours, row by row; the rows may
+    /// run from right to left.
     fn around(&self, x: i32, y: i32) -> [[u16; 3]; 3] {
-        let mut rows = [[0; 3]; 3];
-        if x < 0 || y < 0 || x >= self.width - 2 || y >= self.height - 2 {
-            for (row, y) in rows.iter_mut().zip(y..) {
-                for (v, x) in row.iter_mut().zip(x..) {
-                    *v = u16::from(self.sharp(x, y));
-                }
-            }
-            return rows;
+        if x >= 1 && y >= 1 && x < self.width - 1 && y < self.height - 1 {
+            return self.nine(self.place(x, y));
         }
-        let mut first = self.place(x, y);
+        [-1, 0, 1].map(|dy| [-1, 0, 1].map(|dx| u16::from(self.sharp(x + dx, y + dy))))
+    }
+
+    /// As [`Frame::around`] for a pixel that is not on the border.
+    #[inline]
+    fn nine(&self, place: isize) -> [[u16; 3]; 3] {
         // Most frames: a row's bytes side by side.
-        let packed = self.luma_bytes().filter(|_| self.step_x == 1);
-        for row in &mut rows {
-            match packed.map(|bytes| bytes.get(first as usize..).and_then(|b| b.first_chunk())) {
-                Some(bytes) => *row = bytes.copied().unwrap_or([0; 3]).map(u16::from),
-                None => {
-                    let mut at = first;
-                    for v in row {
-                        *v = u16::from(self.luma_at(at));
-                        at += self.step_x;
-                    }
+        let packed = self.luma_bytes().filter(|_| self.step_x.abs() == 1);
+        [-self.step_y, 0, self.step_y].map(|row| {
+            let middle = place + row;
+            match packed {
+                Some(bytes) => {
+                    let row = bytes.get((middle - 1) as usize..);
+                    let row = row.and_then(|row| row.first_chunk()).copied();
+                    row.unwrap_or([0; 3]).map(u16::from)
                 }
+                None => [-self.step_x, 0, self.step_x].map(|x| u16::from(self.luma_at(middle + x))),
             }
-            first += self.step_y;
-        }
-        rows
+        })
     }
 
     /// How far a pixel is from what its neighbours promise: the absolute value of
     /// `[1 −2 1; −2 4 −2; 1 −2 1]`.
     pub(crate) fn roughness(&self, x: i32, y: i32) -> u16 {
-        let rows = self.around(x - 1, y - 1);
+        let rows = self.around(x, y);
         let [a, b, c] = rows.map(|[p, q, r]| (p + r) as i16 - 2 * q as i16);
         (a + c - 2 * b).unsigned_abs()
     }
@@ -393,7 +397,7 @@ impl<'a> Frame<'a> {
 
 /// Of rows of luma, rounded.
 #[inline]
-pub(crate) fn mean_of_nine(rows: [[u16; 3]; 3]) -> u8 {
+fn mean_of_nine(rows: [[u16; 3]; 3]) -> u8 {
     let sum: u16 = rows.map(|[a, b, c]| a + b + c).iter().sum();
     // Exact for all sums of nine bytes.
     (((u32::from(sum) + 4) * 7282) >> 16) as u8

@@ -13,6 +13,5 @@ mod frame;
 mod noise;
 
 pub use crop::{CROP_MAX, Crop, warp};
-pub(crate) use frame::mean_of_nine;
 pub use frame::{Frame, FrameError, FrameLayout, MAX_SIDE, PixelFormat, Rotation};
 pub use noise::noise_share;

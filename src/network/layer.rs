@@ -114,36 +114,26 @@ fn convolve(node: &Node<'_>, work: &mut Activations) {
         return;
     };
     for (tile, out) in output.chunks_mut((pixels * channels).max(1)).enumerate() {
-        let first = tile * pixels;
         let present = out.len() / channels;
-        for (p, columns) in columns.chunks_exact_mut(count).take(present).enumerate() {
-            let (y, x) = ((first + p) / side, (first + p) % side);
-            window(node, input, y, x, columns);
-        }
         // Where there are fewer, the last stands in for the others.
         let index: [usize; TILE] = core::array::from_fn(|p| p.min(present.saturating_sub(1)));
-        let columns = index.map(|p| columns.get(p * count..(p + 1) * count).unwrap_or(&[]));
-        let under = index.map(|p| {
-            let (y, x) = ((first + p) / side, (first + p) % side);
-            match lateral {
-                true => ((y / 2) * node.other.side() + x / 2) * channels,
-                false => usize::MAX,
-            }
+        let places = index.map(|p| {
+            let at = tile * pixels + p;
+            (at / side, at % side)
         });
+        let windows = columns.chunks_exact_mut(count).zip(places);
+        for (columns, (y, x)) in windows.take(present) {
+            window(node, input, y, x, columns);
+        }
+        let columns = index.map(|p| columns.get(p * count..(p + 1) * count).unwrap_or(&[]));
+        let under = places.map(|(y, x)| ((y / 2) * node.other.side() + x / 2) * channels);
         let blocks = wide.chunks_exact((count * BLOCK).max(1));
-        for (block, (weights, (bias, factor))) in blocks.zip(node.constants()).enumerate() {
+        for (block, (weights, scale)) in blocks.zip(node.scales()).enumerate() {
             let at = block * BLOCK;
             let coarse = under.map(|under| {
-                let block = other.get(under.saturating_add(at)..);
+                let block = other.get(under + at..);
                 block.and_then(|b| b.first_chunk()).unwrap_or(&NO_COARSE)
             });
-            let scale = Scale {
-                bias,
-                factor,
-                before: node.before as u32,
-                after: node.after as u32,
-                floor: if node.op == OP_LINEAR { 128 } else { 0 },
-            };
             let bytes = convolved(&Tile { columns, coarse }, weights, &scale);
             for (p, bytes) in bytes.iter().enumerate() {
                 let out = out.get_mut(p * channels + at..);
@@ -237,14 +227,7 @@ fn depthwise(node: &Node<'_>, work: &mut Activations) {
         }
         let out = pixel.as_chunks_mut::<BLOCK>().0;
         let weights = pairs.as_chunks::<TAP_PAIRS>().0;
-        for ((out, weights), (bias, factor)) in out.iter_mut().zip(weights).zip(node.constants()) {
-            let scale = Scale {
-                bias,
-                factor,
-                before: node.before as u32,
-                after: node.after as u32,
-                floor: 0,
-            };
+        for ((out, weights), scale) in out.iter_mut().zip(weights).zip(node.scales()) {
             let block = taps
                 .each_mut()
                 .map(|pair| pair.each_mut().map(|tap| tap.next().unwrap_or(&[0; BLOCK])));
@@ -271,9 +254,17 @@ fn add(node: &Node<'_>, work: &mut Activations) {
 }
 
 impl<'m> Node<'m> {
-    /// Bias and factor, block by block.
-    fn constants(&self) -> impl Iterator<Item = (&'m [i32; BLOCK], &'m [i32; BLOCK])> {
+    /// How sums become bytes, block by block.
+    fn scales(&self) -> impl Iterator<Item = Scale<'m>> {
+        let (before, after) = (self.before as u32, self.after as u32);
+        let floor = if self.op == OP_LINEAR { 128 } else { 0 };
         let (bias, factor) = (self.bias.as_chunks().0, self.factor.as_chunks().0);
-        bias.iter().zip(factor)
+        bias.iter().zip(factor).map(move |(bias, factor)| Scale {
+            bias,
+            factor,
+            before,
+            after,
+            floor,
+        })
     }
 }

@@ -112,6 +112,7 @@ pub fn run(args: &Args) -> Result<()> {
             count => Some(render(render::Kind::Hard, count)?),
         },
         loaded: OnceCell::new(),
+        loaded_near: OnceCell::new(),
     };
     let detector = kept(args, b"DTCT", &format!("{}", args.seed), || {
         training.detector()
@@ -177,6 +178,7 @@ struct Training<'a> {
     near_renders: PathBuf,
     hard_renders: Option<PathBuf>,
     loaded: OnceCell<Vec<Face>>,
+    loaded_near: OnceCell<Vec<Face>>,
 }
 
 impl Training<'_> {
@@ -203,8 +205,13 @@ impl Training<'_> {
         }
     }
 
-    fn near(&self) -> Result<Vec<Face>> {
-        faces::rendered(&self.near_renders, self.args.near_renders as usize)
+    /// Renders from near.
+    fn near(&self) -> Result<&[Face]> {
+        if let Some(faces) = self.loaded_near.get() {
+            return Ok(faces);
+        }
+        let faces = faces::rendered(&self.near_renders, self.args.near_renders as usize)?;
+        Ok(self.loaded_near.get_or_init(|| faces))
     }
 
     /// Pictures in which nobody is seen.
@@ -224,12 +231,12 @@ impl Training<'_> {
         let mut faces;
         let told = if self.args.clean {
             options.hopeless = HOPELESS_RENDERS;
-            faces = detect::faces::profiles(&near, PROFILES);
+            faces = detect::faces::profiles(near, PROFILES);
             faces.extend(detect::faces::fronts(self.faces()?));
             PROFILES + FRONTS
         } else {
             faces = detect::faces::load(&self.args.data)?;
-            faces.extend(detect::faces::profiles(&near, PROFILES));
+            faces.extend(detect::faces::profiles(near, PROFILES));
             faces.len()
         };
         detect::train(&faces, told, &self.empty()?, &self.args.cache, &options)
@@ -275,7 +282,7 @@ impl Training<'_> {
         let key = format!("{options:?}-{key}-{}", args.near_renders);
         let parts = kept(args, &Parts::TAG, &key, || {
             let hash = posewise::model::crc32(key.as_bytes());
-            let faces = [self.bettered(&global)?, self.near()?].concat();
+            let faces = [&self.bettered(&global)?, self.near()?].concat();
             let eyes = args.data.join("eyes");
             let training = align::parts::Training {
                 global: &global,
@@ -289,7 +296,7 @@ impl Training<'_> {
         })?;
         let correction = kept(args, &Correction::TAG, &key, || {
             // As the annotator has them: labels that a network has bettered lack what it lacks.
-            let faces = [self.faces()?, &self.near()?].concat();
+            let faces = [self.faces()?, self.near()?].concat();
             align::with_model(&global, Some(&parts), |model| {
                 align::correction::train(model, &faces)
             })
