@@ -41,6 +41,8 @@ pub(super) struct Tile<'a> {
     pub coarse: [&'a [u8; BLOCK]; TILE],
 }
 
+// Portable code walks one pixel after the other.
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
 impl<'a> Tile<'a> {
     /// The windows, two columns of each at a time.
     #[inline]
