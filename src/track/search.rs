@@ -14,12 +14,24 @@ use crate::shape::LANDMARKS;
 const DOUBT: f32 = 0.1;
 /// How long a lost face is expected back at about the same size \[µs\].
 const RECALL_US: i64 = 10_000_000;
+/// How long what was no face after all has to be sure to be taken for one again \[µs\].
+const SPURNED_US: i64 = 10_000_000;
 /// Of so many slices of the search for it one goes to faces of all sizes.
 const RECALL_TURNS: u32 = 4;
 /// Of so many slices of any other search one goes to large faces.
 const LARGE_TURNS: u32 = 2;
 /// Large faces are at least this share of the frame's shorter side: who sits before a camera.
 const LARGE: f32 = 0.25;
+
+/// Place of nothing.
+const NOWHERE: Detection = Detection {
+    x: 0.0,
+    y: 0.0,
+    size: 0.0,
+    roll: 0.0,
+    turn: 0.0,
+    score: 0.0,
+};
 
 /// A face that was there not long ago.
 #[derive(Clone, Copy)]
@@ -109,6 +121,9 @@ pub(super) struct Search {
     /// The likeliest of the last frame's candidates that were refused; 0 if there was none.
     doubt: f32,
     doubtful: Shape,
+    /// What was taken for a face, never was sure and was given up; of size 0 if there was nothing.
+    spurned: Detection,
+    spurned_us: i64,
     /// Counts steps without a face.
     turn: u32,
 }
@@ -120,6 +135,8 @@ impl Search {
         lost: Lost::NOBODY,
         doubt: 0.0,
         doubtful: [[0.0; 2]; LANDMARKS],
+        spurned: NOWHERE,
+        spurned_us: 0,
         turn: 0,
     };
 
@@ -134,6 +151,7 @@ impl Search {
     /// As before the first step.
     pub(super) fn reset(&mut self) {
         self.end();
+        self.spurned = NOWHERE;
         self.turn = 0;
     }
 
@@ -202,6 +220,20 @@ impl Search {
         None
     }
 
+    /// What was there was no face after all.
+    pub(super) fn spurn(&mut self, place: Detection, now: i64) {
+        (self.spurned, self.spurned_us) = (place, now);
+    }
+
+    /// Whether what is there was no face a while ago.
+    pub(super) fn spurns(&self, place: &Detection, now: i64) -> bool {
+        let old = &self.spurned;
+        let apart = libm::hypotf(place.x - old.x, place.y - old.y);
+        now.saturating_sub(self.spurned_us) < SPURNED_US
+            && apart < 0.5 * old.size
+            && (0.67..1.5).contains(&(place.size / old.size))
+    }
+
     /// A candidate was refused with this probability, and ended there.
     pub(super) fn refuse(&mut self, face: f32, shape: &Shape) {
         if face > self.doubt {
@@ -218,5 +250,31 @@ impl Search {
     pub(super) fn take_doubtful(&mut self) -> Shape {
         self.doubt = 0.0;
         self.doubtful
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_no_face_is_spurned_where_it_was_and_for_a_while() {
+        let thing = Detection {
+            x: 100.0,
+            y: 80.0,
+            size: 60.0,
+            ..NOWHERE
+        };
+        let mut search = Search::EMPTY;
+        assert!(!search.spurns(&thing, 0));
+        search.spurn(thing, 1_000_000);
+        let at = |x: f32, size: f32| Detection { x, size, ..thing };
+        let late = 1_000_000 + SPURNED_US;
+        assert!(search.spurns(&at(120.0, 70.0), late - 1));
+        assert!(!search.spurns(&thing, late));
+        assert!(!search.spurns(&at(140.0, 60.0), late - 1));
+        assert!(!search.spurns(&at(100.0, 120.0), late - 1));
+        search.reset();
+        assert!(!search.spurns(&thing, late - 1));
     }
 }

@@ -7,6 +7,8 @@ use crate::shape::{FaceFit, FaceState, IdentityEstimator, LANDMARKS, MAX_IDENTIT
 
 /// Only frames at least this sure teach who it is.
 pub(super) const TRUST: f32 = 0.9;
+/// A candidate becomes the tracked face from this probability on.
+pub(super) const ACCEPT: f32 = 0.8;
 /// A face that was never sure is given up below this probability: without a step between the two,
 /// one at the edge would come and go. Below it the fine stages' answer leads nowhere.
 pub(super) const STAY: f32 = 0.5;
@@ -18,7 +20,8 @@ const KEEP: f32 = 0.02;
 const KEEP_RECOGNISED: f32 = 0.003;
 const RECOGNISED: u32 = 8;
 /// How long a face may be in doubt without being recognised \[µs\], longer than a blink: what is left
-/// where somebody was may resemble a face a little for as long as it is looked at.
+/// where somebody was may resemble a face a little for as long as it is looked at. One that was never sure
+/// is in doubt below what it was accepted from: a thing in the background may have passed for it once.
 const DOUBTED_US: i64 = 250_000;
 /// So many trusted frames teach the identity one by one.
 const IDENTITY_FRAMES: u32 = 30;
@@ -56,7 +59,7 @@ pub(super) struct Subject {
     trusted: bool,
     /// Frames that were sure since it was found.
     trusted_frames: u32,
-    /// When it was last a face more likely than not, or recognised \[µs\].
+    /// When it was last not in doubt, or recognised \[µs\].
     known_us: i64,
 }
 
@@ -77,12 +80,14 @@ impl Subject {
 
     /// Probability below which the face counts as lost, when so many landmarks look like themselves.
     pub(super) fn keep(&self, recognised: u32, now: i64) -> f32 {
-        // Without `experts` and `adaptation` nobody is recognised, and a covered face would be given up too.
-        let doubted = cfg!(all(feature = "experts", feature = "adaptation"))
-            && now.saturating_sub(self.known_us) > DOUBTED_US;
+        let doubted = now.saturating_sub(self.known_us) > DOUBTED_US;
+        // Without `adaptation` nobody is recognised, and a covered face would be given up too; without
+        // `experts` these are no probabilities.
+        let (experts, adaptation) = (cfg!(feature = "experts"), cfg!(feature = "adaptation"));
         match self.trusted {
             true if recognised >= RECOGNISED => KEEP_RECOGNISED,
-            true if !doubted => KEEP,
+            true if !(doubted && experts && adaptation) => KEEP,
+            false if doubted && experts => ACCEPT,
             _ => STAY,
         }
     }
@@ -92,6 +97,11 @@ impl Subject {
         if recognised >= RECOGNISED {
             self.known_us = now;
         }
+    }
+
+    /// Whether it was sure at least once since it was found.
+    pub(super) fn is_trusted(&self) -> bool {
+        self.trusted
     }
 
     /// Somebody else from here on, of whom nothing is known.
@@ -131,11 +141,11 @@ impl Subject {
         }
         self.shape = *shape;
         self.fitted_us = now;
-        if face >= STAY {
-            self.known_us = now;
-        }
         self.face = fitted.state;
         self.trusted |= face >= TRUST;
+        if face >= if self.trusted { STAY } else { ACCEPT } {
+            self.known_us = now;
+        }
         self.trusted_frames = self.trusted_frames.wrapping_add(u32::from(face >= TRUST));
     }
 
@@ -163,6 +173,7 @@ mod tests {
         };
         let (soon, late) = (1_000_000 + DOUBTED_US, 1_000_001 + DOUBTED_US);
         assert_eq!(stranger.keep(0, soon), STAY);
+        assert_eq!(stranger.keep(RECOGNISED, late), ACCEPT);
         assert_eq!(subject.keep(0, soon), KEEP);
         assert_eq!(subject.keep(0, late), STAY);
         assert_eq!(subject.keep(RECOGNISED - 1, late), STAY);

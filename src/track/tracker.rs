@@ -19,7 +19,7 @@ use super::motion::steadied;
 use super::place::{overlaps, place_of, start_in};
 use super::search::{Lost, Search, Slice};
 use super::smooth::{Smoother, Smoothing};
-use super::subject::{STAY, Subject, TRUST, Whose};
+use super::subject::{ACCEPT, STAY, Subject, TRUST, Whose};
 use super::{Loss, Model, State, TrackResult};
 use crate::align::{Shape, Workspace};
 use crate::detect::{Detection, Sizes, search_near};
@@ -33,10 +33,9 @@ use crate::keyframe::{Keyframes, Seen, Wanted};
 use crate::math::HeadAngles;
 use crate::shape::{FIRST, FRAME_WEIGHT, FitOptions, Intrinsics, MAX_IDENTITIES, Observed, fit};
 
-/// A candidate becomes the tracked face from this probability on.
-const ACCEPT: f32 = 0.8;
-/// What the sweep meets does so at first sight from this one on, else at second sight: of what looks
-/// like a face by chance hardly anything still does once the cascade has gone on.
+/// What the sweep meets becomes the tracked face from this probability on at first sight, from [`ACCEPT`]
+/// on at second sight: of what looks like a face by chance hardly anything still does once the cascade has
+/// gone on.
 const AT_FIRST_SIGHT: f32 = 0.9;
 /// Share of noise in a frame's luma from which it is softened, and below which no longer.
 const NOISY: f32 = 0.2;
@@ -495,7 +494,7 @@ impl Tracker {
     ///
     /// # Errors
     /// With nothing changed but the shape: the probability that it is a face, 0 when the shape lost
-    /// its extent.
+    /// its extent or lies where a face turned out to be none.
     fn take(
         &mut self,
         model: &Model<'_>,
@@ -508,6 +507,9 @@ impl Tracker {
             return Err(0.0);
         }
         let mut verdict = judged(model, &self.work);
+        if verdict.face < TRUST && self.search.spurns(&place_of(model, shape), now) {
+            return Err(0.0);
+        }
         let taken = verdict.face >= look.least
             && self.answer(model, frame, now, shape, look.whose, &mut verdict);
         taken.then_some(()).ok_or(verdict.face)
@@ -548,10 +550,19 @@ impl Tracker {
             Loss::Left => Recollected::Nobody(0),
             _ => self.recollect(model, frame, now, jumped),
         };
-        if !matches!(found, Recollected::Found) {
-            self.result.loss = loss;
-            self.keep_holding(model, now);
+        if matches!(found, Recollected::Found) {
+            return;
         }
+        self.result.loss = loss;
+        if self.subject.is_trusted() {
+            self.keep_holding(model, now);
+            return;
+        }
+        // What was never sure is not waited for: while it is held, nobody of another size is seen.
+        if loss == Loss::Doubt {
+            self.search.spurn(place_of(model, &self.subject.shape), now);
+        }
+        self.lose(now);
     }
 
     /// Fits the 3D face to a shape on this frame, moves the subject there and writes the result;
