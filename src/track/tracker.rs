@@ -3,7 +3,8 @@
 //! Searching runs a slice of the detector's sweeps; a face found there is aligned and judged at
 //! once. Tracking runs the cascade once from the shape that the last frames predict. A fit in more
 //! doubt than the face may bear makes the tracker Holding: the last answer is repeated, the detector
-//! looks around it and elsewhere, and after `HOLD_US` the search starts anew.
+//! looks around it and elsewhere, and after `HOLD_US` the search starts anew. It starts at once where the
+//! face never was sure, which is then spurned for a while.
 //!
 //! Keyframes are kept of sure frames while Tracking, at most one a step and none that brings nothing
 //! new. With the step that loses the face and with each one after it one window of the frame is
