@@ -1,7 +1,9 @@
-//! The cascade's model (section `ALGN`, and `PART` for the fine stages) and one run through it.
+//! The cascade's model (section `ALGN`, `ALG2` for a second network, `PART` for the fine stages) and
+//! one run through it.
 
 use super::parts::Parts;
 use super::regressor::{Memory, Regressor};
+use super::second::Second;
 use super::{Shape, Views, place};
 use crate::image::{Crop, Frame, warp};
 use crate::math::Similarity;
@@ -30,6 +32,8 @@ pub struct AlignModel<'m> {
     passes: usize,
     /// The global stage.
     face: Regressor<'m>,
+    /// What it is averaged with.
+    second: Second<'m>,
     /// The fine stages.
     parts: Parts<'m>,
 }
@@ -103,14 +107,16 @@ impl<'m> AlignModel<'m> {
         let passes = s.count(1, 8, "number of passes")?;
         let missing = s.error("it lacks a shape");
         let mean = shapes_of(s.f32s(2 * LANDMARKS)?);
-        let model = AlignModel {
+        let mut model = AlignModel {
             mean: mean.first().ok_or(missing)?,
             starts: shapes_of(s.f32s(views * 2 * LANDMARKS)?),
             turns: s.f32s(views)?,
             passes,
             face: Regressor::read(s, LANDMARKS)?,
+            second: Second::default(),
             parts,
         };
+        model.second = Second::open(blob, &model.face)?;
         let extent = |shape: &Shape| Similarity::fit(shape, shape).is_some();
         let sound = extent(model.mean) && model.starts.iter().all(extent);
         s.require(sound, "a shape has no extent")?;
@@ -180,8 +186,13 @@ impl<'m> AlignModel<'m> {
             return false;
         };
         warp(frame, &placed.corner_to_frame, side, &mut work.crop);
+        // Before the first, whose maps the classifiers read.
+        let other = self.second.run(&work.crop, &mut work.memory);
         let mut points = [[0.0f32; 2]; LANDMARKS];
         face.run(&work.crop, &mut points, &mut work.memory);
+        for (p, q) in points.iter_mut().zip(other.iter().flatten()) {
+            *p = [0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])];
+        }
         if cfg!(feature = "experts") {
             face.describe(&points, &mut work.memory, &mut work.features);
             work.used = LANDMARKS * face.features();

@@ -5,8 +5,9 @@
 //! first answer comes from the coarsest map as a whole; each correction then reads the fine map at
 //! the 68 points where the answer before it put them, and all points' features together move all
 //! points, so that landmarks that are well placed correct their neighbours (coarse-to-fine
-//! correlative regression, thesis 5.1; shape-indexed features as in Cao et al. 2014). Fine stages of
-//! the same kind then see eyes with brows, the mouth and the lids closer by. From pixels to the sums
+//! correlative regression, thesis 5.1; shape-indexed features as in Cao et al. 2014). A model may have
+//! a second network that sees the same crop, and the two answers are averaged. Fine stages of the
+//! same kind then see eyes with brows, the mouth and the lids closer by. From pixels to the sums
 //! that make an answer everything is integer arithmetic. In the end the whole shape corrects each of
 //! its points.
 //!
@@ -21,6 +22,7 @@ mod correction;
 mod parts;
 mod placement;
 mod regressor;
+mod second;
 mod views;
 
 pub use cascade::{AlignModel, MAX_VIEWS, Workspace};
@@ -28,6 +30,7 @@ pub use correction::{Correction, deviation};
 pub use parts::{MAX_PARTS, MAX_POINTS, Parts, placed};
 pub use placement::{Placement, mirror, place};
 pub use regressor::{MAX_HEADS, MAX_INPUTS, MAX_MODES, READS_FINE, READS_LAST};
+pub use second::Second;
 pub use views::{View, Views};
 
 use crate::shape::LANDMARKS;

@@ -12,7 +12,7 @@ use crate::head::{Head, Wfm};
 use crate::pack::{SectionWriter, blob};
 use crate::{detect, face_section, render, score};
 use anyhow::{Context, Result};
-use posewise::align::{AlignModel, Correction, Parts};
+use posewise::align::{AlignModel, Correction, Parts, Second};
 use posewise::detect::DetectorModel;
 use posewise::model::{Blob, Tag};
 use rayon::prelude::*;
@@ -119,11 +119,12 @@ pub fn run(args: &Args) -> Result<()> {
     })?;
     let Cascade {
         global: cascade,
+        second,
         parts,
         correction,
         trained,
     } = training.cascade()?;
-    let whole = [cascade.clone(), parts.clone(), correction.clone()];
+    let whole = [&cascade, &second, &parts, &correction].map(SectionWriter::clone);
     let alone = AlignedBlob::new(&blob(&whole));
     let opened = Blob::open(alone.bytes())?;
     let model = AlignModel::open(&opened, Parts::open(&opened)?)?;
@@ -131,7 +132,7 @@ pub fn run(args: &Args) -> Result<()> {
     let with_detector = Blob::open(alone.bytes())?;
     let scan = DetectorModel::open(with_detector.section(b"DTCT")?)?;
     // It goes with all of these, however they were made.
-    let parents = [&cascade, &parts, &correction, &detector];
+    let parents = [&cascade, &second, &parts, &correction, &detector];
     let key = format!(
         "{:08x?}",
         parents.map(|s| posewise::model::crc32(s.bytes()))
@@ -141,13 +142,15 @@ pub fn run(args: &Args) -> Result<()> {
         // Plain renders: with hard ones it gives covered faces up too soon.
         score::train(&model, &scan, training.faces()?, &empty, args.seed)
     })?;
-    let dev = align::with_model(&cascade, None, |global| {
+    let dev = align::with_model(&[&cascade], |global| {
         evaluate(&model, global, trained.as_ref(), &args.data)
     })?;
     let mut info = SectionWriter::new(*b"INFO");
     let sheet = data_sheet(args, &dev);
     info.array(sheet.as_bytes());
-    let bytes = blob(&[face, detector, cascade, parts, correction, verifier, info]);
+    let bytes = blob(&[
+        face, detector, cascade, second, parts, correction, verifier, info,
+    ]);
     std::fs::write(&args.out, &bytes).with_context(|| format!("writing {}", args.out.display()))?;
     std::fs::write(
         args.out.with_extension("md"),
@@ -165,6 +168,7 @@ pub fn run(args: &Args) -> Result<()> {
 /// Sections of the cascade.
 struct Cascade {
     global: SectionWriter,
+    second: SectionWriter,
     parts: SectionWriter,
     correction: SectionWriter,
     /// The global stage before it was turned into integers, where its checkpoint is left.
@@ -253,9 +257,10 @@ impl Training<'_> {
             covered: if args.clean { 0.25 } else { 0.0 },
             ..align::Options::default()
         };
+        let narrow = |key: &str| format!("{key}-{}", align::MODES);
         let mut key = format!("{options:?}-{}", args.renders);
         let mut checkpoint = self.checkpoint(&key);
-        let mut global = kept(args, &AlignModel::TAG, &key, || {
+        let mut global = kept(args, &AlignModel::TAG, &narrow(&key), || {
             align::cascade(self.faces()?, &options, &checkpoint, None)
         })?;
         options = align::Options {
@@ -268,13 +273,15 @@ impl Training<'_> {
         if args.hard_renders > 0 {
             key = format!("{key}-{}", args.hard_renders);
         }
-        let second = self.checkpoint(&key);
-        global = kept(args, &AlignModel::TAG, &key, || {
+        let taught = self.checkpoint(&key);
+        global = kept(args, &AlignModel::TAG, &narrow(&key), || {
             let mut faces = self.bettered(&global)?;
             faces.extend(self.hard()?);
-            align::cascade(&faces, &options, &second, Some(&checkpoint))
+            align::cascade(&faces, &options, &taught, Some(&checkpoint))
         })?;
-        checkpoint = second;
+        checkpoint = taught;
+        key = narrow(&key);
+        let second = self.second(&global, &key)?;
         let trained = align::Trained::read(&checkpoint, &options.sizes);
         let options = align::parts::options(args.seed, args.steps / 2);
         // No hard renders: lids half way that are hardly seen would teach the network to guess the
@@ -294,18 +301,39 @@ impl Training<'_> {
             };
             training.run()
         })?;
+        let key = format!("{key}-{:08x}", posewise::model::crc32(second.bytes()));
         let correction = kept(args, &Correction::TAG, &key, || {
             // As the annotator has them: labels that a network has bettered lack what it lacks.
             let faces = [self.faces()?, self.near()?].concat();
-            align::with_model(&global, Some(&parts), |model| {
+            align::with_model(&[&global, &second, &parts], |model| {
                 align::correction::train(model, &faces)
             })
         })?;
         Ok(Cascade {
             global,
+            second,
             parts,
             correction,
             trained,
+        })
+    }
+
+    /// The global stage's second network, on labels that the first has bettered.
+    fn second(&self, global: &SectionWriter, key: &str) -> Result<SectionWriter> {
+        let options = align::Options {
+            seed: self.args.seed,
+            steps: self.args.steps,
+            front: if self.args.clean { 4.0 } else { 0.0 },
+            ..align::Options::default()
+        };
+        let options = options.second_network();
+        let key = format!("{options:?}-{key}");
+        kept(self.args, &Second::TAG, &key, || {
+            let faces = self.bettered(global)?;
+            let checkpoint = self.checkpoint(&key);
+            align::with_model(&[global], |model| {
+                align::second(&faces, model.mean(), &options, &checkpoint)
+            })
         })
     }
 
@@ -315,7 +343,7 @@ impl Training<'_> {
         if self.args.clean {
             return Ok(self.faces()?.to_vec());
         }
-        let mut faces = align::with_model(global, None, |teacher| {
+        let mut faces = align::with_model(&[global], |teacher| {
             let labels = self.args.data.join("faces68");
             let photographs = faces::photographs(&labels.join("train.csv"), &labels.join("train"))?;
             let mut faces = align::relabel::blended(teacher, &photographs);

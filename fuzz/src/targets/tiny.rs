@@ -10,7 +10,7 @@ use posewise::shape::{ANIMATIONS, JAW, LANDMARKS, VIEW_BYTES};
 use std::sync::OnceLock;
 
 /// Sections in the order in which they lie in the model.
-pub const SECTIONS: usize = 6;
+pub const SECTIONS: usize = 7;
 
 const SIDE: usize = 16;
 const CHANNELS: usize = 8;
@@ -37,6 +37,7 @@ fn blob() -> Vec<u8> {
         (b"FACE", face()),
         (b"DTCT", detector()),
         (b"ALGN", cascade()),
+        (b"ALG2", second()),
         (b"PART", parts()),
         (b"CORR", correction()),
         (b"SCOR", verifier()),
@@ -197,6 +198,12 @@ fn cascade() -> Vec<u8> {
     w.f32s(mean.as_flattened());
     w.f32s([mean, turned].as_flattened().as_flattened());
     w.f32s(&[0.0, 1.0]);
+    regressor(&mut w, LANDMARKS, &[READS_LAST, READS_FINE]);
+    w.0
+}
+
+fn second() -> Vec<u8> {
+    let mut w = Writer::default();
     regressor(&mut w, LANDMARKS, &[READS_LAST, READS_FINE]);
     w.0
 }

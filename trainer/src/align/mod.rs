@@ -1,10 +1,11 @@
-//! Trains the cascade (section `ALGN`).
+//! Trains the cascade (sections `ALGN`, `ALG2`, `PART` and `CORR`).
 
 pub mod correction;
 pub mod cover;
 pub mod evaluate;
 mod graph;
 mod mean;
+mod narrow;
 mod network;
 pub mod parts;
 mod quantise;
@@ -15,6 +16,7 @@ mod train;
 
 pub use evaluate::{Accuracy, Boxes, evaluate, evaluate_float};
 pub use mean::{align as mean_aligned, mean_shape};
+pub use narrow::MODES;
 pub use network::{Network, Sizes};
 pub use samples::{Augment, Start};
 pub(crate) use starts::normal;
@@ -25,24 +27,24 @@ use crate::faces::Face;
 use crate::fit::AlignedBlob;
 use crate::pack::{SectionWriter, blob};
 use anyhow::Result;
-use posewise::align::{AlignModel, Parts};
+use posewise::align::{AlignModel, Parts, Shape};
 use posewise::model::Blob;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use samples::Sample;
 use std::path::Path;
 use train::Source;
 
-/// Crops that show how large the maps' values grow.
-const EXAMPLES: usize = 512;
+/// Samples that show how large the maps' values grow and where answers move points.
+const EXAMPLES: usize = 2048;
 
-/// Opens a cascade that is being made: its global stage, and fine ones where there are some.
+/// Opens a cascade that is being made: the sections of its global stage, and fine ones where there are
+/// some.
 pub fn with_model<T>(
-    global: &SectionWriter,
-    parts: Option<&SectionWriter>,
+    sections: &[&SectionWriter],
     run: impl FnOnce(&AlignModel<'_>) -> Result<T>,
 ) -> Result<T> {
-    let both = [Some(global), parts];
-    let sections: Vec<SectionWriter> = both.into_iter().flatten().cloned().collect();
+    let sections: Vec<SectionWriter> = sections.iter().copied().cloned().collect();
     let bytes = AlignedBlob::new(&blob(&sections));
     let opened = Blob::open(bytes.bytes())?;
     run(&AlignModel::open(&opened, Parts::open(&opened)?)?)
@@ -59,13 +61,38 @@ pub fn cascade(
     let mean = mean_shape(faces);
     let starts = StartShapes::fit(faces, &mean, &options.turns);
     let initial = taught_by.and_then(|path| Trained::read(path, &options.sizes));
+    let (trained, samples) = network(faces, &mean, options, checkpoint, initial)?;
+    quantise::face_section(&trained, &mean, &starts, options.passes, &samples)
+}
+
+/// Trains section `ALG2`, a second network for a global stage with this mean shape; goes on from the
+/// checkpoint if there is one.
+pub fn second(
+    faces: &[Face],
+    mean: &Shape,
+    options: &Options,
+    checkpoint: &Path,
+) -> Result<SectionWriter> {
+    let (trained, samples) = network(faces, mean, options, checkpoint, None)?;
+    quantise::second_section(&trained, &samples)
+}
+
+/// A network of the global stage, and samples as it meets them.
+fn network(
+    faces: &[Face],
+    mean: &Shape,
+    options: &Options,
+    checkpoint: &Path,
+    initial: Option<Trained>,
+) -> Result<(Trained, Vec<Sample>)> {
     let source = train::Faces {
         faces,
-        mean: &mean,
+        mean,
         options,
         draw: train::Draw::new(faces, options, |_| 1.0)?,
     };
     let trained = train(&source, options, checkpoint, initial.map(|t| t.parameters))?;
-    let examples = source.crops(EXAMPLES, &mut ChaCha8Rng::seed_from_u64(options.seed ^ 2));
-    quantise::face_section(&trained, &mean, &starts, options.passes, &examples)
+    let rng = &mut ChaCha8Rng::seed_from_u64(options.seed ^ 2);
+    let samples = source.samples(EXAMPLES, rng);
+    Ok((trained, samples))
 }

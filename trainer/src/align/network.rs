@@ -189,6 +189,13 @@ pub struct Answer {
     points: Vec<Points>,
 }
 
+impl Answer {
+    /// Of each answer, the dimensions before they are spread over the coordinates.
+    pub fn inner(&self) -> &[Vec<f32>] {
+        &self.inner
+    }
+}
+
 impl Network {
     /// The network of these sizes.
     pub fn new(sizes: &Sizes) -> Network {

@@ -125,12 +125,12 @@ impl Training<'_> {
         let mut out = SectionWriter::new(Parts::TAG);
         out.scalar(parts.len() as u32);
         let start = |model: &AlignModel<'_>| Ok(starts(model, self.faces));
-        let mut starts = with_model(self.global, None, start)?;
+        let mut starts = with_model(&[self.global], start)?;
         while let Some(part) = parts.next() {
             println!("fine stage: {}", part.name);
-            let (mut trained, examples) = self.round(&part, self.faces, &starts, None)?;
+            let (mut trained, samples) = self.round(&part, self.faces, &starts, None)?;
             let write = |trained: &Trained, out: &mut SectionWriter| {
-                write_part(trained, &part.landmarks, part.twin, &examples, out)
+                write_part(trained, &part.landmarks, part.twin, &samples, out)
             };
             if let Some(eyes) = self.eyes.filter(|_| part.alone) {
                 // The last stage: with it the section is whole.
@@ -140,8 +140,7 @@ impl Training<'_> {
                     let found = single_eyes::for_training(model, eyes)?.into_iter();
                     Ok(found.map(|eye| Start::of_single(model, eye)).unzip())
                 };
-                let (alone, found): (Vec<_>, Vec<_>) =
-                    with_model(self.global, Some(&so_far), find)?;
+                let (alone, found): (Vec<_>, Vec<_>) = with_model(&[self.global, &so_far], find)?;
                 let faces = [self.faces, &alone[..]].concat();
                 let starts: Vec<_> = starts.iter().copied().chain(found).collect();
                 println!("second round, with eyes seen alone");
@@ -157,7 +156,7 @@ impl Training<'_> {
             }
             if parts.peek().is_some() {
                 // The next stage goes on from where this one ends.
-                with_model(self.global, Some(&alone), |model| {
+                with_model(&[self.global, &alone], |model| {
                     advance(model, self.faces, &mut starts);
                     Ok(())
                 })?;
@@ -166,15 +165,14 @@ impl Training<'_> {
         Ok(out)
     }
 
-    /// One round of a part, after another one or the first; and crops that show how large the
-    /// maps' values grow.
+    /// One round of a part, after another one or the first; and samples as it meets them.
     fn round(
         &self,
         part: &Part,
         faces: &[Face],
         starts: &[[Start; STARTS]],
         after: Option<Trained>,
-    ) -> Result<(Trained, Vec<Vec<f32>>)> {
+    ) -> Result<(Trained, Vec<Sample>)> {
         let mut options = Options {
             sizes: Sizes::of_part(part.landmarks.len(), part.side, part.zoom),
             steps: (part.steps * self.options.steps as f32) as usize,
@@ -203,7 +201,7 @@ impl Training<'_> {
         let initial = after.map(|trained| trained.parameters);
         let trained = train(&source, &options, &self.cache.join(name), initial)?;
         let mut rng = ChaCha8Rng::seed_from_u64(options.seed ^ 2);
-        Ok((trained, source.crops(super::EXAMPLES, &mut rng)))
+        Ok((trained, source.samples(super::EXAMPLES, &mut rng)))
     }
 }
 

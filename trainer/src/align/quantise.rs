@@ -1,12 +1,14 @@
-//! From floats to the integers of section `ALGN`.
+//! From floats to the integers of the cascade's sections.
 
 use super::graph::{Op, Scratch};
+use super::narrow::narrowed;
 use super::network::{Head, Network};
+use super::samples::Sample;
 use super::starts::StartShapes;
 use super::train::Trained;
 use crate::pack::SectionWriter;
 use anyhow::{Result, ensure};
-use posewise::align::{AlignModel, READS_FINE, Shape};
+use posewise::align::{AlignModel, READS_FINE, Second, Shape};
 use posewise::network::{ARENA, OP_ADD, OP_CONV, OP_DEPTHWISE, OP_INPUT, OP_LATERAL, OP_LINEAR};
 
 /// Outputs whose weights lie together.
@@ -17,14 +19,14 @@ const INPUT_ZERO: f32 = 128.0;
 /// Share of example crops whose largest value of a map must fit its bytes.
 const COVERED: f32 = 0.98;
 
-/// Section `ALGN`, as [`AlignModel::open`] reads it; `examples` are standardised crops that show
-/// how large the maps' values grow.
+/// Section `ALGN`, as [`AlignModel::open`] reads it; the samples show how large the maps' values grow
+/// and where answers move the points.
 pub fn face_section(
     trained: &Trained,
     mean: &Shape,
     starts: &StartShapes,
     passes: usize,
-    examples: &[Vec<f32>],
+    samples: &[Sample],
 ) -> Result<SectionWriter> {
     let mut out = SectionWriter::new(AlignModel::TAG);
     out.scalar(starts.turns.len() as u32).scalar(passes as u32);
@@ -32,7 +34,14 @@ pub fn face_section(
     out.array(&flat(mean));
     out.array(&starts.shapes.iter().flat_map(flat).collect::<Vec<_>>());
     out.array(&starts.turns);
-    write_regressor(trained, examples, &mut out)?;
+    write_regressor(trained, samples, &mut out)?;
+    Ok(out)
+}
+
+/// Section `ALG2`, as [`posewise::align::Second::open`] reads it.
+pub fn second_section(trained: &Trained, samples: &[Sample]) -> Result<SectionWriter> {
+    let mut out = SectionWriter::new(Second::TAG);
+    write_regressor(trained, samples, &mut out)?;
     Ok(out)
 }
 
@@ -41,29 +50,25 @@ pub fn write_part(
     trained: &Trained,
     landmarks: &[usize],
     twin: bool,
-    examples: &[Vec<f32>],
+    samples: &[Sample],
     out: &mut SectionWriter,
 ) -> Result<()> {
     out.scalar(landmarks.len() as u32).scalar(u32::from(twin));
     out.array(&landmarks.iter().map(|k| *k as u32).collect::<Vec<_>>());
-    write_regressor(trained, examples, out)
+    write_regressor(trained, samples, out)
 }
 
-fn write_regressor(
-    trained: &Trained,
-    examples: &[Vec<f32>],
-    out: &mut SectionWriter,
-) -> Result<()> {
+fn write_regressor(trained: &Trained, samples: &[Sample], out: &mut SectionWriter) -> Result<()> {
     let Trained {
         network,
         parameters,
-    } = trained;
+    } = &narrowed(trained, samples);
     let sizes = &network.sizes;
     out.scalar(sizes.side as u32).scalar(sizes.zoom);
     out.scalar(network.fine as u32).scalar(network.last as u32);
     out.scalar(network.heads.len() as u32)
         .scalar(sizes.modes as u32);
-    let scales = scales(network, parameters, examples);
+    let scales = scales(network, parameters, samples);
     let places = places(network)?;
     out.scalar(network.graph.nodes.len() as u32);
     for index in 0..network.graph.nodes.len() {
@@ -88,13 +93,13 @@ fn write_regressor(
 }
 
 /// What one step of each map's bytes stands for.
-fn scales(network: &Network, parameters: &[f32], examples: &[Vec<f32>]) -> Vec<f32> {
+fn scales(network: &Network, parameters: &[f32], samples: &[Sample]) -> Vec<f32> {
     let graph = &network.graph;
     let mut maps = graph.maps();
     let mut scratch = Scratch::default();
-    let mut largest = vec![Vec::with_capacity(examples.len()); graph.nodes.len()];
-    for crop in examples {
-        maps[0].copy_from_slice(crop);
+    let mut largest = vec![Vec::with_capacity(samples.len()); graph.nodes.len()];
+    for sample in samples {
+        maps[0].copy_from_slice(&sample.crop);
         graph.forward(parameters, &mut maps, &mut scratch);
         for (largest, map) in largest.iter_mut().zip(&maps) {
             largest.push(map.iter().fold(0.0f32, |m, v| m.max(*v)));

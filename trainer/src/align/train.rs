@@ -98,6 +98,22 @@ impl Options {
             ..self
         }
     }
+
+    /// As these, for the global stage's second network: other numbers, better labels at once, turned heads
+    /// more often.
+    pub fn second_network(self) -> Options {
+        Options {
+            seed: self.seed ^ 0x2ed,
+            covered: 0.25,
+            turned: 2.0 * self.turned,
+            steps: self.steps * 4 / 3,
+            gaps: Gaps {
+                from: 0.5,
+                ..self.gaps
+            },
+            ..self
+        }
+    }
 }
 
 /// What a gap's error weighs beside a landmark's.
@@ -215,9 +231,9 @@ pub trait Source: Sync {
     /// What the first answer begins with.
     fn offset(&self) -> Points;
 
-    /// Standardised crops as the network meets them in training.
-    fn crops(&self, count: usize, rng: &mut ChaCha8Rng) -> Vec<Vec<f32>> {
-        (0..count).map(|_| self.draw(rng).crop).collect()
+    /// Some as the network meets them in training.
+    fn samples(&self, count: usize, rng: &mut ChaCha8Rng) -> Vec<Sample> {
+        (0..count).map(|_| self.draw(rng)).collect()
     }
 }
 
@@ -244,7 +260,8 @@ pub fn train(
         }
         None => {
             let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
-            let examples = source.crops(64, &mut rng);
+            let samples = source.samples(64, &mut rng);
+            let examples: Vec<_> = samples.into_iter().map(|s| s.crop).collect();
             State {
                 step: 0,
                 parameters: match initial {

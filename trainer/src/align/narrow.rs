@@ -1,0 +1,148 @@
+//! Answers of fewer dimensions than they were trained with: most of these hardly move a point, and each
+//! costs as many bytes as the answer reads features.
+
+use super::graph::Scratch;
+use super::network::{Network, Sizes};
+use super::samples::Sample;
+use super::train::Trained;
+use nalgebra::{DMatrix, SymmetricEigen};
+
+/// Dimensions that are kept, unless the points have fewer coordinates.
+pub const MODES: usize = 24;
+
+/// The network with answers of fewer dimensions: the principal components of where each answer moves
+/// the points on these samples; what lies beside them stays at its mean.
+pub fn narrowed(trained: &Trained, samples: &[Sample]) -> Trained {
+    let Trained {
+        network,
+        parameters,
+    } = trained;
+    let sizes = &network.sizes;
+    let modes = MODES.min(2 * sizes.points).min(sizes.modes);
+    let inner = inner_values(trained, samples);
+    let narrow = Network::new(&Sizes {
+        modes,
+        ..sizes.clone()
+    });
+    let mut out = vec![0.0; narrow.parameters];
+    let trunk = network.graph.parameters;
+    out[..trunk].copy_from_slice(&parameters[..trunk]);
+    for ((from, to), inner) in network.heads.iter().zip(&narrow.heads).zip(inner) {
+        let [squeeze, bias, spread, outer] = from.split(parameters);
+        let double = |rows, columns, values: &[f32]| {
+            DMatrix::from_row_iterator(rows, columns, values.iter().map(|v| f64::from(*v)))
+        };
+        let squeeze = double(from.modes, from.inputs, squeeze);
+        let bias = double(from.modes, 1, bias);
+        let spread = double(from.outputs, from.modes, spread);
+        let moved = &spread * inner;
+        let mean = DMatrix::from_columns(&[moved.column_mean()]);
+        let apart = &moved - &mean * DMatrix::from_element(1, samples.len(), 1.0);
+        let basis = principal(&(&apart * apart.transpose()), modes);
+        let onto = basis.transpose() * &spread;
+        let rest = &mean - &basis * (basis.transpose() * &mean);
+        let parts = [
+            (&onto * squeeze).transpose(),
+            &onto * bias,
+            basis.transpose(),
+            double(from.outputs, 1, outer) + rest,
+        ];
+        // Column after column of a transpose is row after row.
+        let values = parts.iter().flat_map(|m| m.iter());
+        for (slot, v) in out[to.at..].iter_mut().zip(values) {
+            *slot = *v as f32;
+        }
+    }
+    Trained {
+        network: narrow,
+        parameters: out,
+    }
+}
+
+/// Of each answer what lies between its two matrices, a column per sample.
+fn inner_values(trained: &Trained, samples: &[Sample]) -> Vec<DMatrix<f64>> {
+    let network = &trained.network;
+    let (mut maps, mut scratch) = (network.graph.maps(), Scratch::default());
+    let mut columns = vec![vec![]; network.heads.len()];
+    for sample in samples {
+        maps[0].copy_from_slice(&sample.crop);
+        let answer = network.forward(
+            &trained.parameters,
+            &mut maps,
+            &mut scratch,
+            &sample.start,
+            || [0.0; 2],
+        );
+        for (columns, inner) in columns.iter_mut().zip(answer.inner()) {
+            columns.extend(inner.iter().map(|v| f64::from(*v)));
+        }
+    }
+    columns
+        .into_iter()
+        .map(|values| DMatrix::from_vec(network.sizes.modes, samples.len(), values))
+        .collect()
+}
+
+/// Eigenvectors of the largest eigenvalues.
+fn principal(covariance: &DMatrix<f64>, count: usize) -> DMatrix<f64> {
+    let eigen = SymmetricEigen::new(covariance.clone());
+    let mut order: Vec<usize> = (0..eigen.eigenvalues.len()).collect();
+    order.sort_by(|a, b| eigen.eigenvalues[*b].total_cmp(&eigen.eigenvalues[*a]));
+    let columns: Vec<_> = order[..count]
+        .iter()
+        .map(|k| eigen.eigenvectors.column(*k).into_owned())
+        .collect();
+    DMatrix::from_columns(&columns)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use posewise::align::{READS_FINE, READS_LAST};
+    use rand::{Rng, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    /// Six points have twelve coordinates: nothing more can be told apart.
+    #[test]
+    fn answers_stay_as_they_were_where_all_their_coordinates_are_kept() {
+        let sizes = Sizes {
+            reads: vec![READS_LAST, READS_LAST | READS_FINE],
+            ..Sizes::of_part(6, 24, 1.0)
+        };
+        let network = Network::new(&sizes);
+        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        let mut samples: Vec<Sample> = (0..40)
+            .map(|_| Sample {
+                crop: (0..24 * 24).map(|_| rng.random_range(-1.0..1.0)).collect(),
+                start: (0..6)
+                    .map(|_| [0, 1].map(|_| rng.random_range(-8.0f32..8.0)))
+                    .collect(),
+                truth: vec![[0.0; 2]; 6],
+                weights: vec![1.0; 6],
+            })
+            .collect();
+        let crops: Vec<_> = samples.iter().map(|s| s.crop.clone()).collect();
+        let parameters = network.initial(&vec![[1.0, 2.0]; 6], &crops, &mut rng);
+        let trained = Trained {
+            network,
+            parameters,
+        };
+        let unseen = samples.split_off(30);
+        let narrow = narrowed(&trained, &samples);
+        assert_eq!(narrow.network.sizes.modes, 12);
+        let answer = |trained: &Trained, sample: &Sample| {
+            let mut maps = trained.network.graph.maps();
+            maps[0].copy_from_slice(&sample.crop);
+            let (mut scratch, p) = (Scratch::default(), &trained.parameters);
+            let still = || [0.0; 2];
+            let network = &trained.network;
+            network.forward(p, &mut maps, &mut scratch, &sample.start, still)
+        };
+        for sample in &unseen {
+            let [wide, thin] = [&trained, &narrow].map(|t| answer(t, sample).shapes);
+            for (a, b) in wide.iter().flatten().zip(thin.iter().flatten()) {
+                assert!((a[0] - b[0]).hypot(a[1] - b[1]) < 1e-3, "{a:?} {b:?}");
+            }
+        }
+    }
+}
