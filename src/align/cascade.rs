@@ -187,7 +187,7 @@ impl<'m> AlignModel<'m> {
         };
         warp(frame, &placed.corner_to_frame, side, &mut work.crop);
         // Before the first, whose maps the classifiers read.
-        let other = self.second.run(&work.crop, &mut work.memory);
+        let other = self.second.run(&mut work.crop, &mut work.memory);
         let mut points = [[0.0f32; 2]; LANDMARKS];
         face.run(&work.crop, &mut points, &mut work.memory);
         for (p, q) in points.iter_mut().zip(other.iter().flatten()) {

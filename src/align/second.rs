@@ -1,8 +1,8 @@
 //! A second network of the global stage: two that were trained apart err less in the mean than either
-//! does alone.
+//! does alone, and less still where one of them looks in the mirror.
 
-use super::Shape;
 use super::regressor::{Memory, Regressor};
+use super::{Shape, mirror};
 use crate::image::Crop;
 use crate::model::{Blob, ModelError, Section};
 use crate::shape::LANDMARKS;
@@ -33,14 +33,16 @@ impl<'m> Second<'m> {
         Ok(Second(Some(section)))
     }
 
-    /// Landmarks as this network sees them in a crop, in crop px from its centre; `None` without a
-    /// network.
+    /// Landmarks as this network sees them in a crop's mirror image, in crop px from the crop's centre;
+    /// `None` without a network.
     #[inline(never)]
-    pub(super) fn run(&self, crop: &Crop, memory: &mut Memory) -> Option<Shape> {
+    pub(super) fn run(&self, crop: &mut Crop, memory: &mut Memory) -> Option<Shape> {
         // It was checked when the model was opened.
         let regressor = Regressor::read(&mut self.0.clone()?, LANDMARKS).ok()?;
         let mut points = [[0.0f32; 2]; LANDMARKS];
+        crop.mirror();
         regressor.run(crop, &mut points, memory);
-        Some(points)
+        crop.mirror();
+        Some(mirror(&points))
     }
 }

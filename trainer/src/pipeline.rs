@@ -275,7 +275,7 @@ impl Training<'_> {
         }
         let taught = self.checkpoint(&key);
         global = kept(args, &AlignModel::TAG, &narrow(&key), || {
-            let mut faces = self.bettered(&global)?;
+            let mut faces = self.bettered(&[&global])?;
             faces.extend(self.hard()?);
             align::cascade(&faces, &options, &taught, Some(&checkpoint))
         })?;
@@ -286,13 +286,15 @@ impl Training<'_> {
         let options = align::parts::options(args.seed, args.steps / 2);
         // No hard renders: lids half way that are hardly seen would teach the network to guess the
         // middle.
-        let key = format!("{options:?}-{key}-{}", args.near_renders);
+        let of_second = posewise::model::crc32(second.bytes());
+        let key = format!("{options:?}-{key}-{}-{of_second:08x}", args.near_renders);
         let parts = kept(args, &Parts::TAG, &key, || {
             let hash = posewise::model::crc32(key.as_bytes());
+            let global = [&global, &second];
             let faces = [&self.bettered(&global)?, self.near()?].concat();
             let eyes = args.data.join("eyes");
             let training = align::parts::Training {
-                global: &global,
+                global,
                 faces: &faces,
                 eyes: (!args.clean).then_some(&eyes),
                 options: &options,
@@ -301,7 +303,6 @@ impl Training<'_> {
             };
             training.run()
         })?;
-        let key = format!("{key}-{:08x}", posewise::model::crc32(second.bytes()));
         let correction = kept(args, &Correction::TAG, &key, || {
             // As the annotator has them: labels that a network has bettered lack what it lacks.
             let faces = [self.faces()?, self.near()?].concat();
@@ -329,7 +330,7 @@ impl Training<'_> {
         let options = options.second_network();
         let key = format!("{options:?}-{key}");
         kept(self.args, &Second::TAG, &key, || {
-            let faces = self.bettered(global)?;
+            let faces = self.bettered(&[global])?;
             let checkpoint = self.checkpoint(&key);
             align::with_model(&[global], |model| {
                 align::second(&faces, model.mean(), &options, &checkpoint)
@@ -339,11 +340,11 @@ impl Training<'_> {
 
     /// Photographs with labels as a trained global stage would have them, those without labels too,
     /// and renders as they are.
-    fn bettered(&self, global: &SectionWriter) -> Result<Vec<Face>> {
+    fn bettered(&self, global: &[&SectionWriter]) -> Result<Vec<Face>> {
         if self.args.clean {
             return Ok(self.faces()?.to_vec());
         }
-        let mut faces = align::with_model(&[global], |teacher| {
+        let mut faces = align::with_model(global, |teacher| {
             let labels = self.args.data.join("faces68");
             let photographs = faces::photographs(&labels.join("train.csv"), &labels.join("train"))?;
             let mut faces = align::relabel::blended(teacher, &photographs);

@@ -72,7 +72,7 @@ fn all() -> [Part; 3] {
             twin: true,
             side: 48,
             zoom: 3.5,
-            steps: 0.67,
+            steps: 2.0,
             rendered: 0.6,
             smeared: 0.3,
             alone: true,
@@ -104,8 +104,8 @@ const SINGLE: f32 = 3.0;
 
 /// How and from where fine stages are trained.
 pub struct Training<'a> {
-    /// The cascade's global stage.
-    pub global: &'a SectionWriter,
+    /// Sections of the cascade's global stage.
+    pub global: [&'a SectionWriter; 2],
     /// Faces to train on.
     pub faces: &'a [Face],
     /// Folder of real eyes seen alone ([`single_eyes`]); without it eyes and lids have a second round on
@@ -125,7 +125,8 @@ impl Training<'_> {
         let mut out = SectionWriter::new(Parts::TAG);
         out.scalar(parts.len() as u32);
         let start = |model: &AlignModel<'_>| Ok(starts(model, self.faces));
-        let mut starts = with_model(&[self.global], start)?;
+        let [first, second] = self.global;
+        let mut starts = with_model(&self.global, start)?;
         while let Some(part) = parts.next() {
             println!("fine stage: {}", part.name);
             let (mut trained, samples) = self.round(&part, self.faces, &starts, None)?;
@@ -140,7 +141,7 @@ impl Training<'_> {
                     let found = single_eyes::for_training(model, eyes)?.into_iter();
                     Ok(found.map(|eye| Start::of_single(model, eye)).unzip())
                 };
-                let (alone, found): (Vec<_>, Vec<_>) = with_model(&[self.global, &so_far], find)?;
+                let (alone, found): (Vec<_>, Vec<_>) = with_model(&[first, second, &so_far], find)?;
                 let faces = [self.faces, &alone[..]].concat();
                 let starts: Vec<_> = starts.iter().copied().chain(found).collect();
                 println!("second round, with eyes seen alone");
@@ -156,7 +157,7 @@ impl Training<'_> {
             }
             if parts.peek().is_some() {
                 // The next stage goes on from where this one ends.
-                with_model(&[self.global, &alone], |model| {
+                with_model(&[first, second, &alone], |model| {
                     advance(model, self.faces, &mut starts);
                     Ok(())
                 })?;
