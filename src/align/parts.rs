@@ -4,7 +4,8 @@
 //! The global stage sees an eye in some fifteen pixels; lids and lips need more. A part's network
 //! starts from where the stages before it put the part's landmarks and moves all of them by what it
 //! reads around each of them and in the part as a whole (correlative regression, thesis 5.1). Both
-//! eyes share one network, the subject's left eye is seen in a mirror.
+//! eyes share one network, the subject's left eye is seen in a mirror. The mouth is its own mirror
+//! image: what its network says of both is averaged.
 
 use super::Shape;
 use super::correction::Correction;
@@ -38,7 +39,7 @@ pub struct Parts<'m> {
 struct Part<'m> {
     /// Which landmarks, in the order of the network's points.
     landmarks: &'m [u32],
-    /// Whether the landmarks' mirror images are a part of their own.
+    /// Whether the landmarks' mirror images are a part of their own; else they are the same part.
     twin: bool,
     regressor: Regressor<'m>,
 }
@@ -93,9 +94,15 @@ impl<'m> Parts<'m> {
             let Ok(part) = Part::read(&mut content) else {
                 return;
             };
+            let mut other = *shape;
             part.run(frame, &face, false, shape, crop, memory);
             if part.twin {
                 part.run(frame, &face, true, shape, crop, memory);
+                continue;
+            }
+            part.run(frame, &face, true, &mut other, crop, memory);
+            for (p, q) in shape.iter_mut().zip(&other) {
+                *p = [0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])];
             }
         }
         if let Some(correction) = &self.correction {
@@ -127,6 +134,10 @@ impl<'m> Part<'m> {
         let landmarks = s.u32s(points)?;
         let sound = landmarks.iter().all(|k| (*k as usize) < LANDMARKS);
         s.require(sound, "no such landmark")?;
+        let image = |k: &u32| MIRROR.get(*k as usize).map(|m| *m as u32);
+        let has_image = |k: &u32| image(k).is_some_and(|m| landmarks.contains(&m));
+        let whole = twin || landmarks.iter().all(has_image);
+        s.require(whole, "a landmark's mirror image is missing")?;
         Ok((landmarks, twin))
     }
 
