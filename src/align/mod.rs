@@ -6,7 +6,7 @@
 //! the 68 points where the answer before it put them, and all points' features together move all
 //! points, so that landmarks that are well placed correct their neighbours (coarse-to-fine
 //! correlative regression, thesis 5.1; shape-indexed features as in Cao et al. 2014). A model may have
-//! a second network that sees the same crop, and the two answers are averaged. Fine stages of the
+//! a second network that sees the crop in a mirror, and the two answers are averaged. Fine stages of the
 //! same kind then see eyes with brows, the mouth and the lids closer by. From pixels to the sums
 //! that make an answer everything is integer arithmetic. In the end the whole shape corrects each of
 //! its points.
