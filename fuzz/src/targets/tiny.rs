@@ -272,7 +272,7 @@ fn verifier() -> Vec<u8> {
     w.u32(views);
     for _ in 0..views {
         w.f32(1e-3);
-        w.f32(2.5);
+        w.f32(4.0);
         w.i8s(LANDMARKS * CHANNELS, |i| noise(i, 10));
         w.i8s(LANDMARKS * CHANNELS, |i| noise(i + 7, 30));
         w.f32s(&[1e-3; LANDMARKS]);
