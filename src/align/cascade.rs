@@ -95,28 +95,28 @@ impl<'m> AlignModel<'m> {
     /// Name of the section.
     pub const TAG: [u8; 4] = *b"ALGN";
 
-    /// Reads and checks the global stage. The fine ones are checked by themselves
-    /// ([`Parts::open`]), so that the two are not on the stack at the same time.
+    /// Reads and checks the global stage. Its second network and the fine stages are checked by
+    /// themselves ([`Second::open`], [`Parts::open`]), so that they are not on the stack at the same time.
     ///
     /// # Errors
     /// When the section is missing, too short, or a number is out of range.
     #[inline(never)]
-    pub fn open(blob: &Blob<'m>, parts: Parts<'m>) -> Result<Self, ModelError> {
+    pub fn open(blob: &Blob<'m>, second: Second<'m>, parts: Parts<'m>) -> Result<Self, ModelError> {
         let s = &mut blob.section(&Self::TAG)?;
         let views = s.count(1, MAX_VIEWS, "number of views")?;
         let passes = s.count(1, 8, "number of passes")?;
         let missing = s.error("it lacks a shape");
         let mean = shapes_of(s.f32s(2 * LANDMARKS)?);
-        let mut model = AlignModel {
+        let model = AlignModel {
             mean: mean.first().ok_or(missing)?,
             starts: shapes_of(s.f32s(views * 2 * LANDMARKS)?),
             turns: s.f32s(views)?,
             passes,
             face: Regressor::read(s, LANDMARKS)?,
-            second: Second::default(),
+            second,
             parts,
         };
-        model.second = Second::open(blob, &model.face)?;
+        model.second.require_crops_of(&model.face)?;
         let extent = |shape: &Shape| Similarity::fit(shape, shape).is_some();
         let sound = extent(model.mean) && model.starts.iter().all(extent);
         s.require(sound, "a shape has no extent")?;

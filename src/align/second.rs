@@ -11,26 +11,46 @@ use crate::shape::LANDMARKS;
 ///
 /// The network is read anew whenever it runs, as those of the fine stages are.
 #[derive(Clone, Debug, Default)]
-pub struct Second<'m>(Option<Section<'m>>);
+pub struct Second<'m> {
+    content: Option<Section<'m>>,
+    /// Side of the crops that it sees \[px\].
+    side: usize,
+    /// Crop px per canonical unit.
+    zoom: f32,
+}
 
 impl<'m> Second<'m> {
     /// Name of the section.
     pub const TAG: [u8; 4] = *b"ALG2";
 
-    /// Reads and checks the section, which holds a regressor; it sees the crops of the first one.
+    /// Reads and checks the section, which holds a regressor.
     ///
     /// # Errors
-    /// When it is too short or a number is out of range, or made for other crops.
+    /// When it is too short or a number is out of range.
     #[inline(never)]
-    pub fn open(blob: &Blob<'m>, first: &Regressor<'_>) -> Result<Self, ModelError> {
+    pub fn open(blob: &Blob<'m>) -> Result<Self, ModelError> {
         let section = match blob.section(&Self::TAG) {
-            Err(ModelError::Missing(_)) => return Ok(Second(None)),
+            Err(ModelError::Missing(_)) => return Ok(Second::default()),
             other => other?,
         };
-        let second = Regressor::read(&mut section.clone(), LANDMARKS)?;
-        let same = second.side() == first.side() && second.zoom() == first.zoom();
-        section.require(same, "it sees other crops")?;
-        Ok(Second(Some(section)))
+        let regressor = Regressor::read(&mut section.clone(), LANDMARKS)?;
+        Ok(Second {
+            side: regressor.side(),
+            zoom: regressor.zoom(),
+            content: Some(section),
+        })
+    }
+
+    /// Checks that it sees the crops of the first network.
+    ///
+    /// # Errors
+    /// When it was made for other crops.
+    pub(super) fn require_crops_of(&self, first: &Regressor<'_>) -> Result<(), ModelError> {
+        let Some(section) = &self.content else {
+            return Ok(());
+        };
+        let same = self.side == first.side() && self.zoom == first.zoom();
+        section.require(same, "it sees other crops")
     }
 
     /// Landmarks as this network sees them in a crop's mirror image, in crop px from the crop's centre;
@@ -38,7 +58,7 @@ impl<'m> Second<'m> {
     #[inline(never)]
     pub(super) fn run(&self, crop: &mut Crop, memory: &mut Memory) -> Option<Shape> {
         // It was checked when the model was opened.
-        let regressor = Regressor::read(&mut self.0.clone()?, LANDMARKS).ok()?;
+        let regressor = Regressor::read(&mut self.content.clone()?, LANDMARKS).ok()?;
         let mut points = [[0.0f32; 2]; LANDMARKS];
         crop.mirror();
         regressor.run(crop, &mut points, memory);

@@ -1,6 +1,6 @@
 //! All of a model's sections, opened and checked once.
 
-use crate::align::{AlignModel, Parts};
+use crate::align::{AlignModel, Parts, Second};
 use crate::detect::{self, DetectorModel};
 use crate::experts::Verifier;
 use crate::model::{Blob, ModelError};
@@ -28,7 +28,7 @@ impl<'m> Model<'m> {
     /// The first thing found wrong.
     pub fn load(bytes: &'m [u8]) -> Result<Self, ModelError> {
         let blob = Blob::open(bytes)?;
-        let align = AlignModel::open(&blob, Parts::open(&blob)?)?;
+        let align = AlignModel::open(&blob, Second::open(&blob)?, Parts::open(&blob)?)?;
         Ok(Model {
             blob,
             detector: DetectorModel::open(blob.section(&detect::TAG)?)?,

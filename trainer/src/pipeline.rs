@@ -127,7 +127,7 @@ pub fn run(args: &Args) -> Result<()> {
     let whole = [&cascade, &second, &parts, &correction].map(SectionWriter::clone);
     let alone = AlignedBlob::new(&blob(&whole));
     let opened = Blob::open(alone.bytes())?;
-    let model = AlignModel::open(&opened, Parts::open(&opened)?)?;
+    let model = AlignModel::open(&opened, Second::open(&opened)?, Parts::open(&opened)?)?;
     let alone = AlignedBlob::new(&blob(std::slice::from_ref(&detector)));
     let with_detector = Blob::open(alone.bytes())?;
     let scan = DetectorModel::open(with_detector.section(b"DTCT")?)?;

@@ -27,7 +27,7 @@ use crate::faces::Face;
 use crate::fit::AlignedBlob;
 use crate::pack::{SectionWriter, blob};
 use anyhow::Result;
-use posewise::align::{AlignModel, Parts, Shape};
+use posewise::align::{AlignModel, Parts, Second, Shape};
 use posewise::model::Blob;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -47,7 +47,11 @@ pub fn with_model<T>(
     let sections: Vec<SectionWriter> = sections.iter().copied().cloned().collect();
     let bytes = AlignedBlob::new(&blob(&sections));
     let opened = Blob::open(bytes.bytes())?;
-    run(&AlignModel::open(&opened, Parts::open(&opened)?)?)
+    run(&AlignModel::open(
+        &opened,
+        Second::open(&opened)?,
+        Parts::open(&opened)?,
+    )?)
 }
 
 /// Trains section `ALGN` on these faces; goes on from the checkpoint if there is one, else starts
