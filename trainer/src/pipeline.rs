@@ -283,7 +283,7 @@ impl Training<'_> {
         key = narrow(&key);
         let second = self.second(&global, &key)?;
         let trained = align::Trained::read(&checkpoint, &options.sizes);
-        let options = align::parts::options(args.seed, args.steps / 2);
+        let options = align::parts::options(args.seed, args.steps);
         // No hard renders: lids half way that are hardly seen would teach the network to guess the
         // middle.
         let of_second = posewise::model::crc32(second.bytes());

@@ -31,8 +31,6 @@ struct Part {
     side: usize,
     /// Crop px per canonical unit.
     zoom: f32,
-    /// Batches, in shares of those asked for.
-    steps: f32,
     /// Share of renders among its samples.
     rendered: f32,
     /// Share of crops that moved while they were exposed.
@@ -50,7 +48,6 @@ fn all() -> [Part; 3] {
             twin: true,
             side: 56,
             zoom: 2.0,
-            steps: 1.0,
             rendered: 0.5,
             smeared: 0.0,
             alone: false,
@@ -61,7 +58,6 @@ fn all() -> [Part; 3] {
             twin: false,
             side: 56,
             zoom: 1.5,
-            steps: 1.0,
             rendered: 0.5,
             smeared: 0.0,
             alone: false,
@@ -72,7 +68,6 @@ fn all() -> [Part; 3] {
             twin: true,
             side: 48,
             zoom: 3.5,
-            steps: 2.0,
             rendered: 0.6,
             smeared: 0.3,
             alone: true,
@@ -176,7 +171,6 @@ impl Training<'_> {
     ) -> Result<(Trained, Vec<Sample>)> {
         let mut options = Options {
             sizes: Sizes::of_part(part.landmarks.len(), part.side, part.zoom),
-            steps: (part.steps * self.options.steps as f32) as usize,
             rendered: part.rendered,
             augment: Augment {
                 smear: part.smeared,
