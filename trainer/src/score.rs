@@ -2,7 +2,8 @@
 //!
 //! Positives and negatives come from running the finished cascade: from jittered boxes on the
 //! training faces (some of which fail), and on pictures without a face from random boxes and from
-//! places that the detector takes for one. One picture in three is as a poor camera shows it.
+//! places that the detector takes for one. Some are fitted again and again, as what is tracked is. One
+//! picture in three is as a poor camera shows it.
 
 use crate::align::cover::covered;
 use crate::align::evaluate::{mean_error, start_of};
@@ -13,7 +14,7 @@ use crate::render::effects::Camera;
 use crate::ridge::{Linear, Normal, predict};
 use anyhow::Result;
 use faer::Mat;
-use posewise::align::{AlignModel, Workspace};
+use posewise::align::{AlignModel, Shape, Workspace};
 use posewise::detect::{Detection, DetectorModel, Scan, Sizes, Swept};
 use posewise::experts::{Verifier, first_answer};
 use posewise::image::Frame;
@@ -35,6 +36,10 @@ const POOR: usize = 3;
 const ALARMS: usize = 40;
 /// Width of the faces that would be seen where nobody is, for that camera's defects \[px\].
 const NOBODY_PX: f32 = 100.0;
+/// Of so many fits one has settled by so many further passes, and every false alarm once more: the
+/// verdict is mostly asked for what has been tracked for a while.
+const SETTLING: usize = 3;
+const SETTLED: usize = 8;
 /// Smallest face that false alarms are looked for at \[px\].
 const MIN_FACE_PX: i32 = 30;
 
@@ -264,6 +269,11 @@ fn on_faces(model: &AlignModel<'_>, faces: &[Face], seed: u64) -> Vec<Row> {
                     if !model.run(&frame, model.passes() + k % 2, &mut shape, work) {
                         continue;
                     }
+                    if rng.random_range(0..SETTLING) == 0
+                        && !settle(model, &frame, &mut shape, work)
+                    {
+                        continue;
+                    }
                     let limit = RIGHT_PERCENT / 100.0 * face.scale();
                     let right = face.landmarks.iter().zip(&shape);
                     let right: Vec<bool> = right
@@ -330,12 +340,24 @@ fn on_empty(model: &AlignModel<'_>, empty: &[Picture], seed: u64, count: usize) 
                 let passes = model.passes() + index % 2;
                 let poor = sometimes_poor(picture, size, &mut rng);
                 let frame = poor.as_ref().unwrap_or(picture).frame();
-                let ran = model.run(&frame, passes, &mut shape, work);
+                let ran = model.run(&frame, passes, &mut shape, work)
+                    && (!(index / empty.len()).is_multiple_of(SETTLING)
+                        || settle(model, &frame, &mut shape, work));
                 ran.then(|| no_face(work, which))
             },
         )
         .flatten()
         .collect()
+}
+
+/// Goes on fitting, as tracking does on the frames that follow.
+fn settle(
+    model: &AlignModel<'_>,
+    frame: &Frame<'_>,
+    shape: &mut Shape,
+    work: &mut Workspace,
+) -> bool {
+    (0..SETTLED).all(|_| model.run(frame, 1, shape, work))
 }
 
 /// Runs the cascade where the detector sees a face though there is none.
@@ -367,6 +389,9 @@ fn on_alarms(
                         let mut shape = start_from_box(&start, at, found.size, found.roll);
                         if model.run(&frame, model.passes(), &mut shape, work) {
                             rows.push(no_face(work, index));
+                            if settle(model, &frame, &mut shape, work) {
+                                rows.push(no_face(work, index));
+                            }
                         }
                     }
                 }
