@@ -14,14 +14,12 @@ rendered=$data/clips-rendered
 mkdir -p "$out"
 
 section() { printf '\n== %s\n' "$*"; }
-# A truth's focal length, and the share of its landmarks that lie in the picture and the true yaw, one line per frame.
-focal() { awk -F, 'NR==1 { for (i = 1; i <= NF; i++) if ($i == "fx") c = i } NR==2 { print $c }' "$1"; }
-in_view() {
-    awk -F, 'NR==1 { for (i = 1; i <= NF; i++) if ($i == "in_frame") c = i; else if ($i == "yaw") y = i }
-             NR>1 { print $c, $y }' "$1"
+# columns FILE NAME…: these columns of a table, one line per row.
+columns() {
+    awk -F, -v names="${*:2}" '
+        NR == 1 { count = split(names, name, " "); for (i = 1; i <= NF; i++) at[$i] = i; next }
+        { for (i = 1; i <= count; i++) printf "%s%s", $at[name[i]], i < count ? " " : "\n" }' "$1"
 }
-# `success` of each row of what `track` wrote.
-success() { awk -F, 'NR==1 { for (i = 1; i <= NF; i++) if ($i == "success") c = i } NR>1 { print $c }' "$1"; }
 track() { "$bin/posewise" track "$@" --model "$model" --quiet; }
 landmarks() {
     "$bin/posewise" eval landmarks --csv "$data/faces68/dev.csv" --images "$data/faces68/dev" --model "$model" "$@"
@@ -41,7 +39,7 @@ section "Rendered clips"
 all=()
 for truth in "$rendered"/*.csv; do
     clip=$(basename "$truth" .csv)
-    track "$rendered/$clip.mp4" --focal "$(focal "$truth")" --csv "$out/$clip.csv"
+    track "$rendered/$clip.mp4" --focal "$(columns "$truth" fx | sed -n 1p)" --csv "$out/$clip.csv"
     all+=(--truth "$truth" --csv "$out/$clip.csv")
 done
 "$bin/posewise" eval pose "${all[@]}"
@@ -51,14 +49,15 @@ section "Each fifth frame as a still: true yaw to, stills in view, found"
 for truth in "$rendered"/*.csv; do
     clip=$(basename "$truth" .csv)
     stills=$out/stills/$clip
+    focal=$(columns "$truth" fx | sed -n 1p)
     mkdir -p "$stills"
     ffmpeg -v error -y -i "$rendered/$clip.mp4" -vf "select='not(mod(n,5))'" -fps_mode passthrough -pix_fmt gray \
         "$stills/%04d.png"
     for still in "$stills"/*.png; do
-        track "$still" --focal "$(focal "$truth")" --csv "$out/still.csv"
-        success "$out/still.csv"
+        track "$still" --focal "$focal" --csv "$out/still.csv"
+        columns "$out/still.csv" success
     done > "$stills/success"
-    in_view "$truth" | awk 'NR % 5 == 1' | paste -d' ' - "$stills/success"
+    columns "$truth" in_frame yaw | awk 'NR % 5 == 1' | paste -d' ' - "$stills/success"
 done | awk '$1 >= 0.9 {
         yaw = $2 < 0 ? -$2 : $2
         band = yaw <= 15 ? 15 : yaw <= 45 ? 45 : yaw <= 60 ? 60 : yaw <= 75 ? 75 : 91
@@ -71,18 +70,18 @@ section "Real eyes"
 
 for clip in webcam-a webcam-b; do
     section "$clip"
-    for smooth in "" --smooth; do
-        track "$data/clips/$clip.mp4" $smooth --csv "$out/$clip$smooth.csv"
-        success "$out/$clip$smooth.csv" | awk '{ n += $1 } END { print n " of " NR " frames tracked" }'
-        "$bin/posewise" eval jitter --csv "$out/$clip$smooth.csv" --clip "$data/clips/$clip.mp4"
-    done
+    track "$data/clips/$clip.mp4" --csv "$out/$clip.csv"
+    columns "$out/$clip.csv" success | awk '{ n += $1 } END { print n " of " NR " frames tracked" }'
+    "$bin/posewise" eval jitter --csv "$out/$clip.csv" --clip "$data/clips/$clip.mp4"
+    track "$data/clips/$clip.mp4" --smooth --csv "$out/$clip-smooth.csv"
+    "$bin/posewise" eval jitter --csv "$out/$clip-smooth.csv"
 done
 
 section "05_fast, every n-th frame: tracked"
 for n in 1 2 3 5 8; do
     ffmpeg -v error -i "$rendered/05_fast_640x480_gray.mp4" -vf "select='not(mod(n,$n))',setpts=N/FRAME_RATE/TB" -r 30 \
         -f yuv4mpegpipe -pix_fmt yuv420p - | track - --scan-budget 3000 --csv "$out/fast-$n.csv"
-    success "$out/fast-$n.csv" | awk -v every="$n" '{ n += $1 } END { print every ": " n " of " NR }'
+    columns "$out/fast-$n.csv" success | awk -v every="$n" '{ n += $1 } END { print every ": " n " of " NR }'
 done
 
 section "The face is lost and found"
@@ -93,6 +92,7 @@ section "Faceless frames"
 faceless() { "$bin/posewise" eval faceless --backgrounds "$data/backgrounds" --scan-budget 3000 --model "$model" "$@"; }
 faceless
 faceless --gain 0.15 --noise 3
+faceless --noise 25
 for clip in webcam-a webcam-b; do
     faceless --after "$data/clips/$clip.mp4"
 done
@@ -108,8 +108,8 @@ ways=(null hflip scale=480:360 scale=576:432 scale=704:528 crop=600:480:0:0 crop
 for way in "${ways[@]}"; do
     ffmpeg -v error -i "$rendered/07_leave_640x480_gray.mp4" -vf "$way" -pix_fmt gray -strict -1 -f yuv4mpegpipe - |
         track - --csv "$out/leave.csv"
-    success "$out/leave.csv" | paste -d' ' <(in_view "$rendered/07_leave_640x480_gray.csv") - |
-        awk -v way="$way" '$1 == 0 { gone++; wrong += $3 } $1 >= 0.9 { there++; right += $3 }
+    columns "$out/leave.csv" success | paste -d' ' <(columns "$rendered/07_leave_640x480_gray.csv" in_frame) - |
+        awk -v way="$way" '$1 == 0 { gone++; wrong += $2 } $1 >= 0.9 { there++; right += $2 }
             END { printf "%d of %d, %d of %d %s\n", wrong, gone, right, there, way }'
 done | awk '{ print; wrong += $1; gone += $3; right += $4; there += $6 }
     END { printf "%d of %d, %d of %d in all\n", wrong, gone, right, there }'
