@@ -5,7 +5,7 @@
 #   docs/measure.sh DATA models/default.posewise OUT
 #
 # DATA is the data folder of docs/training.md; tables of single frames and pictures are left in OUT. Takes a quarter
-# of an hour and needs ffmpeg.
+# of an hour and needs ffmpeg. Programs elsewhere than in target/release: name their folder in POSEWISE_BIN.
 set -euo pipefail
 
 data=$1 model=$2 out=$3
