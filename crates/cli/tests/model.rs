@@ -4,7 +4,7 @@ mod common;
 
 use common::{arg, fails_with, gradient_clip, posewise};
 
-const DEFAULT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/default.posewise");
+const DEFAULT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../models/default.posewise");
 
 #[test]
 fn info_prints_the_default_model() {

@@ -75,8 +75,8 @@ fn pose_numbers_by_hand() {
 
 /// The clip that ships with posewise, and its truth.
 const DEMO: [&str; 2] = [
-    concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/data/demo.y4m.gz"),
-    concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/data/demo.csv"),
+    concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/demo.y4m.gz"),
+    concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/demo.csv"),
 ];
 
 /// Pictures without a face, and one that is listed as having one and cannot be read.

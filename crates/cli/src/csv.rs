@@ -399,7 +399,7 @@ mod tests {
 
     #[test]
     fn docs_list_the_columns() {
-        let docs = include_str!("../../docs/command-line.md");
+        let docs = include_str!("../../../docs/command-line.md");
         let table = documentation();
         assert!(
             docs.contains(&table),

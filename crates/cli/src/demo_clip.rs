@@ -5,8 +5,8 @@ use anyhow::Result;
 use crate::eval::table::Table;
 use crate::source::{Source, Y4mSource, sniff_gzip};
 
-const CLIP: &[u8] = include_bytes!("../../tests/data/demo.y4m.gz");
-const TRUTH: &[u8] = include_bytes!("../../tests/data/demo.csv");
+const CLIP: &[u8] = include_bytes!("../../../tests/data/demo.y4m.gz");
+const TRUTH: &[u8] = include_bytes!("../../../tests/data/demo.csv");
 
 /// Opens the clip.
 pub fn open() -> Result<Box<dyn Source>> {
