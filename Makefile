@@ -11,7 +11,7 @@
 # TARGET`; or `rustup component add rust-src`, or Debian's packages rustc-web, cargo-web and
 # rust-web-src, from which its core is then built.
 # TARGET_DIR is cargo's build folder. MODEL=none builds no model in. WITHOUT="…" leaves out what a
-# small board can do without: any of fine-stages, jaw, experts, adaptation, keyframes; see docs/memory.md.
+# small board can do without: any of refiners, verifier, adaptation, keyframes; see docs/memory.md.
 TARGET_DIR ?= $(or $(CARGO_TARGET_DIR),target)
 PREFIX ?= /usr/local
 CARGO ?= cargo
@@ -68,7 +68,7 @@ RUN ?= timeout 300 qemu-system-arm -M mps2-an386 -nographic -monitor none -seria
 endif
 
 # --- What is built in.
-override PARTS := fine-stages jaw experts adaptation keyframes
+override PARTS := refiners verifier adaptation keyframes
 ifneq ($(filter-out $(PARTS),$(WITHOUT)),)
 $(error WITHOUT takes any of: $(PARTS))
 endif

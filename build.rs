@@ -13,9 +13,9 @@ const MODEL: &str = "models/default.posewise";
 
 /// Sections that only one feature reads, by the name that cargo gives it here.
 const READ_BY: [(&str, Tag); 3] = [
-    ("CARGO_FEATURE_FINE_STAGES", *b"PART"),
-    ("CARGO_FEATURE_FINE_STAGES", *b"CORR"),
-    ("CARGO_FEATURE_EXPERTS", *b"SCOR"),
+    ("CARGO_FEATURE_REFINERS", *b"RFIN"),
+    ("CARGO_FEATURE_REFINERS", *b"SREG"),
+    ("CARGO_FEATURE_VERIFIER", *b"VRFY"),
 ];
 
 fn main() {

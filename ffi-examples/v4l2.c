@@ -191,14 +191,14 @@ static int64_t taken_us(const struct v4l2_buffer *b) {
 }
 
 static void print_line(unsigned long index, const posewise_frame *f, const posewise_result *r) {
-    static const char *const states[] = {"searching", "tracking", "holding"};
+    static const char *const states[] = {"searching", "tracking", "coasting"};
     printf("%lu %lld us %ux%u %s", index, (long long)f->timestamp_us, f->width, f->height,
            states[r->state % 3]);
     if (r->state != POSEWISE_SEARCHING)
-        printf(" yaw %.1f pitch %.1f roll %.1f deg at %.0f %.0f %.0f mm, score %.2f",
+        printf(" yaw %.1f pitch %.1f roll %.1f deg at %.0f %.0f %.0f mm, confidence %.2f",
                (double)r->yaw_deg, (double)r->pitch_deg, (double)r->roll_deg,
                (double)r->translation_mm[0], (double)r->translation_mm[1],
-               (double)r->translation_mm[2], (double)r->score);
+               (double)r->translation_mm[2], (double)r->confidence);
     printf("\n");
     fflush(stdout);
 }

@@ -101,7 +101,7 @@ static int read_frame(FILE *in, const video *v, uint8_t *pixels) {
 
 static void print_header(void) {
     unsigned i;
-    printf("frame,timestamp_us,state,yaw_deg,pitch_deg,roll_deg,tx_mm,ty_mm,tz_mm,score");
+    printf("frame,timestamp_us,state,yaw_deg,pitch_deg,roll_deg,tx_mm,ty_mm,tz_mm,confidence");
     for (i = 0; i < POSEWISE_LANDMARKS; i++)
         printf(",x_%u", i);
     for (i = 0; i < POSEWISE_LANDMARKS; i++)
@@ -110,13 +110,13 @@ static void print_header(void) {
 }
 
 static void print_row(unsigned long frame, const posewise_result *r, const posewise_landmark *l) {
-    static const char *const states[] = {"searching", "tracking", "holding"};
+    static const char *const states[] = {"searching", "tracking", "coasting"};
     unsigned i;
     /* Nine digits bring the very same float back. */
     printf("%lu,%lld,%s,%.9g,%.9g,%.9g", frame, (long long)r->timestamp_us, states[r->state % 3],
            (double)r->yaw_deg, (double)r->pitch_deg, (double)r->roll_deg);
     printf(",%.9g,%.9g,%.9g,%.9g", (double)r->translation_mm[0], (double)r->translation_mm[1],
-           (double)r->translation_mm[2], (double)r->score);
+           (double)r->translation_mm[2], (double)r->confidence);
     for (i = 0; i < POSEWISE_LANDMARKS; i++)
         printf(",%.9g", (double)l[i].x);
     for (i = 0; i < POSEWISE_LANDMARKS; i++)

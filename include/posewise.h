@@ -35,7 +35,7 @@
 #define POSEWISE_ABI               1u           // Grows when programs must be compiled anew
 #define POSEWISE_ALIGN             64u          // Of the tracker's memory and of the model [bytes]
 #define POSEWISE_MEMORY_SIZE       (208 * 1024) // Enough for any posewise_config [bytes]
-#define POSEWISE_LANDMARKS         68u          // iBUG 68; the last 51 of them in a library without the jaw
+#define POSEWISE_LANDMARKS         68u          // iBUG 68
 #define POSEWISE_ANIMATIONS        24u          // Weights; see posewise_animation_name()
 
 #define POSEWISE_OK                0            // Success
@@ -74,12 +74,12 @@
 
 #define POSEWISE_SEARCHING         0u           // No face; fields below timestamp_us are 0, but for loss
 #define POSEWISE_TRACKING          1u           // Fitted on this frame
-#define POSEWISE_HOLDING           2u           // Not fitted: the last fit, age_us old
 
+#define POSEWISE_COASTING          2u           // Not fitted: the last fit, age_us old
 #define POSEWISE_LOSS_NONE         0u           // It is tracked, or there was none yet
-#define POSEWISE_LOSS_DOUBT        1u           // It no longer looked like a face with landmarks where they should be
-#define POSEWISE_LOSS_LEFT         2u           // Its middle left the frame
-#define POSEWISE_LOSS_POSE         3u           // No head pose explains the landmarks
+#define POSEWISE_LOSS_LOW_CONFIDENCE 1u           // It no longer looked like a face with landmarks where they should be
+#define POSEWISE_LOSS_LEFT_FRAME   2u           // Its middle left the frame
+#define POSEWISE_LOSS_NO_POSE      3u           // No head pose explains the landmarks
 
 // A tracker: opaque, it starts where the caller's memory starts. It holds no pointer into itself,
 // so a memcpy of posewise_memory_size() bytes to memory of the same alignment is a second tracker
@@ -153,19 +153,18 @@ typedef struct posewise_frame {
 typedef struct posewise_result {
     // sizeof(posewise_result), set by the caller.
     uint32_t struct_size;
-    // POSEWISE_SEARCHING, POSEWISE_TRACKING or POSEWISE_HOLDING.
+    // POSEWISE_SEARCHING, POSEWISE_TRACKING or POSEWISE_COASTING.
     uint32_t state;
     // Of the frame that this answers [us].
     int64_t timestamp_us;
     // Time since the frame that the fit belongs to [us]; 0 while tracking.
     int64_t age_us;
-    // Landmarks that posewise_landmarks() has: 68, in a library that was built without the jaw the
-    // 51 from iBUG 17 on; 0 while searching.
+    // Landmarks that posewise_landmarks() has: 68; 0 while searching.
     uint32_t landmark_count;
     // Calibrated probability that this is a face and that the landmarks are right (on average to
-    // a tenth of the distance between the eyes' outer corners), 0..1. In a library that was built
-    // without the experts, how well the 3D face fits, from 1 to 0: no probability.
-    float score;
+    // a tenth of the distance between the eyes' outer corners), 0..1. In a library built
+    // without the verifier: how well the 3D face fits, from 1 to 0, no probability.
+    float confidence;
     // Box of the landmarks: x, y, width, height [px].
     float face_box[4];
     // Head-to-camera rotation as a unit quaternion x, y, z, w.
@@ -179,10 +178,10 @@ typedef struct posewise_result {
     float translation_mm[3];
     // The subject's left and right eye: 0 shut .. 1 open, -1 unknown (hidden, or too fast to tell).
     float eye_open[2];
-    // POSEWISE_LOSS_*: why the face was lost that is now held or searched for.
+    // POSEWISE_LOSS_*: why the face that is now coasted or searched for was lost.
     uint32_t loss;
     // Mean visibility of the landmarks, 0..1: low when much of the face is covered.
-    float seen_share;
+    float visible_share;
     // Standard deviations of the rotation about the camera's x, y and z axes [deg], from how far
     // the landmarks of this frame lie from the 3D face.
     float rotation_sigma_deg[3];
@@ -200,8 +199,8 @@ typedef struct posewise_landmark {
     // outer corners, as it is on a face that looks into the camera, 0..1.
     float confidence;
     // Calibrated probability that the camera sees it: that neither the head itself nor anything
-    // before it hides it, 0..1. In a library that was built without the experts, 1 unless the head
-    // itself hides it, else 0, and confidence is the score.
+    // before it hides it, 0..1. In a library built without the verifier: 1 unless the head itself
+    // hides it, else 0; the landmark's confidence is then the face's.
     float visibility;
     // The point of the 3D face, camera frame [mm]; for points 0..16 a fixed place on the jaw.
     float x_mm;
@@ -256,8 +255,7 @@ posewise_status posewise_step(posewise_tracker *tracker,
                               posewise_result *out);
 
 // Writes the first min(capacity, POSEWISE_LANDMARKS) landmarks of the last step; all zero while
-// searching. A library that was built without the jaw has and writes 51 at most, and the first is
-// iBUG 17.
+// searching.
 posewise_status posewise_landmarks(const posewise_tracker *tracker,
                                    posewise_landmark *out,
                                    size_t capacity);
@@ -287,12 +285,12 @@ posewise_status posewise_smoothed_animation(const posewise_tracker *tracker,
 // NULL from POSEWISE_ANIMATIONS on.
 const char *posewise_animation_name(uint32_t index);
 
-// Forgets the face, the person and the clock; model and settings stay.
+// Forgets the face, its identity and the clock; model and settings stay.
 posewise_status posewise_reset(posewise_tracker *tracker);
 
-// Forgets the person, as when somebody else takes the seat: the shape of the head is learnt anew
+// Forgets the identity, as when somebody else takes the seat: the shape of the head is learnt anew
 // from the next frames. The face goes on being tracked, and the answer to the last step stays.
-posewise_status posewise_forget_person(posewise_tracker *tracker);
+posewise_status posewise_forget_identity(posewise_tracker *tracker);
 
 // Changes the camera (zoom, another resolution) from the next step on. NULL or all zero: the
 // default, a 60 degree horizontal field of view.

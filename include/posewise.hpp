@@ -129,7 +129,7 @@ public:
 
     posewise_status reset() { return posewise_reset(tracker_); }
 
-    posewise_status forget_person() { return posewise_forget_person(tracker_); }
+    posewise_status forget_identity() { return posewise_forget_identity(tracker_); }
 
     Tracker copy() const {
         Tracker other;

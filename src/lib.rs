@@ -12,9 +12,9 @@
 //! | 2 | [`shape`] | the 3D face, projection, POSIT, the bounded pose fit |
 //! | 3 | [`detect`] | the multi-view face scan, time-sliced |
 //! | 3 | [`align`] | the cascade on learned features: crop → 68 landmarks |
-//! | 3 | [`experts`] | is it a face, which landmarks are right: calibrated probabilities |
+//! | 3 | [`verifier`] | is it a face, which landmarks are right: calibrated probabilities |
 //! | 3 | [`keyframe`] | faces as they were once, to find a lost one again by |
-//! | 4 | [`track`] | Searching / Tracking / Holding: what lives across frames |
+//! | 4 | [`track`] | Searching / Tracking / Coasting: what lives across frames |
 //! | 5 | `ffi` | the C ABI |
 //!
 //! ```no_run
@@ -31,7 +31,6 @@
 
 pub mod align;
 pub mod detect;
-pub mod experts;
 pub mod image;
 #[cfg(feature = "keyframes")]
 pub mod keyframe;
@@ -40,6 +39,7 @@ pub mod model;
 pub mod network;
 pub mod shape;
 pub mod track;
+pub mod verifier;
 
 #[cfg(any(feature = "ffi", test))]
 pub mod ffi;

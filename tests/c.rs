@@ -72,9 +72,9 @@ fn layouts_agree() {
         smoothing_hz smoothing_beta);
     layout!(posewise_frame: struct_size format timestamp_us width height stride rotation_deg flags
         reserved data_len data);
-    layout!(posewise_result: struct_size state timestamp_us age_us landmark_count score face_box
+    layout!(posewise_result: struct_size state timestamp_us age_us landmark_count confidence face_box
         rotation yaw_deg pitch_deg roll_deg translation_mm eye_open
-        loss seen_share rotation_sigma_deg translation_sigma_mm);
+        loss visible_share rotation_sigma_deg translation_sigma_mm);
     layout!(posewise_landmark: x y confidence visibility x_mm y_mm z_mm);
     let c = succeed(&mut Command::new(program(
         "tests/c/layout.c",
@@ -175,7 +175,7 @@ fn example_answers_as_the_rust_api() {
         let angles = [result.yaw_deg, result.pitch_deg, result.roll_deg];
         let points = result.landmarks.iter();
         let numbers = (angles.into_iter().chain(result.translation_mm))
-            .chain([result.score])
+            .chain([result.confidence])
             .chain(points.clone().map(|p| p.x))
             .chain(points.map(|p| p.y));
         for (column, number) in numbers.enumerate() {

@@ -1,6 +1,8 @@
 //! The scan on a planted pattern: a tiny hand-made model, no training data.
 
-use posewise::detect::{Detection, DetectorModel, GRID, Scan, Sizes, Swept, TAG, search_near};
+use posewise::detect::{
+    Detection, DetectorModel, GRID, Scan, ScanOutcome, Sizes, TAG, local_search,
+};
 use posewise::image::{Frame, FrameLayout, Rotation};
 use posewise::model::{Blob, FORMAT_VERSION, HEADER_LEN, MAGIC, ModelError, crc32};
 
@@ -111,9 +113,9 @@ fn sweep(model: &DetectorModel<'_>, frame: &Frame<'_>, budget: u32) -> Option<De
     let mut scan = Scan::new();
     for _ in 0..1_000_000 {
         match scan.advance(model, frame, Sizes::from(24), budget) {
-            Swept::Unfinished => {}
-            Swept::Found(found) => return Some(found),
-            Swept::Nothing => return None,
+            ScanOutcome::BudgetSpent => {}
+            ScanOutcome::Candidate(found) => return Some(found),
+            ScanOutcome::Finished => return None,
         }
     }
     panic!("a sweep ends");
@@ -123,7 +125,8 @@ fn sweep(model: &DetectorModel<'_>, frame: &Frame<'_>, budget: u32) -> Option<De
 fn told(model: &DetectorModel<'_>, frame: &Frame<'_>) -> Vec<Detection> {
     let mut scan = Scan::new();
     let mut told = Vec::new();
-    while let Swept::Found(found) = scan.advance(model, frame, Sizes::from(24), u32::MAX) {
+    while let ScanOutcome::Candidate(found) = scan.advance(model, frame, Sizes::from(24), u32::MAX)
+    {
         told.push(found);
         assert!(told.len() < 100, "each candidate is told once");
     }
@@ -214,9 +217,9 @@ fn what_moves_is_told_where_it_is() {
             let pixels = picture(x, 70.0, 48.0, 0.0);
             let frame = Frame::new(&layout(), &pixels).unwrap();
             match scan.advance(&model, &frame, Sizes::from(24), 400) {
-                Swept::Unfinished => {}
-                Swept::Found(found) => return close(Some(found), x, 70.0, 48.0),
-                Swept::Nothing => panic!("missed"),
+                ScanOutcome::BudgetSpent => {}
+                ScanOutcome::Candidate(found) => return close(Some(found), x, 70.0, 48.0),
+                ScanOutcome::Finished => panic!("missed"),
             }
         }
         panic!("a sweep ends");
@@ -236,25 +239,25 @@ fn searches_near_a_place_only() {
             ..Detection::default()
         };
         close(
-            search_near(&model, &frame, &around(96.0, 64.0, 52.0), 3000),
+            local_search(&model, &frame, &around(96.0, 64.0, 52.0), 3000),
             90.0,
             70.0,
             48.0,
         );
         assert_eq!(
-            search_near(&model, &frame, &around(30.0, 130.0, 52.0), 3000),
+            local_search(&model, &frame, &around(30.0, 130.0, 52.0), 3000),
             None
         );
         assert_eq!(
-            search_near(&model, &frame, &around(96.0, 64.0, 52.0), 0),
+            local_search(&model, &frame, &around(96.0, 64.0, 52.0), 0),
             None
         );
         for bad in [f32::NAN, f32::INFINITY, -1.0, 0.0, 1e30] {
             assert_eq!(
-                search_near(&model, &frame, &around(bad, bad, bad), 3000),
+                local_search(&model, &frame, &around(bad, bad, bad), 3000),
                 None
             );
-            search_near(&model, &frame, &around(bad, 70.0, 48.0), 3000);
+            local_search(&model, &frame, &around(bad, 70.0, 48.0), 3000);
         }
     });
 }

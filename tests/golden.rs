@@ -28,7 +28,7 @@ impl Hash {
             state,
             timestamp_us,
             age_us,
-            score,
+            confidence,
             face_box,
             rotation,
             yaw_deg,
@@ -37,7 +37,7 @@ impl Hash {
             translation_mm,
             eye_open,
             loss,
-            seen_share,
+            visible_share,
             rotation_sigma_deg,
             translation_sigma_mm,
             landmarks,
@@ -48,7 +48,7 @@ impl Hash {
         self.bytes(&timestamp_us.to_le_bytes());
         self.bytes(&age_us.to_le_bytes());
         let points = landmarks.iter();
-        [score, yaw_deg, pitch_deg, roll_deg, seen_share]
+        [confidence, yaw_deg, pitch_deg, roll_deg, visible_share]
             .into_iter()
             .chain(face_box)
             .chain(rotation)

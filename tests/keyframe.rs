@@ -50,7 +50,7 @@ fn a_face_that_comes_back_elsewhere_is_tracked_at_once() {
         assert!(off < 4.0, "{off} px off after a shift by {shift:?}");
     }
     // Whoever has taken the seat was never seen.
-    tracker.forget_person();
+    tracker.forget_identity();
     for _ in 0..30 {
         step(&mut tracker, &nobody);
     }

@@ -17,7 +17,7 @@ const ROOMS: [(&str, &str, u32); 13] = [
     ("shape", "2", 2),
     ("detect", "3", 3),
     ("align", "3", 3),
-    ("experts", "3", 3),
+    ("verifier", "3", 3),
     ("keyframe", "3", 3),
     ("track", "4", 4),
     ("monitor", "4", 5),

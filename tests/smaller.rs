@@ -7,13 +7,12 @@ use common::{root, scratch};
 use std::process::Command;
 
 /// What `make WITHOUT=…` leaves out; landmarks of an answer; frames in a hundred that it must track.
-const BUILDS: [(&str, usize, usize); 6] = [
-    ("fine-stages", 68, 95),
-    ("jaw", 51, 95),
-    ("experts", 68, 90),
+const BUILDS: [(&str, usize, usize); 5] = [
+    ("refiners", 68, 95),
+    ("verifier adaptation", 68, 90),
     ("adaptation", 68, 95),
     ("keyframes", 68, 95),
-    ("fine-stages jaw experts adaptation keyframes", 51, 90),
+    ("refiners verifier adaptation keyframes", 68, 90),
 ];
 
 /// Frames of the demo clip, which shows one face all the time.
@@ -54,9 +53,9 @@ fn every_build_tracks() {
         assert_eq!(figure("landmarks: "), landmarks);
         // The sections that are not read are not there.
         let sections = [
-            ("fine-stages", b"PART"),
-            ("fine-stages", b"CORR"),
-            ("experts", b"SCOR"),
+            ("refiners", b"RFIN"),
+            ("refiners", b"SREG"),
+            ("verifier", b"VRFY"),
         ];
         let unread: usize = sections
             .iter()

@@ -195,8 +195,8 @@ fn a_face_that_comes_back_elsewhere_is_found_at_the_camera_s_budget() {
             let result = watch.see(&[]);
             assert_ne!(result.state, State::Tracking);
             let held = (n + 1) * FRAME_US <= 500_000;
-            assert_eq!(result.state == State::Holding, held, "{n}");
-            assert_eq!(result.loss, Loss::Doubt);
+            assert_eq!(result.state == State::Coasting, held, "{n}");
+            assert_eq!(result.loss, Loss::LowConfidence);
         }
         let back = Pasted {
             at: [220.0, 170.0],

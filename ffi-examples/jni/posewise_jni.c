@@ -64,7 +64,7 @@ NATIVE(jint, step)
     {
         const jfloat all[] = {r.yaw_deg,           r.pitch_deg,         r.roll_deg,
                               r.translation_mm[0], r.translation_mm[1], r.translation_mm[2],
-                              r.score};
+                              r.confidence};
         (*env)->SetFloatArrayRegion(env, pose, 0, sizeof all / sizeof *all, all);
     }
     return (jint)r.state;

@@ -1,9 +1,9 @@
-//! The cascade's model (section `ALGN`, `ALG2` for a second network, `PART` for the fine stages) and
+//! The cascade's model (section `ALGN`, `ENSM` for a second network, `RFIN` for the fine stages) and
 //! one run through it.
 
-use super::parts::Parts;
+use super::ensemble::EnsembleMember;
+use super::refiners::Refiners;
 use super::regressor::{Memory, Regressor};
-use super::second::Second;
 use super::{Shape, Views, place};
 use crate::image::{Crop, Frame, warp};
 use crate::math::Similarity;
@@ -15,7 +15,7 @@ use crate::shape::LANDMARKS;
 pub const MAX_VIEWS: usize = 4;
 
 /// Most features that are kept for the classifiers.
-const DESCRIBED: usize = if cfg!(feature = "experts") {
+const DESCRIBED: usize = if cfg!(feature = "verifier") {
     LANDMARKS * MAX_FEATURES
 } else {
     0
@@ -29,13 +29,13 @@ pub struct AlignModel<'m> {
     starts: &'m [Shape],
     turns: &'m [f32],
     /// Passes after a detection.
-    passes: usize,
+    iterations: usize,
     /// The global stage.
     face: Regressor<'m>,
     /// What it is averaged with.
-    second: Second<'m>,
+    second: EnsembleMember<'m>,
     /// The fine stages.
-    parts: Parts<'m>,
+    parts: Refiners<'m>,
 }
 
 /// Working memory of a run; holds nothing between runs but what the last one ended with.
@@ -46,7 +46,7 @@ pub struct Workspace {
     features: [i8; DESCRIBED],
     used: usize,
     view: usize,
-    coarse: Shape,
+    global_shape: Shape,
 }
 
 impl Default for Workspace {
@@ -64,7 +64,7 @@ impl Workspace {
             features: [0; DESCRIBED],
             used: 0,
             view: 0,
-            coarse: [[0.0; 2]; LANDMARKS],
+            global_shape: [[0.0; 2]; LANDMARKS],
         }
     }
 
@@ -75,8 +75,8 @@ impl Workspace {
     }
 
     /// Where the global stage of the last run ended (frame px).
-    pub fn coarse(&self) -> &Shape {
-        &self.coarse
+    pub fn global_shape(&self) -> &Shape {
+        &self.global_shape
     }
 
     /// 96 KiB to use for something else between two runs; what is there afterwards does not matter.
@@ -96,22 +96,26 @@ impl<'m> AlignModel<'m> {
     pub const TAG: [u8; 4] = *b"ALGN";
 
     /// Reads and checks the global stage. Its second network and the fine stages are checked by
-    /// themselves ([`Second::open`], [`Parts::open`]), so that they are not on the stack at the same time.
+    /// themselves ([`EnsembleMember::open`], [`Refiners::open`]), so that they are not on the stack at the same time.
     ///
     /// # Errors
     /// When the section is missing, too short, or a number is out of range.
     #[inline(never)]
-    pub fn open(blob: &Blob<'m>, second: Second<'m>, parts: Parts<'m>) -> Result<Self, ModelError> {
+    pub fn open(
+        blob: &Blob<'m>,
+        second: EnsembleMember<'m>,
+        parts: Refiners<'m>,
+    ) -> Result<Self, ModelError> {
         let s = &mut blob.section(&Self::TAG)?;
         let views = s.count(1, MAX_VIEWS, "number of views")?;
-        let passes = s.count(1, 8, "number of passes")?;
+        let iterations = s.count(1, 8, "number of iterations")?;
         let missing = s.error("it lacks a shape");
         let mean = shapes_of(s.f32s(2 * LANDMARKS)?);
         let model = AlignModel {
             mean: mean.first().ok_or(missing)?,
             starts: shapes_of(s.f32s(views * 2 * LANDMARKS)?),
             turns: s.f32s(views)?,
-            passes,
+            iterations,
             face: Regressor::read(s, LANDMARKS)?,
             second,
             parts,
@@ -147,21 +151,21 @@ impl<'m> AlignModel<'m> {
     }
 
     /// Passes to run after a detection; one is enough from the frame before.
-    pub fn passes(&self) -> usize {
-        self.passes
+    pub fn iterations(&self) -> usize {
+        self.iterations
     }
 
-    /// Runs the global stage `passes` times and then the fine ones; `shape` (frame px) says where
+    /// Runs the global stage `iterations` times and then the fine ones; `shape` (frame px) says where
     /// to look and is moved in place. Returns false, with the shape wherever it was then, when it
     /// lost its extent.
     pub fn run(
         &self,
         frame: &Frame<'_>,
-        passes: usize,
+        iterations: usize,
         shape: &mut Shape,
         work: &mut Workspace,
     ) -> bool {
-        if !(0..passes).all(|_| self.pass(frame, shape, work)) {
+        if !(0..iterations).all(|_| self.iterate(frame, shape, work)) {
             return false;
         }
         let Some(view) = self.views().of(shape) else {
@@ -171,8 +175,8 @@ impl<'m> AlignModel<'m> {
             false => view.index,
             true => self.starts.len() + view.index - 1,
         };
-        work.coarse = *shape;
-        if cfg!(feature = "fine-stages") {
+        work.global_shape = *shape;
+        if cfg!(feature = "refiners") {
             let Workspace { crop, memory, .. } = work;
             self.parts.run(frame, self.mean, shape, crop, memory);
         }
@@ -180,7 +184,7 @@ impl<'m> AlignModel<'m> {
     }
 
     /// One pass of the global stage; false as in [`AlignModel::run`].
-    pub fn pass(&self, frame: &Frame<'_>, shape: &mut Shape, work: &mut Workspace) -> bool {
+    pub fn iterate(&self, frame: &Frame<'_>, shape: &mut Shape, work: &mut Workspace) -> bool {
         let (face, side) = (&self.face, self.face.side());
         let Some(placed) = place(self.mean, shape, face.zoom(), side) else {
             return false;
@@ -193,7 +197,7 @@ impl<'m> AlignModel<'m> {
         for (p, q) in points.iter_mut().zip(other.iter().flatten()) {
             *p = [0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])];
         }
-        if cfg!(feature = "experts") {
+        if cfg!(feature = "verifier") {
             face.describe(&points, &mut work.memory, &mut work.features);
             work.used = LANDMARKS * face.features();
         }

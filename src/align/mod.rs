@@ -18,19 +18,19 @@
 //! the model's `zoom` turns it into crop pixels.
 
 mod cascade;
-mod correction;
-mod parts;
+mod ensemble;
 mod placement;
+mod refiners;
 mod regressor;
-mod second;
+mod shape_regression;
 mod views;
 
 pub use cascade::{AlignModel, MAX_VIEWS, Workspace};
-pub use correction::{Correction, deviation};
-pub use parts::{MAX_PARTS, MAX_POINTS, Parts, placed};
+pub use ensemble::EnsembleMember;
 pub use placement::{Placement, mirror, place};
-pub use regressor::{MAX_HEADS, MAX_INPUTS, MAX_MODES, READS_FINE, READS_LAST};
-pub use second::Second;
+pub use refiners::{MAX_POINTS, MAX_REFINERS, Refiners, placed};
+pub use regressor::{GLOBAL, MAX_HEADS, MAX_INPUTS, MAX_RANK, SHAPE_INDEXED};
+pub use shape_regression::{ShapeRegression, deviation};
 pub use views::{View, Views};
 
 use crate::shape::LANDMARKS;

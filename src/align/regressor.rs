@@ -6,16 +6,16 @@ use crate::network::{Activations, MAX_FEATURES, Map, Network};
 use crate::shape::LANDMARKS;
 
 /// Most dimensions of an answer.
-pub const MAX_MODES: usize = 96;
+pub const MAX_RANK: usize = 96;
 /// Most answers of one run.
 pub const MAX_HEADS: usize = 4;
 /// Most features that an answer reads.
 pub const MAX_INPUTS: usize = LANDMARKS * MAX_FEATURES;
 
 /// An answer reads the last map, whole.
-pub const READS_LAST: u32 = 1;
+pub const GLOBAL: u32 = 1;
 /// An answer reads the fine map around the points where the answer before it put them.
-pub const READS_FINE: u32 = 2;
+pub const SHAPE_INDEXED: u32 = 2;
 
 /// A checked network with its answers. Points are in crop px from the crop's centre.
 #[derive(Clone, Copy, Debug)]
@@ -30,18 +30,18 @@ pub struct Regressor<'m> {
     heads: [Option<Head<'m>>; MAX_HEADS],
 }
 
-/// A linear map in two steps: features → modes → displacement of every point.
+/// A linear map in two steps: features → rank → displacement of every point.
 #[derive(Clone, Copy, Debug)]
 struct Head<'m> {
     reads: u32,
     inputs: usize,
-    /// `modes` rows of `inputs`.
-    squeeze: &'m [i8],
+    /// `rank` rows of `inputs`.
+    project: &'m [i8],
     scale: &'m [f32],
     bias: &'m [f32],
-    /// `modes` rows of `2·points`.
-    spread: &'m [i8],
-    spread_scale: &'m [f32],
+    /// `rank` rows of `2·points`.
+    expand: &'m [i8],
+    expand_scale: &'m [f32],
     outer: &'m [f32],
 }
 
@@ -68,7 +68,7 @@ impl Memory {
 }
 
 impl<'m> Regressor<'m> {
-    /// Reads `side: u32, zoom: f32, fine, last, heads, modes: u32`, the network, and each answer,
+    /// Reads `side: u32, zoom: f32, fine, last, heads, rank: u32`, the network, and each answer,
     /// for `points` points.
     ///
     /// # Errors
@@ -79,7 +79,7 @@ impl<'m> Regressor<'m> {
         s.require((1e-3..1e3).contains(&zoom), "zoom out of range")?;
         let [fine, last] = [s.u32()? as usize, s.u32()? as usize];
         let heads = s.count(1, MAX_HEADS, "number of answers")?;
-        let modes = s.count(1, MAX_MODES, "number of modes")?;
+        let rank = s.count(1, MAX_RANK, "number of rank")?;
         let network = Network::read(s, side)?;
         let missing = s.error("it lacks a map");
         let (fine, last) = network.map(fine).zip(network.map(last)).ok_or(missing)?;
@@ -97,9 +97,9 @@ impl<'m> Regressor<'m> {
             heads: [None; MAX_HEADS],
         };
         for head in regressor.heads.iter_mut().take(heads) {
-            let reads = s.count(1, (READS_LAST | READS_FINE) as usize, "what is read")? as u32;
-            let whole = last.range().len() * usize::from(reads & READS_LAST != 0);
-            let local = points * fine.channels() * usize::from(reads & READS_FINE != 0);
+            let reads = s.count(1, (GLOBAL | SHAPE_INDEXED) as usize, "what is read")? as u32;
+            let whole = last.range().len() * usize::from(reads & GLOBAL != 0);
+            let local = points * fine.channels() * usize::from(reads & SHAPE_INDEXED != 0);
             let both = whole > 0 && local > 0;
             s.require(
                 !both || whole + local <= MAX_INPUTS,
@@ -108,11 +108,11 @@ impl<'m> Regressor<'m> {
             *head = Some(Head {
                 reads,
                 inputs: whole + local,
-                squeeze: s.i8s(modes * (whole + local))?,
-                scale: s.f32s(modes)?,
-                bias: s.f32s(modes)?,
-                spread: s.i8s(modes * 2 * points)?,
-                spread_scale: s.f32s(modes)?,
+                project: s.i8s(rank * (whole + local))?,
+                scale: s.f32s(rank)?,
+                bias: s.f32s(rank)?,
+                expand: s.i8s(rank * 2 * points)?,
+                expand_scale: s.f32s(rank)?,
                 outer: s.f32s(2 * points)?,
             });
         }
@@ -139,14 +139,14 @@ impl<'m> Regressor<'m> {
         self.network.run(crop, &mut work.maps);
         let local = points.len() * self.features();
         for head in self.heads.iter().flatten() {
-            if head.reads == READS_LAST {
+            if head.reads == GLOBAL {
                 head.add(work.maps.values(&self.last), points);
                 continue;
             }
             if let Some(read) = work.read.get_mut(..local) {
                 self.features_at(points, &work.maps, read);
             }
-            if head.reads & READS_LAST != 0
+            if head.reads & GLOBAL != 0
                 && let Some(rest) = work.read.get_mut(local..head.inputs)
             {
                 let values = work.maps.values(&self.last);
@@ -202,12 +202,12 @@ impl Head<'_> {
         for (p, o) in points.iter_mut().zip(self.outer.as_chunks::<2>().0) {
             *p = [p[0] + o[0], p[1] + o[1]];
         }
-        let squeeze = self.squeeze.chunks_exact(self.inputs.max(1));
-        let spread = self.spread.chunks_exact(self.outer.len().max(1));
-        let constants = self.scale.iter().zip(self.bias).zip(self.spread_scale);
-        for ((weights, row), ((scale, bias), spread_scale)) in squeeze.zip(spread).zip(constants) {
+        let project = self.project.chunks_exact(self.inputs.max(1));
+        let expand = self.expand.chunks_exact(self.outer.len().max(1));
+        let constants = self.scale.iter().zip(self.bias).zip(self.expand_scale);
+        for ((weights, row), ((scale, bias), expand_scale)) in project.zip(expand).zip(constants) {
             let sum: i32 = crate::network::dot(features, weights);
-            let mode = (sum as f32 * scale + bias) * spread_scale;
+            let mode = (sum as f32 * scale + bias) * expand_scale;
             for (p, [x, y]) in points.iter_mut().zip(row.as_chunks::<2>().0) {
                 p[0] += mode * *x as f32;
                 p[1] += mode * *y as f32;

@@ -32,7 +32,7 @@ struct Cluster {
     roll: i64,
     last_pass: u16,
     // Already answered with in this sweep.
-    told: bool,
+    reported: bool,
     // Hit in this slice.
     fresh: bool,
 }
@@ -54,7 +54,7 @@ impl Cluster {
         size: 0,
         roll: 0,
         last_pass: 0,
-        told: false,
+        reported: false,
         fresh: false,
     };
 
@@ -70,8 +70,8 @@ impl Cluster {
     }
 
     /// The score is the strength over `confirm`, less one.
-    fn tell(&mut self, confirm: i32) -> Option<Detection> {
-        self.told = true;
+    fn report(&mut self, confirm: i32) -> Option<Detection> {
+        self.reported = true;
         let mean = self.mean()?;
         let px = |v: i32| v as f32 / Q4 as f32;
         Some(Detection {
@@ -127,7 +127,7 @@ impl Clusters {
         };
         let joins = |c: &&mut Cluster| {
             // What was told proved wrong: hits beside it must not be drawn into it.
-            !c.told
+            !c.reported
                 && c.mean().is_some_and(|mean| {
                     // A third of the size and a factor of 1.5: twice the tolerance of the trees.
                     overlaps(&mean, &at, 5, 24) && (mean.roll - at.roll).abs() < 8_192
@@ -148,23 +148,23 @@ impl Clusters {
 
     /// The best cluster; `None` if there is none, or if it was still hit in pass `pass`, unless that
     /// was the last. Each cluster is told once.
-    pub fn tell(&mut self, confirm: i32, pass: u16, last: bool) -> Option<Detection> {
+    pub fn report(&mut self, confirm: i32, pass: u16, last: bool) -> Option<Detection> {
         let best = self.best(confirm, |_| true)?;
         match last || best.last_pass < pass {
-            true => best.tell(confirm),
+            true => best.report(confirm),
             false => None,
         }
     }
 
     /// The best cluster that was hit in this slice, complete or not.
-    pub fn tell_fresh(&mut self, confirm: i32) -> Option<Detection> {
-        self.best(confirm, |c| c.fresh)?.tell(confirm)
+    pub fn report_fresh(&mut self, confirm: i32) -> Option<Detection> {
+        self.best(confirm, |c| c.fresh)?.report(confirm)
     }
 
     /// Of these and not yet told the largest cluster of at least `confirm`, or the strongest of those
     /// that overlap it.
     fn best(&mut self, confirm: i32, of: impl Fn(&Cluster) -> bool) -> Option<&mut Cluster> {
-        let open = |c: &Cluster| !c.told && c.strength >= confirm as i64 && of(c);
+        let open = |c: &Cluster| !c.reported && c.strength >= confirm as i64 && of(c);
         let open_mean = |c: &Cluster| if open(c) { c.mean() } else { None };
         let largest = self
             .table

@@ -1,7 +1,7 @@
 //! The multi-view face detector: a time-sliced scan straight over the frame's luma.
 //!
 //! In: a [`Frame`](crate::image::Frame) and the section `DTCT` of the model. Out: at most one
-//! [`Detection`], that of the largest face. A window is judged by soft cascades of boosted trees
+//! [`Detection`], that of the largest face. A window is judged by box_filtered cascades of boosted trees
 //! whose nodes compare two pixels (Markuš et al., "Object detection with pixel intensity
 //! comparisons organized in decision trees", 2013): no pyramid, no integral image, no copy of the
 //! frame; the [`GRID`] of pixels to compare is scaled and turned with the window. Overlapping hits are
@@ -12,20 +12,22 @@
 //! the frame can be spread over as many steps as the caller likes.
 
 mod cluster;
+mod evaluate;
 mod forest;
 mod grid;
-mod judge;
+mod local_search;
 mod model;
-mod near;
 mod refine;
 mod scan;
 mod window;
 
 pub use grid::{GRID, Pixel};
-pub use model::{DetectorModel, ENSEMBLES_MAX, Ensemble, REFINE_OUTPUTS, ROLLS_MAX, Refiner, TAG};
-pub use near::search_near;
+pub use local_search::local_search;
+pub use model::{
+    BoxRefiner, DetectorModel, ENSEMBLES_MAX, Ensemble, REFINE_OUTPUTS, ROLLS_MAX, TAG,
+};
 pub use refine::refine;
-pub use scan::{Scan, Sizes, Swept};
+pub use scan::{Scan, ScanOutcome, Sizes};
 pub use window::Window;
 
 /// A face candidate: a square that is turned with the head.

@@ -28,7 +28,7 @@ pub const REFINE_OUTPUTS: usize = 5;
 const TREES_MAX: usize = 4096;
 const ROUNDS_MAX: usize = 8;
 
-/// One soft cascade of boosted trees.
+/// One box_filtered cascade of boosted trees.
 #[derive(Clone, Copy, Debug)]
 pub struct Ensemble<'m> {
     /// Whether windows are also tested mirrored: then the ensemble knows one side view only.
@@ -42,7 +42,7 @@ pub struct Ensemble<'m> {
 
 /// The regression forest that moves a window onto the face.
 #[derive(Clone, Copy, Debug)]
-pub struct Refiner<'m> {
+pub struct BoxRefiner<'m> {
     pub(super) rounds: usize,
     pub(super) forest: Forest<'m>,
     /// Per tree, leaf and output.
@@ -65,7 +65,7 @@ pub struct DetectorModel<'m> {
     /// Rolls scanned at each size, in order, −16384..=16384 \[1/65536 turn\].
     pub(super) rolls: &'m [i16],
     pub(super) ensembles: [Option<Ensemble<'m>>; ENSEMBLES_MAX],
-    pub(super) refiner: Refiner<'m>,
+    pub(super) refiner: BoxRefiner<'m>,
 }
 
 impl<'m> DetectorModel<'m> {
@@ -91,7 +91,7 @@ impl<'m> DetectorModel<'m> {
         for slot in ensembles.iter_mut().take(count) {
             *slot = Some(Ensemble::open(s)?);
         }
-        let refiner = Refiner::open(s)?;
+        let refiner = BoxRefiner::open(s)?;
         Ok(DetectorModel {
             ratio_q8,
             step_q8,
@@ -144,12 +144,12 @@ impl<'m> Ensemble<'m> {
     }
 }
 
-impl<'m> Refiner<'m> {
+impl<'m> BoxRefiner<'m> {
     fn open(s: &mut Section<'m>) -> Result<Self, ModelError> {
         let rounds = s.count(0, ROUNDS_MAX, "too many rounds")?;
         let forest = Forest::open(s, 0, TREES_MAX)?;
         let leaves = s.i16s(forest.trees() * forest.leaves() * REFINE_OUTPUTS)?;
-        Ok(Refiner {
+        Ok(BoxRefiner {
             rounds,
             forest,
             leaves,

@@ -9,9 +9,9 @@
 //! it makes up for the sizes that were not looked at yet.
 
 use super::cluster::{Clusters, Hit, turns};
-use super::judge::{EMPTY, Windows};
+use super::evaluate::{EMPTY, Windows};
 use super::window::Q4;
-use super::{Detection, DetectorModel, Window, refine, search_near};
+use super::{Detection, DetectorModel, Window, local_search, refine};
 use crate::image::Frame;
 
 /// Smallest face that can be asked for \[px\].
@@ -21,14 +21,14 @@ const SETTLE_UNITS: u32 = 800;
 
 /// What a slice of the sweep ended with.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Swept {
+pub enum ScanOutcome {
     /// The budget is used up; the sweep goes on with the next call.
-    Unfinished,
+    BudgetSpent,
     /// A face. Should it prove not to be one, the next call goes on with the sweep, and tells it again
     /// only where other sizes show it too; else call [`Scan::restart`].
-    Found(Detection),
+    Candidate(Detection),
     /// The whole frame was seen and holds no face; the next call starts a new sweep.
-    Nothing,
+    Finished,
 }
 
 /// Which faces a sweep looks for, by [`Detection::size`] \[px\]: within a step of the grid.
@@ -133,7 +133,7 @@ impl Scan {
         frame: &Frame<'_>,
         sizes: Sizes,
         budget: u32,
-    ) -> Swept {
+    ) -> ScanOutcome {
         let min_px = sizes.min_px.max(FACE_MIN_PX);
         let wanted = [frame.width(), frame.height(), min_px, sizes.max_px];
         if self.size == 0 || wanted != self.wanted() {
@@ -153,9 +153,9 @@ impl Scan {
             self.rows(model, frame, *roll as i32, &mut left);
         }
         self.left = 0;
-        match self.clusters.tell_fresh(model.confirm) {
-            Some(told) => Swept::Found(settle(model, frame, &told)),
-            None => Swept::Unfinished,
+        match self.clusters.report_fresh(model.confirm) {
+            Some(told) => ScanOutcome::Candidate(settle(model, frame, &told)),
+            None => ScanOutcome::BudgetSpent,
         }
     }
 
@@ -206,7 +206,7 @@ impl Scan {
                 }
                 let x = across.pixel(self.column);
                 self.column += 1;
-                let (score, units) = windows.judge(model, x, y);
+                let (score, units) = windows.evaluate(model, x, y);
                 *left -= units;
                 if let Some(score) = score {
                     self.clusters.add(Hit {
@@ -227,13 +227,13 @@ impl Scan {
     }
 
     /// After all rolls of a size: an end of the sweep, or the next size.
-    fn end_pass(&mut self, model: &DetectorModel<'_>, frame: &Frame<'_>) -> Option<Swept> {
+    fn end_pass(&mut self, model: &DetectorModel<'_>, frame: &Frame<'_>) -> Option<ScanOutcome> {
         let next = ((self.size as i64 * model.ratio_q8 as i64) >> 8) as i32;
         // Half a step below the smallest face, for its hits straddle two sizes.
         let floor = (self.min_px * Q4 * 15) / 16;
         let last = next < floor || next >= self.size;
-        if let Some(best) = self.clusters.tell(model.confirm, self.pass, last) {
-            return Some(Swept::Found(refine(model, frame, &best)));
+        if let Some(best) = self.clusters.report(model.confirm, self.pass, last) {
+            return Some(ScanOutcome::Candidate(refine(model, frame, &best)));
         }
         if last && !self.turned {
             self.begin(self.wanted(), true);
@@ -241,7 +241,7 @@ impl Scan {
         }
         if last {
             self.restart();
-            return Some(Swept::Nothing);
+            return Some(ScanOutcome::Finished);
         }
         self.roll = 0;
         self.pass += 1;
@@ -253,5 +253,5 @@ impl Scan {
 /// An incomplete cluster, moved onto the face: it may be off by a step of the grid.
 fn settle(model: &DetectorModel<'_>, frame: &Frame<'_>, told: &Detection) -> Detection {
     let rough = refine(model, frame, told);
-    search_near(model, frame, &rough, SETTLE_UNITS).unwrap_or(rough)
+    local_search(model, frame, &rough, SETTLE_UNITS).unwrap_or(rough)
 }

@@ -178,8 +178,7 @@ pub unsafe extern "C" fn posewise_step(
 }
 
 /// Writes the first min(capacity, POSEWISE_LANDMARKS) landmarks of the last step; all zero while
-/// searching. A library that was built without the jaw has and writes 51 at most, and the first is
-/// iBUG 17.
+/// searching.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn posewise_landmarks(
     tracker: *const posewise_tracker,
@@ -266,7 +265,7 @@ pub extern "C" fn posewise_animation_name(index: u32) -> *const c_char {
     }
 }
 
-/// Forgets the face, the person and the clock; model and settings stay.
+/// Forgets the face, its identity and the clock; model and settings stay.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn posewise_reset(tracker: *mut posewise_tracker) -> posewise_status {
     status(|| {
@@ -276,15 +275,17 @@ pub unsafe extern "C" fn posewise_reset(tracker: *mut posewise_tracker) -> posew
     })
 }
 
-/// Forgets the person, as when somebody else takes the seat: the shape of the head is learnt anew
+/// Forgets the identity, as when somebody else takes the seat: the shape of the head is learnt anew
 /// from the next frames. The face goes on being tracked, and the answer to the last step stays.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn posewise_forget_person(tracker: *mut posewise_tracker) -> posewise_status {
+pub unsafe extern "C" fn posewise_forget_identity(
+    tracker: *mut posewise_tracker,
+) -> posewise_status {
     status(|| {
         // SAFETY: the caller's promise.
         unsafe { memory::block_mut(tracker)? }
             .tracker
-            .forget_person();
+            .forget_identity();
         Ok(())
     })
 }

@@ -4,7 +4,7 @@ use super::memory;
 use super::types::*;
 use crate::image::{Frame, FrameLayout, PixelFormat, Rotation};
 use crate::model::ModelError;
-use crate::shape::{ANSWERED, Intrinsics};
+use crate::shape::{Intrinsics, LANDMARKS};
 use crate::track::{Config, Loss, Model, Smoothing, State, TrackResult};
 use core::ffi::c_void;
 
@@ -94,8 +94,8 @@ pub(super) unsafe fn frame_from<'a>(given: &posewise_frame) -> Result<Frame<'a>,
 pub(super) fn result_to(result: &TrackResult) -> posewise_result {
     let (state, landmark_count) = match result.state {
         State::Searching => (POSEWISE_SEARCHING, 0),
-        State::Tracking => (POSEWISE_TRACKING, ANSWERED as u32),
-        State::Holding => (POSEWISE_HOLDING, ANSWERED as u32),
+        State::Tracking => (POSEWISE_TRACKING, LANDMARKS as u32),
+        State::Coasting => (POSEWISE_COASTING, LANDMARKS as u32),
     };
     posewise_result {
         struct_size: 0, // the caller's stays
@@ -103,7 +103,7 @@ pub(super) fn result_to(result: &TrackResult) -> posewise_result {
         timestamp_us: result.timestamp_us,
         age_us: result.age_us,
         landmark_count,
-        score: result.score,
+        confidence: result.confidence,
         face_box: result.face_box,
         rotation: result.rotation,
         yaw_deg: result.yaw_deg,
@@ -113,11 +113,11 @@ pub(super) fn result_to(result: &TrackResult) -> posewise_result {
         eye_open: result.eye_open,
         loss: match result.loss {
             Loss::None => POSEWISE_LOSS_NONE,
-            Loss::Doubt => POSEWISE_LOSS_DOUBT,
-            Loss::Left => POSEWISE_LOSS_LEFT,
-            Loss::Pose => POSEWISE_LOSS_POSE,
+            Loss::LowConfidence => POSEWISE_LOSS_LOW_CONFIDENCE,
+            Loss::LeftFrame => POSEWISE_LOSS_LEFT_FRAME,
+            Loss::NoPose => POSEWISE_LOSS_NO_POSE,
         },
-        seen_share: result.seen_share,
+        visible_share: result.visible_share,
         rotation_sigma_deg: result.rotation_sigma_deg,
         translation_sigma_mm: result.translation_sigma_mm,
     }

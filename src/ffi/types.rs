@@ -12,7 +12,7 @@ pub const POSEWISE_ABI: u32 = 1;
 pub const POSEWISE_ALIGN: u32 = 64;
 /// Enough for any posewise_config \[bytes\].
 pub const POSEWISE_MEMORY_SIZE: u32 = 208 * 1024;
-/// iBUG 68; the last 51 of them in a library without the jaw.
+/// iBUG 68.
 pub const POSEWISE_LANDMARKS: u32 = 68;
 /// Weights; see posewise_animation_name().
 pub const POSEWISE_ANIMATIONS: u32 = 24;
@@ -91,16 +91,16 @@ pub const POSEWISE_SEARCHING: u32 = 0;
 /// Fitted on this frame.
 pub const POSEWISE_TRACKING: u32 = 1;
 /// Not fitted: the last fit, age_us old.
-pub const POSEWISE_HOLDING: u32 = 2;
+pub const POSEWISE_COASTING: u32 = 2;
 
 /// It is tracked, or there was none yet.
 pub const POSEWISE_LOSS_NONE: u32 = 0;
 /// It no longer looked like a face with landmarks where they should be.
-pub const POSEWISE_LOSS_DOUBT: u32 = 1;
+pub const POSEWISE_LOSS_LOW_CONFIDENCE: u32 = 1;
 /// Its middle left the frame.
-pub const POSEWISE_LOSS_LEFT: u32 = 2;
+pub const POSEWISE_LOSS_LEFT_FRAME: u32 = 2;
 /// No head pose explains the landmarks.
-pub const POSEWISE_LOSS_POSE: u32 = 3;
+pub const POSEWISE_LOSS_NO_POSE: u32 = 3;
 
 /// A pinhole camera without distortion, in pixels of the upright frame. All four 0: a camera with
 /// a 60 degree horizontal field of view and the principal point in the middle. This struct is
@@ -173,19 +173,18 @@ pub struct posewise_frame {
 pub struct posewise_result {
     /// sizeof(posewise_result), set by the caller.
     pub struct_size: u32,
-    /// POSEWISE_SEARCHING, POSEWISE_TRACKING or POSEWISE_HOLDING.
+    /// POSEWISE_SEARCHING, POSEWISE_TRACKING or POSEWISE_COASTING.
     pub state: u32,
     /// Of the frame that this answers \[us\].
     pub timestamp_us: i64,
     /// Time since the frame that the fit belongs to \[us\]; 0 while tracking.
     pub age_us: i64,
-    /// Landmarks that posewise_landmarks() has: 68, in a library that was built without the jaw the
-    /// 51 from iBUG 17 on; 0 while searching.
+    /// Landmarks that posewise_landmarks() has: 68; 0 while searching.
     pub landmark_count: u32,
     /// Calibrated probability that this is a face and that the landmarks are right (on average to
-    /// a tenth of the distance between the eyes' outer corners), 0..1. In a library that was built
-    /// without the experts, how well the 3D face fits, from 1 to 0: no probability.
-    pub score: f32,
+    /// a tenth of the distance between the eyes' outer corners), 0..1. In a library built
+    /// without the verifier: how well the 3D face fits, from 1 to 0, no probability.
+    pub confidence: f32,
     /// Box of the landmarks: x, y, width, height \[px\].
     pub face_box: [f32; 4],
     /// Head-to-camera rotation as a unit quaternion x, y, z, w.
@@ -199,10 +198,10 @@ pub struct posewise_result {
     pub translation_mm: [f32; 3],
     /// The subject's left and right eye: 0 shut .. 1 open, -1 unknown (hidden, or too fast to tell).
     pub eye_open: [f32; 2],
-    /// POSEWISE_LOSS_*: why the face was lost that is now held or searched for.
+    /// POSEWISE_LOSS_*: why the face that is now coasted or searched for was lost.
     pub loss: u32,
     /// Mean visibility of the landmarks, 0..1: low when much of the face is covered.
-    pub seen_share: f32,
+    pub visible_share: f32,
     /// Standard deviations of the rotation about the camera's x, y and z axes \[deg\], from how far
     /// the landmarks of this frame lie from the 3D face.
     pub rotation_sigma_deg: [f32; 3],
@@ -222,8 +221,8 @@ pub struct posewise_landmark {
     /// outer corners, as it is on a face that looks into the camera, 0..1.
     pub confidence: f32,
     /// Calibrated probability that the camera sees it: that neither the head itself nor anything
-    /// before it hides it, 0..1. In a library that was built without the experts, 1 unless the head
-    /// itself hides it, else 0, and confidence is the score.
+    /// before it hides it, 0..1. In a library built without the verifier: 1 unless the head itself
+    /// hides it, else 0; the landmark's confidence is then the face's.
     pub visibility: f32,
     /// The point of the 3D face, camera frame \[mm\]; for points 0..16 a fixed place on the jaw.
     pub x_mm: f32,
@@ -259,8 +258,8 @@ assert_no_padding!(posewise_frame: struct_size: u32, format: u32, timestamp_us: 
     height: u32, stride: u32, rotation_deg: u32, flags: u32, reserved: u32, data_len: usize,
     data: *const u8);
 assert_no_padding!(posewise_result: struct_size: u32, state: u32, timestamp_us: i64, age_us: i64,
-    landmark_count: u32, score: f32, face_box: [f32; 4], rotation: [f32; 4], yaw_deg: f32,
+    landmark_count: u32, confidence: f32, face_box: [f32; 4], rotation: [f32; 4], yaw_deg: f32,
     pitch_deg: f32, roll_deg: f32, translation_mm: [f32; 3], eye_open: [f32; 2],
-    loss: u32, seen_share: f32, rotation_sigma_deg: [f32; 3], translation_sigma_mm: [f32; 3]);
+    loss: u32, visible_share: f32, rotation_sigma_deg: [f32; 3], translation_sigma_mm: [f32; 3]);
 assert_no_padding!(posewise_landmark: x: f32, y: f32, confidence: f32, visibility: f32,
     x_mm: f32, y_mm: f32, z_mm: f32);

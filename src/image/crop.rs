@@ -54,7 +54,7 @@ const FRACTION: u32 = 16;
 /// Most samples averaged along one axis of a crop pixel when the frame is finer than the crop.
 const MAX_TAPS: i32 = 4;
 
-/// How wide a softened frame's pixels are \[px\], and how far a crop's pixels reach for it at most.
+/// How wide a box_filtered frame's pixels are \[px\], and how far a crop's pixels reach for it at most.
 const SOFT_PX: f32 = 3.0;
 const REACH_MAX: usize = 3;
 
@@ -105,7 +105,7 @@ pub fn warp(frame: &Frame<'_>, to_frame: &Similarity, side: usize, crop: &mut Cr
             y += b;
         }
     }
-    if frame.is_soft() {
+    if frame.is_box_filtered() {
         // As wide as three of the frame's pixels, which would be nine times the reading.
         let reach = libm::roundf((SOFT_PX / scale.max(1e-3) - 1.0) / 2.0);
         if reach >= 1.0 {
@@ -195,7 +195,7 @@ mod tests {
         (0..8).for_each(|x| bytes[7 * 8 + x] = 10 * x as u8);
         let frame = Frame::new(&FrameLayout::grey(8, 8), &bytes).unwrap();
         let mut crop = Crop::new();
-        warp(&frame.softened(), &Similarity::IDENTITY, 8, &mut crop);
+        warp(&frame.box_filtered(), &Similarity::IDENTITY, 8, &mut crop);
         assert_eq!(
             [9, 18, 27, 28, 36].map(|k| crop.luma()[k]),
             [0, 10, 10, 10, 10]
@@ -203,7 +203,7 @@ mod tests {
         assert_eq!(crop.luma()[4], 0);
         for (x, y) in (0..8).flat_map(|x| (0..8).map(move |y| (x, y))) {
             let (read, cut) = (
-                frame.softened().luma(x, y),
+                frame.box_filtered().luma(x, y),
                 crop.luma()[(y * 8 + x) as usize],
             );
             assert!(read.abs_diff(cut) <= 1, "{x} {y}: {read} {cut}");
@@ -213,10 +213,10 @@ mod tests {
             a: 2.0,
             ..Similarity::IDENTITY
         };
-        let (mut sharp, mut soft) = (Crop::new(), Crop::new());
+        let (mut sharp, mut box_filtered) = (Crop::new(), Crop::new());
         warp(&frame, &half, 4, &mut sharp);
-        warp(&frame.softened(), &half, 4, &mut soft);
-        assert_eq!(sharp.luma(), soft.luma());
+        warp(&frame.box_filtered(), &half, 4, &mut box_filtered);
+        assert_eq!(sharp.luma(), box_filtered.luma());
     }
 
     #[test]

@@ -189,7 +189,7 @@ pub struct Frame<'a> {
     step_y: isize,
     reading: Reading,
     /// Whether each pixel is the mean of itself and its eight neighbours.
-    soft: bool,
+    box_filtered: bool,
 }
 
 impl<'a> Frame<'a> {
@@ -247,23 +247,23 @@ impl<'a> Frame<'a> {
             step_x: cx * pixel + rx * stride,
             step_y: cy * pixel + ry * stride,
             reading: format.reading(),
-            soft: false,
+            box_filtered: false,
         })
     }
 
     /// The same frame, each of its pixels the mean of 3×3: a third of the noise, at nine times the
     /// reading.
-    pub fn softened(&self) -> Self {
+    pub fn box_filtered(&self) -> Self {
         Frame {
-            soft: true,
+            box_filtered: true,
             ..*self
         }
     }
 
-    /// Whether it is [`softened`](Self::softened).
+    /// Whether it is [`box_filtered`](Self::box_filtered).
     #[inline]
-    pub(crate) fn is_soft(&self) -> bool {
-        self.soft
+    pub(crate) fn is_box_filtered(&self) -> bool {
+        self.box_filtered
     }
 
     /// Upright width \[px\].
@@ -279,7 +279,7 @@ impl<'a> Frame<'a> {
     /// Luma at the upright pixel (x, y); outside the frame, that of the nearest pixel.
     #[inline]
     pub fn luma(&self, x: i32, y: i32) -> u8 {
-        match self.soft {
+        match self.box_filtered {
             true => self.mean(x, y),
             false => self.sharp(x, y),
         }
@@ -291,14 +291,14 @@ impl<'a> Frame<'a> {
         mean_of_nine(self.around(x, y))
     }
 
-    /// As [`Frame::luma`] of a softened frame, for a pixel at a [`place`](Self::place) that is not on the
+    /// As [`Frame::luma`] of a box_filtered frame, for a pixel at a [`place`](Self::place) that is not on the
     /// border.
     #[inline]
     pub(crate) fn mean_at(&self, place: isize) -> u8 {
         mean_of_nine(self.nine(place))
     }
 
-    /// As [`Frame::luma`] of the frame before it was softened.
+    /// As [`Frame::luma`] of the frame before it was box_filtered.
     #[inline]
     pub(crate) fn sharp(&self, x: i32, y: i32) -> u8 {
         // Not `clamp`, which panics where the compiler cannot see that the size is at least 1.
@@ -306,7 +306,7 @@ impl<'a> Frame<'a> {
         self.luma_at(self.place(x, y))
     }
 
-    /// Luma, before the frame was softened, of a pixel and those right of it, below it and below that;
+    /// Luma, before the frame was box_filtered, of a pixel and those right of it, below it and below that;
     /// beyond the border the nearest there is.
     #[inline]
     pub(crate) fn square(&self, x: i32, y: i32) -> [u8; 4] {
@@ -319,7 +319,7 @@ impl<'a> Frame<'a> {
         }
     }
 
-    /// Luma, before the frame was softened, of a pixel and its eight neighbours, row by row; the rows may
+    /// Luma, before the frame was box_filtered, of a pixel and its eight neighbours, row by row; the rows may
     /// run from right to left.
     fn around(&self, x: i32, y: i32) -> [[u16; 3]; 3] {
         if x >= 1 && y >= 1 && x < self.width - 1 && y < self.height - 1 {

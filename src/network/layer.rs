@@ -1,6 +1,6 @@
 //! Runs the nodes.
 
-use super::kernel::{BLOCK, NO_COARSE, Scale, TAP_PAIRS, TILE, Tile, convolved, windowed};
+use super::kernel::{BLOCK, NO_COARSE, Scale, TAP_PAIRS, TILE, Tile, conv2d, depthwise3x3};
 use super::plan::{
     ARENA, MAX_CHANNELS, MAX_COLUMNS, MAX_WEIGHTS, Map, Network, Node, OP_ADD, OP_DEPTHWISE,
     OP_INPUT, OP_LATERAL, OP_LINEAR,
@@ -134,7 +134,7 @@ fn convolve(node: &Node<'_>, work: &mut Activations) {
                 let block = other.get(under + at..);
                 block.and_then(|b| b.first_chunk()).unwrap_or(&NO_COARSE)
             });
-            let bytes = convolved(&Tile { columns, coarse }, weights, &scale);
+            let bytes = conv2d(&Tile { columns, coarse }, weights, &scale);
             for (p, bytes) in bytes.iter().enumerate() {
                 let out = out.get_mut(p * channels + at..);
                 if let Some(out) = out.and_then(|o| o.first_chunk_mut()) {
@@ -231,7 +231,7 @@ fn depthwise(node: &Node<'_>, work: &mut Activations) {
             let block = taps
                 .each_mut()
                 .map(|pair| pair.each_mut().map(|tap| tap.next().unwrap_or(&[0; BLOCK])));
-            *out = windowed(&block, weights, &scale);
+            *out = depthwise3x3(&block, weights, &scale);
         }
     }
 }

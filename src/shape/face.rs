@@ -17,13 +17,6 @@ pub const MAX_EXTRA: usize = 7;
 /// Most points of a face model: landmarks, then the extra contour candidates in jaw order.
 pub const MAX_POINTS: usize = LANDMARKS + JAW * MAX_EXTRA;
 
-/// Points of a [`Shape`]: without the jaw nobody asks for its contour.
-const EVALUATED: usize = if cfg!(feature = "jaw") {
-    MAX_POINTS
-} else {
-    LANDMARKS
-};
-
 /// View directions of the visibility table: azimuths −120..120° in these steps …
 pub const VIEW_AZIMUTHS: usize = 33;
 /// … elevations −60..60° …
@@ -227,11 +220,10 @@ fn scaled(delta: &[i8; 3], scale: f32) -> Vec3 {
     Vec3::from_array(delta.map(|d| d as f32 * scale))
 }
 
-/// All points of one face in the head frame: landmarks, then contour candidates (with the feature
-/// `jaw`).
+/// All points of one face in the head frame: landmarks, then contour candidates.
 #[derive(Clone, Copy, Debug)]
 pub struct Shape {
-    points_mm: [Vec3; EVALUATED],
+    points_mm: [Vec3; MAX_POINTS],
 }
 
 /// For each jaw landmark, the point of a [`Shape`] that lies on the visible contour.
@@ -250,7 +242,7 @@ pub const FIXED_CONTOUR: Contour = {
 
 impl Shape {
     const EMPTY: Shape = Shape {
-        points_mm: [Vec3::ZERO; EVALUATED],
+        points_mm: [Vec3::ZERO; MAX_POINTS],
     };
 
     /// The 68 landmarks as fixed vertices \[mm\].
@@ -270,13 +262,9 @@ impl Shape {
         contour.get(landmark).map_or(landmark, |p| *p as usize)
     }
 
-    /// For each jaw landmark the candidate that is outermost in the image at this pose; without the
-    /// feature `jaw` the landmark itself.
+    /// For each jaw landmark the candidate that is outermost in the image at this pose.
     pub fn contour(&self, face: &FaceModel<'_>, pose: &Pose) -> Contour {
         let mut contour = FIXED_CONTOUR;
-        if !cfg!(feature = "jaw") {
-            return contour;
-        }
         let directions = contour_directions(face, pose);
         let candidates = face.candidates().zip(directions);
         for ((best, (range, out)), first) in

@@ -22,12 +22,6 @@ pub use posit::posit;
 /// Landmarks of the iBUG 68 scheme; "left" and "right" are the subject's.
 pub const LANDMARKS: usize = 68;
 
-/// First landmark of an answer and of the fit: builds without the feature `jaw` leave the jaw out.
-pub const FIRST: usize = if cfg!(feature = "jaw") { 0 } else { JAW };
-
-/// Landmarks of an answer.
-pub const ANSWERED: usize = LANDMARKS - FIRST;
-
 /// For each landmark the one on the other side of the face.
 pub const MIRROR: [usize; LANDMARKS] = [
     16, 15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0, 26, 25, 24, 23, 22, 21, 20, 19, 18,

@@ -4,8 +4,8 @@ use super::motion::length;
 use super::place::bounds;
 use super::{Landmark, Loss, State, TrackResult};
 use crate::align::Shape;
-use crate::experts::Verdict;
-use crate::shape::{ANSWERED, FIRST, FaceFit, FaceModel, Intrinsics, eye_open};
+use crate::shape::{FaceFit, FaceModel, Intrinsics, LANDMARKS, eye_open};
+use crate::verifier::Confidence;
 
 /// An eye that moves farther than this while a frame is exposed, in its own widths, is a streak in
 /// which open and shut look alike.
@@ -17,7 +17,7 @@ pub(super) fn write(
     now: i64,
     (face, camera): (&FaceModel<'_>, &Intrinsics),
     shape: &Shape,
-    verdict: &Verdict,
+    evaluated: &Confidence,
     fitted: &FaceFit,
     blur_px: f32,
 ) {
@@ -27,7 +27,7 @@ pub(super) fn write(
         state,
         timestamp_us,
         age_us,
-        score,
+        confidence,
         face_box,
         rotation,
         yaw_deg,
@@ -36,7 +36,7 @@ pub(super) fn write(
         translation_mm,
         eye_open,
         loss,
-        seen_share,
+        visible_share,
         rotation_sigma_deg,
         translation_sigma_mm,
         landmarks,
@@ -45,14 +45,14 @@ pub(super) fn write(
     } = to;
     *state = State::Tracking;
     (*timestamp_us, *age_us) = (now, 0);
-    *score = verdict.face;
-    *face_box = bounds(shape.get(FIRST..).unwrap_or(shape));
+    *confidence = evaluated.face;
+    *face_box = bounds(shape);
     *rotation = pose.quaternion();
     (*yaw_deg, *pitch_deg, *roll_deg) = (angles.yaw_deg, angles.pitch_deg, angles.roll_deg);
     *translation_mm = pose.translation_mm.to_array();
-    *eye_open = eyes(face, camera, fitted, shape, verdict, blur_px);
+    *eye_open = eyes(face, camera, fitted, shape, evaluated, blur_px);
     *loss = Loss::None;
-    *seen_share = verdict.seen.iter().skip(FIRST).sum::<f32>() / ANSWERED as f32;
+    *visible_share = evaluated.visibility.iter().sum::<f32>() / LANDMARKS as f32;
     let sigma = |k: usize| {
         let row = fitted.covariance.get(k);
         let variance = row.and_then(|row| row.get(k)).copied().unwrap_or(0.0);
@@ -60,19 +60,19 @@ pub(super) fn write(
     };
     *rotation_sigma_deg = [0, 1, 2].map(|k| sigma(k).to_degrees());
     *translation_sigma_mm = [3, 4, 5].map(sigma);
-    let parts = shape.iter().zip(&verdict.landmarks).zip(&verdict.seen);
-    for (out, (([x, y], confidence), seen)) in landmarks.iter_mut().zip(parts.skip(FIRST)) {
+    let parts = shape
+        .iter()
+        .zip(&evaluated.landmarks)
+        .zip(&evaluated.visibility);
+    for (out, (([x, y], confidence), visibility)) in landmarks.iter_mut().zip(parts) {
         *out = Landmark {
             x: *x,
             y: *y,
             confidence: *confidence,
-            visibility: *seen,
+            visibility: *visibility,
         };
     }
-    for (out, p) in points_mm
-        .iter_mut()
-        .zip(fitted.points_mm.iter().skip(FIRST))
-    {
+    for (out, p) in points_mm.iter_mut().zip(fitted.points_mm.iter()) {
         *out = p.to_array();
     }
     *animation = fitted.state.animation;
@@ -87,14 +87,14 @@ fn eyes(
     camera: &Intrinsics,
     fitted: &FaceFit,
     shape: &Shape,
-    verdict: &Verdict,
+    evaluated: &Confidence,
     blur_px: f32,
 ) -> [f32; 2] {
     let neutral = face.neutral(&fitted.state.identity);
     let eye = |blink: usize, first: usize| {
         let lids = fitted.visible.iter().skip(first).take(6);
         let turned_here = lids.filter(|v| **v).count() >= 4;
-        let seen: f32 = verdict.seen.iter().skip(first).take(6).sum();
+        let seen: f32 = evaluated.visibility.iter().skip(first).take(6).sum();
         let corner = |k: usize| shape.get(first + k).copied().unwrap_or_default();
         let ([ax, ay], [bx, by]) = (corner(0), corner(3));
         let still = blur_px <= STREAK * length([bx - ax, by - ay]);

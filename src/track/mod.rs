@@ -1,4 +1,4 @@
-//! What lives across frames: the state machine Searching / Tracking / Holding.
+//! What lives across frames: the state machine Searching / Tracking / Coasting.
 
 mod answer;
 mod config;

@@ -1,10 +1,10 @@
 //! All of a model's sections, opened and checked once.
 
-use crate::align::{AlignModel, Parts, Second};
+use crate::align::{AlignModel, EnsembleMember, Refiners};
 use crate::detect::{self, DetectorModel};
-use crate::experts::Verifier;
 use crate::model::{Blob, ModelError};
 use crate::shape::{FACE_TAG, FaceModel};
+use crate::verifier::Verifier;
 
 /// A checked model: views into the blob's bytes. Many trackers can share one.
 #[derive(Clone, Debug)]
@@ -28,7 +28,7 @@ impl<'m> Model<'m> {
     /// The first thing found wrong.
     pub fn load(bytes: &'m [u8]) -> Result<Self, ModelError> {
         let blob = Blob::open(bytes)?;
-        let align = AlignModel::open(&blob, Second::open(&blob)?, Parts::open(&blob)?)?;
+        let align = AlignModel::open(&blob, EnsembleMember::open(&blob)?, Refiners::open(&blob)?)?;
         Ok(Model {
             blob,
             detector: DetectorModel::open(blob.section(&detect::TAG)?)?,

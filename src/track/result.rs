@@ -1,6 +1,6 @@
 //! What a step answers.
 
-use crate::shape::{ANIMATIONS, ANSWERED};
+use crate::shape::{ANIMATIONS, LANDMARKS};
 
 /// What the tracker is doing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -11,7 +11,7 @@ pub enum State {
     /// Fitted on this frame.
     Tracking,
     /// Not fitted on this frame: the last fit, `age_us` old.
-    Holding,
+    Coasting,
 }
 
 /// Why a face was lost.
@@ -21,11 +21,11 @@ pub enum Loss {
     #[default]
     None,
     /// What was found no longer looked like a face with landmarks where they should be.
-    Doubt,
+    LowConfidence,
     /// Its middle left the frame.
-    Left,
+    LeftFrame,
     /// No head pose explains the landmarks.
-    Pose,
+    NoPose,
 }
 
 /// One landmark in the image.
@@ -66,7 +66,7 @@ pub struct TrackResult {
     /// Calibrated probability that this is a face and that the landmarks are right, 0..1: their mean
     /// error is below a tenth of the inter-ocular distance (as [`Landmark::confidence`] has it).
     /// Without the feature `experts` no probability but how well the 3D face fits.
-    pub score: f32,
+    pub confidence: f32,
     /// Axis-aligned box of the landmarks: x, y, width, height \[px\].
     pub face_box: [f32; 4],
     /// Head-to-camera rotation as a unit quaternion x, y, z, w.
@@ -85,16 +85,16 @@ pub struct TrackResult {
     /// Why the face was lost that is now held or searched for.
     pub loss: Loss,
     /// Mean visibility of the landmarks, 0..1.
-    pub seen_share: f32,
+    pub visible_share: f32,
     /// Standard deviations of the rotation, about the camera's x, y and z axes \[deg\]; of this fit
     /// alone, from the spread of its landmarks around the 3D face.
     pub rotation_sigma_deg: [f32; 3],
     /// Standard deviations of `translation_mm` \[mm\], likewise.
     pub translation_sigma_mm: [f32; 3],
-    /// iBUG 68 landmarks from [`crate::shape::FIRST`] on; the jaw (0–16) follows the visible contour.
-    pub landmarks: [Landmark; ANSWERED],
+    /// iBUG 68 landmarks; the jaw (0–16) follows the visible contour.
+    pub landmarks: [Landmark; LANDMARKS],
     /// The landmarks as points of the 3D face, camera frame \[mm\].
-    pub points_mm: [[f32; 3]; ANSWERED],
+    pub points_mm: [[f32; 3]; LANDMARKS],
     /// Weights of [`crate::shape::ANIMATION_NAMES`], 0..1.
     pub animation: [f32; ANIMATIONS],
 }
@@ -105,7 +105,7 @@ impl TrackResult {
         state: State::Searching,
         timestamp_us: 0,
         age_us: 0,
-        score: 0.0,
+        confidence: 0.0,
         face_box: [0.0; 4],
         rotation: [0.0; 4],
         yaw_deg: 0.0,
@@ -114,11 +114,11 @@ impl TrackResult {
         translation_mm: [0.0; 3],
         eye_open: [0.0; 2],
         loss: Loss::None,
-        seen_share: 0.0,
+        visible_share: 0.0,
         rotation_sigma_deg: [0.0; 3],
         translation_sigma_mm: [0.0; 3],
-        landmarks: [Landmark::EMPTY; ANSWERED],
-        points_mm: [[0.0; 3]; ANSWERED],
+        landmarks: [Landmark::EMPTY; LANDMARKS],
+        points_mm: [[0.0; 3]; LANDMARKS],
         animation: [0.0; ANIMATIONS],
     };
 }

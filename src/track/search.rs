@@ -6,7 +6,7 @@
 
 use super::Config;
 use crate::align::Shape;
-use crate::detect::{Detection, DetectorModel, Scan, Sizes, Swept};
+use crate::detect::{Detection, DetectorModel, Scan, ScanOutcome, Sizes};
 use crate::image::Frame;
 use crate::shape::LANDMARKS;
 
@@ -212,9 +212,11 @@ impl Search {
             let swept = scan.advance(detector, frame, sizes, slice.budget);
             slice.budget = scan.left();
             match swept {
-                Swept::Found(face) => return Some(face),
-                Swept::Nothing if slice.likely.is_some() && slice.wide => slice.likely = None,
-                Swept::Nothing | Swept::Unfinished => return None,
+                ScanOutcome::Candidate(face) => return Some(face),
+                ScanOutcome::Finished if slice.likely.is_some() && slice.wide => {
+                    slice.likely = None
+                }
+                ScanOutcome::Finished | ScanOutcome::BudgetSpent => return None,
             }
         }
         None

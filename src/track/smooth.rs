@@ -9,7 +9,7 @@
 use super::place::bounds;
 use super::{State, TrackResult};
 use crate::math::{head_angles, rotation_of};
-use crate::shape::{ANIMATIONS, ANSWERED};
+use crate::shape::{ANIMATIONS, LANDMARKS};
 
 /// Cutoff of the speeds' own filter \[Hz\].
 const SPEED_HZ: f32 = 1.0;
@@ -41,8 +41,8 @@ impl Default for Smoothing {
 pub(super) struct Smoother {
     result: TrackResult,
     fitted_us: i64,
-    landmark_speed: [[f32; 2]; ANSWERED],
-    point_speed: [[f32; 3]; ANSWERED],
+    landmark_speed: [[f32; 2]; LANDMARKS],
+    point_speed: [[f32; 3]; LANDMARKS],
     position_speed: [f32; 3],
     turn_speed: [f32; 4],
     eye_speed: [f32; 2],
@@ -53,8 +53,8 @@ impl Smoother {
     pub(super) const EMPTY: Smoother = Smoother {
         result: TrackResult::EMPTY,
         fitted_us: 0,
-        landmark_speed: [[0.0; 2]; ANSWERED],
-        point_speed: [[0.0; 3]; ANSWERED],
+        landmark_speed: [[0.0; 2]; LANDMARKS],
+        point_speed: [[0.0; 3]; LANDMARKS],
         position_speed: [0.0; 3],
         turn_speed: [0.0; 4],
         eye_speed: [0.0; 2],
@@ -71,7 +71,7 @@ impl Smoother {
     pub(super) fn follow(&mut self, raw: &TrackResult, smoothing: &Smoothing) {
         match raw.state {
             State::Searching => self.result = *raw,
-            State::Holding => {
+            State::Coasting => {
                 self.result.state = raw.state;
                 self.result.timestamp_us = raw.timestamp_us;
                 self.result.age_us = raw.age_us;
@@ -137,7 +137,7 @@ impl Smoother {
         let angles = head_angles(&rotation_of(to.rotation));
         (to.yaw_deg, to.pitch_deg, to.roll_deg) =
             (angles.yaw_deg, angles.pitch_deg, angles.roll_deg);
-        let places: [[f32; 2]; ANSWERED] = to.landmarks.map(|l| [l.x, l.y]);
+        let places: [[f32; 2]; LANDMARKS] = to.landmarks.map(|l| [l.x, l.y]);
         to.face_box = bounds(&places);
     }
 }

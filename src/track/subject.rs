@@ -2,8 +2,8 @@
 
 use super::motion::Motion;
 use crate::align::Shape;
-use crate::experts::Person;
 use crate::shape::{FaceFit, FaceState, IdentityEstimator, LANDMARKS, MAX_IDENTITIES};
+use crate::verifier::Appearance;
 
 /// Only frames at least this sure teach who it is.
 pub(super) const TRUST: f32 = 0.9;
@@ -51,7 +51,7 @@ pub(super) struct Subject {
     pub(super) face: FaceState,
     pub(super) identity: IdentityEstimator,
     /// How the person's landmarks look.
-    pub(super) person: Person,
+    pub(super) person: Appearance,
     /// When it was last fitted \[µs\].
     pub(super) fitted_us: i64,
     /// Whether it was sure at least once since it was found: only then may it become as doubtful as
@@ -71,7 +71,7 @@ impl Subject {
         face: FaceState::EMPTY,
         // Renewed for every stranger; zero until then, as all of `Tracker::EMPTY`.
         identity: IdentityEstimator::with_memory(0.0),
-        person: Person::NOBODY,
+        person: Appearance::EMPTY,
         fitted_us: 0,
         trusted: false,
         trusted_frames: 0,
@@ -83,7 +83,7 @@ impl Subject {
         let doubted = now.saturating_sub(self.known_us) > DOUBTED_US;
         // Without `adaptation` nobody is recognised, and a covered face would be given up too; without
         // `experts` these are no probabilities.
-        let (experts, adaptation) = (cfg!(feature = "experts"), cfg!(feature = "adaptation"));
+        let (experts, adaptation) = (cfg!(feature = "verifier"), cfg!(feature = "adaptation"));
         match self.trusted {
             true if recognised >= RECOGNISED => KEEP_RECOGNISED,
             true if !(doubted && experts && adaptation) => KEEP,
@@ -107,15 +107,15 @@ impl Subject {
     /// Somebody else from here on, of whom nothing is known.
     pub(super) fn become_stranger(&mut self) {
         self.identity = IdentityEstimator::new();
-        self.person = Person::NOBODY;
+        self.person = Appearance::EMPTY;
         self.trusted_frames = 0;
         self.trusted = false;
     }
 
     /// The same face, of which nothing is known any more.
-    pub(super) fn forget_person(&mut self) {
+    pub(super) fn forget_identity(&mut self) {
         self.identity = IdentityEstimator::new();
-        self.person = Person::NOBODY;
+        self.person = Appearance::EMPTY;
         self.face.identity = [0.0; MAX_IDENTITIES];
     }
 
@@ -157,7 +157,7 @@ impl Subject {
     }
 }
 
-#[cfg(all(test, feature = "experts", feature = "adaptation"))]
+#[cfg(all(test, feature = "verifier", feature = "adaptation"))]
 mod tests {
     use super::*;
 

@@ -2,7 +2,7 @@
 //!
 //! Searching runs a slice of the detector's sweeps; a face found there is aligned and judged at
 //! once. Tracking runs the cascade once from the shape that the last frames predict. A fit in more
-//! doubt than the face may bear makes the tracker Holding: the last answer is repeated, the detector
+//! doubt than the face may bear makes the tracker Coasting: the last answer is repeated, the detector
 //! looks around it and elsewhere, and after `HOLD_US` the search starts anew. It starts at once where the
 //! face never was sure, which is then spurned for a while.
 //!
@@ -23,22 +23,22 @@ use super::smooth::{Smoother, Smoothing};
 use super::subject::{ACCEPT, STAY, Subject, TRUST, Whose};
 use super::{Loss, Model, State, TrackResult};
 use crate::align::{Shape, Workspace};
-use crate::detect::{Detection, Sizes, search_near};
-use crate::experts::Verdict;
-#[cfg(not(feature = "experts"))]
-use crate::experts::by_fit;
+use crate::detect::{Detection, Sizes, local_search};
 use crate::image::{Frame, noise_share};
 #[cfg(feature = "keyframes")]
 use crate::keyframe::{Keyframes, Seen, Wanted};
 #[cfg(feature = "keyframes")]
 use crate::math::HeadAngles;
-use crate::shape::{FIRST, FRAME_WEIGHT, FitOptions, Intrinsics, MAX_IDENTITIES, Observed, fit};
+use crate::shape::{FRAME_WEIGHT, FitOptions, Intrinsics, MAX_IDENTITIES, Observed, fit};
+use crate::verifier::Confidence;
+#[cfg(not(feature = "verifier"))]
+use crate::verifier::by_fit;
 
 /// What the sweep meets becomes the tracked face from this probability on at first sight, from [`ACCEPT`]
 /// on at second sight: of what looks like a face by chance hardly anything still does once the cascade has
 /// gone on.
 const AT_FIRST_SIGHT: f32 = 0.9;
-/// Share of noise in a frame's luma from which it is softened, and below which no longer.
+/// Share of noise in a frame's luma from which it is box_filtered, and below which no longer.
 const NOISY: f32 = 0.2;
 const LESS_NOISY: f32 = 0.15;
 /// How long the last answer is held \[µs\].
@@ -58,7 +58,7 @@ const RECOLLECT_UNITS: u32 = 2200;
 /// One look at a candidate.
 struct Look {
     /// Passes of the cascade.
-    passes: usize,
+    iterations: usize,
     whose: Whose,
     /// Probability from which it is taken.
     least: f32,
@@ -68,7 +68,7 @@ impl Look {
     /// At what was looked at before, which needs a pass more.
     fn again(whose: Whose) -> Look {
         Look {
-            passes: 1,
+            iterations: 1,
             whose,
             least: ACCEPT,
         }
@@ -106,7 +106,7 @@ pub struct Tracker {
     result: TrackResult,
     smoother: Smoother,
     last_timestamp_us: Option<i64>,
-    /// Whether the last frame was softened.
+    /// Whether the last frame was box_filtered.
     noisy: bool,
     search: Search,
     /// Counts looks for keyframes since a face was tracked.
@@ -187,7 +187,7 @@ impl Tracker {
                 None => self.remember(model, frame),
                 Some(loss) => self.slip(model, frame, timestamp_us, loss),
             },
-            State::Holding => self.hold(model, frame, timestamp_us),
+            State::Coasting => self.hold(model, frame, timestamp_us),
             State::Searching => self.search(model, frame, timestamp_us),
         }
         self.smoother.follow(&self.result, &self.config.smoothing);
@@ -215,13 +215,13 @@ impl Tracker {
         Ok(&self.result)
     }
 
-    /// The frame as it is looked at: softened where there is much noise in it.
+    /// The frame as it is looked at: box_filtered where there is much noise in it.
     fn see<'f>(&mut self, frame: &Frame<'f>) -> Frame<'f> {
         // What is just noisy enough is not to be seen now one way, now the other.
         let enough = if self.noisy { LESS_NOISY } else { NOISY };
         self.noisy = noise_share(frame) >= enough;
         match self.noisy {
-            true => frame.softened(),
+            true => frame.box_filtered(),
             false => *frame,
         }
     }
@@ -269,8 +269,8 @@ impl Tracker {
 
     /// Forgets whose face it is, as when somebody else takes the seat: the identity is learnt anew
     /// from the next trusted frames. The face goes on being tracked.
-    pub fn forget_person(&mut self) {
-        self.subject.forget_person();
+    pub fn forget_identity(&mut self) {
+        self.subject.forget_identity();
         #[cfg(feature = "keyframes")]
         self.keyframes.forget();
     }
@@ -393,8 +393,8 @@ impl Tracker {
             pitch_deg: result.pitch_deg,
             roll_deg: result.roll_deg,
         };
-        let quality = result.score * result.seen_share;
-        if result.score < TRUST || self.keyframes.place(&angles, quality).is_none() {
+        let quality = result.confidence * result.visible_share;
+        if result.confidence < TRUST || self.keyframes.place(&angles, quality).is_none() {
             return;
         }
         let seen = Seen {
@@ -417,7 +417,7 @@ impl Tracker {
         };
         self.search.next_turn();
         let found = if self.search.is_one_in(2) {
-            search_near(
+            local_search(
                 &model.detector,
                 frame,
                 &around,
@@ -439,7 +439,7 @@ impl Tracker {
                 .begin(Lost::at(&place_of(model, &self.subject.shape), now));
             self.lose(now);
         } else {
-            self.result.state = State::Holding;
+            self.result.state = State::Coasting;
             self.result.timestamp_us = now;
             self.result.age_us = age_us;
         }
@@ -469,7 +469,7 @@ impl Tracker {
             return false;
         };
         let look = Look {
-            passes: model.align.passes(),
+            iterations: model.align.iterations(),
             whose,
             least,
         };
@@ -477,7 +477,7 @@ impl Tracker {
         if let Err(face) = taken
             && face < least
         {
-            self.search.refuse(face, self.work.coarse());
+            self.search.refuse(face, self.work.global_shape());
         }
         taken.is_ok()
     }
@@ -504,16 +504,19 @@ impl Tracker {
         shape: &mut Shape,
         look: &Look,
     ) -> Result<(), f32> {
-        if !model.align.run(frame, look.passes, shape, &mut self.work) {
+        if !model
+            .align
+            .run(frame, look.iterations, shape, &mut self.work)
+        {
             return Err(0.0);
         }
-        let mut verdict = judged(model, &self.work);
-        if verdict.face < TRUST && self.search.spurns(&place_of(model, shape), now) {
+        let mut confidence = evaluated(model, &self.work);
+        if confidence.face < TRUST && self.search.spurns(&place_of(model, shape), now) {
             return Err(0.0);
         }
-        let taken = verdict.face >= look.least
-            && self.answer(model, frame, now, shape, look.whose, &mut verdict);
-        taken.then_some(()).ok_or(verdict.face)
+        let taken = confidence.face >= look.least
+            && self.answer(model, frame, now, shape, look.whose, &mut confidence);
+        taken.then_some(()).ok_or(confidence.face)
     }
 
     /// Goes on with the face of the frame before; or says why it cannot, with nothing changed.
@@ -525,16 +528,16 @@ impl Tracker {
         let mut shape = steadied(&subject.guess, &predicted);
         let guess = shape;
         let ran = model.align.run(frame, 1, &mut shape, &mut self.work);
-        let mut verdict = judged(model, &self.work);
+        let mut confidence = evaluated(model, &self.work);
         let person = &mut self.subject.person;
-        let trusted = verdict.face >= TRUST;
-        let recognised = person.follow(self.work.features(), trusted, &mut verdict);
-        if !ran || verdict.face < self.subject.keep(recognised, now) {
-            Some(Loss::Doubt)
+        let trusted = confidence.face >= TRUST;
+        let recognised = person.follow(self.work.features(), trusted, &mut confidence);
+        if !ran || confidence.face < self.subject.keep(recognised, now) {
+            Some(Loss::LowConfidence)
         } else if !overlaps(&shape, frame) {
-            Some(Loss::Left)
-        } else if !self.answer(model, frame, now, &shape, Whose::Tracked, &mut verdict) {
-            Some(Loss::Pose)
+            Some(Loss::LeftFrame)
+        } else if !self.answer(model, frame, now, &shape, Whose::Tracked, &mut confidence) {
+            Some(Loss::NoPose)
         } else {
             self.subject.recognise(recognised, now);
             self.subject.guess = guess;
@@ -548,7 +551,7 @@ impl Tracker {
     fn slip(&mut self, model: &Model<'_>, frame: &Frame<'_>, now: i64, loss: Loss) {
         let jumped = Lost::at(&place_of(model, &self.subject.shape), now);
         let found = match loss {
-            Loss::Left => Recollected::Nobody(0),
+            Loss::LeftFrame => Recollected::Nobody(0),
             _ => self.recollect(model, frame, now, jumped),
         };
         if matches!(found, Recollected::Found) {
@@ -560,7 +563,7 @@ impl Tracker {
             return;
         }
         // What was never sure is not waited for: while it is held, nobody of another size is seen.
-        if loss == Loss::Doubt {
+        if loss == Loss::LowConfidence {
             self.search.spurn(place_of(model, &self.subject.shape), now);
         }
         self.lose(now);
@@ -576,18 +579,17 @@ impl Tracker {
         now: i64,
         shape: &Shape,
         whose: Whose,
-        verdict: &mut Verdict,
+        confidence: &mut Confidence,
     ) -> bool {
         let camera = match self.config.intrinsics {
             Some(camera) => camera,
             None => Intrinsics::of_frame(frame.width(), frame.height()),
         };
         // A landmark that is probably wrong, or a guess because it is hidden, still says a little.
-        let mut weights = verdict.landmarks;
-        for (weight, seen) in weights.iter_mut().zip(&verdict.seen) {
+        let mut weights = confidence.landmarks;
+        for (weight, seen) in weights.iter_mut().zip(&confidence.visibility) {
             *weight = 0.05 + *weight * (0.2 + 0.8 * seen);
         }
-        weights.iter_mut().take(FIRST).for_each(|w| *w = 0.0);
         let observed = Observed {
             points: shape,
             weights: &weights,
@@ -595,9 +597,9 @@ impl Tracker {
         let subject = &mut self.subject;
         // Of a covered face the fine stages see a hand in place of an eye, and move the eye anywhere:
         // the next frame must not start from there.
-        let carried = match verdict.face >= STAY {
+        let carried = match confidence.face >= STAY {
             true => shape,
-            false => self.work.coarse(),
+            false => self.work.global_shape(),
         };
         let start = (whose == Whose::Tracked).then_some(&subject.face);
         let identity = match whose {
@@ -610,13 +612,13 @@ impl Tracker {
             return false;
         };
         // Without classifiers all was taken until here.
-        #[cfg(not(feature = "experts"))]
-        by_fit(verdict, fitted, &camera);
+        #[cfg(not(feature = "verifier"))]
+        by_fit(confidence, fitted, &camera);
         let least = match whose {
             Whose::Tracked => subject.keep(0, now),
             _ => ACCEPT,
         };
-        if cfg!(not(feature = "experts")) && verdict.face < least {
+        if cfg!(not(feature = "verifier")) && confidence.face < least {
             return false;
         }
         if whose == Whose::Stranger {
@@ -624,8 +626,8 @@ impl Tracker {
             #[cfg(feature = "keyframes")]
             self.keyframes.stranger();
         }
-        subject.move_to(now, carried, fitted, verdict.face, whose);
-        if subject.learns(verdict.face) {
+        subject.move_to(now, carried, fitted, confidence.face, whose);
+        if subject.learns(confidence.face) {
             subject
                 .identity
                 .add(&model.face, &camera, &observed, fitted, FRAME_WEIGHT);
@@ -638,7 +640,7 @@ impl Tracker {
             now,
             seen_by,
             shape,
-            verdict,
+            confidence,
             fitted,
             blur_px,
         );
@@ -647,6 +649,6 @@ impl Tracker {
 }
 
 /// Judges the cascade's last run.
-fn judged(model: &Model<'_>, work: &Workspace) -> Verdict {
-    model.verifier.judge(work.features(), work.view())
+fn evaluated(model: &Model<'_>, work: &Workspace) -> Confidence {
+    model.verifier.evaluate(work.features(), work.view())
 }

@@ -42,7 +42,7 @@ FIELD(posewise_result, state, 4);
 FIELD(posewise_result, timestamp_us, 8);
 FIELD(posewise_result, age_us, 16);
 FIELD(posewise_result, landmark_count, 24);
-FIELD(posewise_result, score, 28);
+FIELD(posewise_result, confidence, 28);
 FIELD(posewise_result, face_box, 32);
 FIELD(posewise_result, rotation, 48);
 FIELD(posewise_result, yaw_deg, 64);
@@ -51,7 +51,7 @@ FIELD(posewise_result, roll_deg, 72);
 FIELD(posewise_result, translation_mm, 76);
 FIELD(posewise_result, eye_open, 88);
 FIELD(posewise_result, loss, 96);
-FIELD(posewise_result, seen_share, 100);
+FIELD(posewise_result, visible_share, 100);
 FIELD(posewise_result, rotation_sigma_deg, 104);
 FIELD(posewise_result, translation_sigma_mm, 116);
 

@@ -51,7 +51,7 @@ static posewise_status step(posewise_tracker *t, const posewise_frame *f, answer
                      POSEWISE_OK);
         CHECK(r->struct_size == sizeof *r);
         CHECK(r->timestamp_us == f->timestamp_us);
-        CHECK(r->state <= POSEWISE_HOLDING);
+        CHECK(r->state <= POSEWISE_COASTING);
         smoothed(t, r);
     }
     memcpy(&a->result, result.start, sizeof a->result);
@@ -285,7 +285,7 @@ static void no_tracker(posewise_tracker *t) {
     CHECK_STATUS(posewise_smoothed_landmarks(t, a.landmarks, POSEWISE_LANDMARKS), POSEWISE_E_ARG);
     CHECK_STATUS(posewise_smoothed_animation(t, a.animation, POSEWISE_ANIMATIONS), POSEWISE_E_ARG);
     CHECK_STATUS(posewise_reset(t), POSEWISE_E_ARG);
-    CHECK_STATUS(posewise_forget_person(t), POSEWISE_E_ARG);
+    CHECK_STATUS(posewise_forget_identity(t), POSEWISE_E_ARG);
     CHECK_STATUS(posewise_set_intrinsics(t, NULL), POSEWISE_E_ARG);
     CHECK(memcmp(&a, &before, sizeof a) == 0);
 }
@@ -335,7 +335,7 @@ static void test_any_order(void) {
     answer a, b;
     size_t i, round;
     nothing_seen(t);
-    CHECK_STATUS(posewise_forget_person(t), POSEWISE_OK);
+    CHECK_STATUS(posewise_forget_identity(t), POSEWISE_OK);
     CHECK_STATUS(posewise_reset(t), POSEWISE_OK);
     CHECK_STATUS(posewise_reset(t), POSEWISE_OK);
     nothing_seen(t);
@@ -667,7 +667,7 @@ static void test_forget_person(void) {
     const size_t when = frames.count / 2;
     answer of_a, of_b;
     size_t i, differ = 0;
-    CHECK_STATUS(posewise_forget_person(b), POSEWISE_OK); /* of nobody: no effect */
+    CHECK_STATUS(posewise_forget_identity(b), POSEWISE_OK); /* of nobody: no effect */
     for (i = 0; i < frames.count; i++) {
         const posewise_frame f = clip_frame(&frames, i);
         CHECK_STATUS(step(a, &f, &of_a), POSEWISE_OK);
@@ -677,7 +677,7 @@ static void test_forget_person(void) {
         if (i < when)
             CHECK(differ == 0);
         if (i == when)
-            CHECK_STATUS(posewise_forget_person(b), POSEWISE_OK);
+            CHECK_STATUS(posewise_forget_identity(b), POSEWISE_OK);
     }
     if (of_a.result.state == POSEWISE_TRACKING)
         CHECK(differ > 0);

@@ -38,7 +38,7 @@ int main(void) {
     FIELD(posewise_result, timestamp_us);
     FIELD(posewise_result, age_us);
     FIELD(posewise_result, landmark_count);
-    FIELD(posewise_result, score);
+    FIELD(posewise_result, confidence);
     FIELD(posewise_result, face_box);
     FIELD(posewise_result, rotation);
     FIELD(posewise_result, yaw_deg);
@@ -47,7 +47,7 @@ int main(void) {
     FIELD(posewise_result, translation_mm);
     FIELD(posewise_result, eye_open);
     FIELD(posewise_result, loss);
-    FIELD(posewise_result, seen_share);
+    FIELD(posewise_result, visible_share);
     FIELD(posewise_result, rotation_sigma_deg);
     FIELD(posewise_result, translation_sigma_mm);
     SIZE(posewise_landmark);

@@ -59,7 +59,7 @@ int main(int argc, char **argv) {
     CHECK(second);
     posewise::Tracker moved(std::move(first));
     CHECK(moved && !first && moved.reset() == POSEWISE_OK);
-    CHECK(moved.forget_person() == POSEWISE_OK && none.forget_person() == POSEWISE_E_ARG);
+    CHECK(moved.forget_identity() == POSEWISE_OK && none.forget_identity() == POSEWISE_E_ARG);
     CHECK(moved.set_intrinsics({800, 800, 320, 240}) == POSEWISE_OK);
     return failures;
 }

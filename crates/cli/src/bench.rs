@@ -101,7 +101,7 @@ fn report(value: &Value) -> String {
         "steps",
         number(&value["runs"])
     );
-    for state in ["tracking", "acquiring", "searching", "holding", "all"] {
+    for state in ["tracking", "acquiring", "searching", "coasting", "all"] {
         let v = &value[state];
         let _ = writeln!(
             out,

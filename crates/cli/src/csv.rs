@@ -106,7 +106,7 @@ pub const COLUMNS: &[Column] = &[
         "confidence",
         "0..1",
         "probability that this is a face and that the fit is right",
-        |r, _| num(r.result.score, 4),
+        |r, _| num(r.result.confidence, 4),
     ),
     one(
         "success",
@@ -247,10 +247,10 @@ pub const COLUMNS: &[Column] = &[
         |r, _| Cell::Number(f64::from(r.result.loss as u8), 0),
     ),
     one(
-        "seen_share",
+        "visible_share",
         "0..1",
         "mean visibility of the landmarks",
-        |r, _| num(r.result.seen_share, 3),
+        |r, _| num(r.result.visible_share, 3),
     ),
     one(
         "R_sigma_x",
@@ -295,7 +295,7 @@ pub fn state_name(state: State) -> &'static str {
     match state {
         State::Searching => "searching",
         State::Tracking => "tracking",
-        State::Holding => "holding",
+        State::Coasting => "coasting",
     }
 }
 

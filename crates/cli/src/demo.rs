@@ -94,7 +94,7 @@ fn report(
 ) -> String {
     let is = |state: State| frames.iter().filter(|(_, r)| r.state == state).count();
     let share = |n: usize| 100.0 * n as f64 / frames.len().max(1) as f64;
-    let (tracked, held) = (is(State::Tracking), is(State::Holding));
+    let (tracked, held) = (is(State::Tracking), is(State::Coasting));
     let longest = step_ms.iter().copied().fold(0.0, f64::max);
     let mut out = String::new();
     let mut line = |name: &str, value: String| {

@@ -30,7 +30,7 @@ impl Sample {
         Sample {
             time_s: result.timestamp_us as f64 / 1e6,
             angles: (result.state != State::Searching).then_some(angles),
-            confidence: f64::from(result.score),
+            confidence: f64::from(result.confidence),
         }
     }
 }

@@ -35,13 +35,13 @@ pub fn time(model: &Model<'_>, frames: &[GrayImage]) -> Result<Vec<Part>> {
         "global stage (part of align)",
         median(|| {
             let mut shape = shape;
-            black_box(model.align.pass(&frame, &mut shape, &mut work));
+            black_box(model.align.iterate(&frame, &mut shape, &mut work));
         }),
     ));
     parts.push((
         "judge",
         median(|| {
-            black_box(model.verifier.judge(work.features(), work.view()));
+            black_box(model.verifier.evaluate(work.features(), work.view()));
         }),
     ));
     parts.push(("fit, tracking", time_fit(model, &frame, &shape)?));

@@ -26,12 +26,12 @@ pub const STEP_US: i64 = 33_333;
 pub enum Kind {
     /// From Tracking to Tracking.
     Tracking,
-    /// A face was found in this step, in Searching or Holding.
+    /// A face was found in this step, in Searching or Coasting.
     Acquiring,
     /// From Searching to Searching.
     Searching,
     /// The face was lost in this step, or not found while holding.
-    Holding,
+    Coasting,
 }
 
 impl Kind {
@@ -40,7 +40,7 @@ impl Kind {
         (Kind::Tracking, "tracking"),
         (Kind::Acquiring, "acquiring"),
         (Kind::Searching, "searching"),
-        (Kind::Holding, "holding"),
+        (Kind::Coasting, "coasting"),
     ];
 
     fn of(before: State, after: State) -> Kind {
@@ -48,7 +48,7 @@ impl Kind {
             (State::Tracking, State::Tracking) => Kind::Tracking,
             (_, State::Tracking) => Kind::Acquiring,
             (State::Searching, _) => Kind::Searching,
-            _ => Kind::Holding,
+            _ => Kind::Coasting,
         }
     }
 }
@@ -165,7 +165,7 @@ mod tests {
         steps.join(&run([7, 3, 10])).unwrap();
         assert_eq!(steps.of(Some(Kind::Tracking)).quantile(0.0), Some(3));
         assert_eq!(steps.of(None).quantile(0.5), Some(5));
-        assert_eq!(steps.of(Some(Kind::Holding)).quantile(0.5), None);
+        assert_eq!(steps.of(Some(Kind::Coasting)).quantile(0.5), None);
         assert_eq!(steps.worst(), Some((Kind::Searching, 9)));
         assert_eq!(steps.runs, 2);
         assert!(steps.join(&run([1; 3])[..2]).is_err());
@@ -173,12 +173,12 @@ mod tests {
 
     #[test]
     fn steps_are_told_apart() {
-        use State::{Holding, Searching, Tracking};
+        use State::{Coasting, Searching, Tracking};
         assert_eq!(Kind::of(Tracking, Tracking), Kind::Tracking);
         assert_eq!(Kind::of(Searching, Tracking), Kind::Acquiring);
-        assert_eq!(Kind::of(Holding, Tracking), Kind::Acquiring);
+        assert_eq!(Kind::of(Coasting, Tracking), Kind::Acquiring);
         assert_eq!(Kind::of(Searching, Searching), Kind::Searching);
-        assert_eq!(Kind::of(Tracking, Holding), Kind::Holding);
-        assert_eq!(Kind::of(Holding, Searching), Kind::Holding);
+        assert_eq!(Kind::of(Tracking, Coasting), Kind::Coasting);
+        assert_eq!(Kind::of(Coasting, Searching), Kind::Coasting);
     }
 }

@@ -111,7 +111,7 @@ impl Counts {
     fn add(&mut self, state: State) {
         self.frames += 1;
         self.tracked += u64::from(state == State::Tracking);
-        self.held += u64::from(state == State::Holding);
+        self.held += u64::from(state == State::Coasting);
     }
 
     /// Share of a count among all frames \[%\].

@@ -34,7 +34,7 @@ fn bench_measures_and_names_bad_inputs() {
         serde_json::from_str(&std::fs::read_to_string(json).unwrap()).unwrap();
     assert_eq!(json["frame"], serde_json::json!([320, 240]));
     let number = |part: &str, key: &str| json[part][key].as_u64().unwrap();
-    for part in ["tracking", "acquiring", "searching", "holding", "all"] {
+    for part in ["tracking", "acquiring", "searching", "coasting", "all"] {
         assert!(number(part, "steps") > 0, "{part}");
         assert!(number(part, "median_ns") <= number(part, "p99_ns"));
         assert!(number(part, "p99_ns") <= number(part, "max_ns"));

@@ -131,15 +131,15 @@ fn follow(model: &Model<'_>, truth: &Path, rows: &mut Vec<Row>) -> Result<()> {
         let Some(frame) = video.next()? else { break };
         let mut fitted = shape.unwrap_or(truth.shape);
         let ran = model.align.run(&frame, 1, &mut fitted, &mut work);
-        let verdict = model.verifier.judge(work.features(), work.view());
-        shape = (ran && verdict.face > 0.1).then_some(fitted);
-        if !ran || truth.in_frame < 0.5 || verdict.face < 0.1 {
+        let confidence = model.verifier.evaluate(work.features(), work.view());
+        shape = (ran && confidence.face > 0.1).then_some(fitted);
+        if !ran || truth.in_frame < 0.5 || confidence.face < 0.1 {
             continue;
         }
         let n = model.align.features();
         for (k, features) in work.features().chunks_exact(n).enumerate() {
             let at = work.view() * LANDMARKS + k;
-            let p = verdict.seen[k].clamp(1e-4, 1.0 - 1e-4);
+            let p = confidence.visibility[k].clamp(1e-4, 1.0 - 1e-4);
             if k >= INNER {
                 rows.push(Row {
                     logit: (p / (1.0 - p)).ln(),
@@ -147,7 +147,7 @@ fn follow(model: &Model<'_>, truth: &Path, rows: &mut Vec<Row>) -> Result<()> {
                     seen: truth.seen[k],
                 });
             }
-            if verdict.face >= TRUST && verdict.seen[k] >= SEEN {
+            if confidence.face >= TRUST && confidence.visibility[k] >= SEEN {
                 for (models, rate) in locals.iter_mut().zip(RATES) {
                     models[at].learn(features, rate);
                 }

@@ -29,8 +29,8 @@ enum Command {
     Templates(templates::Args),
     /// Compare kinds of local features in small linear cascades; prints a table.
     Features(lab::Args),
-    /// Leave sections out of a model: ALG2 (the global stage's second network), PART (fine stages, and with
-    /// them what CORR holds), CORR (the step after them) or INFO (the data sheet).
+    /// Leave sections out of a model: ENSM (the global stage's second network), PART (fine stages, and with
+    /// them what SREG holds), SREG (the step after them) or INFO (the data sheet).
     Trim {
         /// The model.
         model: PathBuf,

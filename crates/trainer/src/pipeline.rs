@@ -12,7 +12,7 @@ use crate::head::{Head, Wfm};
 use crate::pack::{SectionWriter, blob};
 use crate::{detect, face_section, render, score};
 use anyhow::{Context, Result};
-use posewise::align::{AlignModel, Correction, Parts, Second};
+use posewise::align::{AlignModel, EnsembleMember, Refiners, ShapeRegression};
 use posewise::detect::DetectorModel;
 use posewise::model::{Blob, Tag};
 use rayon::prelude::*;
@@ -127,7 +127,11 @@ pub fn run(args: &Args) -> Result<()> {
     let whole = [&cascade, &second, &parts, &correction].map(SectionWriter::clone);
     let alone = AlignedBlob::new(&blob(&whole));
     let opened = Blob::open(alone.bytes())?;
-    let model = AlignModel::open(&opened, Second::open(&opened)?, Parts::open(&opened)?)?;
+    let model = AlignModel::open(
+        &opened,
+        EnsembleMember::open(&opened)?,
+        Refiners::open(&opened)?,
+    )?;
     let alone = AlignedBlob::new(&blob(std::slice::from_ref(&detector)));
     let with_detector = Blob::open(alone.bytes())?;
     let scan = DetectorModel::open(with_detector.section(b"DTCT")?)?;
@@ -137,7 +141,7 @@ pub fn run(args: &Args) -> Result<()> {
         "{:08x?}",
         parents.map(|s| posewise::model::crc32(s.bytes()))
     );
-    let verifier = kept(args, &posewise::experts::Verifier::TAG, &key, || {
+    let verifier = kept(args, &posewise::verifier::Verifier::TAG, &key, || {
         let empty: Vec<Picture> = training.empty()?.into_iter().map(Picture::from).collect();
         // Plain renders: with hard ones it gives covered faces up too soon.
         score::train(&model, &scan, training.faces()?, &empty, args.seed)
@@ -288,7 +292,7 @@ impl Training<'_> {
         // middle.
         let of_second = posewise::model::crc32(second.bytes());
         let key = format!("{options:?}-{key}-{}-{of_second:08x}", args.near_renders);
-        let parts = kept(args, &Parts::TAG, &key, || {
+        let parts = kept(args, &Refiners::TAG, &key, || {
             let hash = posewise::model::crc32(key.as_bytes());
             let global = [&global, &second];
             let faces = [&self.bettered(&global)?, self.near()?].concat();
@@ -303,7 +307,7 @@ impl Training<'_> {
             };
             training.run()
         })?;
-        let correction = kept(args, &Correction::TAG, &key, || {
+        let correction = kept(args, &ShapeRegression::TAG, &key, || {
             // As the annotator has them: labels that a network has bettered lack what it lacks.
             let faces = [self.faces()?, self.near()?].concat();
             align::with_model(&[&global, &second, &parts], |model| {
@@ -329,7 +333,7 @@ impl Training<'_> {
         };
         let options = options.second_network();
         let key = format!("{options:?}-{key}");
-        kept(self.args, &Second::TAG, &key, || {
+        kept(self.args, &EnsembleMember::TAG, &key, || {
             let faces = self.bettered(&[global])?;
             let checkpoint = self.checkpoint(&key);
             align::with_model(&[global], |model| {

@@ -1,4 +1,4 @@
-//! Trains the classifiers that tell truth from guess (section `SCOR`).
+//! Trains the classifiers that tell truth from guess (section `VRFY`).
 //!
 //! Positives and negatives come from running the finished cascade: from jittered boxes on the
 //! training faces (some of which fail), and on pictures without a face from random boxes and from
@@ -15,11 +15,11 @@ use crate::ridge::{Linear, Normal, predict};
 use anyhow::Result;
 use faer::Mat;
 use posewise::align::{AlignModel, Shape, Workspace};
-use posewise::detect::{Detection, DetectorModel, Scan, Sizes, Swept};
-use posewise::experts::{Verifier, first_answer};
+use posewise::detect::{Detection, DetectorModel, Scan, ScanOutcome, Sizes};
 use posewise::image::Frame;
 use posewise::shape::LANDMARKS;
 use posewise::track::Config;
+use posewise::verifier::{Verifier, first_prediction};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -37,7 +37,7 @@ const ALARMS: usize = 40;
 /// Width of the faces that would be seen where nobody is, for that camera's defects \[px\].
 const NOBODY_PX: f32 = 100.0;
 /// Of so many fits one has settled by so many further passes, and every false alarm once more: the
-/// verdict is mostly asked for what has been tracked for a while.
+/// confidence is mostly asked for what has been tracked for a while.
 const SETTLING: usize = 3;
 const SETTLED: usize = 8;
 /// Smallest face that false alarms are looked for at \[px\].
@@ -181,7 +181,7 @@ fn train_seen(rows: &[&Row], features: usize, out: &mut SectionWriter) -> Result
         .iter()
         .enumerate()
         .map(|(k, row)| Row {
-            features: first.iter().map(|(_, s)| first_answer(s[k])).collect(),
+            features: first.iter().map(|(_, s)| first_prediction(s[k])).collect(),
             right: vec![],
             seen: row.seen.clone(),
             ..**row
@@ -266,7 +266,7 @@ fn on_faces(model: &AlignModel<'_>, faces: &[Face], seed: u64) -> Vec<Row> {
                     let (bare, face) = (face, hidden.as_ref().unwrap_or(face));
                     let poor = sometimes_poor(&face.picture, face.width(), &mut rng);
                     let frame = poor.as_ref().unwrap_or(&face.picture).frame();
-                    if !model.run(&frame, model.passes() + k % 2, &mut shape, work) {
+                    if !model.run(&frame, model.iterations() + k % 2, &mut shape, work) {
                         continue;
                     }
                     if rng.random_range(0..SETTLING) == 0
@@ -337,7 +337,7 @@ fn on_empty(model: &AlignModel<'_>, empty: &[Picture], seed: u64, count: usize) 
                 let at = [rng.random_range(0.0..w), rng.random_range(0.0..h)];
                 let start = start_of(model, rng.random_range(-1.0..1.0));
                 let mut shape = start_from_box(&start, at, size, 0.3 * normal(&mut rng));
-                let passes = model.passes() + index % 2;
+                let passes = model.iterations() + index % 2;
                 let poor = sometimes_poor(picture, size, &mut rng);
                 let frame = poor.as_ref().unwrap_or(picture).frame();
                 let ran = model.run(&frame, passes, &mut shape, work)
@@ -387,7 +387,7 @@ fn on_alarms(
                         let start = start_of(model, found.turn);
                         let at = [found.x, found.y];
                         let mut shape = start_from_box(&start, at, found.size, found.roll);
-                        if model.run(&frame, model.passes(), &mut shape, work) {
+                        if model.run(&frame, model.iterations(), &mut shape, work) {
                             rows.push(no_face(work, index));
                             if settle(model, &frame, &mut shape, work) {
                                 rows.push(no_face(work, index));
@@ -409,9 +409,9 @@ fn alarms(detector: &DetectorModel<'_>, frame: &Frame<'_>) -> Vec<Detection> {
     let slice = Config::default().scan_budget;
     loop {
         match scan.advance(detector, frame, Sizes::from(MIN_FACE_PX), slice) {
-            Swept::Found(found) => all.push(found),
-            Swept::Unfinished => continue,
-            Swept::Nothing => return all,
+            ScanOutcome::Candidate(found) => all.push(found),
+            ScanOutcome::BudgetSpent => continue,
+            ScanOutcome::Finished => return all,
         }
     }
 }

@@ -76,7 +76,7 @@ impl Answer {
         let weights: Vec<f32> = words(self.animation()).map(f32::from_bits).collect();
         let unit = |v: &f32| (0.0..=1.0).contains(v);
         assert!(weights.iter().all(unit), "{weights:?}");
-        assert!(unit(&r.score), "{r:?}");
+        assert!(unit(&r.confidence), "{r:?}");
         for landmark in self.landmarks().chunks_exact(LANDMARK) {
             let v: Vec<f32> = words(landmark).map(f32::from_bits).collect();
             assert!(unit(&v[2]) && unit(&v[3]), "{v:?}");
@@ -86,7 +86,7 @@ impl Answer {
                 let zero = posewise_result {
                     age_us: 0,
                     landmark_count: 0,
-                    score: 0.0,
+                    confidence: 0.0,
                     face_box: [0.0; 4],
                     rotation: [0.0; 4],
                     yaw_deg: 0.0,
@@ -99,9 +99,9 @@ impl Answer {
                 assert_eq!(text, format!("{zero:?}"), "searching, but not zero");
                 assert!(words(&self.0[RESULT..]).all(|w| w == 0));
             }
-            POSEWISE_TRACKING | POSEWISE_HOLDING => {
+            POSEWISE_TRACKING | POSEWISE_COASTING => {
                 assert_eq!(r.landmark_count, POSEWISE_LANDMARKS);
-                assert!(r.age_us >= 0 && (r.state == POSEWISE_HOLDING || r.age_us == 0));
+                assert!(r.age_us >= 0 && (r.state == POSEWISE_COASTING || r.age_us == 0));
                 let norm: f32 = r.rotation.iter().map(|v| v * v).sum();
                 assert!((norm - 1.0).abs() < 1e-3, "no unit quaternion: {r:?}");
                 assert!(

@@ -517,7 +517,7 @@ impl World {
         let (tracker, good) = self.tracker(slot, pointer);
         let before = self.snapshot(slot);
         // SAFETY: the memory is there.
-        let status = unsafe { posewise_forget_person(tracker) };
+        let status = unsafe { posewise_forget_identity(tracker) };
         self.answered(slot, status, good, &before);
     }
 

@@ -2,7 +2,7 @@
 //! picture, and a hundred times as often as with a model that was trained.
 
 use super::memory::Exact;
-use posewise::align::{READS_FINE, READS_LAST};
+use posewise::align::{GLOBAL, SHAPE_INDEXED};
 use posewise::detect::GRID;
 use posewise::model::{ALIGN, FORMAT_VERSION, HEADER_LEN, MAGIC, crc32};
 use posewise::network::{OP_CONV, OP_INPUT};
@@ -37,10 +37,10 @@ fn blob() -> Vec<u8> {
         (b"FACE", face()),
         (b"DTCT", detector()),
         (b"ALGN", cascade()),
-        (b"ALG2", second()),
-        (b"PART", parts()),
-        (b"CORR", correction()),
-        (b"SCOR", verifier()),
+        (b"ENSM", second()),
+        (b"RFIN", parts()),
+        (b"SREG", correction()),
+        (b"VRFY", verifier()),
     ];
     let mut table = Vec::new();
     let mut content = Vec::new();
@@ -198,13 +198,13 @@ fn cascade() -> Vec<u8> {
     w.f32s(mean.as_flattened());
     w.f32s([mean, turned].as_flattened().as_flattened());
     w.f32s(&[0.0, 1.0]);
-    regressor(&mut w, LANDMARKS, &[READS_LAST, READS_FINE]);
+    regressor(&mut w, LANDMARKS, &[GLOBAL, SHAPE_INDEXED]);
     w.0
 }
 
 fn second() -> Vec<u8> {
     let mut w = Writer::default();
-    regressor(&mut w, LANDMARKS, &[READS_LAST, READS_FINE]);
+    regressor(&mut w, LANDMARKS, &[GLOBAL, SHAPE_INDEXED]);
     w.0
 }
 
@@ -215,7 +215,7 @@ fn parts() -> Vec<u8> {
         w.u32(landmarks.len());
         w.u32(twin);
         w.bytes(landmarks.clone().flat_map(u32::to_le_bytes));
-        regressor(&mut w, landmarks.len(), &[READS_LAST | READS_FINE]);
+        regressor(&mut w, landmarks.len(), &[GLOBAL | SHAPE_INDEXED]);
     }
     w.0
 }
@@ -253,8 +253,8 @@ fn regressor(w: &mut Writer, points: usize, reads: &[u32]) {
         w.i32s(&[600; CHANNELS]);
     }
     for reads in reads {
-        let whole = (SIDE / 4) * (SIDE / 4) * CHANNELS * usize::from(reads & READS_LAST != 0);
-        let local = points * CHANNELS * usize::from(reads & READS_FINE != 0);
+        let whole = (SIDE / 4) * (SIDE / 4) * CHANNELS * usize::from(reads & GLOBAL != 0);
+        let local = points * CHANNELS * usize::from(reads & SHAPE_INDEXED != 0);
         w.u32(*reads as usize);
         w.i8s(MODES * (whole + local), |i| noise(i, 20));
         w.f32s(&[1e-3; MODES]);

@@ -60,32 +60,32 @@ pub(super) type TapWeights = [[i16; 2 * BLOCK]; TAP_PAIRS];
 /// A block of outputs for each pixel: `Σₖ columns[k]·weights[k/2][output][k%2]`, brought to bytes with
 /// twice what `coarse` lies above 128 on top. `weights` holds [`BLOCK`] outputs for each pair of columns.
 #[inline]
-pub(super) fn convolved(
-    tile: &Tile<'_>,
-    weights: &[i16],
-    scale: &Scale<'_>,
-) -> [[u8; BLOCK]; TILE] {
+pub(super) fn conv2d(tile: &Tile<'_>, weights: &[i16], scale: &Scale<'_>) -> [[u8; BLOCK]; TILE] {
     #[cfg(target_arch = "x86_64")]
     // SAFETY: SSE2 is part of x86-64.
-    return unsafe { sse2::convolved(tile, weights, scale) };
+    return unsafe { sse2::conv2d(tile, weights, scale) };
     #[cfg(target_arch = "aarch64")]
     // SAFETY: NEON is part of AArch64 with an operating system's floats, which its targets name.
-    return unsafe { neon::convolved(tile, weights, scale) };
+    return unsafe { neon::conv2d(tile, weights, scale) };
     #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
-    portable::convolved(tile, weights, scale)
+    portable::conv2d(tile, weights, scale)
 }
 
 /// A block of channels' 3×3 windows.
 #[inline]
-pub(super) fn windowed(taps: &Taps<'_>, weights: &TapWeights, scale: &Scale<'_>) -> [u8; BLOCK] {
+pub(super) fn depthwise3x3(
+    taps: &Taps<'_>,
+    weights: &TapWeights,
+    scale: &Scale<'_>,
+) -> [u8; BLOCK] {
     #[cfg(target_arch = "x86_64")]
     // SAFETY: SSE2 is part of x86-64.
-    return unsafe { sse2::windowed(taps, weights, scale) };
+    return unsafe { sse2::depthwise3x3(taps, weights, scale) };
     #[cfg(target_arch = "aarch64")]
     // SAFETY: as above.
-    return unsafe { neon::windowed(taps, weights, scale) };
+    return unsafe { neon::depthwise3x3(taps, weights, scale) };
     #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
-    portable::windowed(taps, weights, scale)
+    portable::depthwise3x3(taps, weights, scale)
 }
 
 /// `Σ a·b` of features and weights.
@@ -145,8 +145,8 @@ mod tests {
                 let coarse = coarse.each_ref();
                 let tile = Tile { columns, coarse };
                 assert_eq!(
-                    convolved(&tile, &weights, &scale),
-                    portable::convolved(&tile, &weights, &scale)
+                    conv2d(&tile, &weights, &scale),
+                    portable::conv2d(&tile, &weights, &scale)
                 );
             }
         }
@@ -159,7 +159,7 @@ mod tests {
             floor: 128,
         };
         let coarse = [&NO_COARSE; TILE];
-        let out = convolved(&Tile { columns, coarse }, &weights, &plain);
+        let out = conv2d(&Tile { columns, coarse }, &weights, &plain);
         let sum = |p: usize| -> i32 {
             let one = |k: usize| columns[p][k] as i32 * weights[k / 2 * 16 + k % 2] as i32;
             (0..26).map(one).sum()
@@ -191,8 +191,8 @@ mod tests {
             core::array::from_fn(|k| core::array::from_fn(|i| noise(k * 16 + i) / 2));
         for scale in scales() {
             assert_eq!(
-                windowed(&taps, &weights, &scale),
-                portable::windowed(&taps, &weights, &scale)
+                depthwise3x3(&taps, &weights, &scale),
+                portable::depthwise3x3(&taps, &weights, &scale)
             );
         }
     }

@@ -11,11 +11,7 @@ use core::arch::aarch64::{
 
 #[target_feature(enable = "neon")]
 #[inline]
-pub(super) fn convolved(
-    tile: &Tile<'_>,
-    weights: &[i16],
-    scale: &Scale<'_>,
-) -> [[u8; BLOCK]; TILE] {
+pub(super) fn conv2d(tile: &Tile<'_>, weights: &[i16], scale: &Scale<'_>) -> [[u8; BLOCK]; TILE] {
     let mut sums = [[vdupq_n_s32(0); 2]; TILE];
     for (pairs, weights) in tile.pairs().zip(weights.as_chunks::<16>().0) {
         let int16x8x2_t(first, second) = halves(weights);
@@ -28,14 +24,18 @@ pub(super) fn convolved(
     }
     let mut out = [[0; BLOCK]; TILE];
     for ((out, sums), coarse) in out.iter_mut().zip(sums).zip(tile.coarse) {
-        *out = narrowed(sums, scale, coarse);
+        *out = requantize(sums, scale, coarse);
     }
     out
 }
 
 #[target_feature(enable = "neon")]
 #[inline]
-pub(super) fn windowed(taps: &Taps<'_>, weights: &TapWeights, scale: &Scale<'_>) -> [u8; BLOCK] {
+pub(super) fn depthwise3x3(
+    taps: &Taps<'_>,
+    weights: &TapWeights,
+    scale: &Scale<'_>,
+) -> [u8; BLOCK] {
     let [mut low, mut high] = [vdupq_n_s32(0); 2];
     for (taps, weights) in taps.iter().zip(weights) {
         let int16x8x2_t(first, second) = halves(weights);
@@ -45,7 +45,7 @@ pub(super) fn windowed(taps: &Taps<'_>, weights: &TapWeights, scale: &Scale<'_>)
             high = vmlal_high_s16(high, tap, weights);
         }
     }
-    narrowed([low, high], scale, &NO_COARSE)
+    requantize([low, high], scale, &NO_COARSE)
 }
 
 #[target_feature(enable = "neon")]
@@ -97,7 +97,7 @@ fn widened(v: &[u8; BLOCK]) -> int16x8_t {
 
 #[target_feature(enable = "neon")]
 #[inline]
-fn narrowed(sums: [int32x4_t; 2], scale: &Scale<'_>, coarse: &[u8; BLOCK]) -> [u8; BLOCK] {
+fn requantize(sums: [int32x4_t; 2], scale: &Scale<'_>, coarse: &[u8; BLOCK]) -> [u8; BLOCK] {
     let (before, after) = (scale.before & 31, scale.after & 31);
     let half = vdupq_n_s32(1 << (after.wrapping_sub(1) & 31));
     // To the left by less than nothing is to the right.

@@ -2,19 +2,19 @@
 
 use super::{BLOCK, Scale, TILE, TapWeights, Taps, Tile};
 
-pub(super) fn convolved(
-    tile: &Tile<'_>,
-    weights: &[i16],
-    scale: &Scale<'_>,
-) -> [[u8; BLOCK]; TILE] {
+pub(super) fn conv2d(tile: &Tile<'_>, weights: &[i16], scale: &Scale<'_>) -> [[u8; BLOCK]; TILE] {
     let mut out = [[0; BLOCK]; TILE];
     for ((out, columns), coarse) in out.iter_mut().zip(tile.columns).zip(tile.coarse) {
-        *out = narrowed(products(columns, weights), scale, coarse);
+        *out = requantize(products(columns, weights), scale, coarse);
     }
     out
 }
 
-pub(super) fn windowed(taps: &Taps<'_>, weights: &TapWeights, scale: &Scale<'_>) -> [u8; BLOCK] {
+pub(super) fn depthwise3x3(
+    taps: &Taps<'_>,
+    weights: &TapWeights,
+    scale: &Scale<'_>,
+) -> [u8; BLOCK] {
     let mut sums = [0i32; BLOCK];
     for ([first, second], weights) in taps.iter().zip(weights) {
         let values = first.iter().zip(*second);
@@ -23,7 +23,7 @@ pub(super) fn windowed(taps: &Taps<'_>, weights: &TapWeights, scale: &Scale<'_>)
             *sum += *a as i32 * *w0 as i32 + *b as i32 * *w1 as i32;
         }
     }
-    narrowed(sums, scale, &super::NO_COARSE)
+    requantize(sums, scale, &super::NO_COARSE)
 }
 
 pub(super) fn dot(features: &[[u8; 2 * BLOCK]], weights: &[[i8; 2 * BLOCK]]) -> i32 {
@@ -47,7 +47,7 @@ fn products(columns: &[i16], weights: &[i16]) -> [i32; BLOCK] {
     sums
 }
 
-fn narrowed(sums: [i32; BLOCK], scale: &Scale<'_>, coarse: &[u8; BLOCK]) -> [u8; BLOCK] {
+fn requantize(sums: [i32; BLOCK], scale: &Scale<'_>, coarse: &[u8; BLOCK]) -> [u8; BLOCK] {
     let (before, after) = (scale.before & 31, scale.after & 31);
     let half = 1i32 << (after.wrapping_sub(1) & 31);
     let mut out = [0; BLOCK];

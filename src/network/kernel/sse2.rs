@@ -11,11 +11,7 @@ use core::arch::x86_64::{
 
 #[target_feature(enable = "sse2")]
 #[inline]
-pub(super) fn convolved(
-    tile: &Tile<'_>,
-    weights: &[i16],
-    scale: &Scale<'_>,
-) -> [[u8; BLOCK]; TILE] {
+pub(super) fn conv2d(tile: &Tile<'_>, weights: &[i16], scale: &Scale<'_>) -> [[u8; BLOCK]; TILE] {
     let mut sums = [[_mm_setzero_si128(); 2]; TILE];
     for (pairs, weights) in tile.pairs().zip(weights.as_chunks::<16>().0) {
         let weights = halves(weights);
@@ -28,14 +24,18 @@ pub(super) fn convolved(
     }
     let mut out = [[0; BLOCK]; TILE];
     for ((out, sums), coarse) in out.iter_mut().zip(sums).zip(tile.coarse) {
-        *out = narrowed(sums, scale, coarse);
+        *out = requantize(sums, scale, coarse);
     }
     out
 }
 
 #[target_feature(enable = "sse2")]
 #[inline]
-pub(super) fn windowed(taps: &Taps<'_>, weights: &TapWeights, scale: &Scale<'_>) -> [u8; BLOCK] {
+pub(super) fn depthwise3x3(
+    taps: &Taps<'_>,
+    weights: &TapWeights,
+    scale: &Scale<'_>,
+) -> [u8; BLOCK] {
     let mut sums = [_mm_setzero_si128(); 2];
     for ([first, second], weights) in taps.iter().zip(weights) {
         let (first, second) = (widened(first), widened(second));
@@ -47,7 +47,7 @@ pub(super) fn windowed(taps: &Taps<'_>, weights: &TapWeights, scale: &Scale<'_>)
             *sum = _mm_add_epi32(*sum, _mm_madd_epi16(pair, weights));
         }
     }
-    narrowed(sums, scale, &NO_COARSE)
+    requantize(sums, scale, &NO_COARSE)
 }
 
 #[target_feature(enable = "sse2")]
@@ -109,7 +109,7 @@ fn widened(v: &[u8; BLOCK]) -> __m128i {
 
 #[target_feature(enable = "sse2")]
 #[inline]
-fn narrowed(sums: [__m128i; 2], scale: &Scale<'_>, coarse: &[u8; BLOCK]) -> [u8; BLOCK] {
+fn requantize(sums: [__m128i; 2], scale: &Scale<'_>, coarse: &[u8; BLOCK]) -> [u8; BLOCK] {
     let (before, after) = (scale.before & 31, scale.after & 31);
     let half = _mm_set1_epi32(1 << (after.wrapping_sub(1) & 31));
     let [before, after] = [before, after].map(|shift| _mm_cvtsi32_si128(shift as i32));

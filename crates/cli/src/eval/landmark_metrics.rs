@@ -19,7 +19,7 @@ pub const AUC_NME: f64 = 0.08;
 /// Overlap of found and labelled box from which on it is the same face.
 pub const SAME_FACE_IOU: f64 = 0.3;
 
-/// Parts of the iBUG 68 scheme: first landmark, one past the last.
+/// Refiners of the iBUG 68 scheme: first landmark, one past the last.
 pub const PARTS: [(&str, usize, usize); 5] = [
     ("jaw", 0, 17),
     ("brows", 17, 27),
@@ -70,9 +70,9 @@ pub struct Outcome {
 #[derive(Clone, Debug)]
 pub struct Trust {
     /// That the landmarks are right on average.
-    pub score: f64,
+    pub face: f64,
     /// That each landmark is right.
-    pub confidence: [f64; 68],
+    pub landmarks: [f64; 68],
 }
 
 impl Outcome {
@@ -91,7 +91,7 @@ impl Outcome {
     /// The face's probability and whether it was right.
     fn face(&self) -> Option<(f64, bool)> {
         let right = self.nme(0, 68).is_some_and(|e| e < RIGHT * self.scale);
-        Some((self.trust.as_ref()?.score, right))
+        Some((self.trust.as_ref()?.face, right))
     }
 
     /// The landmarks' probabilities and whether each was right.
@@ -99,7 +99,7 @@ impl Outcome {
         let (Some(trust), Some(errors)) = (&self.trust, &self.errors) else {
             return vec![];
         };
-        let pairs = trust.confidence.iter().zip(errors);
+        let pairs = trust.landmarks.iter().zip(errors);
         pairs.map(|(p, e)| (*p, *e <= RIGHT * self.scale)).collect()
     }
 
@@ -200,7 +200,7 @@ pub struct Summary {
     pub auc: (f64, f64),
     /// Mean NME of each of [`PARTS`].
     pub parts: [Option<f64>; 5],
-    /// Expected calibration errors of the landmarks' confidence and of the face's score.
+    /// Expected calibration errors of the landmarks' confidence and of the face's confidence.
     pub calibration: (Option<f64>, Option<f64>),
 }
 

@@ -138,8 +138,8 @@ fn fit_still(
             }
             let points = result.landmarks.map(|l| [f64::from(l.x), f64::from(l.y)]);
             let trust = Trust {
-                score: f64::from(result.score),
-                confidence: result.landmarks.map(|l| f64::from(l.confidence)),
+                face: f64::from(result.confidence),
+                landmarks: result.landmarks.map(|l| f64::from(l.confidence)),
             };
             found = Some((points, trust));
         }

@@ -85,7 +85,7 @@ fn line(image: &mut RgbImage, from: [f32; 2], to: [f32; 2], color: Rgb<u8>) {
 
 fn draw_box(image: &mut RgbImage, result: &TrackResult) {
     let color = match result.state {
-        State::Holding => BOX_HOLDING,
+        State::Coasting => BOX_HOLDING,
         _ => BOX,
     };
     let [x, y, w, h] = result.face_box;
@@ -147,7 +147,7 @@ fn label(image: &mut RgbImage, frame: u64, result: &TrackResult) {
             result.pitch_deg,
             result.roll_deg,
             result.translation_mm[2],
-            result.score
+            result.confidence
         );
     }
     // A dark strip keeps the text readable on any picture.
@@ -175,7 +175,7 @@ pub mod tests {
     pub fn fake_face(camera: &Intrinsics) -> TrackResult {
         let mut result = TrackResult {
             state: State::Tracking,
-            score: 0.9,
+            confidence: 0.9,
             rotation: [0.0, 0.0, 0.0, 1.0],
             translation_mm: [0.0, 0.0, 600.0],
             face_box: [100.0, 80.0, 120.0, 120.0],

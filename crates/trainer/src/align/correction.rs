@@ -1,4 +1,4 @@
-//! Learns the cascade's last step (section `CORR`): ridge regression from where the stages before it
+//! Learns the cascade's last step (section `SREG`): ridge regression from where the stages before it
 //! end on the training faces to what they lack there.
 
 use super::parts::ends;
@@ -8,7 +8,7 @@ use crate::pack::SectionWriter;
 use anyhow::{Result, anyhow};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
-use posewise::align::{AlignModel, Correction, Shape, deviation, mirror};
+use posewise::align::{AlignModel, Shape, ShapeRegression, deviation, mirror};
 use posewise::shape::LANDMARKS;
 
 /// Weight of a render that is seen whole over that of a photograph: the labels of the two lie apart
@@ -28,7 +28,7 @@ struct Row {
     weight: f64,
 }
 
-/// Trains section `CORR` for a cascade, whose fine stages are the last so far. Mirrored rows make
+/// Trains section `SREG` for a cascade, whose fine stages are the last so far. Mirrored rows make
 /// the map symmetric, whatever the faces are. An upper lid and the lower one below it move as one: the
 /// rest of a face does not tell how far its eyes are open.
 pub fn train(model: &AlignModel<'_>, faces: &[Face]) -> Result<SectionWriter> {
@@ -58,7 +58,7 @@ pub fn train(model: &AlignModel<'_>, faces: &[Face]) -> Result<SectionWriter> {
         scales.push(scale as f32);
         biases.push(solution[(COORDINATES, k)] as f32);
     }
-    let mut out = SectionWriter::new(Correction::TAG);
+    let mut out = SectionWriter::new(ShapeRegression::TAG);
     out.array(&weights).array(&scales).array(&biases);
     Ok(out)
 }

@@ -65,7 +65,7 @@ pub fn evaluate(
     boxes: &Boxes,
     rounds: usize,
 ) -> Vec<(Shape, f32, f32)> {
-    let passes = model.passes() + rounds;
+    let passes = model.iterations() + rounds;
     from_boxes(model, faces, boxes, |face, shape, work| {
         model.run(&face.picture.frame(), passes, shape, work);
     })
@@ -81,7 +81,7 @@ pub fn evaluate_float(
     boxes: &Boxes,
 ) -> Vec<(Shape, f32, f32)> {
     from_boxes(model, faces, boxes, |face, shape, _| {
-        for _ in 0..model.passes() {
+        for _ in 0..model.iterations() {
             *shape = trained.pass(face, model.mean(), shape, answers);
         }
     })

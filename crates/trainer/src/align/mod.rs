@@ -1,4 +1,4 @@
-//! Trains the cascade (sections `ALGN`, `ALG2`, `PART` and `CORR`).
+//! Trains the cascade (sections `ALGN`, `ENSM`, `RFIN` and `SREG`).
 
 pub mod correction;
 pub mod cover;
@@ -27,7 +27,7 @@ use crate::faces::Face;
 use crate::fit::AlignedBlob;
 use crate::pack::{SectionWriter, blob};
 use anyhow::Result;
-use posewise::align::{AlignModel, Parts, Second, Shape};
+use posewise::align::{AlignModel, EnsembleMember, Refiners, Shape};
 use posewise::model::Blob;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -49,8 +49,8 @@ pub fn with_model<T>(
     let opened = Blob::open(bytes.bytes())?;
     run(&AlignModel::open(
         &opened,
-        Second::open(&opened)?,
-        Parts::open(&opened)?,
+        EnsembleMember::open(&opened)?,
+        Refiners::open(&opened)?,
     )?)
 }
 
@@ -69,7 +69,7 @@ pub fn cascade(
     quantise::face_section(&trained, &mean, &starts, options.passes, &samples)
 }
 
-/// Trains section `ALG2`, a second network for a global stage with this mean shape; goes on from the
+/// Trains section `ENSM`, a second network for a global stage with this mean shape; goes on from the
 /// checkpoint if there is one.
 pub fn second(
     faces: &[Face],

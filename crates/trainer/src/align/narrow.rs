@@ -12,7 +12,7 @@ pub const MODES: usize = 24;
 
 /// The network with answers of fewer dimensions: the principal components of where each answer moves
 /// the points on these samples; what lies beside them stays at its mean.
-pub fn narrowed(trained: &Trained, samples: &[Sample]) -> Trained {
+pub fn requantize(trained: &Trained, samples: &[Sample]) -> Trained {
     let Trained {
         network,
         parameters,
@@ -28,11 +28,11 @@ pub fn narrowed(trained: &Trained, samples: &[Sample]) -> Trained {
     let trunk = network.graph.parameters;
     out[..trunk].copy_from_slice(&parameters[..trunk]);
     for ((from, to), inner) in network.heads.iter().zip(&narrow.heads).zip(inner) {
-        let [squeeze, bias, spread, outer] = from.split(parameters);
+        let [project, bias, spread, outer] = from.split(parameters);
         let double = |rows, columns, values: &[f32]| {
             DMatrix::from_row_iterator(rows, columns, values.iter().map(|v| f64::from(*v)))
         };
-        let squeeze = double(from.modes, from.inputs, squeeze);
+        let project = double(from.modes, from.inputs, project);
         let bias = double(from.modes, 1, bias);
         let spread = double(from.outputs, from.modes, spread);
         let moved = &spread * inner;
@@ -42,7 +42,7 @@ pub fn narrowed(trained: &Trained, samples: &[Sample]) -> Trained {
         let onto = basis.transpose() * &spread;
         let rest = &mean - &basis * (basis.transpose() * &mean);
         let parts = [
-            (&onto * squeeze).transpose(),
+            (&onto * project).transpose(),
             &onto * bias,
             basis.transpose(),
             double(from.outputs, 1, outer) + rest,
@@ -98,7 +98,7 @@ fn principal(covariance: &DMatrix<f64>, count: usize) -> DMatrix<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use posewise::align::{READS_FINE, READS_LAST};
+    use posewise::align::{GLOBAL, SHAPE_INDEXED};
     use rand::{Rng, SeedableRng};
     use rand_chacha::ChaCha8Rng;
 
@@ -106,7 +106,7 @@ mod tests {
     #[test]
     fn answers_stay_as_they_were_where_all_their_coordinates_are_kept() {
         let sizes = Sizes {
-            reads: vec![READS_LAST, READS_LAST | READS_FINE],
+            reads: vec![GLOBAL, GLOBAL | SHAPE_INDEXED],
             ..Sizes::of_part(6, 24, 1.0)
         };
         let network = Network::new(&sizes);
@@ -128,7 +128,7 @@ mod tests {
             parameters,
         };
         let unseen = samples.split_off(30);
-        let narrow = narrowed(&trained, &samples);
+        let narrow = requantize(&trained, &samples);
         assert_eq!(narrow.network.sizes.modes, 12);
         let answer = |trained: &Trained, sample: &Sample| {
             let mut maps = trained.network.graph.maps();

@@ -2,7 +2,7 @@
 //! map read at the points.
 
 use super::graph::{Graph, Maps, Op, Scratch};
-use posewise::align::{READS_FINE, READS_LAST};
+use posewise::align::{GLOBAL, SHAPE_INDEXED};
 use posewise::shape::LANDMARKS;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
@@ -29,7 +29,7 @@ pub struct Sizes {
     pub modes: usize,
     /// Points that it places.
     pub points: usize,
-    /// What each answer reads: `READS_LAST`, `READS_FINE` or both.
+    /// What each answer reads: `GLOBAL`, `SHAPE_INDEXED` or both.
     pub reads: Vec<u32>,
 }
 
@@ -43,7 +43,7 @@ impl Default for Sizes {
             depth: [2, 3],
             modes: 64,
             points: LANDMARKS,
-            reads: vec![READS_LAST, READS_FINE, READS_FINE],
+            reads: vec![GLOBAL, SHAPE_INDEXED, SHAPE_INDEXED],
         }
     }
 }
@@ -59,12 +59,12 @@ impl Sizes {
             depth: [1, 2],
             modes: 32,
             points,
-            reads: vec![READS_LAST | READS_FINE; 2],
+            reads: vec![GLOBAL | SHAPE_INDEXED; 2],
         }
     }
 }
 
-/// `out = spread·(squeeze·features + inner) + outer`: two matrices, rows of outputs.
+/// `out = spread·(project·features + inner) + outer`: two matrices, rows of outputs.
 #[derive(Clone, Debug)]
 pub struct Head {
     /// Features read.
@@ -86,17 +86,17 @@ impl Head {
 
     /// The four parts of this head's parameters.
     pub fn split<'a>(&self, parameters: &'a [f32]) -> [&'a [f32]; 4] {
-        let (squeeze, rest) = parameters[self.at..].split_at(self.modes * self.inputs);
+        let (project, rest) = parameters[self.at..].split_at(self.modes * self.inputs);
         let (inner, rest) = rest.split_at(self.modes);
         let (spread, rest) = rest.split_at(self.outputs * self.modes);
-        [squeeze, inner, spread, &rest[..self.outputs]]
+        [project, inner, spread, &rest[..self.outputs]]
     }
 
     fn forward(&self, parameters: &[f32], features: &[f32], inner: &mut [f32]) -> Vec<f32> {
-        let [squeeze, bias, spread, outer] = self.split(parameters);
+        let [project, bias, spread, outer] = self.split(parameters);
         for ((i, row), b) in inner
             .iter_mut()
-            .zip(squeeze.chunks_exact(self.inputs))
+            .zip(project.chunks_exact(self.inputs))
             .zip(bias)
         {
             *i = dot(row, features) + b;
@@ -115,7 +115,7 @@ impl Head {
         gradient: &mut [f32],
         by_features: &mut [f32],
     ) {
-        let [squeeze, _, spread, _] = self.split(parameters);
+        let [project, _, spread, _] = self.split(parameters);
         let gradient = &mut gradient[self.at..self.at + self.size()];
         let (g_squeeze, rest) = gradient.split_at_mut(self.modes * self.inputs);
         let (g_inner, rest) = rest.split_at_mut(self.modes);
@@ -134,7 +134,7 @@ impl Head {
         by_features.fill(0.0);
         for (((s, w), g), i) in by_inner
             .iter()
-            .zip(squeeze.chunks_exact(self.inputs))
+            .zip(project.chunks_exact(self.inputs))
             .zip(g_squeeze.chunks_exact_mut(self.inputs))
             .zip(g_inner)
         {
@@ -221,12 +221,8 @@ impl Network {
             .reads
             .iter()
             .map(|reads| {
-                let whole = if reads & READS_LAST != 0 {
-                    from_last
-                } else {
-                    0
-                };
-                let local = if reads & READS_FINE != 0 {
+                let whole = if reads & GLOBAL != 0 { from_last } else { 0 };
+                let local = if reads & SHAPE_INDEXED != 0 {
                     sizes.points * sizes.fine
                 } else {
                     0
@@ -266,11 +262,11 @@ impl Network {
         for (k, head) in self.heads.iter().enumerate() {
             let bound = |n: usize| 1.0 / (n as f32).sqrt();
             let (inputs, modes) = (bound(head.inputs), bound(head.modes));
-            let squeeze = head.at..head.at + head.modes * head.inputs;
-            parameters[squeeze.clone()]
+            let project = head.at..head.at + head.modes * head.inputs;
+            parameters[project.clone()]
                 .iter_mut()
                 .for_each(|w| *w = rng.random_range(-inputs..inputs));
-            let spread = squeeze.end + head.modes..squeeze.end + head.modes * (1 + head.outputs);
+            let spread = project.end + head.modes..project.end + head.modes * (1 + head.outputs);
             parameters[spread.clone()]
                 .iter_mut()
                 .for_each(|w| *w = rng.random_range(-modes..modes));
@@ -358,10 +354,10 @@ impl Network {
                 points.iter_mut().for_each(|p| *p = [p[0] + dx, p[1] + dy]);
             }
             let mut features = vec![];
-            if head.reads & READS_FINE != 0 {
+            if head.reads & SHAPE_INDEXED != 0 {
                 features = self.read(&maps[self.fine], &points);
             }
-            if head.reads & READS_LAST != 0 {
+            if head.reads & GLOBAL != 0 {
                 features.extend(&maps[self.last]);
             }
             let mut inner = vec![0.0; head.modes];
@@ -398,8 +394,7 @@ impl Network {
                 gradient,
                 &mut by_features,
             );
-            let local =
-                head.inputs - map_slopes[self.last].len() * (head.reads & READS_LAST) as usize;
+            let local = head.inputs - map_slopes[self.last].len() * (head.reads & GLOBAL) as usize;
             let (local, whole) = by_features.split_at(local);
             add_scaled(&mut map_slopes[self.last], whole, 1.0);
             self.read_back(&mut map_slopes[self.fine], &answer.points[k], local);

@@ -1,4 +1,4 @@
-//! Trains the fine stages (section `PART`): samples are the global stage's own answers on the
+//! Trains the fine stages (section `RFIN`): samples are the global stage's own answers on the
 //! training faces, shaken a little because it errs more on faces that it has not seen.
 
 use super::evaluate::start_of;
@@ -12,7 +12,7 @@ use crate::faces::{Face, ratio};
 use crate::pack::SectionWriter;
 use crate::single_eyes::{self, Single, is_single};
 use anyhow::Result;
-use posewise::align::{AlignModel, Parts, Shape, Workspace, placed};
+use posewise::align::{AlignModel, Refiners, Shape, Workspace, placed};
 use posewise::math::Similarity;
 use posewise::shape::{LANDMARKS, MIRROR};
 use rand::{Rng, SeedableRng};
@@ -114,10 +114,10 @@ pub struct Training<'a> {
 }
 
 impl Training<'_> {
-    /// Trains section `PART`; goes on from checkpoints if there are some.
+    /// Trains section `RFIN`; goes on from checkpoints if there are some.
     pub fn run(&self) -> Result<SectionWriter> {
         let mut parts = all().into_iter().peekable();
-        let mut out = SectionWriter::new(Parts::TAG);
+        let mut out = SectionWriter::new(Refiners::TAG);
         out.scalar(parts.len() as u32);
         let start = |model: &AlignModel<'_>| Ok(starts(model, self.faces));
         let [first, second] = self.global;
@@ -145,7 +145,7 @@ impl Training<'_> {
                 println!("second round");
                 trained = self.round(&part, self.faces, &starts, Some(trained))?.0;
             }
-            let mut alone = SectionWriter::new(Parts::TAG);
+            let mut alone = SectionWriter::new(Refiners::TAG);
             alone.scalar(1u32);
             for out in [&mut alone, &mut out] {
                 write(&trained, out)?;

@@ -1,14 +1,14 @@
 //! From floats to the integers of the cascade's sections.
 
 use super::graph::{Op, Scratch};
-use super::narrow::narrowed;
+use super::narrow::requantize;
 use super::network::{Head, Network};
 use super::samples::Sample;
 use super::starts::StartShapes;
 use super::train::Trained;
 use crate::pack::SectionWriter;
 use anyhow::{Result, ensure};
-use posewise::align::{AlignModel, READS_FINE, Second, Shape};
+use posewise::align::{AlignModel, EnsembleMember, SHAPE_INDEXED, Shape};
 use posewise::network::{ARENA, OP_ADD, OP_CONV, OP_DEPTHWISE, OP_INPUT, OP_LATERAL, OP_LINEAR};
 
 /// Outputs whose weights lie together.
@@ -38,14 +38,14 @@ pub fn face_section(
     Ok(out)
 }
 
-/// Section `ALG2`, as [`posewise::align::Second::open`] reads it.
+/// Section `ENSM`, as [`posewise::align::EnsembleMember::open`] reads it.
 pub fn second_section(trained: &Trained, samples: &[Sample]) -> Result<SectionWriter> {
-    let mut out = SectionWriter::new(Second::TAG);
+    let mut out = SectionWriter::new(EnsembleMember::TAG);
     write_regressor(trained, samples, &mut out)?;
     Ok(out)
 }
 
-/// A part of section `PART`, as [`posewise::align::Parts::open`] reads it.
+/// A part of section `RFIN`, as [`posewise::align::Refiners::open`] reads it.
 pub fn write_part(
     trained: &Trained,
     landmarks: &[usize],
@@ -62,7 +62,7 @@ fn write_regressor(trained: &Trained, samples: &[Sample], out: &mut SectionWrite
     let Trained {
         network,
         parameters,
-    } = &narrowed(trained, samples);
+    } = &requantize(trained, samples);
     let sizes = &network.sizes;
     out.scalar(sizes.side as u32).scalar(sizes.zoom);
     out.scalar(network.fine as u32).scalar(network.last as u32);
@@ -75,7 +75,7 @@ fn write_regressor(trained: &Trained, samples: &[Sample], out: &mut SectionWrite
         write_node(network, parameters, &scales, &places, index, out);
     }
     for head in &network.heads {
-        let local = if head.reads & READS_FINE != 0 {
+        let local = if head.reads & SHAPE_INDEXED != 0 {
             sizes.points * sizes.fine
         } else {
             0
@@ -314,7 +314,7 @@ fn write_head(
     scale_of: impl Fn(usize) -> f32,
     out: &mut SectionWriter,
 ) {
-    let [squeeze, inner, spread, outer] = head.split(parameters);
+    let [project, inner, spread, outer] = head.split(parameters);
     let (mut weights, mut scale) = (vec![], vec![]);
     let (mut rows, mut row_scale) = (vec![], vec![]);
     let to_bytes = |values: &[f32], bytes: &mut Vec<i8>| {
@@ -322,7 +322,7 @@ fn write_head(
         bytes.extend(values.iter().map(|v| (v / step).round() as i8));
         step
     };
-    for (k, row) in squeeze.chunks_exact(head.inputs).enumerate() {
+    for (k, row) in project.chunks_exact(head.inputs).enumerate() {
         let row: Vec<f32> = row
             .iter()
             .enumerate()

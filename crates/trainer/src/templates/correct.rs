@@ -81,7 +81,7 @@ impl ShapeModes {
 
 /// A way to correct.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Correction {
+pub enum ShapeRegression {
     /// Each landmark to the highest response near it.
     Peak,
     /// Each by the mean shift of its response map.
@@ -91,13 +91,13 @@ pub enum Correction {
     Regularised,
 }
 
-impl Correction {
+impl ShapeRegression {
     /// All, with their names.
-    pub fn all() -> [(&'static str, Correction); 3] {
+    pub fn all() -> [(&'static str, ShapeRegression); 3] {
         [
-            ("peak of the response", Correction::Peak),
-            ("mean shift", Correction::MeanShift),
-            ("regularised mean shift", Correction::Regularised),
+            ("peak of the response", ShapeRegression::Peak),
+            ("mean shift", ShapeRegression::MeanShift),
+            ("regularised mean shift", ShapeRegression::Regularised),
         ]
     }
 
@@ -110,7 +110,7 @@ impl Correction {
         strength: f32,
     ) {
         let rounds = match self {
-            Correction::Regularised => ROUNDS,
+            ShapeRegression::Regularised => ROUNDS,
             _ => 1,
         };
         for _ in 0..rounds {
@@ -125,7 +125,7 @@ impl Correction {
                 .map(|(k, p)| self.shift(bank, &seat, k, &patches, *p))
                 .unzip();
             let shifts = match self {
-                Correction::Regularised => {
+                ShapeRegression::Regularised => {
                     let units: Vec<[f32; 2]> =
                         shifts.iter().map(|s| s.map(|v| v * Seat::unit())).collect();
                     let moved = modes.project(&units, &weights);
@@ -163,7 +163,7 @@ impl Correction {
         let Some((best, height)) = peak.copied().filter(|(_, height)| *height > 0.0) else {
             return ([0.0; 2], 0.0);
         };
-        if self == Correction::Peak {
+        if self == ShapeRegression::Peak {
             return (best, height);
         }
         let mut sum = [0.0f32; 3];

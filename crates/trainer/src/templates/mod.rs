@@ -16,7 +16,7 @@ use crate::faces::{self, Face, Picture};
 use crate::fit::AlignedBlob;
 use crate::roc::area;
 use anyhow::{Context, Result};
-use correct::{Correction, ShapeModes};
+use correct::{ShapeModes, ShapeRegression};
 use descriptor::{Patches, Seat};
 use posewise::align::{AlignModel, Shape, Workspace};
 use posewise::shape::LANDMARKS;
@@ -98,7 +98,7 @@ pub fn run(args: &Args) -> Result<()> {
     };
     let before: Vec<Shape> = fits.iter().map(|f| f.shape).collect();
     row("none: the cascade alone", "-", &before);
-    for (name, correction) in Correction::all() {
+    for (name, correction) in ShapeRegression::all() {
         for strength in [0.25f32, 0.5, 1.0] {
             let after: Vec<Shape> = dev
                 .par_iter()
@@ -208,17 +208,17 @@ fn fit(
     work: &mut Workspace,
 ) -> Fit {
     let align = &model.align;
-    align.run(&picture.frame(), align.passes(), &mut shape, work);
-    let verdict = model.verifier.judge(work.features(), work.view());
+    align.run(&picture.frame(), align.iterations(), &mut shape, work);
+    let confidence = model.verifier.evaluate(work.features(), work.view());
     // Templates know how well a place looks, and that is all they know of what is seen.
     let landmarks = responses(align, bank, picture, &shape);
     let face = landmarks.iter().map(|p| p.max(1e-6).ln()).sum();
     Fit {
         shape,
         learned: Says {
-            face: verdict.face,
-            landmarks: verdict.landmarks,
-            seen: verdict.seen,
+            face: confidence.face,
+            landmarks: confidence.landmarks,
+            seen: confidence.visibility,
         },
         templates: Says {
             face,

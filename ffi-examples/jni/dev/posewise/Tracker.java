@@ -15,7 +15,7 @@ public final class Tracker {
     public static final int SEARCHING = 0, TRACKING = 1, HOLDING = 2;
 
     public int state;
-    public float score;
+    public float confidence;
     public float yawDeg, pitchDeg, rollDeg;
     public final float[] translationMm = new float[3];
     /** x and y in turns. */
@@ -51,7 +51,7 @@ public final class Tracker {
         pitchDeg = pose[1];
         rollDeg = pose[2];
         System.arraycopy(pose, 3, translationMm, 0, 3);
-        score = pose[6];
+        confidence = pose[6];
     }
 
     /** Forgets the face, the person and the clock. */

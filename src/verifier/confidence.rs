@@ -4,7 +4,7 @@ use crate::shape::LANDMARKS;
 
 /// How sure the answer is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Verdict {
+pub struct Confidence {
     /// Probability that this is a face and that its landmarks are right (mean error below a tenth
     /// of the inter-ocular distance).
     pub face: f32,
@@ -13,5 +13,5 @@ pub struct Verdict {
     pub landmarks: [f32; LANDMARKS],
     /// Per landmark, probability that nothing hides it from the camera, neither the head itself nor
     /// anything before it.
-    pub seen: [f32; LANDMARKS],
+    pub visibility: [f32; LANDMARKS],
 }

@@ -7,11 +7,11 @@ use crate::image::Crop;
 use crate::model::{Blob, ModelError, Section};
 use crate::shape::LANDMARKS;
 
-/// Section `ALG2`, checked; without a network where the model lacks it.
+/// Section `ENSM`, checked; without a network where the model lacks it.
 ///
 /// The network is read anew whenever it runs, as those of the fine stages are.
 #[derive(Clone, Debug, Default)]
-pub struct Second<'m> {
+pub struct EnsembleMember<'m> {
     content: Option<Section<'m>>,
     /// Side of the crops that it sees \[px\].
     side: usize,
@@ -19,9 +19,9 @@ pub struct Second<'m> {
     zoom: f32,
 }
 
-impl<'m> Second<'m> {
+impl<'m> EnsembleMember<'m> {
     /// Name of the section.
-    pub const TAG: [u8; 4] = *b"ALG2";
+    pub const TAG: [u8; 4] = *b"ENSM";
 
     /// Reads and checks the section, which holds a regressor.
     ///
@@ -30,11 +30,11 @@ impl<'m> Second<'m> {
     #[inline(never)]
     pub fn open(blob: &Blob<'m>) -> Result<Self, ModelError> {
         let section = match blob.section(&Self::TAG) {
-            Err(ModelError::Missing(_)) => return Ok(Second::default()),
+            Err(ModelError::Missing(_)) => return Ok(EnsembleMember::default()),
             other => other?,
         };
         let regressor = Regressor::read(&mut section.clone(), LANDMARKS)?;
-        Ok(Second {
+        Ok(EnsembleMember {
             side: regressor.side(),
             zoom: regressor.zoom(),
             content: Some(section),

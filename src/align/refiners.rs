@@ -8,35 +8,35 @@
 //! image: what its network says of both is averaged.
 
 use super::Shape;
-use super::correction::Correction;
 use super::regressor::{Memory, Regressor};
+use super::shape_regression::ShapeRegression;
 use crate::image::{Crop, Frame, warp};
 use crate::math::Similarity;
 use crate::model::{Blob, ModelError, Section};
 use crate::shape::{LANDMARKS, MIRROR};
 
 /// Most networks.
-pub const MAX_PARTS: usize = 3;
+pub const MAX_REFINERS: usize = 3;
 /// Most landmarks of a part.
 pub const MAX_POINTS: usize = 24;
 
-/// Section `PART` with what follows the fine stages (`CORR`), checked; no parts where the model lacks
+/// Section `RFIN` with what follows the fine stages (`SREG`), checked; no parts where the model lacks
 /// the first, or the build its feature (`fine-stages`).
 ///
 /// A part's network is read anew whenever it runs, which takes a microsecond: all of them would make
 /// a model too large for small stacks.
 #[derive(Clone, Debug, Default)]
-pub struct Parts<'m> {
+pub struct Refiners<'m> {
     /// How many.
     count: usize,
     /// What follows that number.
     content: Option<Section<'m>>,
     /// What comes after the last of them.
-    correction: Option<Correction<'m>>,
+    correction: Option<ShapeRegression<'m>>,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Part<'m> {
+struct Refiner<'m> {
     /// Which landmarks, in the order of the network's points.
     landmarks: &'m [u32],
     /// Whether the landmarks' mirror images are a part of their own; else they are the same part.
@@ -44,31 +44,31 @@ struct Part<'m> {
     regressor: Regressor<'m>,
 }
 
-impl<'m> Parts<'m> {
+impl<'m> Refiners<'m> {
     /// Name of the section.
-    pub const TAG: [u8; 4] = *b"PART";
+    pub const TAG: [u8; 4] = *b"RFIN";
 
-    /// Reads and checks the sections. `PART` holds `parts: u32`, then for each `points, twin: u32, landmarks:
+    /// Reads and checks the sections. `RFIN` holds `parts: u32`, then for each `points, twin: u32, landmarks:
     /// u32[points]` and its regressor.
     ///
     /// # Errors
     /// When one is too short or a number is out of range.
     #[inline(never)]
     pub fn open(blob: &Blob<'m>) -> Result<Self, ModelError> {
-        if !cfg!(feature = "fine-stages") {
-            return Ok(Parts::default());
+        if !cfg!(feature = "refiners") {
+            return Ok(Refiners::default());
         }
         let mut s = match blob.section(&Self::TAG) {
-            Err(ModelError::Missing(_)) => return Ok(Parts::default()),
+            Err(ModelError::Missing(_)) => return Ok(Refiners::default()),
             other => other?,
         };
-        let parts = Parts {
-            count: s.count(1, MAX_PARTS, "number of parts")?,
+        let parts = Refiners {
+            count: s.count(1, MAX_REFINERS, "number of parts")?,
             content: Some(s.clone()),
-            correction: Correction::open(blob)?,
+            correction: ShapeRegression::open(blob)?,
         };
         for _ in 0..parts.count {
-            Part::check(&mut s)?;
+            Refiner::check(&mut s)?;
         }
         Ok(parts)
     }
@@ -91,7 +91,7 @@ impl<'m> Parts<'m> {
         };
         for _ in 0..self.count {
             // It was checked when the model was opened.
-            let Ok(part) = Part::read(&mut content) else {
+            let Ok(part) = Refiner::read(&mut content) else {
                 return;
             };
             let mut other = *shape;
@@ -111,8 +111,8 @@ impl<'m> Parts<'m> {
     }
 }
 
-impl<'m> Part<'m> {
-    /// As [`Part::read`], without the part on the caller's stack.
+impl<'m> Refiner<'m> {
+    /// As [`Refiner::read`], without the part on the caller's stack.
     #[inline(never)]
     fn check(s: &mut Section<'m>) -> Result<(), ModelError> {
         let (landmarks, _) = Self::landmarks(s)?;
@@ -121,7 +121,7 @@ impl<'m> Part<'m> {
 
     fn read(s: &mut Section<'m>) -> Result<Self, ModelError> {
         let (landmarks, twin) = Self::landmarks(s)?;
-        Ok(Part {
+        Ok(Refiner {
             landmarks,
             twin,
             regressor: Regressor::read(s, landmarks.len())?,

@@ -8,7 +8,7 @@ use crate::image::Frame;
 /// Trees per unit of work beyond the first: most windows are rejected by fewer.
 const TREES_PER_UNIT: usize = 16;
 
-/// What a unit of work is on a softened frame.
+/// What a unit of work is on a box_filtered frame.
 const SOFT: i64 = 3;
 
 /// From a centre to each pixel of the grid, right and down \[px\].
@@ -51,24 +51,24 @@ impl<'a> Windows<'a> {
     /// The best score (> 0) that an ensemble gives to the window around a pixel of the frame, if any
     /// takes it for a face, and what it cost to see that \[units of work\].
     #[inline(never)]
-    pub fn judge(&self, model: &DetectorModel<'_>, x: i32, y: i32) -> (Option<i32>, i64) {
+    pub fn evaluate(&self, model: &DetectorModel<'_>, x: i32, y: i32) -> (Option<i32>, i64) {
         let (mut best, mut asked) = (None, 0);
-        let (centre, soft) = (self.inside(x, y), self.frame.is_soft());
+        let (centre, box_filtered) = (self.inside(x, y), self.frame.is_box_filtered());
         for ensemble in model.ensembles() {
             let (score, trees) = match centre {
-                Some(centre) if soft => ensemble.judge(self.softened(centre)),
-                Some(centre) => ensemble.judge(self.stored(centre)),
-                None => ensemble.judge(self.anywhere(x, y, false)),
+                Some(centre) if box_filtered => ensemble.evaluate(self.box_filtered(centre)),
+                Some(centre) => ensemble.evaluate(self.stored(centre)),
+                None => ensemble.evaluate(self.anywhere(x, y, false)),
             };
             best = best.max(score);
             asked += trees;
             if ensemble.mirrored {
-                let (score, trees) = ensemble.judge(self.anywhere(x, y, true));
+                let (score, trees) = ensemble.evaluate(self.anywhere(x, y, true));
                 best = best.max(score);
                 asked += trees;
             }
         }
-        let cost = if soft { SOFT } else { 1 };
+        let cost = if box_filtered { SOFT } else { 1 };
         (best, cost * (1 + (asked / TREES_PER_UNIT) as i64))
     }
 
@@ -91,9 +91,9 @@ impl<'a> Windows<'a> {
         }
     }
 
-    /// The same of a softened frame.
+    /// The same of a box_filtered frame.
     #[inline]
-    fn softened(&self, (_, centre): (&'a [u8], isize)) -> impl Fn(Pixel) -> u8 {
+    fn box_filtered(&self, (_, centre): (&'a [u8], isize)) -> impl Fn(Pixel) -> u8 {
         move |pixel| self.frame.mean_at(centre + self.bytes_to(pixel))
     }
 
@@ -103,7 +103,7 @@ impl<'a> Windows<'a> {
     fn inside(&self, x: i32, y: i32) -> Option<(&'a [u8], isize)> {
         let (reach, frame) = (self.reach, self.frame);
         // Neighbours are read too.
-        let more = i32::from(frame.is_soft());
+        let more = i32::from(frame.is_box_filtered());
         let [across, down] = reach.map(|reach| reach.saturating_add(more));
         let left_and_up = x >= across && y >= down;
         let inside = left_and_up && x + across < frame.width() && y + down < frame.height();
@@ -126,7 +126,7 @@ impl<'a> Windows<'a> {
 
 impl Ensemble<'_> {
     /// The final sum of a window that passes all thresholds, and the number of trees asked.
-    fn judge(&self, luma: impl Fn(Pixel) -> u8) -> (Option<i32>, usize) {
+    fn evaluate(&self, luma: impl Fn(Pixel) -> u8) -> (Option<i32>, usize) {
         let leaves = self.forest.leaves();
         let mut sum = 0i32;
         for (group, thresholds) in self.thresholds.chunks(ABREAST).enumerate() {
@@ -170,21 +170,27 @@ mod tests {
             };
             let sharp = Frame::new(&layout, &bytes).unwrap();
             let sizes = [(16, 0.0), (25, 0.5), (33, -0.5), (90, 0.5), (60_000, 1.0)];
-            for ((side, roll), soft) in sizes.into_iter().flat_map(|s| [(s, false), (s, true)]) {
-                let frame = if soft { sharp.softened() } else { sharp };
+            for ((side, roll), box_filtered) in
+                sizes.into_iter().flat_map(|s| [(s, false), (s, true)])
+            {
+                let frame = if box_filtered {
+                    sharp.box_filtered()
+                } else {
+                    sharp
+                };
                 let window = Window::new(0, 0, side * 16, roll);
                 let mut table = EMPTY;
                 let windows = Windows::new(&frame, window, &mut table);
                 for (x, y) in (0..frame.width()).flat_map(|x| (0..9).map(move |y| (x, 5 * y))) {
                     let window = window.at_pixel(x, y);
                     let (anywhere, inside) = (windows.anywhere(x, y, false), windows.inside(x, y));
-                    seen_inside[soft as usize] += inside.is_some() as u32;
+                    seen_inside[box_filtered as usize] += inside.is_some() as u32;
                     for pixel in 0..(GRID * GRID) as Pixel {
                         let expected = window.read(&frame, pixel);
                         assert_eq!(anywhere(pixel), expected, "{side} {roll} {x} {y}");
                         if let Some(centre) = inside {
-                            let seen = match soft {
-                                true => windows.softened(centre)(pixel),
+                            let seen = match box_filtered {
+                                true => windows.box_filtered(centre)(pixel),
                                 false => windows.stored(centre)(pixel),
                             };
                             assert_eq!(seen, expected, "{side} {roll} {x} {y}");

@@ -1,4 +1,4 @@
-//! Linear classifiers on the cascade's features, calibrated to probabilities (section `SCOR`).
+//! Linear classifiers on the cascade's features, calibrated to probabilities (section `VRFY`).
 //!
 //! One looks at all landmarks' features at once and tells a well-fitted face from anything else;
 //! one per landmark looks at that landmark's features alone and tells whether it is right. Whether a
@@ -6,12 +6,12 @@
 //! answers, because what covers one mostly covers its neighbours. Outputs pass through a fitted
 //! logistic (Platt 1999). Weights are `i8`, sums are integers.
 
-use super::Verdict;
+use super::Confidence;
 use crate::math::sigmoid;
 use crate::model::{Blob, ModelError};
 use crate::shape::LANDMARKS;
 
-/// A checked view of section `SCOR`.
+/// A checked view of section `VRFY`.
 #[derive(Clone, Copy, Debug)]
 pub struct Verifier<'m> {
     features: usize,
@@ -45,15 +45,15 @@ struct ViewWeights<'m> {
 const MAX_VIEWS: usize = 7;
 
 /// Nothing right, nothing seen.
-const NONE: Verdict = Verdict {
+const NONE: Confidence = Confidence {
     face: 0.0,
     landmarks: [0.0; LANDMARKS],
-    seen: [0.0; LANDMARKS],
+    visibility: [0.0; LANDMARKS],
 };
 
 impl<'m> Verifier<'m> {
     /// Name of the section.
-    pub const TAG: [u8; 4] = *b"SCOR";
+    pub const TAG: [u8; 4] = *b"VRFY";
 
     /// Reads and checks the section; `features` per landmark and `views` as the cascade has them.
     ///
@@ -93,13 +93,13 @@ impl<'m> Verifier<'m> {
     }
 
     /// Judges the features of one fit (`LANDMARKS` × `features`), seen from `view`.
-    pub fn judge(&self, features: &[i8], view: usize) -> Verdict {
+    pub fn evaluate(&self, features: &[i8], view: usize) -> Confidence {
         let Some(weights) = self.views.get(view).copied().flatten() else {
             return NONE;
         };
         let logit = weights.face_scale * dot(weights.face, features) as f32 + weights.face_bias;
         let n = self.features.max(1);
-        let mut verdict = Verdict {
+        let mut confidence = Confidence {
             face: sigmoid(logit),
             ..NONE
         };
@@ -110,7 +110,7 @@ impl<'m> Verifier<'m> {
             .zip(weights.local_bias)
             .zip(weights.local_face);
         for ((out, (weight, own)), ((scale, bias), share)) in
-            verdict.landmarks.iter_mut().zip(rows).zip(constants)
+            confidence.landmarks.iter_mut().zip(rows).zip(constants)
         {
             *out = sigmoid(scale * dot(weight, own) as f32 + share * logit + bias);
         }
@@ -118,19 +118,20 @@ impl<'m> Verifier<'m> {
         let rows = weights.seen.chunks_exact(n).zip(features.chunks_exact(n));
         let constants = weights.seen_scale.iter().zip(weights.seen_bias);
         for ((out, (weight, own)), (scale, bias)) in first.iter_mut().zip(rows).zip(constants) {
-            *out = first_answer(scale * dot(weight, own) as f32 + bias);
+            *out = first_prediction(scale * dot(weight, own) as f32 + bias);
         }
         let rows = weights.context.chunks_exact(LANDMARKS);
         let constants = weights.context_scale.iter().zip(weights.context_bias);
-        for ((out, row), (scale, bias)) in verdict.seen.iter_mut().zip(rows).zip(constants) {
+        for ((out, row), (scale, bias)) in confidence.visibility.iter_mut().zip(rows).zip(constants)
+        {
             *out = sigmoid(scale * dot(row, &first) as f32 + bias);
         }
-        verdict
+        confidence
     }
 }
 
 /// A first answer (about −1 … 1) in the byte that the second ones read.
-pub fn first_answer(score: f32) -> i8 {
+pub fn first_prediction(score: f32) -> i8 {
     libm::roundf(score * 48.0).clamp(-127.0, 127.0) as i8
 }
 

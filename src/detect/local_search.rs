@@ -1,7 +1,7 @@
 //! A small, bounded search around a place where a face is expected.
 
 use super::cluster::{Clusters, Hit, turns};
-use super::judge::{EMPTY, Windows};
+use super::evaluate::{EMPTY, Windows};
 use super::refine::window_of;
 use super::window::Q4;
 use super::{Detection, DetectorModel, refine};
@@ -21,7 +21,7 @@ const ROLLS: [i32; 3] = [0, 3_641, -3_641];
 /// windows.
 // By itself, so that its table is on the stack only while it runs.
 #[inline(never)]
-pub fn search_near(
+pub fn local_search(
     model: &DetectorModel<'_>,
     frame: &Frame<'_>,
     around: &Detection,
@@ -47,7 +47,7 @@ pub fn search_near(
                 if left <= 0 {
                     break;
                 }
-                let (score, units) = windows.judge(model, x, y);
+                let (score, units) = windows.evaluate(model, x, y);
                 left -= units;
                 if let Some(score) = score {
                     clusters.add(Hit {
@@ -62,7 +62,7 @@ pub fn search_near(
             }
         }
     }
-    let mut best = clusters.tell(model.confirm, 1, true)?;
+    let mut best = clusters.report(model.confirm, 1, true)?;
     // Clusters hold rolls relative to the expected one, so that ±180° needs no care.
     best.roll += around.roll;
     Some(refine(model, frame, &best))

@@ -12,9 +12,9 @@ use crate::shape::LANDMARKS;
 /// Coordinates of a shape.
 const COORDINATES: usize = 2 * LANDMARKS;
 
-/// Section `CORR`, checked.
+/// Section `SREG`, checked.
 #[derive(Clone, Copy, Debug)]
-pub struct Correction<'m> {
+pub struct ShapeRegression<'m> {
     /// A row of `x0, y0, …, x67, y67` for each coordinate in the same order.
     weights: &'m [i8],
     /// Of each row.
@@ -23,9 +23,9 @@ pub struct Correction<'m> {
     bias: &'m [f32],
 }
 
-impl<'m> Correction<'m> {
+impl<'m> ShapeRegression<'m> {
     /// Name of the section.
-    pub const TAG: [u8; 4] = *b"CORR";
+    pub const TAG: [u8; 4] = *b"SREG";
 
     /// Reads and checks the section: `weights: i8[136·136], scale, bias: f32[136]`; `None` where the
     /// model lacks it.
@@ -37,7 +37,7 @@ impl<'m> Correction<'m> {
             Err(ModelError::Missing(_)) => return Ok(None),
             other => other?,
         };
-        Ok(Some(Correction {
+        Ok(Some(ShapeRegression {
             weights: s.i8s(COORDINATES * COORDINATES)?,
             scale: s.f32s(COORDINATES)?,
             bias: s.f32s(COORDINATES)?,
@@ -90,7 +90,7 @@ mod tests {
         weights[3 * COORDINATES] = 64;
         let mut bias = [0.0; COORDINATES];
         bias[0] = 0.25;
-        let correction = Correction {
+        let correction = ShapeRegression {
             weights: &weights,
             scale: &[1.0 / 128.0; COORDINATES],
             bias: &bias,

@@ -4,7 +4,7 @@
 //! looks at the picture again. All that is left to ask is how well the 3D face explains the shape.
 //! Numbers here are no probabilities.
 
-use super::Verdict;
+use super::Confidence;
 use crate::model::{Blob, ModelError};
 use crate::shape::{FaceFit, Intrinsics, LANDMARKS};
 use core::marker::PhantomData;
@@ -31,27 +31,27 @@ impl<'m> Verifier<'m> {
     }
 
     /// Takes everything, until [`by_fit`] has seen more.
-    pub fn judge(&self, _: &[i8], _: usize) -> Verdict {
-        Verdict {
+    pub fn evaluate(&self, _: &[i8], _: usize) -> Confidence {
+        Confidence {
             face: 1.0,
             landmarks: [1.0; LANDMARKS],
-            seen: [1.0; LANDMARKS],
+            visibility: [1.0; LANDMARKS],
         }
     }
 }
 
-/// Replaces a verdict by what a fit says of itself: `face`, and with it every landmark, from 1 where
+/// Replaces a confidence by what a fit says of itself: `face`, and with it every landmark, from 1 where
 /// the 3D face lies on the landmarks to 0 where it lies too far from them; `seen` by the head's own
 /// shape. In place, for small stacks.
 #[inline(never)]
-pub fn by_fit(verdict: &mut Verdict, fitted: &FaceFit, camera: &Intrinsics) {
+pub fn by_fit(confidence: &mut Confidence, fitted: &FaceFit, camera: &Intrinsics) {
     let [a, b] = EYES.map(|k| fitted.points_mm.get(k).copied().unwrap_or_default());
     let eyes_mm = libm::sqrtf((b - a).length_squared());
     let eyes_px = eyes_mm * camera.fx / fitted.state.pose.translation_mm.z.max(1.0);
     let off = fitted.rms_px / (LIMIT * eyes_px).max(1e-6);
-    verdict.face = (1.0 - off * off).max(0.0);
-    verdict.landmarks.fill(verdict.face);
-    for (seen, visible) in verdict.seen.iter_mut().zip(fitted.visible) {
+    confidence.face = (1.0 - off * off).max(0.0);
+    confidence.landmarks.fill(confidence.face);
+    for (seen, visible) in confidence.visibility.iter_mut().zip(fitted.visible) {
         *seen = f32::from(u8::from(visible));
     }
 }

@@ -7,7 +7,7 @@
 //! whatever covers the others. Drift is bounded: only the trained classifiers decide what is learnt
 //! from, never what was learnt, and the person's say is limited.
 
-use super::Verdict;
+use super::Confidence;
 use crate::math::sigmoid;
 use crate::network::MAX_FEATURES;
 use crate::shape::LANDMARKS;
@@ -29,7 +29,7 @@ const MOST: f32 = 4.0;
 const ALIKE: f32 = 0.5;
 
 /// Landmarks that are learnt: none in builds that lack the features.
-const LEARNT: usize = if cfg!(all(feature = "experts", feature = "adaptation")) {
+const LEARNT: usize = if cfg!(all(feature = "verifier", feature = "adaptation")) {
     LANDMARKS
 } else {
     0
@@ -37,15 +37,15 @@ const LEARNT: usize = if cfg!(all(feature = "experts", feature = "adaptation")) 
 
 /// One person's landmarks. Plain data, all zero for nobody.
 #[derive(Clone)]
-pub struct Person {
+pub struct Appearance {
     mean: [[i16; MAX_FEATURES]; LEARNT],
     variance: [[u16; MAX_FEATURES]; LEARNT],
     frames: [u16; LEARNT],
 }
 
-impl Person {
+impl Appearance {
     /// Nobody yet.
-    pub const NOBODY: Person = Person {
+    pub const EMPTY: Appearance = Appearance {
         mean: [[0; MAX_FEATURES]; LEARNT],
         variance: [[0; MAX_FEATURES]; LEARNT],
         frames: [0; LEARNT],
@@ -55,14 +55,14 @@ impl Person {
     /// say of seen and hidden, and learns from what they are sure of where the face is `trusted`.
     /// Returns how many landmarks are seen and look like themselves.
     #[inline(never)]
-    pub fn follow(&mut self, features: &[i8], trusted: bool, verdict: &mut Verdict) -> u32 {
+    pub fn follow(&mut self, features: &[i8], trusted: bool, confidence: &mut Confidence) -> u32 {
         let each = features.len() / LANDMARKS;
         if !(1..=MAX_FEATURES).contains(&each) {
             return 0;
         }
         let mut recognised = 0;
         let models = self.mean.iter_mut().zip(&mut self.variance);
-        let models = models.zip(&mut self.frames).zip(&mut verdict.seen);
+        let models = models.zip(&mut self.frames).zip(&mut confidence.visibility);
         let features = features.chunks_exact(each);
         for ((((mean, variance), frames), seen), features) in models.zip(features) {
             let learns = trusted && *seen >= SEEN;
@@ -116,7 +116,7 @@ fn shifted(probability: f32, by: f32) -> f32 {
     sigmoid(libm::logf(p / (1.0 - p)) + by)
 }
 
-#[cfg(all(test, feature = "experts", feature = "adaptation"))]
+#[cfg(all(test, feature = "verifier", feature = "adaptation"))]
 mod tests {
     use super::*;
 
@@ -126,32 +126,40 @@ mod tests {
         core::array::from_fn(|i| 40 + (i % 7) as i8 + change(i))
     }
 
-    fn sure() -> Verdict {
-        Verdict {
+    fn sure() -> Confidence {
+        Confidence {
             face: 1.0,
             landmarks: [1.0; LANDMARKS],
-            seen: [0.8; LANDMARKS],
+            visibility: [0.8; LANDMARKS],
         }
     }
 
     #[test]
     fn a_landmark_that_looks_unlike_itself_is_less_seen() {
-        let mut person = Person::NOBODY;
+        let mut person = Appearance::EMPTY;
         for n in 0..40 {
-            let mut verdict = sure();
-            person.follow(&face(|i| ((i + n) % 3) as i8 * 4), true, &mut verdict);
-            assert_eq!(verdict.seen.map(|s| s > 0.5), [true; LANDMARKS]);
+            let mut confidence = sure();
+            person.follow(&face(|i| ((i + n) % 3) as i8 * 4), true, &mut confidence);
+            assert_eq!(confidence.visibility.map(|s| s > 0.5), [true; LANDMARKS]);
         }
         let covered = face(|i| if i / MAX_FEATURES == 30 { 50 } else { 4 });
-        let mut verdict = sure();
-        person.follow(&covered, true, &mut verdict);
-        assert!(verdict.seen[30] < 0.2, "{}", verdict.seen[30]);
-        assert!(verdict.seen[31] > 0.8, "{}", verdict.seen[31]);
+        let mut confidence = sure();
+        person.follow(&covered, true, &mut confidence);
+        assert!(
+            confidence.visibility[30] < 0.2,
+            "{}",
+            confidence.visibility[30]
+        );
+        assert!(
+            confidence.visibility[31] > 0.8,
+            "{}",
+            confidence.visibility[31]
+        );
     }
 
     #[test]
     fn a_face_is_recognised_by_what_is_left_of_it() {
-        let mut person = Person::NOBODY;
+        let mut person = Appearance::EMPTY;
         for n in 0..40 {
             let frame = face(|i| ((i + n) % 3) as i8 * 4);
             let recognised = person.follow(&frame, true, &mut sure());
@@ -167,33 +175,38 @@ mod tests {
 
     #[test]
     fn nothing_is_learnt_from_what_is_not_trusted() {
-        let mut person = Person::NOBODY;
+        let mut person = Appearance::EMPTY;
         for _ in 0..40 {
-            let mut verdict = Verdict {
+            let mut confidence = Confidence {
                 face: 0.5,
                 ..sure()
             };
-            person.follow(&face(|_| 0), false, &mut verdict);
-            let mut verdict = Verdict {
-                seen: [0.3; LANDMARKS],
+            person.follow(&face(|_| 0), false, &mut confidence);
+            let mut confidence = Confidence {
+                visibility: [0.3; LANDMARKS],
                 ..sure()
             };
-            person.follow(&face(|_| 0), true, &mut verdict);
+            person.follow(&face(|_| 0), true, &mut confidence);
         }
         assert_eq!(person.frames, [0; LANDMARKS]);
     }
 
     #[test]
     fn extreme_features_stay_in_range() {
-        let mut person = Person::NOBODY;
+        let mut person = Appearance::EMPTY;
         for n in 0..300 {
             let value = if n % 2 == 0 { i8::MIN } else { i8::MAX };
-            let mut verdict = sure();
-            person.follow(&[value; FEATURES], true, &mut verdict);
-            assert!(verdict.seen.iter().all(|s| (0.0..=1.0).contains(s)));
+            let mut confidence = sure();
+            person.follow(&[value; FEATURES], true, &mut confidence);
+            assert!(
+                confidence
+                    .visibility
+                    .iter()
+                    .all(|s| (0.0..=1.0).contains(s))
+            );
         }
-        let mut verdict = sure();
-        person.follow(&[], true, &mut verdict);
-        person.follow(&[1, 2, 3], true, &mut verdict);
+        let mut confidence = sure();
+        person.follow(&[], true, &mut confidence);
+        person.follow(&[1, 2, 3], true, &mut confidence);
     }
 }
