@@ -5,15 +5,15 @@
 //! Builds without the feature `experts` have [`geometry`](by_fit) instead, which has neither.
 
 mod appearance;
+#[cfg(feature = "verifier")]
+mod classifiers;
 mod confidence;
 #[cfg(not(feature = "verifier"))]
 mod geometry;
-#[cfg(feature = "verifier")]
-mod verifier;
 
 pub use appearance::Appearance;
+#[cfg(feature = "verifier")]
+pub use classifiers::{Verifier, first_prediction};
 pub use confidence::Confidence;
 #[cfg(not(feature = "verifier"))]
 pub use geometry::{Verifier, by_fit};
-#[cfg(feature = "verifier")]
-pub use verifier::{Verifier, first_prediction};
