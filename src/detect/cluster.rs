@@ -79,7 +79,7 @@ impl Cluster {
             y: px(mean.y),
             size: px(mean.size),
             roll: turns(mean.roll),
-            turn: 0.0,
+            yaw: 0.0,
             score: self.strength as f32 / confirm.max(1) as f32 - 1.0,
         })
     }

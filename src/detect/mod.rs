@@ -1,7 +1,7 @@
 //! The multi-view face detector: a time-sliced scan straight over the frame's luma.
 //!
 //! In: a [`Frame`](crate::image::Frame) and the section `DTCT` of the model. Out: at most one
-//! [`Detection`], that of the largest face. A window is judged by box_filtered cascades of boosted trees
+//! [`Detection`], that of the largest face. A window is evaluated by soft cascades of boosted trees
 //! whose nodes compare two pixels (Markuš et al., "Object detection with pixel intensity
 //! comparisons organized in decision trees", 2013): no pyramid, no integral image, no copy of the
 //! frame; the [`GRID`] of pixels to compare is scaled and turned with the window. Overlapping hits are
@@ -42,7 +42,7 @@ pub struct Detection {
     /// In-plane rotation of the head, clockwise in the image \[rad\].
     pub roll: f32,
     /// Sign and rough amount of yaw, −1 (turned to the image left) to 1 (right).
-    pub turn: f32,
+    pub yaw: f32,
     /// Confidence; higher is better, 0 is the working threshold.
     pub score: f32,
 }

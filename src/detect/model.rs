@@ -28,7 +28,7 @@ pub const REFINE_OUTPUTS: usize = 5;
 const TREES_MAX: usize = 4096;
 const ROUNDS_MAX: usize = 8;
 
-/// One box_filtered cascade of boosted trees.
+/// One soft cascade of boosted trees.
 #[derive(Clone, Copy, Debug)]
 pub struct Ensemble<'m> {
     /// Whether windows are also tested mirrored: then the ensemble knows one side view only.

@@ -8,19 +8,19 @@ use crate::image::Frame;
 /// One unit of the leaves' sums.
 const UNIT: f32 = 1.0 / 4096.0;
 
-/// The detection after the model's number of rounds, with `turn` filled in; the score is kept.
+/// The detection after the model's number of rounds, with `yaw` filled in; the score is kept.
 /// Work: rounds × trees of the refining forest.
 pub fn refine(model: &DetectorModel<'_>, frame: &Frame<'_>, start: &Detection) -> Detection {
     let mut found = *start;
     for _ in 0..model.refiner.rounds {
         let window = window_of(model, &found);
-        let [right, down, log_size, roll, turn] = sums(model, frame, &window);
+        let [right, down, log_size, roll, yaw] = sums(model, frame, &window);
         let (sin, cos) = (libm::sinf(found.roll), libm::cosf(found.roll));
         found.x += found.size * (cos * right - sin * down);
         found.y += found.size * (sin * right + cos * down);
         found.size *= libm::expf(log_size.clamp(-0.5, 0.5));
         found.roll += roll;
-        found.turn = turn.clamp(-1.0, 1.0);
+        found.yaw = yaw.clamp(-1.0, 1.0);
     }
     found
 }

@@ -3,7 +3,7 @@
 use super::descriptor::{BITS, Steered, apart};
 use super::picture::{Grid, Picture};
 use super::points::keypoints;
-use super::table::{KEYFRAMES, Keyframe, Keyframes, POINTS};
+use super::table::{KEYFRAME_POINTS_MAX, KEYFRAMES_MAX, Keyframe, Keyframes};
 use super::{FACE_PX, Shape};
 use crate::image::Frame;
 use crate::math::Similarity;
@@ -29,25 +29,25 @@ const OTHERS: [f32; 4] = [1.0, 1.25, 1.0, 0.8];
 
 /// What to look for.
 #[derive(Clone, Copy, Debug)]
-pub struct Wanted {
+pub struct Query {
     /// The face's size, as the detector has it \[frame px\].
     pub size_px: f32,
     /// Its roll \[rad\].
     pub roll: f32,
     /// Counts the looks at it: through the windows of a frame that does not fit into one picture,
     /// then through other sizes and rolls than those.
-    pub turn: u32,
+    pub attempt: u32,
 }
 
 /// A face that was seen before.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Found {
+pub struct KeyframeMatch {
     /// Where its landmarks should be \[frame px\].
     pub shape: Shape,
-    /// Whose face it is, as [`Keyframes::person`] counts.
-    pub person: u32,
+    /// Whose face it is, as [`Keyframes::identity`] counts.
+    pub identity: u32,
     /// Matches that agree.
-    pub agreed: usize,
+    pub inliers: usize,
     entry: usize,
 }
 
@@ -81,16 +81,21 @@ impl Keyframes {
     /// Looks for a face that was seen before, in a window of the frame. Work is bounded by the
     /// window's pixels, its keypoints times those of the table, and the rounds.
     #[inline(never)]
-    pub fn find(&self, frame: &Frame<'_>, wanted: &Wanted, memory: &mut [u8]) -> Option<Found> {
-        let guess = wanted.turn / Grid::count(frame, wanted.size_px, FACE_PX).max(1);
+    pub fn query(
+        &self,
+        frame: &Frame<'_>,
+        wanted: &Query,
+        memory: &mut [u8],
+    ) -> Option<KeyframeMatch> {
+        let guess = wanted.attempt / Grid::count(frame, wanted.size_px, FACE_PX).max(1);
         let size_px = wanted.size_px * OTHERS.get(guess as usize % OTHERS.len())?;
         let roll = match guess.is_multiple_of(2) {
             true => wanted.roll,
             false => 0.0,
         };
-        let grid = Grid::window(frame, wanted.turn, size_px, FACE_PX)?;
+        let grid = Grid::window(frame, wanted.attempt, size_px, FACE_PX)?;
         let picture = Picture::of(frame, &grid, memory);
-        let mut matches = [[Match::NONE; POINTS]; KEYFRAMES];
+        let mut matches = [[Match::NONE; KEYFRAME_POINTS_MAX]; KEYFRAMES_MAX];
         self.compare(&picture, roll, &mut matches);
         let candidates = self.table.iter().zip(&matches).enumerate();
         let found = candidates.filter_map(|(entry, (keyframe, matches))| {
@@ -100,21 +105,21 @@ impl Keyframes {
         });
         let (agreed, entry, similarity) = found.max_by_key(|(agreed, entry, _)| {
             // The first of equals.
-            (*agreed, KEYFRAMES - entry)
+            (*agreed, KEYFRAMES_MAX - entry)
         })?;
         let keyframe = self.table.get(entry)?;
         let shape = keyframe.shape().map(|p| grid.to_frame(similarity.apply(p)));
-        Some(Found {
+        Some(KeyframeMatch {
             shape,
-            person: keyframe.person,
-            agreed,
+            identity: keyframe.identity,
+            inliers: agreed,
             entry,
         })
     }
 
     /// What was found is a face: it is tracked from here on.
-    pub fn take(&mut self, found: &Found) {
-        self.again(found.entry);
+    pub fn mark_used(&mut self, found: &KeyframeMatch) {
+        self.mark_entry_used(found.entry);
     }
 
     /// For each keypoint of the table the best and the second best of the picture.
@@ -123,7 +128,7 @@ impl Keyframes {
         &self,
         picture: &Picture<'_>,
         roll: f32,
-        matches: &mut [[Match; POINTS]; KEYFRAMES],
+        matches: &mut [[Match; KEYFRAME_POINTS_MAX]; KEYFRAMES_MAX],
     ) {
         let steered = Steered::new(roll, picture);
         keypoints(picture, |found| {
@@ -156,7 +161,7 @@ impl Keyframes {
 /// The similarity on which most matches of a keyframe agree, and how many do.
 #[inline(never)]
 fn agree(keyframe: &Keyframe, matches: &[Match], turn: f32) -> Option<(usize, Similarity)> {
-    let mut pairs = [([0.0; 2], [0.0; 2]); POINTS];
+    let mut pairs = [([0.0; 2], [0.0; 2]); KEYFRAME_POINTS_MAX];
     let clear = keyframe.points().iter().zip(matches);
     let clear = clear.filter(|(_, m)| m.is_clear());
     let mut count = 0;
@@ -200,7 +205,10 @@ pub(super) fn consensus(pairs: &[Pair], turn: f32) -> Option<(usize, Similarity)
     if most < AGREED {
         return None;
     }
-    let (mut from, mut to) = ([[0.0; 2]; POINTS], [[0.0; 2]; POINTS]);
+    let (mut from, mut to) = (
+        [[0.0; 2]; KEYFRAME_POINTS_MAX],
+        [[0.0; 2]; KEYFRAME_POINTS_MAX],
+    );
     let agreeing = pairs.iter().filter(|p| agrees(&best, p));
     let mut count = 0;
     for ((from, to), pair) in from.iter_mut().zip(&mut to).zip(agreeing) {
@@ -275,7 +283,7 @@ mod tests {
     fn chance_agrees_on_nothing() {
         let mut state = 1;
         for _ in 0..200 {
-            let pairs: [Pair; POINTS] = core::array::from_fn(|_| random(&mut state));
+            let pairs: [Pair; KEYFRAME_POINTS_MAX] = core::array::from_fn(|_| random(&mut state));
             assert_eq!(consensus(&pairs, 0.0), None);
         }
         assert_eq!(consensus(&[], 0.0), None);

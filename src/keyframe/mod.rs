@@ -19,10 +19,10 @@ mod picture;
 mod points;
 mod table;
 
-pub use find::{Found, Wanted};
-pub use picture::BYTES;
-pub use points::KEYPOINTS;
-pub use table::{KEYFRAMES, Keyframes, POINTS, Seen};
+pub use find::{KeyframeMatch, Query};
+pub use picture::SCRATCH_BYTES;
+pub use points::KEYPOINTS_MAX;
+pub use table::{KEYFRAME_POINTS_MAX, KEYFRAMES_MAX, Keyframes, Observation};
 
 use crate::shape::LANDMARKS;
 

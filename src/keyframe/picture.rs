@@ -7,7 +7,7 @@ pub const WIDTH: usize = 320;
 /// Highest picture \[px\].
 pub const HEIGHT: usize = 240;
 /// Bytes that a picture may take.
-pub const BYTES: usize = WIDTH * HEIGHT;
+pub const SCRATCH_BYTES: usize = WIDTH * HEIGHT;
 
 /// A frame pixel in the units of a [`Grid`].
 const Q8: f32 = 256.0;
@@ -136,7 +136,7 @@ impl<'s> Picture<'s> {
     }
 
     /// Reduces the part of the frame that the grid says, blurred by 3×3 binomial weights: two
-    /// samples for each pixel, so at most 2·[`BYTES`] reads. Empty when the memory is too small.
+    /// samples for each pixel, so at most 2·[`SCRATCH_BYTES`] reads. Empty when the memory is too small.
     pub fn of(frame: &Frame<'_>, grid: &Grid, memory: &'s mut [u8]) -> Picture<'s> {
         let (width, height) = (grid.width.min(WIDTH), grid.height.min(HEIGHT));
         let Some(luma) = memory.get_mut(..width * height) else {

@@ -17,7 +17,7 @@ const PER_CELL: usize = 2;
 const CELLS: usize = WIDTH.div_ceil(CELL);
 
 /// Most keypoints of a picture.
-pub const KEYPOINTS: usize = CELLS * HEIGHT.div_ceil(CELL) * PER_CELL;
+pub const KEYPOINTS_MAX: usize = CELLS * HEIGHT.div_ceil(CELL) * PER_CELL;
 
 /// A spot.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -40,7 +40,7 @@ impl Keypoint {
 type Row = [i16; WIDTH];
 
 /// Tells the keypoints of a picture, the strongest [`PER_CELL`] of each cell: at most
-/// [`KEYPOINTS`]. The work is that of some twenty additions per pixel.
+/// [`KEYPOINTS_MAX`]. The work is that of some twenty additions per pixel.
 #[inline(never)]
 pub fn keypoints(picture: &Picture<'_>, mut each: impl FnMut(Keypoint)) {
     let (width, height) = (picture.width(), picture.height());

@@ -9,9 +9,9 @@ use crate::math::HeadAngles;
 use crate::shape::LANDMARKS;
 
 /// Most keyframes.
-pub const KEYFRAMES: usize = 20;
+pub const KEYFRAMES_MAX: usize = 20;
 /// Most keypoints of a keyframe.
-pub const POINTS: usize = 32;
+pub const KEYFRAME_POINTS_MAX: usize = 32;
 
 /// Yaws and pitches that part the bins \[deg\].
 const YAWS: [f32; 4] = [-40.0, -14.0, 14.0, 40.0];
@@ -57,7 +57,7 @@ pub(super) struct Keyframe {
     count: u8,
     bin: u8,
     /// Whose face it is.
-    pub person: u32,
+    pub identity: u32,
     /// When it was last of use; higher is later.
     used: u32,
     quality: f32,
@@ -65,19 +65,19 @@ pub(super) struct Keyframe {
     pub roll: f32,
     /// The landmarks, as a point's place.
     shape: [[i16; 2]; LANDMARKS],
-    points: [Point; POINTS],
+    points: [Point; KEYFRAME_POINTS_MAX],
 }
 
 impl Keyframe {
     const FREE: Keyframe = Keyframe {
         count: 0,
         bin: 0,
-        person: 0,
+        identity: 0,
         used: 0,
         quality: 0.0,
         roll: 0.0,
         shape: [[0; 2]; LANDMARKS],
-        points: [Point::NONE; POINTS],
+        points: [Point::NONE; KEYFRAME_POINTS_MAX],
     };
 
     pub fn points(&self) -> &[Point] {
@@ -92,7 +92,7 @@ impl Keyframe {
 
 /// A face to remember.
 #[derive(Clone, Copy, Debug)]
-pub struct Seen<'a> {
+pub struct Observation<'a> {
     /// Its landmarks \[frame px\].
     pub shape: &'a Shape,
     /// How its head is turned.
@@ -106,9 +106,9 @@ pub struct Seen<'a> {
 /// Keyframes: plain data of fixed size, all zero when empty.
 #[derive(Clone)]
 pub struct Keyframes {
-    pub(super) table: [Keyframe; KEYFRAMES],
+    pub(super) table: [Keyframe; KEYFRAMES_MAX],
     /// Whose face is tracked: another number for every stranger.
-    person: u32,
+    identity: u32,
     /// Counts what was of use.
     clock: u32,
 }
@@ -123,13 +123,13 @@ fn bin_of(angles: &HeadAngles) -> u8 {
 impl Keyframes {
     /// None yet.
     pub const EMPTY: Keyframes = Keyframes {
-        table: [Keyframe::FREE; KEYFRAMES],
-        person: 0,
+        table: [Keyframe::FREE; KEYFRAMES_MAX],
+        identity: 0,
         clock: 0,
     };
 
     /// Forgets all faces.
-    pub fn forget(&mut self) {
+    pub fn clear(&mut self) {
         self.table.iter_mut().for_each(|k| k.count = 0);
     }
 
@@ -140,31 +140,31 @@ impl Keyframes {
 
     /// A face is tracked that no keyframe led to: what is seen from here on is kept as somebody
     /// else's.
-    pub fn stranger(&mut self) {
-        let last = self.table.iter().map(|k| k.person).max().unwrap_or(0);
-        self.person = self.person.max(last).wrapping_add(1);
+    pub fn new_identity(&mut self) {
+        let last = self.table.iter().map(|k| k.identity).max().unwrap_or(0);
+        self.identity = self.identity.max(last).wrapping_add(1);
     }
 
     /// Whose face is tracked.
-    pub fn person(&self) -> u32 {
-        self.person
+    pub fn identity(&self) -> u32 {
+        self.identity
     }
 
     /// The face of an entry is tracked again.
-    pub(super) fn again(&mut self, entry: usize) {
+    pub(super) fn mark_entry_used(&mut self, entry: usize) {
         self.clock = self.clock.wrapping_add(1);
         if let Some(keyframe) = self.table.get_mut(entry) {
             keyframe.used = self.clock;
-            self.person = keyframe.person;
+            self.identity = keyframe.identity;
         }
     }
 
     /// Where a face seen like this would go; `None` when it brings nothing new. A bin of a person
     /// has one entry. Else a free entry is taken, or the one that was of use longest ago.
-    pub fn place(&self, angles: &HeadAngles, quality: f32) -> Option<usize> {
+    pub fn entry_for(&self, angles: &HeadAngles, quality: f32) -> Option<usize> {
         let bin = bin_of(angles);
         let mut entries = self.table.iter().enumerate();
-        let own = entries.find(|(_, k)| k.count > 0 && k.person == self.person && k.bin == bin);
+        let own = entries.find(|(_, k)| k.count > 0 && k.identity == self.identity && k.bin == bin);
         match own {
             Some((entry, kept)) => (quality > kept.quality + BETTER).then_some(entry),
             None => {
@@ -177,8 +177,8 @@ impl Keyframes {
 
     /// Remembers a face, if it brings something new; `memory` needs 120² bytes.
     #[inline(never)]
-    pub fn learn(&mut self, frame: &Frame<'_>, seen: &Seen<'_>, memory: &mut [u8]) {
-        let Some(entry) = self.place(&seen.angles, seen.quality) else {
+    pub fn add(&mut self, frame: &Frame<'_>, seen: &Observation<'_>, memory: &mut [u8]) {
+        let Some(entry) = self.entry_for(&seen.angles, seen.quality) else {
             return;
         };
         let centre = middle(seen.shape);
@@ -195,13 +195,13 @@ impl Keyframes {
         let steered = Steered::new(roll, &picture);
         let outline = Outline::of(&local, roll);
         self.clock = self.clock.wrapping_add(1);
-        let (person, clock) = (self.person, self.clock);
+        let (identity, clock) = (self.identity, self.clock);
         let Some(keyframe) = self.table.get_mut(entry) else {
             return;
         };
         keyframe.count = 0;
         keyframe.bin = bin_of(&seen.angles);
-        keyframe.person = person;
+        keyframe.identity = identity;
         keyframe.used = clock;
         keyframe.quality = seen.quality;
         keyframe.roll = roll;
@@ -262,7 +262,7 @@ impl Outline {
 #[cfg(test)]
 mod tests {
     use super::super::testing::{SIDE as SQUARE, texture};
-    use super::super::{BYTES, Wanted};
+    use super::super::{Query, SCRATCH_BYTES};
     use super::*;
     use crate::image::FrameLayout;
 
@@ -292,19 +292,19 @@ mod tests {
     }
 
     fn learn(keyframes: &mut Keyframes, luma: &[u8], yaw_deg: f32, pitch_deg: f32, quality: f32) {
-        let seen = Seen {
+        let seen = Observation {
             shape: &ring([100.0, 100.0]),
             angles: angles(yaw_deg, pitch_deg),
             size_px: 64.0,
             quality,
         };
-        keyframes.learn(&frame(luma, SQUARE), &seen, &mut [0; BYTES]);
+        keyframes.add(&frame(luma, SQUARE), &seen, &mut [0; SCRATCH_BYTES]);
     }
 
-    const WANTED: Wanted = Wanted {
+    const WANTED: Query = Query {
         size_px: 64.0,
         roll: 0.0,
-        turn: 0,
+        attempt: 0,
     };
 
     #[test]
@@ -317,31 +317,31 @@ mod tests {
         assert_eq!(filled(&keyframes), 1);
         assert!(keyframes.table[0].points().len() > 8);
         // The same bin brings nothing, unless much better; then the entry stays the same.
-        assert_eq!(keyframes.place(&angles(9.0, -9.0), 0.8), None);
-        assert_eq!(keyframes.place(&angles(9.0, -9.0), 0.9), Some(0));
-        assert_eq!(keyframes.place(&angles(20.0, 0.0), 0.1), Some(1));
-        assert_eq!(keyframes.place(&angles(0.0, 20.0), 0.1), Some(1));
+        assert_eq!(keyframes.entry_for(&angles(9.0, -9.0), 0.8), None);
+        assert_eq!(keyframes.entry_for(&angles(9.0, -9.0), 0.9), Some(0));
+        assert_eq!(keyframes.entry_for(&angles(20.0, 0.0), 0.1), Some(1));
+        assert_eq!(keyframes.entry_for(&angles(0.0, 20.0), 0.1), Some(1));
         learn(&mut keyframes, &luma, -20.0, 0.0, 0.5);
         // Somebody else's face does not replace it before there is no room.
-        keyframes.stranger();
+        keyframes.new_identity();
         for bin in 0..15 {
             let yaw = [-60.0, -20.0, 0.0, 20.0, 60.0][bin % 5];
             learn(&mut keyframes, &luma, yaw, [-30.0, 0.0, 30.0][bin / 5], 0.5);
         }
         assert_eq!(filled(&keyframes), 17);
-        keyframes.again(0);
-        let first = keyframes.person();
+        keyframes.mark_entry_used(0);
+        let first = keyframes.identity();
         for _ in 0..2 {
-            keyframes.stranger();
-            assert_ne!(keyframes.person(), first);
+            keyframes.new_identity();
+            assert_ne!(keyframes.identity(), first);
             learn(&mut keyframes, &luma, 0.0, 0.0, 0.5);
             learn(&mut keyframes, &luma, 20.0, 0.0, 0.5);
         }
         // The one that was of use lately is kept, the one that was not has made room.
-        assert_eq!(filled(&keyframes), KEYFRAMES);
-        assert_eq!(keyframes.table[0].person, first);
-        assert_ne!(keyframes.table[1].person, first);
-        keyframes.forget();
+        assert_eq!(filled(&keyframes), KEYFRAMES_MAX);
+        assert_eq!(keyframes.table[0].identity, first);
+        assert_ne!(keyframes.table[1].identity, first);
+        keyframes.clear();
         assert!(keyframes.is_empty());
     }
 
@@ -352,9 +352,9 @@ mod tests {
         for (roll, scale) in [(0.0, 1.0), (0.2, 1.0), (-0.2, 1.1), (0.0, 0.9)] {
             let luma = texture(roll, scale, 4);
             let frame = frame(&luma, SQUARE);
-            let found = keyframes.find(&frame, &WANTED, &mut [0; BYTES]);
+            let found = keyframes.query(&frame, &WANTED, &mut [0; SCRATCH_BYTES]);
             let found = found.expect("the same texture");
-            assert_eq!((found.person, found.agreed >= 6), (0, true));
+            assert_eq!((found.identity, found.inliers >= 6), (0, true));
             let truth = ring([0.0, 0.0]).map(|[x, y]| {
                 let (cos, sin) = (libm::cosf(roll) * scale, libm::sinf(roll) * scale);
                 [100.0 + x * cos - y * sin, 100.0 + x * sin + y * cos]
@@ -375,8 +375,8 @@ mod tests {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             (state >> 24) as u8
         });
-        let memory = &mut [0; BYTES];
-        for turn in 0..8 {
+        let memory = &mut [0; SCRATCH_BYTES];
+        for attempt in 0..8 {
             for (luma, width) in [
                 (&noise[..], SQUARE),
                 (&[77; 160 * 120], 160),
@@ -385,12 +385,12 @@ mod tests {
                 (&[3; 16_384], 1),
             ] {
                 for size_px in [64.0, 1.0, 0.0, -5.0, 1e9, f32::NAN] {
-                    let wanted = Wanted {
+                    let wanted = Query {
                         size_px,
-                        turn,
+                        attempt,
                         roll: size_px,
                     };
-                    let found = keyframes.find(&frame(luma, width), &wanted, memory);
+                    let found = keyframes.query(&frame(luma, width), &wanted, memory);
                     assert_eq!(found, None);
                 }
             }
@@ -398,16 +398,16 @@ mod tests {
         // Faces that cannot be: nothing to find them by is kept.
         let mut empty = Keyframes::EMPTY;
         for v in [f32::NAN, f32::INFINITY, 1e30, -1e30] {
-            let seen = Seen {
+            let seen = Observation {
                 shape: &[[v; 2]; LANDMARKS],
                 angles: angles(v, v),
                 size_px: v,
                 quality: 1.0,
             };
-            empty.learn(&frame(&noise, SQUARE), &seen, memory);
-            empty.learn(&frame(&[0], 1), &seen, &mut []);
+            empty.add(&frame(&noise, SQUARE), &seen, memory);
+            empty.add(&frame(&[0], 1), &seen, &mut []);
         }
-        let found = empty.find(&frame(&noise, SQUARE), &WANTED, memory);
+        let found = empty.query(&frame(&noise, SQUARE), &WANTED, memory);
         assert_eq!(found, None);
     }
 }

@@ -29,7 +29,7 @@ const NOWHERE: Detection = Detection {
     y: 0.0,
     size: 0.0,
     roll: 0.0,
-    turn: 0.0,
+    yaw: 0.0,
     score: 0.0,
 };
 

@@ -26,7 +26,7 @@ use crate::align::{Shape, Workspace};
 use crate::detect::{Detection, Sizes, local_search};
 use crate::image::{Frame, noise_share};
 #[cfg(feature = "keyframes")]
-use crate::keyframe::{Keyframes, Seen, Wanted};
+use crate::keyframe::{Keyframes, Observation, Query};
 #[cfg(feature = "keyframes")]
 use crate::math::HeadAngles;
 use crate::shape::{FRAME_WEIGHT, FitOptions, Intrinsics, MAX_IDENTITIES, Observed, fit};
@@ -264,7 +264,7 @@ impl Tracker {
         self.search.reset();
         self.looks = 0;
         #[cfg(feature = "keyframes")]
-        self.keyframes.forget();
+        self.keyframes.clear();
     }
 
     /// Forgets whose face it is, as when somebody else takes the seat: the identity is learnt anew
@@ -272,7 +272,7 @@ impl Tracker {
     pub fn forget_identity(&mut self) {
         self.subject.forget_identity();
         #[cfg(feature = "keyframes")]
-        self.keyframes.forget();
+        self.keyframes.clear();
     }
 
     /// Changes the camera from the next step on.
@@ -350,17 +350,17 @@ impl Tracker {
         if lost.size_px <= 0.0 || self.keyframes.is_empty() {
             return Recollected::Nobody(0);
         }
-        let wanted = Wanted {
+        let wanted = Query {
             size_px: lost.size_px,
             roll: lost.roll,
-            turn: self.looks,
+            attempt: self.looks,
         };
         self.looks = self.looks.wrapping_add(1);
-        let Some(found) = self.keyframes.find(frame, &wanted, self.work.scratch()) else {
+        let Some(found) = self.keyframes.query(frame, &wanted, self.work.scratch()) else {
             return Recollected::Nobody(RECOLLECT_UNITS);
         };
         let mut shape = found.shape;
-        let whose = match found.person == self.keyframes.person() {
+        let whose = match found.identity == self.keyframes.identity() {
             true => Whose::Lost,
             false => Whose::Stranger,
         };
@@ -368,7 +368,7 @@ impl Tracker {
         if self.take(model, frame, now, &mut shape, &look).is_err() {
             return Recollected::Nobody(RECOLLECT_UNITS + SECOND_LOOK_UNITS);
         }
-        self.keyframes.take(&found);
+        self.keyframes.mark_used(&found);
         self.search.end();
         Recollected::Found
     }
@@ -394,16 +394,16 @@ impl Tracker {
             roll_deg: result.roll_deg,
         };
         let quality = result.confidence * result.visible_share;
-        if result.confidence < TRUST || self.keyframes.place(&angles, quality).is_none() {
+        if result.confidence < TRUST || self.keyframes.entry_for(&angles, quality).is_none() {
             return;
         }
-        let seen = Seen {
+        let seen = Observation {
             shape: &self.subject.shape,
             angles,
             size_px: place_of(model, &self.subject.shape).size,
             quality,
         };
-        self.keyframes.learn(frame, &seen, self.work.scratch());
+        self.keyframes.add(frame, &seen, self.work.scratch());
     }
 
     /// Looks for a face that was lost a moment ago where it should be by now, and every other time
@@ -464,7 +464,7 @@ impl Tracker {
         whose: Whose,
         least: f32,
     ) -> bool {
-        let start = model.align.views().start(face.turn);
+        let start = model.align.views().start(face.yaw);
         let Some(mut shape) = start.and_then(|start| start_in(&start, face)) else {
             return false;
         };
@@ -624,7 +624,7 @@ impl Tracker {
         if whose == Whose::Stranger {
             subject.become_stranger();
             #[cfg(feature = "keyframes")]
-            self.keyframes.stranger();
+            self.keyframes.new_identity();
         }
         subject.move_to(now, carried, fitted, confidence.face, whose);
         if subject.learns(confidence.face) {

@@ -384,7 +384,7 @@ fn on_alarms(
                     let alarms = alarms(detector, &frame);
                     let every = alarms.len().div_ceil(ALARMS).max(1);
                     for found in alarms.iter().step_by(every) {
-                        let start = start_of(model, found.turn);
+                        let start = start_of(model, found.yaw);
                         let at = [found.x, found.y];
                         let mut shape = start_from_box(&start, at, found.size, found.roll);
                         if model.run(&frame, model.iterations(), &mut shape, work) {

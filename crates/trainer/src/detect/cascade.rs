@@ -122,7 +122,7 @@ impl Flat {
 
 /// A face's share of the samples: turned and tilted heads are rare in photographs.
 fn rarity(face: &Face) -> f64 {
-    let yaw = face.truth.turn.abs() as f64 * 90.0;
+    let yaw = face.truth.yaw.abs() as f64 * 90.0;
     1.0 + 3.0 * ((yaw - 12.0) / 25.0).clamp(0.0, 1.0)
 }
 

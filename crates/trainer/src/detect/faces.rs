@@ -16,7 +16,7 @@ pub struct Face {
     /// File name, whose first part names the person.
     pub name: String,
     pub picture: Grey,
-    /// The face's box by the rule of [`Detection`]; `turn` from the nose's place between the eyes.
+    /// The face's box by the rule of [`Detection`]; `yaw` from the nose's place between the eyes.
     pub truth: Detection,
 }
 
@@ -122,7 +122,7 @@ pub fn face_box(points: &[[f32; 2]], roll: Option<f32>, yaw: Option<f32>) -> Det
         y: sin * centre[0] + cos * centre[1],
         size: (high[0] - low[0]).max(high[1] - low[1]),
         roll,
-        turn: (yaw / std::f32::consts::FRAC_PI_2).clamp(-1.0, 1.0),
+        yaw: (yaw / std::f32::consts::FRAC_PI_2).clamp(-1.0, 1.0),
         score: 0.0,
     }
 }

@@ -43,7 +43,7 @@ impl Forest {
     }
 }
 
-/// What takes `from` onto `truth`, in the axes of `from`; and the turn.
+/// What takes `from` onto `truth`, in the axes of `from`; and the yaw.
 fn targets(from: &Detection, truth: &Detection) -> Targets {
     let (sin, cos) = from.roll.sin_cos();
     let (dx, dy) = (truth.x - from.x, truth.y - from.y);
@@ -52,7 +52,7 @@ fn targets(from: &Detection, truth: &Detection) -> Targets {
         (cos * dy - sin * dx) / from.size,
         (truth.size / from.size).ln(),
         truth.roll - from.roll,
-        truth.turn,
+        truth.yaw,
     ]
 }
 
@@ -60,8 +60,8 @@ fn sample(faces: &[Face], options: &Options, index: u64) -> (Vec<u8>, Targets) {
     let mut rng = rng_for(options.seed, 0x5245_4649, index);
     let face = loop {
         let face = &faces[rng.random_range(0..faces.len())];
-        // Every second draw asks for a turned head.
-        if rng.random_bool(0.5) || face.truth.turn.abs() > rng.random_range(0.0..0.4) {
+        // Every second draw asks for a large yaw.
+        if rng.random_bool(0.5) || face.truth.yaw.abs() > rng.random_range(0.0..0.4) {
             break face;
         }
     };

@@ -101,7 +101,7 @@ pub struct Reach {
 impl Reach {
     /// For a key light in camera axes and the head's rotation.
     pub fn new(key: Vec3, head_to_camera: Mat3) -> Reach {
-        // Directions over which the key light's shadow edges are box_filtered.
+        // Directions over which the key light's shadow edges are softened.
         const NEAR: usize = 7;
         let local = head_to_camera.transpose() * key;
         let weight = |d: Vec3| d.dot(local).max(0.0).powi(16) + 1e-9;
