@@ -7,7 +7,6 @@
 //! |---|---|---|
 //! | 0 | [`math`] | fixed-point helpers, similarity transforms, rotations, small solvers |
 //! | 1 | [`image`] | frame views over the caller's bytes, luma, the warp into a canonical crop |
-//! | 1 | [`model`] | the `.posewise` blob: header, sections, zero-copy typed views |
 //! | 2 | [`network`] | learned local features of a crop |
 //! | 2 | [`shape`] | the 3D face, projection, POSIT, the bounded pose fit |
 //! | 3 | [`detect`] | the multi-view face scan, time-sliced |
@@ -35,22 +34,18 @@ pub mod image;
 #[cfg(feature = "keyframes")]
 pub mod keyframe;
 pub mod math;
-pub mod model;
 pub mod network;
 pub mod shape;
 pub mod track;
 pub mod verifier;
 
+pub use posewise_format as model;
+
 #[cfg(any(feature = "ffi", test))]
 pub mod ffi;
 
-/// Bytes aligned as a model blob must be ([`model::ALIGN`]).
 #[cfg(feature = "default-model")]
-#[repr(C, align(64))]
-struct Aligned<B: ?Sized>(B);
-
-#[cfg(feature = "default-model")]
-static DEFAULT: &Aligned<[u8]> = &Aligned(*include_bytes!(concat!(
+static DEFAULT: &model::Aligned<[u8]> = &model::Aligned(*include_bytes!(concat!(
     env!("OUT_DIR"),
     "/default.posewise"
 )));

@@ -4,46 +4,14 @@ use posewise::detect::{
     Detection, DetectorModel, GRID, Scan, ScanOutcome, Sizes, TAG, local_search,
 };
 use posewise::image::{Frame, FrameLayout, Rotation};
-use posewise::model::{Blob, FORMAT_VERSION, HEADER_LEN, MAGIC, ModelError, crc32};
-
-/// A section under construction, laid out as `posewise::model::Section` reads it.
-#[derive(Default)]
-struct Writer(Vec<u8>);
-
-impl Writer {
-    fn scalar(&mut self, value: u32) -> &mut Self {
-        self.0.extend(value.to_le_bytes());
-        self
-    }
-
-    fn array(&mut self, bytes: impl IntoIterator<Item = u8>) -> &mut Self {
-        self.0.resize(self.0.len().next_multiple_of(16), 0);
-        self.0.extend(bytes);
-        self.0.resize(self.0.len().next_multiple_of(4), 0);
-        self
-    }
-}
-
-#[repr(C, align(64))]
-struct Aligned([u8; 8192]);
+use posewise_format::{AlignedBytes, Blob, ModelError, SectionWriter, blob};
 
 fn with_model<T>(
-    section: &[u8],
+    section: Vec<u8>,
     run: impl FnOnce(Result<DetectorModel<'_>, ModelError>) -> T,
 ) -> T {
-    let mut body = vec![0; 64];
-    body[..4].copy_from_slice(&TAG);
-    body[4..8].copy_from_slice(&(HEADER_LEN as u32 + 64).to_le_bytes());
-    body[8..12].copy_from_slice(&(section.len() as u32).to_le_bytes());
-    body.extend(section);
-    let mut bytes = Box::new(Aligned([0; 8192]));
-    bytes.0[..8].copy_from_slice(&MAGIC);
-    let total = (HEADER_LEN + body.len()) as u32;
-    for (i, value) in [FORMAT_VERSION, total, crc32(&body), 1].iter().enumerate() {
-        bytes.0[8 + 4 * i..][..4].copy_from_slice(&value.to_le_bytes());
-    }
-    bytes.0[HEADER_LEN..][..body.len()].copy_from_slice(&body);
-    let blob = Blob::open(&bytes.0).expect("a well-formed blob");
+    let bytes = AlignedBytes::new(&blob(&[SectionWriter::of_bytes(TAG, section)]));
+    let blob = Blob::open(&bytes).expect("a well-formed blob");
     run(blob.section(&TAG).and_then(DetectorModel::open))
 }
 
@@ -60,31 +28,26 @@ const QUESTIONS: [[usize; 4]; 6] = [
 ];
 
 fn section(mirrored: bool, rolls: &[i16]) -> Vec<u8> {
-    let mut w = Writer::default();
-    w.scalar(213).scalar(31).scalar(256).scalar(64).scalar(3);
-    w.scalar(rolls.len() as u32);
-    w.array(rolls.iter().flat_map(|r| r.to_le_bytes()));
+    let mut w = SectionWriter::new(TAG);
+    // Scale ratio, step, window's side, margin, confirming strength.
+    for value in [213u32, 31, 256, 64, 3] {
+        w.scalar(value);
+    }
+    w.scalar(rolls.len() as u32).array(rolls);
     let n = QUESTIONS.len();
-    w.scalar(1)
-        .scalar(mirrored as u32)
-        .scalar(1)
-        .scalar(n as u32);
+    // One ensemble: mirrored or not, depth, trees.
+    w.scalar(1u32).scalar(mirrored as u32);
+    w.scalar(1u32).scalar(n as u32);
     let pixels = QUESTIONS.as_flattened().as_chunks().0.iter();
-    w.array(pixels.flat_map(|[column, row]| ((row * GRID + column) as u16).to_le_bytes()));
-    w.array([10; QUESTIONS.len()]);
-    w.array(
-        (0..n)
-            .flat_map(|_| [-100i16, 100])
-            .flat_map(|v| v.to_le_bytes()),
-    );
-    w.array((1..=n as i32).flat_map(|t| (100 * t).to_le_bytes()));
-    w.scalar(0)
-        .scalar(1)
-        .scalar(0)
-        .array([])
-        .array([])
-        .array([]);
-    w.0
+    let pixels = pixels.map(|[column, row]| (row * GRID + column) as u16);
+    w.array(&pixels.collect::<Vec<_>>());
+    w.array(&[10u8; QUESTIONS.len()]);
+    w.array([[-100i16, 100]; QUESTIONS.len()].as_flattened());
+    w.array(&[1i32, 2, 3, 4, 5, 6].map(|tree| 100 * tree));
+    // No refinement.
+    w.scalar(0u32).scalar(1u32).scalar(0u32);
+    w.array::<u8>(&[]).array::<u8>(&[]).array::<u8>(&[]);
+    w.bytes().to_vec()
 }
 
 const SIDE: i32 = 160;
@@ -147,7 +110,7 @@ fn finds_the_pattern_in_slices_of_any_length() {
     let frame = Frame::new(&layout(), &pixels).unwrap();
     let blank = vec![90; pixels.len()];
     let blank = Frame::new(&layout(), &blank).unwrap();
-    with_model(&section(false, &[0]), |model| {
+    with_model(section(false, &[0]), |model| {
         let model = model.expect("a valid model");
         let whole = sweep(&model, &frame, u32::MAX);
         close(whole, 90.0, 70.0, 48.0);
@@ -166,8 +129,10 @@ fn rolls_and_mirrors_and_frame_layouts() {
     let frame = Frame::new(&layout(), &turned).unwrap();
     let upright = section(false, &[0]);
     let rolls = section(false, &[0, 10430, -10430]);
-    let missed = with_model(&upright, |model| sweep(&model.unwrap(), &frame, u32::MAX));
-    with_model(&rolls, |model| {
+    let missed = with_model(upright.clone(), |model| {
+        sweep(&model.unwrap(), &frame, u32::MAX)
+    });
+    with_model(rolls, |model| {
         // Upright candidates come first.
         let all = told(&model.unwrap(), &frame);
         let found = all.into_iter().find(|d| d.roll.abs() > 0.5);
@@ -182,10 +147,10 @@ fn rolls_and_mirrors_and_frame_layouts() {
         ..layout()
     };
     let mirror = Frame::new(&mirror, &pixels).unwrap();
-    with_model(&upright, |model| {
+    with_model(upright.clone(), |model| {
         assert_eq!(sweep(&model.unwrap(), &mirror, 1000), None);
     });
-    with_model(&section(true, &[0]), |model| {
+    with_model(section(true, &[0]), |model| {
         let model = model.unwrap();
         let a = sweep(&model, &plain, 1000).expect("found");
         let b = sweep(&model, &mirror, 1000).expect("found mirrored");
@@ -201,7 +166,7 @@ fn rolls_and_mirrors_and_frame_layouts() {
     };
     let reversed: Vec<u8> = pixels.iter().rev().copied().collect();
     let half = Frame::new(&half, &reversed).unwrap();
-    with_model(&upright, |model| {
+    with_model(upright.clone(), |model| {
         let model = model.unwrap();
         assert_eq!(sweep(&model, &half, 50), sweep(&model, &plain, 50));
     });
@@ -209,7 +174,7 @@ fn rolls_and_mirrors_and_frame_layouts() {
 
 #[test]
 fn what_moves_is_told_where_it_is() {
-    with_model(&section(false, &[0]), |model| {
+    with_model(section(false, &[0]), |model| {
         let model = model.unwrap();
         let mut scan = Scan::new();
         for slice in 0..40 {
@@ -230,7 +195,7 @@ fn what_moves_is_told_where_it_is() {
 fn searches_near_a_place_only() {
     let pixels = picture(90.0, 70.0, 48.0, 0.0);
     let frame = Frame::new(&layout(), &pixels).unwrap();
-    with_model(&section(false, &[0]), |model| {
+    with_model(section(false, &[0]), |model| {
         let model = model.unwrap();
         let around = |x, y, size| Detection {
             x,
@@ -268,7 +233,7 @@ fn broken_sections_are_refused_or_harmless() {
     let frame = Frame::new(&layout(), &pixels).unwrap();
     let good = section(true, &[0, 5461]);
     for len in 0..good.len() {
-        with_model(&good[..len], |model| {
+        with_model(good[..len].to_vec(), |model| {
             // Only the trailing empty arrays and padding may be cut unnoticed.
             assert!(model.is_err() || len + 32 > good.len(), "cut to {len}");
         });
@@ -276,7 +241,7 @@ fn broken_sections_are_refused_or_harmless() {
     for bit in 0..good.len() * 8 {
         let mut bad = good.clone();
         bad[bit / 8] ^= 1 << (bit % 8);
-        with_model(&bad, |model| {
+        with_model(bad, |model| {
             if let Ok(model) = model {
                 Scan::new().advance(&model, &frame, Sizes::from(40), 300);
             }

@@ -8,11 +8,10 @@ use std::path::{Path, PathBuf};
 
 /// Room, layer as the table in `src/lib.rs` prints it, rank. A room may use rooms of lower rank;
 /// `monitor` shares a layer with `track`, which it reads.
-const ROOMS: [(&str, &str, u32); 13] = [
+const ROOMS: [(&str, &str, u32); 12] = [
     ("math", "0", 0),
     ("time", "0", 0),
     ("image", "1", 1),
-    ("model", "1", 1),
     ("network", "2", 2),
     ("shape", "2", 2),
     ("detect", "3", 3),
@@ -24,8 +23,8 @@ const ROOMS: [(&str, &str, u32); 13] = [
     ("ffi", "5", 6),
 ];
 
-/// Where `unsafe` may be written: the C ABI, the typed views into a model, SIMD kernels.
-const UNSAFE: [&str; 3] = ["src/ffi/", "src/model/section.rs", "src/network/kernel/"];
+/// Where `unsafe` may be written: the C ABI, SIMD kernels.
+const UNSAFE: [&str; 2] = ["src/ffi/", "src/network/kernel/"];
 
 fn rank(room: &str) -> Option<u32> {
     let known = ROOMS.iter().find(|(name, _, _)| *name == room);

@@ -1,35 +1,11 @@
-//! Every model in `models/` tracks, and a spoilt one is refused or harmless.
+//! Every model in `models/` tracks, and a spoilt one is rejected or harmless.
 
 mod common;
 
 use common::root;
 use posewise::image::{Frame, FrameLayout};
-use posewise::model::{HEADER_LEN, crc32};
 use posewise::track::{Config, Model, State, Tracker};
-
-/// Bytes at a multiple of 64.
-struct Aligned {
-    bytes: Vec<u8>,
-    start: usize,
-    len: usize,
-}
-
-impl Aligned {
-    fn new(content: &[u8]) -> Aligned {
-        let mut bytes = vec![0; content.len() + 64];
-        let start = bytes.as_ptr().align_offset(64);
-        bytes[start..start + content.len()].copy_from_slice(content);
-        Aligned {
-            bytes,
-            start,
-            len: content.len(),
-        }
-    }
-
-    fn get(&self) -> &[u8] {
-        &self.bytes[self.start..self.start + self.len]
-    }
-}
+use posewise_format::{AlignedBytes, Blob, SectionWriter, blob};
 
 /// Frames of the demo clip, at most `most`, in which a face is tracked.
 fn tracked(model: &Model<'_>, most: usize) -> Option<(usize, usize)> {
@@ -57,8 +33,8 @@ fn every_model_tracks_the_demo_clip() {
             continue;
         }
         models += 1;
-        let bytes = Aligned::new(&std::fs::read(&path).expect("a model"));
-        let model = Model::load(bytes.get()).expect("a valid model");
+        let bytes = AlignedBytes::new(&std::fs::read(&path).expect("a model"));
+        let model = Model::load(&bytes).expect("a valid model");
         if let Some((tracked, frames)) = tracked(&model, usize::MAX) {
             let name = path.display();
             println!("{name}: {tracked} of {frames} frames tracked");
@@ -68,40 +44,41 @@ fn every_model_tracks_the_demo_clip() {
     assert!(models > 0);
 }
 
-/// Changes what a checksum would have told: bytes of the sections' heads, where sizes and places in
-/// memory stand.
+/// Changes what a checksum would have found: bytes of the sections, mostly of their heads, where
+/// sizes and offsets stand.
 #[test]
-fn spoilt_sections_are_refused_or_harmless() {
-    let whole = posewise::DEFAULT_MODEL;
-    let word = |bytes: &[u8], at: usize| {
-        u32::from_le_bytes(bytes[at..at + 4].try_into().expect("four bytes")) as usize
-    };
-    let sections = word(whole, 20);
-    let (mut refused, mut ran) = (0, 0);
+fn spoilt_sections_are_rejected_or_harmless() {
+    let valid = Blob::open(posewise::DEFAULT_MODEL).expect("the default model is valid");
+    let sections: Vec<_> = valid.sections().collect();
+    let (mut rejected, mut ran) = (0, 0);
     let mut seed = 1u32;
     let mut random = |below: usize| {
         seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         (seed >> 8) as usize % below
     };
     for round in 0..200 {
-        let entry = HEADER_LEN + 16 * (round % sections);
-        let (start, len) = (word(whole, entry + 4), word(whole, entry + 8));
-        let mut bytes = whole.to_vec();
+        let mut contents: Vec<_> = sections.iter().map(|(_, c)| c.to_vec()).collect();
+        let spoilt = &mut contents[round % sections.len()];
         for _ in 0..1 + random(3) {
-            let reach = if round % 3 == 0 { len } else { len.min(4096) };
-            bytes[start + random(reach)] = random(256) as u8;
+            let reach = match round % 3 {
+                0 => spoilt.len(),
+                _ => spoilt.len().min(4096),
+            };
+            spoilt[random(reach)] = random(256) as u8;
         }
-        let sum = crc32(&bytes[HEADER_LEN..]).to_le_bytes();
-        bytes[16..20].copy_from_slice(&sum);
-        let bytes = Aligned::new(&bytes);
-        match Model::load(bytes.get()) {
-            Err(_) => refused += 1,
+        let tags = sections.iter().map(|(tag, _)| *tag);
+        let sections = tags
+            .zip(contents)
+            .map(|(t, c)| SectionWriter::of_bytes(t, c));
+        let bytes = AlignedBytes::new(&blob(&sections.collect::<Vec<_>>()));
+        match Model::load(&bytes) {
+            Err(_) => rejected += 1,
             Ok(model) => {
                 ran += 1;
                 tracked(&model, 8);
             }
         }
     }
-    println!("{refused} refused, {ran} ran");
-    assert!(refused > 0 && ran > 0);
+    println!("{rejected} rejected, {ran} ran");
+    assert!(rejected > 0 && ran > 0);
 }

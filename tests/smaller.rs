@@ -70,7 +70,7 @@ fn every_build_tracks() {
 
 /// Bytes of a section of the default model.
 fn section_len(tag: &[u8; 4]) -> usize {
-    let blob = posewise::model::Blob::open(posewise::DEFAULT_MODEL).expect("it is valid");
+    let blob = posewise_format::Blob::open(posewise::DEFAULT_MODEL).expect("it is valid");
     let section = blob.sections().find(|(found, _)| found == tag);
     section.map_or(0, |(_, content)| content.len())
 }

@@ -25,7 +25,8 @@ pub(super) fn load(bytes: &'static [u8]) -> Result<Model<'static>, posewise_stat
         ModelError::Magic => POSEWISE_E_MODEL_MAGIC,
         ModelError::Version { .. } => POSEWISE_E_MODEL_VERSION,
         ModelError::Checksum => POSEWISE_E_MODEL_CHECKSUM,
-        ModelError::Table | ModelError::Missing(_) | ModelError::Section { .. } => POSEWISE_E_MODEL,
+        // Table, Missing, Section.
+        _ => POSEWISE_E_MODEL,
     })
 }
 

@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use anyhow::{Result, anyhow};
-use posewise::model::{Blob, FORMAT_VERSION};
 use posewise::track::Model;
+use posewise_format::{Blob, FORMAT_VERSION};
 
 use crate::model_file::ModelFile;
 use crate::output;

@@ -13,9 +13,9 @@ use crate::pack;
 use anyhow::{Context, Result, ensure};
 use indicatif::{ParallelProgressIterator, ProgressBar, ProgressStyle};
 use labels::Label;
-use posewise::model::{ALIGN, Blob};
 use posewise::shape::{self, FaceFit, FaceModel, FitOptions, Identity, IdentityEstimator};
 use posewise::shape::{Intrinsics, LANDMARKS, MAX_IDENTITIES, MIRROR, Observed};
+use posewise_format::{AlignedBytes, Blob};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -220,29 +220,22 @@ pub fn fit_photographs_cached(
 }
 
 /// A blob at an address that the reader accepts.
-pub struct AlignedBlob {
-    bytes: Vec<u8>,
-    start: usize,
-}
+pub struct AlignedBlob(AlignedBytes);
 
 impl AlignedBlob {
     /// Copies the bytes of a blob.
     pub fn new(blob: &[u8]) -> Self {
-        let mut bytes = vec![0; blob.len() + ALIGN];
-        let start = bytes.as_ptr().align_offset(ALIGN);
-        bytes[start..start + blob.len()].copy_from_slice(blob);
-        bytes.truncate(start + blob.len());
-        AlignedBlob { bytes, start }
+        AlignedBlob(AlignedBytes::new(blob))
     }
 
     /// The bytes, aligned.
     pub fn bytes(&self) -> &[u8] {
-        &self.bytes[self.start..]
+        &self.0
     }
 
     /// The 3D face of the blob.
     pub fn face(&self) -> Result<FaceModel<'_>> {
-        let blob = Blob::open(&self.bytes[self.start..])?;
+        let blob = Blob::open(&self.0)?;
         Ok(FaceModel::open(blob.section(&shape::FACE_TAG)?)?)
     }
 }

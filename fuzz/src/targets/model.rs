@@ -15,7 +15,7 @@ use super::input::{Input, scramble};
 use super::memory::Exact;
 use super::tiny;
 use crate::ffi::{api::*, types::*};
-use posewise::model::{ALIGN, HEADER_LEN};
+use posewise_format::{ALIGN, HEADER_LEN};
 
 const RAW: u8 = 1;
 const KEEP_CHECKSUM: u8 = 2;

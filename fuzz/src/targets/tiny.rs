@@ -4,9 +4,9 @@
 use super::memory::Exact;
 use posewise::align::{GLOBAL, SHAPE_INDEXED};
 use posewise::detect::GRID;
-use posewise::model::{ALIGN, FORMAT_VERSION, HEADER_LEN, MAGIC, crc32};
 use posewise::network::{OP_CONV, OP_INPUT};
 use posewise::shape::{ANIMATIONS, JAW, LANDMARKS, VIEW_BYTES};
+use posewise_format::{ALIGN, HEADER_LEN, SectionWriter, Tag, Value, blob, reseal};
 use std::sync::OnceLock;
 
 /// Sections in the order in which they lie in the model.
@@ -20,11 +20,11 @@ static MODEL: OnceLock<(Exact, Vec<u8>)> = OnceLock::new();
 
 /// The model, built once.
 pub fn model() -> &'static Exact {
-    let build = || {
-        let blob = blob();
+    let make = || {
+        let blob = build();
         (Exact::of(&blob, ALIGN), blob)
     };
-    &MODEL.get_or_init(build).0
+    &MODEL.get_or_init(make).0
 }
 
 /// Whether the model is as it was built.
@@ -32,86 +32,51 @@ pub fn is_whole() -> bool {
     MODEL.get().is_none_or(|(model, blob)| model.get() == blob)
 }
 
-fn blob() -> Vec<u8> {
-    let sections: [(&[u8; 4], Vec<u8>); SECTIONS] = [
-        (b"FACE", face()),
-        (b"DTCT", detector()),
-        (b"ALGN", cascade()),
-        (b"ENSM", second()),
-        (b"RFIN", parts()),
-        (b"SREG", correction()),
-        (b"VRFY", verifier()),
+fn build() -> Vec<u8> {
+    let sections = [
+        face(),
+        detector(),
+        cascade(),
+        second(),
+        parts(),
+        correction(),
+        verifier(),
     ];
-    let mut table = Vec::new();
-    let mut content = Vec::new();
-    let start = (HEADER_LEN + 16 * SECTIONS).next_multiple_of(ALIGN);
-    for (tag, bytes) in sections {
-        table.extend_from_slice(tag);
-        for word in [start + content.len(), bytes.len(), 0] {
-            table.extend_from_slice(&(word as u32).to_le_bytes());
-        }
-        content.extend_from_slice(&bytes);
-        content.resize(content.len().next_multiple_of(ALIGN), 0);
-    }
-    table.resize(start - HEADER_LEN, 0);
-    let mut blob = MAGIC.to_vec();
-    for word in [FORMAT_VERSION, 0, 0, SECTIONS as u32] {
-        blob.extend_from_slice(&word.to_le_bytes());
-    }
-    blob.resize(HEADER_LEN, 0);
-    blob.extend(table);
-    blob.extend(content);
-    repair(&mut blob, true);
-    blob
+    assert_eq!(sections.len(), SECTIONS);
+    blob(&sections.map(|w| w.0))
 }
 
 /// Makes the checksum right, and the length if asked for.
 pub fn repair(blob: &mut [u8], length: bool) {
     let len = blob.len() as u32;
-    if blob.len() < HEADER_LEN {
-        return;
-    }
-    if length {
+    if length && blob.len() >= HEADER_LEN {
         blob[12..16].copy_from_slice(&len.to_le_bytes());
     }
-    let stated = u32::from_le_bytes([blob[12], blob[13], blob[14], blob[15]]) as usize;
-    let sum = crc32(&blob[HEADER_LEN..stated.clamp(HEADER_LEN, blob.len())]);
-    blob[16..20].copy_from_slice(&sum.to_le_bytes());
+    reseal(blob);
 }
 
-/// A section in the making.
-#[derive(Default)]
-struct Writer(Vec<u8>);
+/// A section being written, with shorter names for the many numbers below.
+struct Writer(SectionWriter);
 
 impl Writer {
+    fn new(tag: &Tag) -> Self {
+        Writer(SectionWriter::new(*tag))
+    }
+
     fn u32(&mut self, value: usize) {
-        self.0.resize(self.0.len().next_multiple_of(4), 0);
-        self.0.extend_from_slice(&(value as u32).to_le_bytes());
+        self.0.scalar(value as u32);
     }
 
     fn f32(&mut self, value: f32) {
-        self.u32(value.to_bits() as usize);
+        self.0.scalar(value);
     }
 
-    fn bytes(&mut self, values: impl IntoIterator<Item = u8>) {
-        self.0.resize(self.0.len().next_multiple_of(16), 0);
-        self.0.extend(values);
+    fn array<T: Value>(&mut self, values: &[T]) {
+        self.0.array(values);
     }
 
     fn i8s(&mut self, len: usize, value: impl Fn(usize) -> i32) {
-        self.bytes((0..len).map(|i| value(i) as i8 as u8));
-    }
-
-    fn i16s(&mut self, values: &[i16]) {
-        self.bytes(values.iter().flat_map(|v| v.to_le_bytes()));
-    }
-
-    fn i32s(&mut self, values: &[i32]) {
-        self.bytes(values.iter().flat_map(|v| v.to_le_bytes()));
-    }
-
-    fn f32s(&mut self, values: &[f32]) {
-        self.bytes(values.iter().flat_map(|v| v.to_le_bytes()));
+        self.array(&(0..len).map(|i| value(i) as i8).collect::<Vec<_>>());
     }
 }
 
@@ -138,25 +103,25 @@ fn points() -> [[f32; 3]; LANDMARKS] {
     })
 }
 
-fn face() -> Vec<u8> {
-    let mut w = Writer::default();
+fn face() -> Writer {
+    let mut w = Writer::new(b"FACE");
     w.u32(LANDMARKS);
     w.u32(1);
-    w.bytes([0; JAW]);
-    w.f32s(points().as_flattened());
-    w.f32s(&[0.02]);
+    w.array(&[0u8; JAW]);
+    w.array(points().as_flattened());
+    w.array(&[0.02]);
     w.i8s(LANDMARKS * 3, |i| noise(i, 100));
-    w.f32s(&[0.1; ANIMATIONS]);
+    w.array(&[0.1; ANIMATIONS]);
     w.i8s(LANDMARKS * ANIMATIONS * 3, |i| noise(i, 60));
     let outward: [[f32; 2]; JAW] = std::array::from_fn(|i| {
         let angle = std::f32::consts::PI * i as f32 / (JAW - 1) as f32;
         [-angle.cos(), angle.sin()]
     });
-    w.f32s(outward.as_flattened());
-    w.f32s(&[2.0; LANDMARKS]);
-    w.f32s(&[0.5; ANIMATIONS]);
-    w.bytes([0x55; LANDMARKS * VIEW_BYTES]);
-    w.0
+    w.array(outward.as_flattened());
+    w.array(&[2.0; LANDMARKS]);
+    w.array(&[0.5; ANIMATIONS]);
+    w.array(&[0x55u8; LANDMARKS * VIEW_BYTES]);
+    w
 }
 
 /// A pixel of the grid that trees look at.
@@ -164,68 +129,68 @@ fn pixel(column: usize, row: usize) -> i16 {
     (row * GRID + column) as i16
 }
 
-fn detector() -> Vec<u8> {
-    let mut w = Writer::default();
+fn detector() -> Writer {
+    let mut w = Writer::new(b"DTCT");
     // Scale ratio, step, window's side, margin, confirming strength.
     for value in [200, 64, 300, 92, 1] {
         w.u32(value);
     }
     w.u32(2);
-    w.i16s(&[0, 3000]);
+    w.array(&[0i16, 3000]);
     w.u32(1); // one ensemble
     w.u32(1); // mirrored too
     w.u32(1); // depth
     w.u32(1); // trees
-    w.i16s(&[pixel(10, 20), pixel(29, 21)]);
-    w.bytes([3]);
-    w.i16s(&[-50, 300]);
-    w.i32s(&[0]);
+    w.array(&[pixel(10, 20), pixel(29, 21)]);
+    w.array(&[3u8]);
+    w.array(&[-50i16, 300]);
+    w.array(&[0i32]);
     w.u32(1); // one refining round
     w.u32(1);
     w.u32(1);
-    w.i16s(&[pixel(20, 12), pixel(20, 27)]);
-    w.bytes([0]);
-    w.i16s(&[40, -40, 30, 20, -2000, -30, 50, -40, -20, 3000]);
-    w.0
+    w.array(&[pixel(20, 12), pixel(20, 27)]);
+    w.array(&[0u8]);
+    w.array(&[40i16, -40, 30, 20, -2000, -30, 50, -40, -20, 3000]);
+    w
 }
 
-fn cascade() -> Vec<u8> {
-    let mut w = Writer::default();
+fn cascade() -> Writer {
+    let mut w = Writer::new(b"ALGN");
     w.u32(2); // views
     w.u32(2); // passes
     let mean = points().map(|[x, y, _]| [x, y]);
     let turned = points().map(|[x, y, z]| [0.8 * x - 0.6 * z, y]);
-    w.f32s(mean.as_flattened());
-    w.f32s([mean, turned].as_flattened().as_flattened());
-    w.f32s(&[0.0, 1.0]);
+    w.array(mean.as_flattened());
+    w.array([mean, turned].as_flattened().as_flattened());
+    w.array(&[0.0, 1.0]);
     regressor(&mut w, LANDMARKS, &[GLOBAL, SHAPE_INDEXED]);
-    w.0
+    w
 }
 
-fn second() -> Vec<u8> {
-    let mut w = Writer::default();
+fn second() -> Writer {
+    let mut w = Writer::new(b"ENSM");
     regressor(&mut w, LANDMARKS, &[GLOBAL, SHAPE_INDEXED]);
-    w.0
+    w
 }
 
-fn parts() -> Vec<u8> {
-    let mut w = Writer::default();
+fn parts() -> Writer {
+    let mut w = Writer::new(b"RFIN");
     w.u32(2);
     for (twin, landmarks) in [(1, 36..42), (0, 48..68)] {
         w.u32(landmarks.len());
         w.u32(twin);
-        w.bytes(landmarks.clone().flat_map(u32::to_le_bytes));
+        w.array(&landmarks.clone().collect::<Vec<u32>>());
         regressor(&mut w, landmarks.len(), &[GLOBAL | SHAPE_INDEXED]);
     }
-    w.0
+    w
 }
 
-fn correction() -> Vec<u8> {
-    let mut w = Writer::default();
+fn correction() -> Writer {
+    let mut w = Writer::new(b"SREG");
     w.i8s((2 * LANDMARKS).pow(2), |i| noise(i, 20));
-    w.f32s(&[1e-4; 2 * LANDMARKS]);
-    w.f32s(&[0.1; 2 * LANDMARKS]);
-    w.0
+    w.array(&[1e-4; 2 * LANDMARKS]);
+    w.array(&[0.1; 2 * LANDMARKS]);
+    w
 }
 
 /// A network of two layers, and answers that read these maps.
@@ -243,30 +208,30 @@ fn regressor(w: &mut Writer, points: usize, reads: &[u32]) {
     for value in [OP_INPUT as usize, 1, 1, 0, 0, 1, 0, 0, 0, 1] {
         w.u32(value);
     }
-    (0..3).for_each(|_| w.bytes([])); // no weights, biases, factors
+    (0..3).for_each(|_| w.array::<u8>(&[])); // no weights, biases, factors
     for (input, at, columns) in [(0, fine_at, 10), (1, coarse_at, 9 * CHANNELS)] {
         for value in [OP_CONV as usize, 3, 2, input, 0, CHANNELS, at, 128, 0, 14] {
             w.u32(value);
         }
         w.i8s(columns * CHANNELS, |i| noise(i, 40));
-        w.i32s(&[900; CHANNELS]);
-        w.i32s(&[600; CHANNELS]);
+        w.array(&[900i32; CHANNELS]);
+        w.array(&[600i32; CHANNELS]);
     }
     for reads in reads {
         let whole = (SIDE / 4) * (SIDE / 4) * CHANNELS * usize::from(reads & GLOBAL != 0);
         let local = points * CHANNELS * usize::from(reads & SHAPE_INDEXED != 0);
         w.u32(*reads as usize);
         w.i8s(MODES * (whole + local), |i| noise(i, 20));
-        w.f32s(&[1e-3; MODES]);
-        w.f32s(&[0.0; MODES]);
+        w.array(&[1e-3; MODES]);
+        w.array(&[0.0; MODES]);
         w.i8s(MODES * 2 * points, |i| noise(i, 100));
-        w.f32s(&[1e-3; MODES]);
-        w.f32s(&vec![0.0; 2 * points]);
+        w.array(&[1e-3; MODES]);
+        w.array(&vec![0.0; 2 * points]);
     }
 }
 
-fn verifier() -> Vec<u8> {
-    let mut w = Writer::default();
+fn verifier() -> Writer {
+    let mut w = Writer::new(b"VRFY");
     w.u32(CHANNELS);
     let views = 3; // ahead, and turned to either side
     w.u32(views);
@@ -275,15 +240,15 @@ fn verifier() -> Vec<u8> {
         w.f32(4.0);
         w.i8s(LANDMARKS * CHANNELS, |i| noise(i, 10));
         w.i8s(LANDMARKS * CHANNELS, |i| noise(i + 7, 30));
-        w.f32s(&[1e-3; LANDMARKS]);
-        w.f32s(&[1.0; LANDMARKS]);
-        w.f32s(&[0.3; LANDMARKS]);
+        w.array(&[1e-3; LANDMARKS]);
+        w.array(&[1.0; LANDMARKS]);
+        w.array(&[0.3; LANDMARKS]);
         w.i8s(LANDMARKS * CHANNELS, |i| noise(i + 3, 30));
-        w.f32s(&[1e-3; LANDMARKS]);
-        w.f32s(&[0.2; LANDMARKS]);
+        w.array(&[1e-3; LANDMARKS]);
+        w.array(&[0.2; LANDMARKS]);
         w.i8s(LANDMARKS * LANDMARKS, |i| noise(i + 5, 30));
-        w.f32s(&[1e-3; LANDMARKS]);
-        w.f32s(&[0.5; LANDMARKS]);
+        w.array(&[1e-3; LANDMARKS]);
+        w.array(&[0.5; LANDMARKS]);
     }
-    w.0
+    w
 }

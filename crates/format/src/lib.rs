@@ -1,4 +1,4 @@
-//! The `.posewise` blob: one read-only file, read in place.
+//! The `.posewise` model file: one read-only block of bytes, read in place.
 //!
 //! ```text
 //! 0   magic "POSEWISE"
@@ -8,22 +8,39 @@
 //! 64  table: per section  [u8; 4] tag, u32 offset, u32 length, u32 zero
 //! …   sections, each at a multiple of 64 bytes
 //! ```
-//! Little-endian throughout. [`Blob::open`] checks all of that; each room then checks its own
-//! section when it opens it ([`Section`] hands out bounds-checked typed slices), so after
-//! `track::Model::load` no index found in a model can lead out of bounds. Unknown sections are
-//! skipped.
+//! All numbers are little-endian. [`Blob::open`] checks the header, the checksum and the table.
+//! [`Section`] then returns bounds-checked typed slices of one section; what a section contains
+//! is defined by the code that opens it. Sections that a reader does not know are skipped.
+//!
+//! The reader needs no heap. The feature `alloc` adds `AlignedBytes`, a heap buffer with the
+//! alignment that [`Blob::open`] requires. The feature `write` adds the writer.
+#![no_std]
+#![deny(missing_docs)]
+#![deny(unsafe_code)]
 
+#[cfg(feature = "alloc")]
+extern crate alloc;
+
+mod aligned;
 mod blob;
 mod section;
+#[cfg(feature = "write")]
+mod write;
 
+pub use aligned::Aligned;
+#[cfg(feature = "alloc")]
+pub use aligned::AlignedBytes;
 pub use blob::{ALIGN, Blob, FORMAT_VERSION, HEADER_LEN, MAGIC, MAX_SECTIONS, crc32};
 pub use section::Section;
+#[cfg(feature = "write")]
+pub use write::{SectionWriter, Value, blob, reseal, without};
 
 /// The name of a section: four ASCII characters.
 pub type Tag = [u8; 4];
 
 /// Why bytes are not a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum ModelError {
     /// The bytes do not start at a multiple of [`ALIGN`].
     Misaligned,
@@ -42,7 +59,7 @@ pub enum ModelError {
     Table,
     /// A section that this build needs is not there.
     Missing(Tag),
-    /// A section's content breaks a rule of its room.
+    /// A section's content breaks a rule of the module that reads it.
     Section {
         /// Which section.
         tag: Tag,

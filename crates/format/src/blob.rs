@@ -13,9 +13,10 @@ pub const HEADER_LEN: usize = 64;
 /// Most sections a blob may have.
 pub const MAX_SECTIONS: usize = 32;
 
-const ENTRY_LEN: usize = 16;
+/// Bytes of one entry of the section table.
+pub(crate) const ENTRY_LEN: usize = 16;
 
-/// A blob whose header, checksum and table hold.
+/// A blob whose header, checksum and table are valid.
 #[derive(Clone, Copy, Debug)]
 pub struct Blob<'m> {
     bytes: &'m [u8],

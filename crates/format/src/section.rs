@@ -3,7 +3,7 @@
 //! A section is a sequence of little-endian numbers and arrays. Every array starts at a multiple
 //! of 16 bytes from the section's start, so it can be viewed in place.
 
-// The typed views are one of the two places where DESIGN allows `unsafe`.
+// The only place of this crate that needs `unsafe`: typed views of bytes.
 #![allow(unsafe_code)]
 
 use super::{ModelError, Tag};
@@ -11,8 +11,8 @@ use super::{ModelError, Tag};
 #[cfg(target_endian = "big")]
 compile_error!("model blobs are read in place and are little-endian");
 
-/// Arrays start at multiples of this many bytes.
-const ARRAY_ALIGN: usize = 16;
+/// Arrays start at multiples of this many bytes from the section's start.
+pub(crate) const ARRAY_ALIGN: usize = 16;
 
 /// Numbers that may be viewed in place: no padding, every bit pattern valid.
 trait Plain: Copy {}
@@ -156,7 +156,7 @@ impl<'m> Section<'m> {
         let end = start.checked_add(size).ok_or(early)?;
         let bytes = self.bytes.get(start..end).ok_or(early)?;
         // SAFETY: `Plain` types have no padding and no invalid bit patterns; `align_to` itself
-        // keeps the middle aligned, and a short middle is refused below.
+        // keeps the middle aligned, and a short middle is rejected below.
         let (head, values, tail) = unsafe { bytes.align_to::<T>() };
         self.require(
             head.is_empty() && tail.is_empty() && values.len() == len,
@@ -170,13 +170,11 @@ impl<'m> Section<'m> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[repr(align(64))]
-    struct Bytes([u8; 32]);
+    use crate::Aligned;
 
     #[test]
     fn arrays_are_aligned_and_bounded() {
-        let mut b = Bytes([0; 32]);
+        let mut b = Aligned([0u8; 32]);
         b.0[0] = 3;
         b.0[16..20].copy_from_slice(&1.5f32.to_le_bytes());
         b.0[20..24].copy_from_slice(&f32::NAN.to_le_bytes());
