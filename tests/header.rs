@@ -1,4 +1,4 @@
-//! `include/posewise.h` is what cbindgen makes of `src/ffi`, and agrees with Cargo.toml.
+//! `include/posewise.h` is up to date with `src/ffi`, and its version is that of Cargo.toml.
 
 #[path = "../src/ffi/types.rs"]
 #[allow(dead_code, missing_docs, non_camel_case_types)]
@@ -11,7 +11,10 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// What cbindgen writes, with constants as a C programmer would write them.
+/// The longest line \[columns\].
+const MAX_COLUMNS: usize = 100;
+
+/// The header that cbindgen generates, formatted by [`tidy`].
 fn generate() -> String {
     let config = cbindgen::Config::from_file(root().join("cbindgen.toml")).expect("cbindgen.toml");
     let mut bytes = Vec::new();
@@ -25,11 +28,15 @@ fn generate() -> String {
     tidy(&String::from_utf8(bytes).expect("UTF-8"))
 }
 
-/// Constants: suffixes, hexadecimal where the digits mean something, the comment on the same line,
-/// families apart. Comments: without rustdoc's escapes. Types: by their typedef.
+/// Formats the constants: suffixes, hexadecimal for bit patterns, values and comments in columns,
+/// an empty line between families. Removes rustdoc's escapes and names types by their typedef.
 fn tidy(header: &str) -> String {
     let header = header.replace("\\[", "[").replace("\\]", "]");
     let mut out = String::new();
+    let constants = header.lines().filter_map(constant);
+    let (names, values): (Vec<_>, Vec<_>) = constants.map(|(n, v)| (n.len(), v.len())).unzip();
+    let width = |lengths: Vec<usize>| lengths.into_iter().max().unwrap_or(0);
+    let (name_width, value_width) = (width(names), width(values));
     let mut lines = header.lines().peekable();
     let mut previous_family = None;
     while let Some(line) = lines.next() {
@@ -43,7 +50,11 @@ fn tidy(header: &str) -> String {
             }
             previous_family = family;
             let comment = comment.trim_end_matches('.');
-            writeln!(out, "#define {name:<26} {value:<12} // {comment}").unwrap();
+            writeln!(
+                out,
+                "#define {name:<name_width$} {value:<value_width$} // {comment}"
+            )
+            .unwrap();
         } else {
             if !line.is_empty() {
                 previous_family = None;
@@ -62,8 +73,8 @@ fn tidy(header: &str) -> String {
 fn family(name: &str) -> &str {
     match name.split('_').nth(1) {
         Some("OK") => "E",
-        Some(family @ ("E" | "FMT" | "FRAME" | "SEARCHING")) => family,
-        Some("TRACKING" | "HOLDING") => "SEARCHING",
+        Some("SEARCHING" | "TRACKING" | "COASTING") => "state",
+        Some(family @ ("E" | "FMT" | "FRAME" | "LOSS")) => family,
         _ => "",
     }
 }
@@ -71,6 +82,9 @@ fn family(name: &str) -> &str {
 /// Name and rewritten value of a `#define` line.
 fn constant(line: &str) -> Option<(&str, String)> {
     let (name, value) = line.strip_prefix("#define ")?.split_once(' ')?;
+    if !name.starts_with("POSEWISE_") || name == "POSEWISE_H" {
+        return None;
+    }
     let value = if name.starts_with("POSEWISE_E_") {
         format!("({value})")
     } else if name == "POSEWISE_OK" {
@@ -88,9 +102,12 @@ fn constant(line: &str) -> Option<(&str, String)> {
 }
 
 #[test]
-fn header_is_fresh() {
+fn header_is_up_to_date() {
     let path = root().join("include/posewise.h");
     let fresh = generate();
+    for line in fresh.lines() {
+        assert!(line.chars().count() <= MAX_COLUMNS, "too long: {line}");
+    }
     if std::env::var_os("POSEWISE_BLESS").is_some() {
         std::fs::write(&path, &fresh).expect("include/ is writable");
     }

@@ -2,7 +2,7 @@
 //!
 //! The header is generated from this file: the comments below are written for the C reader.
 
-// The contract of every pointer stands once, at the head of the header and of memory.rs.
+// The contract of all pointers stands at the head of the header and of memory.rs.
 #![allow(clippy::missing_safety_doc)]
 
 use super::convert::{
@@ -18,40 +18,44 @@ const _: () = assert!(POSEWISE_LANDMARKS as usize == LANDMARKS);
 const _: () = assert!(POSEWISE_ANIMATIONS as usize == ANIMATIONS);
 const _: () = assert!(POSEWISE_ALIGN as usize == crate::model::ALIGN);
 
-/// POSEWISE_VERSION of the library that is linked.
+/// POSEWISE_VERSION of the linked library.
 #[unsafe(no_mangle)]
 pub extern "C" fn posewise_version() -> u32 {
     POSEWISE_VERSION
 }
 
-/// POSEWISE_ABI of the library that is linked.
+/// POSEWISE_ABI of the linked library.
 #[unsafe(no_mangle)]
 pub extern "C" fn posewise_abi() -> u32 {
     POSEWISE_ABI
 }
 
-/// One English line on a status; static, never NULL.
+/// A description of a status: one line of English, static, never NULL.
 #[unsafe(no_mangle)]
 pub extern "C" fn posewise_strerror(status: posewise_status) -> *const c_char {
     let text = match status {
         POSEWISE_OK => c"success",
-        POSEWISE_E_ARG => c"a pointer, struct_size, flag or setting is not as described",
+        POSEWISE_E_ARG => c"a pointer, struct_size, flag or setting is invalid",
         POSEWISE_E_MEMORY => c"the tracker's memory is too small or not 64-byte aligned",
-        POSEWISE_E_MODEL => c"a section of the model is missing or wrong",
-        POSEWISE_E_FRAME => c"the frame's width, height, stride, rotation and data_len disagree",
-        POSEWISE_E_TIME => c"the timestamp is not after that of the frame before",
-        POSEWISE_E_FORMAT => c"the pixel format is not one that posewise reads",
-        POSEWISE_E_MODEL_ALIGN => c"the model's bytes are not 64-byte aligned",
+        POSEWISE_E_MODEL => c"a section of the model is missing or invalid",
+        POSEWISE_E_FRAME => {
+            c"width, height, stride, rotation and data_len of the frame are inconsistent"
+        }
+        POSEWISE_E_TIME => c"the timestamp is not after that of the last frame",
+        POSEWISE_E_FORMAT => c"the pixel format is not supported",
+        POSEWISE_E_MODEL_ALIGN => c"the model is not 64-byte aligned",
         POSEWISE_E_MODEL_TRUNCATED => c"the model is truncated",
         POSEWISE_E_MODEL_MAGIC => c"not a .posewise model",
-        POSEWISE_E_MODEL_VERSION => c"the model is of a format version that is not read here",
-        POSEWISE_E_MODEL_CHECKSUM => c"the model's checksum does not match: it is corrupt",
+        POSEWISE_E_MODEL_VERSION => c"the format version of the model is not supported",
+        POSEWISE_E_MODEL_CHECKSUM => {
+            c"the checksum of the model does not match: the model is corrupt"
+        }
         _ => c"unknown status",
     };
     text.as_ptr()
 }
 
-/// Writes the default settings with their real values (0 in a field means the same). As for every
+/// Writes the default settings with their values; 0 in a field has the same meaning. As for every
 /// struct, out->struct_size must be set.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn posewise_config_default(out: *mut posewise_config) -> posewise_status {
@@ -64,31 +68,31 @@ pub unsafe extern "C" fn posewise_config_default(out: *mut posewise_config) -> p
             smoothing_beta: default.smoothing.beta,
             ..Default::default()
         };
-        // SAFETY: the caller's promise.
+        // SAFETY: the caller's contract.
         unsafe { memory::write_struct(out, memory::checked_size(out)?, &config) };
         Ok(())
     })
 }
 
-/// Bytes of memory that posewise_init() needs for these settings (NULL: defaults), at most
-/// POSEWISE_MEMORY_SIZE; 0 if the settings are wrong.
+/// Memory that posewise_init() needs for these settings (NULL: defaults) \[bytes\], at most
+/// POSEWISE_MEMORY_SIZE; 0 if the settings are invalid.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn posewise_memory_size(config: *const posewise_config) -> usize {
-    // SAFETY: the caller's promise.
+    // SAFETY: the caller's contract.
     match unsafe { config_from(config) } {
         Ok(_) => BLOCK_SIZE,
         Err(_) => 0,
     }
 }
 
-/// POSEWISE_ALIGN of the library that is linked.
+/// POSEWISE_ALIGN of the linked library.
 #[unsafe(no_mangle)]
 pub extern "C" fn posewise_memory_align() -> usize {
     POSEWISE_ALIGN as usize
 }
 
-/// The model built into the library, aligned, its length \[bytes\] in *len; NULL and 0 if the library
-/// was built without one.
+/// The model built into the library, aligned; *len is its length \[bytes\]. NULL and 0 if the
+/// library was built without one.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn posewise_default_model(len: *mut usize) -> *const c_void {
     if memory::check_pointer(len).is_err() {
@@ -107,21 +111,21 @@ pub unsafe extern "C" fn posewise_default_model(len: *mut usize) -> *const c_voi
     }
 }
 
-/// Checks a whole model as posewise_init() does: POSEWISE_OK, or what is wrong with it.
+/// Checks a whole model as posewise_init() does: POSEWISE_OK, or the error.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn posewise_model_check(
     model: *const c_void,
     model_len: usize,
 ) -> posewise_status {
     status(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: the caller's contract.
         load(unsafe { model_bytes(model, model_len)? }).map(|_| ())
     })
 }
 
-/// Checks the model and the settings (NULL: defaults), then builds a tracker at memory. Memory and
-/// model must outlive the tracker; the model is not copied and may be shared. There is nothing to
-/// free: the memory is the caller's to use again at any time.
+/// Checks the model and the settings (NULL: defaults), then creates a tracker in memory. Memory and
+/// model must outlive the tracker. The model is not copied; trackers may share it. Nothing needs to
+/// be freed: the caller may reuse the memory at any time.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn posewise_init(
     out: *mut *mut posewise_tracker,
@@ -134,13 +138,13 @@ pub unsafe extern "C" fn posewise_init(
     status(|| {
         memory::check_pointer(out)?;
         memory::check_pointer(memory.cast::<u8>())?;
-        // SAFETY: the caller's promise.
+        // SAFETY: the caller's contract.
         let config = unsafe { config_from(config)? };
         let start = memory as usize;
         if !start.is_multiple_of(POSEWISE_ALIGN as usize) || memory_len < BLOCK_SIZE {
             return Err(POSEWISE_E_MEMORY);
         }
-        // SAFETY: the caller's promise.
+        // SAFETY: the caller's contract.
         let model = unsafe { model_bytes(model, model_len)? };
         let blob = model.as_ptr() as usize;
         if start < blob.saturating_add(model.len()) && blob < start.saturating_add(BLOCK_SIZE) {
@@ -155,7 +159,8 @@ pub unsafe extern "C" fn posewise_init(
     })
 }
 
-/// One frame in, one answer out. The work is bounded whatever the frame shows; nothing blocks.
+/// Processes one frame and writes its result. The work per call is bounded for any frame content;
+/// nothing blocks.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn posewise_step(
     tracker: *mut posewise_tracker,
@@ -163,7 +168,7 @@ pub unsafe extern "C" fn posewise_step(
     out: *mut posewise_result,
 ) -> posewise_status {
     status(|| {
-        // SAFETY: the caller's promise, here and below.
+        // SAFETY: the caller's contract, here and below.
         let block = unsafe { memory::block_mut(tracker)? };
         let given = unsafe { memory::read_struct(frame)? };
         let size = unsafe { memory::checked_size(out)? };
@@ -186,9 +191,9 @@ pub unsafe extern "C" fn posewise_landmarks(
     capacity: usize,
 ) -> posewise_status {
     status(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: the caller's contract.
         let result = unsafe { memory::block(tracker)? }.tracker.result();
-        // SAFETY: likewise.
+        // SAFETY: the caller's contract.
         unsafe { memory::write_first(out, capacity, landmarks_of(result)) }
     })
 }
@@ -202,22 +207,22 @@ pub unsafe extern "C" fn posewise_animation(
     capacity: usize,
 ) -> posewise_status {
     status(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: the caller's contract.
         let result = unsafe { memory::block(tracker)? }.tracker.result();
-        // SAFETY: likewise.
+        // SAFETY: the caller's contract.
         unsafe { memory::write_first(out, capacity, result.animation.into_iter()) }
     })
 }
 
-/// The answer to the last step again, smoothed over time by a One-Euro filter: steadier to look at,
-/// but late by a frame or so. Pose, box and eye_open are smoothed, the rest is as it was.
+/// The result of the last step, smoothed over time by a One-Euro filter: less jitter, about one
+/// frame of lag. Pose, box and eye_open are smoothed, the other fields are unchanged.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn posewise_smoothed(
     tracker: *const posewise_tracker,
     out: *mut posewise_result,
 ) -> posewise_status {
     status(|| {
-        // SAFETY: the caller's promise, here and below.
+        // SAFETY: the caller's contract, here and below.
         let result = unsafe { memory::block(tracker)? }.tracker.smoothed();
         let size = unsafe { memory::checked_size(out)? };
         unsafe { memory::write_struct(out, size, &result_to(result)) };
@@ -225,7 +230,7 @@ pub unsafe extern "C" fn posewise_smoothed(
     })
 }
 
-/// As posewise_landmarks(), smoothed likewise; confidence and visibility are as they were.
+/// As posewise_landmarks(), smoothed likewise; confidence and visibility are unchanged.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn posewise_smoothed_landmarks(
     tracker: *const posewise_tracker,
@@ -233,9 +238,9 @@ pub unsafe extern "C" fn posewise_smoothed_landmarks(
     capacity: usize,
 ) -> posewise_status {
     status(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: the caller's contract.
         let result = unsafe { memory::block(tracker)? }.tracker.smoothed();
-        // SAFETY: likewise.
+        // SAFETY: the caller's contract.
         unsafe { memory::write_first(out, capacity, landmarks_of(result)) }
     })
 }
@@ -248,15 +253,15 @@ pub unsafe extern "C" fn posewise_smoothed_animation(
     capacity: usize,
 ) -> posewise_status {
     status(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: the caller's contract.
         let result = unsafe { memory::block(tracker)? }.tracker.smoothed();
-        // SAFETY: likewise.
+        // SAFETY: the caller's contract.
         unsafe { memory::write_first(out, capacity, result.animation.into_iter()) }
     })
 }
 
-/// What the animation weight at this index is: ARKit's name of the blendshape ("jawOpen"). Static;
-/// NULL from POSEWISE_ANIMATIONS on.
+/// Name of the animation weight at this index: ARKit's name of the blendshape, as "jawOpen".
+/// Static; NULL from POSEWISE_ANIMATIONS on.
 #[unsafe(no_mangle)]
 pub extern "C" fn posewise_animation_name(index: u32) -> *const c_char {
     match NAMES.get(index as usize) {
@@ -265,24 +270,24 @@ pub extern "C" fn posewise_animation_name(index: u32) -> *const c_char {
     }
 }
 
-/// Forgets the face, its identity and the clock; model and settings stay.
+/// Forgets the face, its identity and the last timestamp; model and settings stay.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn posewise_reset(tracker: *mut posewise_tracker) -> posewise_status {
     status(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: the caller's contract.
         unsafe { memory::block_mut(tracker)? }.tracker.reset();
         Ok(())
     })
 }
 
-/// Forgets the identity, as when somebody else takes the seat: the shape of the head is learnt anew
-/// from the next frames. The face goes on being tracked, and the answer to the last step stays.
+/// Forgets the identity, as for a change of driver: the shape of the head is estimated anew from
+/// the next frames. Tracking goes on, and the result of the last step stays.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn posewise_forget_identity(
     tracker: *mut posewise_tracker,
 ) -> posewise_status {
     status(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: the caller's contract.
         unsafe { memory::block_mut(tracker)? }
             .tracker
             .forget_identity();
@@ -291,14 +296,14 @@ pub unsafe extern "C" fn posewise_forget_identity(
 }
 
 /// Changes the camera (zoom, another resolution) from the next step on. NULL or all zero: the
-/// default, a 60 degree horizontal field of view.
+/// default, a horizontal field of view of 60 degrees.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn posewise_set_intrinsics(
     tracker: *mut posewise_tracker,
     intrinsics: *const posewise_intrinsics,
 ) -> posewise_status {
     status(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: the caller's contract.
         let tracker = &mut unsafe { memory::block_mut(tracker)? }.tracker;
         let intrinsics = if intrinsics.is_null() {
             None
@@ -313,7 +318,7 @@ pub unsafe extern "C" fn posewise_set_intrinsics(
     })
 }
 
-/// Runs a body that can stop early and gives its status.
+/// Runs the body of a function and returns its status.
 fn status(body: impl FnOnce() -> Result<(), posewise_status>) -> posewise_status {
     match body() {
         Ok(()) => POSEWISE_OK,
@@ -321,10 +326,10 @@ fn status(body: impl FnOnce() -> Result<(), posewise_status>) -> posewise_status
     }
 }
 
-/// Longest animation name and its NUL.
+/// Capacity for the longest animation name and its NUL \[bytes\].
 const NAME_LEN: usize = 24;
 
-/// The animation names with a NUL at the end.
+/// The animation names, NUL-terminated.
 static NAMES: [[u8; NAME_LEN]; ANIMATIONS] = {
     let mut names = [[0; NAME_LEN]; ANIMATIONS];
     let mut i = 0;
@@ -346,7 +351,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_end() {
+    fn names_are_nul_terminated() {
         for (i, name) in ANIMATION_NAMES.iter().enumerate() {
             let c = core::ffi::CStr::from_bytes_until_nul(&NAMES[i]).unwrap();
             assert_eq!(c.to_str(), Ok(*name));

@@ -1,4 +1,4 @@
-//! C values to the crate's types and back; the crate's errors to status codes.
+//! Conversion between C values and the crate's types, and from errors to status codes.
 
 use super::memory;
 use super::types::*;
@@ -8,16 +8,19 @@ use crate::shape::{Intrinsics, LANDMARKS};
 use crate::track::{Config, Loss, Model, Smoothing, State, TrackResult};
 use core::ffi::c_void;
 
+/// The bytes of a model; `POSEWISE_E_ARG` or `POSEWISE_E_MODEL_TRUNCATED`.
+///
 /// # Safety
 /// As at the head of memory.rs; the model outlives its use.
 pub(super) unsafe fn model_bytes(
     model: *const c_void,
     len: usize,
 ) -> Result<&'static [u8], posewise_status> {
-    // SAFETY: the caller's promise.
+    // SAFETY: the caller's contract.
     unsafe { memory::bytes(model.cast(), len, POSEWISE_E_MODEL_TRUNCATED) }
 }
 
+/// Checks a model; its errors become `POSEWISE_E_MODEL*`.
 pub(super) fn load(bytes: &'static [u8]) -> Result<Model<'static>, posewise_status> {
     Model::load(bytes).map_err(|error| match error {
         ModelError::Misaligned => POSEWISE_E_MODEL_ALIGN,
@@ -30,7 +33,7 @@ pub(super) fn load(bytes: &'static [u8]) -> Result<Model<'static>, posewise_stat
     })
 }
 
-/// Checked settings; defaults where the caller has NULL or 0.
+/// Checked settings; the default where the caller's pointer is NULL or a field is 0.
 ///
 /// # Safety
 /// As at the head of memory.rs.
@@ -41,7 +44,7 @@ pub(super) unsafe fn config_from(
     if config.is_null() {
         return Ok(default);
     }
-    // SAFETY: the caller's promise.
+    // SAFETY: the caller's contract.
     let given = unsafe { memory::read_struct(config)? };
     let or = |value, default| if value == 0 { default } else { value };
     let or_f32 = |value: f32, default| if value == 0.0 { default } else { value };
@@ -60,19 +63,22 @@ pub(super) unsafe fn config_from(
     Ok(config)
 }
 
-/// All zero means the default camera; everything else is for the tracker to check.
+/// `None`, the default camera, where all are 0. The tracker checks other values.
 pub(super) fn intrinsics_from(given: &posewise_intrinsics) -> Option<Intrinsics> {
     let posewise_intrinsics { fx, fy, cx, cy } = *given;
     ([fx, fy, cx, cy] != [0.0; 4]).then_some(Intrinsics { fx, fy, cx, cy })
 }
 
+/// The frame that a C struct describes; `POSEWISE_E_ARG`, `POSEWISE_E_FORMAT` or
+/// `POSEWISE_E_FRAME`.
+///
 /// # Safety
-/// As at the head of memory.rs; the data are only used during the call.
+/// As at the head of memory.rs; the pixels are only read during the call.
 pub(super) unsafe fn frame_from<'a>(given: &posewise_frame) -> Result<Frame<'a>, posewise_status> {
     if given.flags & !POSEWISE_FRAME_MIRRORED != 0 || given.reserved != 0 {
         return Err(POSEWISE_E_ARG);
     }
-    // SAFETY: the caller's promise.
+    // SAFETY: the caller's contract.
     let data = unsafe { memory::bytes(given.data, given.data_len, POSEWISE_E_FRAME)? };
     let rotation = match given.rotation_deg {
         0 => Rotation::None,
@@ -92,6 +98,7 @@ pub(super) unsafe fn frame_from<'a>(given: &posewise_frame) -> Result<Frame<'a>,
     Frame::new(&layout, data).map_err(|_| POSEWISE_E_FRAME)
 }
 
+/// A result as its C struct, with `struct_size` 0.
 pub(super) fn result_to(result: &TrackResult) -> posewise_result {
     let (state, landmark_count) = match result.state {
         State::Searching => (POSEWISE_SEARCHING, 0),
@@ -99,7 +106,7 @@ pub(super) fn result_to(result: &TrackResult) -> posewise_result {
         State::Coasting => (POSEWISE_COASTING, LANDMARKS as u32),
     };
     posewise_result {
-        struct_size: 0, // the caller's stays
+        struct_size: 0, // write_struct() keeps the caller's
         state,
         timestamp_us: result.timestamp_us,
         age_us: result.age_us,
@@ -124,6 +131,7 @@ pub(super) fn result_to(result: &TrackResult) -> posewise_result {
     }
 }
 
+/// The landmarks of a result in the order of the iBUG 68 scheme.
 pub(super) fn landmarks_of(result: &TrackResult) -> impl Iterator<Item = posewise_landmark> {
     let points = result.landmarks.iter().zip(&result.points_mm);
     points.map(|(landmark, &[x_mm, y_mm, z_mm])| posewise_landmark {
@@ -142,7 +150,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn formats_are_those_of_the_image_room() {
+    fn formats_are_those_of_the_image_module() {
         let header = [
             POSEWISE_FMT_GREY,
             POSEWISE_FMT_Y10,

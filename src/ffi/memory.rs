@@ -1,14 +1,14 @@
-//! All pointer work of the C ABI: growing structs in and out, and the tracker's memory block.
+//! Pointer work of the C ABI: copies structs that may grow, and places the tracker in memory.
 //!
-//! What no function can check is the caller's duty and stands once, at the head of the header:
-//! a non-NULL pointer points to as many readable (outputs: writable) bytes as its struct_size or
-//! length says, nobody else writes them during the call, and the model outlives its trackers.
+//! The caller's contract, which no function can check, is that of the header: a non-NULL pointer
+//! points to as many readable (outputs: writable) bytes as its `struct_size` or length states, no
+//! other thread writes them during the call, and the model outlives its trackers.
 
 use super::types::*;
 use crate::track::{Config, ConfigError, Model, Tracker};
 use core::mem::{MaybeUninit, align_of, size_of};
 
-/// Longest struct that a newer header may pass \[bytes\].
+/// Longest struct that is accepted \[bytes\]: room for newer headers, a bound on the zero check.
 const MAX_STRUCT_SIZE: usize = 4096;
 
 /// A struct that starts with `struct_size` and may grow at its end.
@@ -16,7 +16,7 @@ const MAX_STRUCT_SIZE: usize = 4096;
 /// # Safety
 /// The type is `repr(C)`, without padding, starts with a `u32`, and every bit pattern is valid.
 pub(super) unsafe trait Growing: Copy {
-    /// The size in the first header that had the struct; none was ever shorter.
+    /// Size in the first header that had the struct, the shortest ever \[bytes\].
     const FIRST_SIZE: usize;
 }
 
@@ -33,7 +33,7 @@ unsafe impl Growing for posewise_result {
     const FIRST_SIZE: usize = 128;
 }
 
-/// `POSEWISE_E_ARG` unless the pointer is usable as one to `T`.
+/// `POSEWISE_E_ARG` unless the pointer is non-NULL and aligned for `T`.
 pub(super) fn check_pointer<T>(pointer: *const T) -> Result<(), posewise_status> {
     if pointer.is_null() || !(pointer as usize).is_multiple_of(align_of::<T>()) {
         return Err(POSEWISE_E_ARG);
@@ -41,7 +41,7 @@ pub(super) fn check_pointer<T>(pointer: *const T) -> Result<(), posewise_status>
     Ok(())
 }
 
-/// Checks the pointer and reads the `struct_size` behind it.
+/// Checks the pointer, reads the `struct_size` that it points to, and checks its range.
 ///
 /// # Safety
 /// As at the file's head.
@@ -56,17 +56,17 @@ pub(super) unsafe fn checked_size<T: Growing>(pointer: *const T) -> Result<usize
     }
 }
 
-/// Reads a struct of an older, the same or a newer header: what is missing is 0, what is unknown
+/// Reads a struct of an older, the same or a newer header: missing fields read as 0, unknown bytes
 /// must be 0.
 ///
 /// # Safety
 /// As at the file's head.
 pub(super) unsafe fn read_struct<T: Growing>(from: *const T) -> Result<T, posewise_status> {
-    // SAFETY: the caller's promise is passed on.
+    // SAFETY: the caller's contract is passed on.
     let size = unsafe { checked_size(from)? };
     let from = from.cast::<u8>();
     for unknown in size_of::<T>()..size {
-        // SAFETY: below the size that the caller states.
+        // SAFETY: below the size that the caller stated.
         if unsafe { from.add(unknown).read() } != 0 {
             return Err(POSEWISE_E_ARG);
         }
@@ -79,8 +79,8 @@ pub(super) unsafe fn read_struct<T: Growing>(from: *const T) -> Result<T, posewi
     }
 }
 
-/// Writes as much of `value` as the caller's struct of `size` bytes has room for, keeps its
-/// `struct_size`, and clears the tail that this library does not know.
+/// Writes the fields of `value` that fit into the caller's struct of `size` bytes, keeps its
+/// `struct_size`, and zeroes the bytes beyond the fields that this library knows.
 ///
 /// # Safety
 /// `size` is what [`checked_size`] gave for `to`.
@@ -88,7 +88,7 @@ pub(super) unsafe fn write_struct<T: Growing>(to: *mut T, size: usize, value: &T
     const HEAD: usize = size_of::<u32>();
     let known = size.min(size_of::<T>());
     let to = to.cast::<u8>();
-    // SAFETY: `to` has `size` bytes, `value` at least `known`; `size` is at least FIRST_SIZE > HEAD.
+    // SAFETY: `to` has `size` bytes, `value` at least `known`; `size` ≥ FIRST_SIZE > HEAD.
     unsafe {
         let from = core::ptr::from_ref(value).cast::<u8>();
         to.add(HEAD)
@@ -97,7 +97,7 @@ pub(super) unsafe fn write_struct<T: Growing>(to: *mut T, size: usize, value: &T
     }
 }
 
-/// Writes the first values, at most `capacity`.
+/// Writes the first `capacity` values, or fewer if there are fewer.
 ///
 /// # Safety
 /// As at the file's head: `to` has room for `capacity` values.
@@ -114,10 +114,10 @@ pub(super) unsafe fn write_first<T>(
     Ok(())
 }
 
-/// The caller's bytes, if there can be that many.
+/// The caller's bytes as a slice; `too_long` if so many cannot exist.
 ///
 /// # Safety
-/// As at the file's head; the lifetime is the caller's claim.
+/// As at the file's head; the bytes live for `'a`.
 pub(super) unsafe fn bytes<'a>(
     data: *const u8,
     len: usize,
@@ -127,11 +127,11 @@ pub(super) unsafe fn bytes<'a>(
     if len > isize::MAX as usize || (data as usize).checked_add(len).is_none() {
         return Err(too_long);
     }
-    // SAFETY: non-NULL, `len` readable bytes by the caller's promise, not wrapping around.
+    // SAFETY: non-NULL, `len` readable bytes by the caller's contract, not wrapping around.
     Ok(unsafe { core::slice::from_raw_parts(data, len) })
 }
 
-/// What lies at the start of the caller's memory.
+/// The content of the caller's memory.
 #[repr(C, align(64))]
 pub(super) struct Block {
     magic: u64,
@@ -139,10 +139,10 @@ pub(super) struct Block {
     pub(super) tracker: Tracker,
 }
 
-/// Bytes that a tracker needs.
+/// Memory of a tracker \[bytes\].
 pub(super) const BLOCK_SIZE: usize = size_of::<Block>();
 
-/// Tells a block of this build from other memory, and from a block of a build with another layout.
+/// Distinguishes a block of this build from other memory and from blocks of other layouts.
 const MAGIC: u64 = u64::from_le_bytes(*b"posewise")
     ^ (BLOCK_SIZE as u64)
     ^ ((POSEWISE_VERSION as u64) << 40)
@@ -154,7 +154,7 @@ const _: () = assert!(
     "raise POSEWISE_MEMORY_SIZE in ffi/types.rs"
 );
 
-/// Builds a tracker at `memory`, which is untouched if the settings are wrong.
+/// Creates a tracker at `memory`, which is untouched if the settings are invalid.
 ///
 /// # Safety
 /// `memory` is aligned to [`POSEWISE_ALIGN`] and has [`BLOCK_SIZE`] writable bytes.
@@ -164,10 +164,10 @@ pub(super) unsafe fn place(
     config: &Config,
 ) -> Result<(), ConfigError> {
     let block = memory.cast::<Block>();
-    // SAFETY: by the caller's promise; `MaybeUninit` may hold whatever was there.
+    // SAFETY: by the caller's contract; `MaybeUninit` may hold any bytes.
     let slot = unsafe { &mut *(&raw mut (*block).tracker).cast::<MaybeUninit<Tracker>>() };
     Tracker::init_in(slot, config)?;
-    // SAFETY: by the caller's promise; the magic comes last, when the block is whole.
+    // SAFETY: by the caller's contract. The magic comes last, when the block is complete.
     unsafe {
         (&raw mut (*block).model).write(model);
         (&raw mut (*block).magic).write(MAGIC);
@@ -175,7 +175,7 @@ pub(super) unsafe fn place(
     Ok(())
 }
 
-/// `POSEWISE_E_ARG` unless a tracker of this build lies at the pointer.
+/// `POSEWISE_E_ARG` unless the pointer is one to a tracker of this build.
 ///
 /// # Safety
 /// As at the file's head.
@@ -190,26 +190,26 @@ unsafe fn check_block(tracker: *const posewise_tracker) -> Result<*const Block, 
     }
 }
 
-/// The block behind a tracker that is only read.
+/// The block of a tracker, to read.
 ///
 /// # Safety
 /// As at the file's head.
 pub(super) unsafe fn block<'a>(
     tracker: *const posewise_tracker,
 ) -> Result<&'a Block, posewise_status> {
-    // SAFETY: the magic says that `place` wrote a block here.
+    // SAFETY: the magic shows that `place` wrote a block here.
     unsafe { Ok(&*check_block(tracker)?) }
 }
 
-/// The block behind a tracker.
+/// The block of a tracker, to change.
 ///
 /// # Safety
 /// As at the file's head.
 pub(super) unsafe fn block_mut<'a>(
     tracker: *mut posewise_tracker,
 ) -> Result<&'a mut Block, posewise_status> {
-    // SAFETY: the magic says that `place` wrote a block here; the caller gave a mutable pointer
-    // and keeps other threads away.
+    // SAFETY: the magic shows that `place` wrote a block here; by the caller's contract no other
+    // thread uses it.
     unsafe { Ok(&mut *check_block(tracker)?.cast_mut()) }
 }
 
@@ -217,7 +217,7 @@ pub(super) unsafe fn block_mut<'a>(
 mod tests {
     use super::*;
 
-    /// `posewise_config` as a later header might have it.
+    /// `posewise_config` of a hypothetical later header.
     #[repr(C)]
     #[derive(Clone, Copy)]
     struct Later {
@@ -270,7 +270,7 @@ mod tests {
     }
 
     #[test]
-    fn impossible_sizes_are_refused() {
+    fn impossible_sizes_are_rejected() {
         for size in [0, 4, 39, 4097, u32::MAX] {
             // SAFETY: nothing beyond `struct_size` is read.
             assert!(unsafe { read_struct(&later(size, 0)) }.is_err(), "{size}");

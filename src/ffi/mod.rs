@@ -1,9 +1,9 @@
 //! The C ABI: `include/posewise.h`, which is generated from [`types`] and [`api`].
 //!
-//! C structs and bytes come in, are checked, and become the crate's own types; results go out the
-//! same way (`convert`). All pointer work is in `memory`.
+//! `convert` checks the caller's structs and converts them to the crate's types, and results back.
+//! `memory` does all pointer work.
 
-// C names, and the only place besides the model's typed views where DESIGN allows `unsafe`.
+// C names; raw pointers need `unsafe`.
 #![allow(non_camel_case_types, unsafe_code)]
 
 pub mod api;
@@ -11,5 +11,5 @@ mod convert;
 mod memory;
 #[cfg(feature = "panic-handler")]
 mod panic;
-#[allow(missing_docs)] // one comment stands for a pair of fields, as in the header
+#[allow(missing_docs)] // one comment documents a group of fields, as in the header
 pub mod types;

@@ -1,12 +1,12 @@
-//! What a program without std must have to link Rust code at all; neither is ever reached.
+//! Symbols that a program without std needs to link Rust code. Neither is ever reached.
 
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo) -> ! {
-    // A test on the linked library shows that no path leads here.
+    // tests/link.rs shows that no path of the linked library leads here.
     loop {}
 }
 
-/// `core` is compiled for unwinding and names this symbol, also where nothing unwinds. Whole-program
-/// optimisation removes the name; without it, a C program would not link.
+/// `core` is compiled for unwinding and refers to this symbol even where nothing unwinds. Fat LTO
+/// removes the reference; builds without it need the symbol to link.
 #[unsafe(no_mangle)]
 extern "C" fn rust_eh_personality() {}

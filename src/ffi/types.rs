@@ -6,44 +6,44 @@
 
 /// 0xMMmmpp; compare with posewise_version().
 pub const POSEWISE_VERSION: u32 = 0x0000_0100;
-/// Grows when programs must be compiled anew.
+/// Changes when programs must be recompiled.
 pub const POSEWISE_ABI: u32 = 1;
-/// Of the tracker's memory and of the model \[bytes\].
+/// Alignment of memory and model \[bytes\].
 pub const POSEWISE_ALIGN: u32 = 64;
-/// Enough for any posewise_config \[bytes\].
+/// Upper bound of posewise_memory_size() \[bytes\].
 pub const POSEWISE_MEMORY_SIZE: u32 = 208 * 1024;
-/// iBUG 68.
+/// Landmarks, iBUG 68 scheme.
 pub const POSEWISE_LANDMARKS: u32 = 68;
-/// Weights; see posewise_animation_name().
+/// Weights, named by posewise_animation_name().
 pub const POSEWISE_ANIMATIONS: u32 = 24;
 
-/// What a function answers: POSEWISE_OK, or a negative POSEWISE_E_* that says what is wrong.
-/// Not an enum, because the width of an enum is a build option on ARM.
+/// Return value of a function: POSEWISE_OK, or a negative error code POSEWISE_E_*.
+/// Not an enum, because the width of an enum is a compiler option on ARM.
 pub type posewise_status = i32;
 
 /// Success.
 pub const POSEWISE_OK: i32 = 0;
-/// Wrong pointer, struct_size, flag or setting.
+/// Invalid pointer, struct_size, flag or setting.
 pub const POSEWISE_E_ARG: i32 = -1;
 /// Tracker memory too small or misaligned.
 pub const POSEWISE_E_MEMORY: i32 = -2;
-/// A section of the model is missing or wrong.
+/// A model section is missing or invalid.
 pub const POSEWISE_E_MODEL: i32 = -3;
-/// Size, stride, rotation, data_len disagree.
+/// Inconsistent size, stride, rotation, data_len.
 pub const POSEWISE_E_FRAME: i32 = -4;
-/// Not after the timestamp of the frame before.
+/// Timestamp not after that of the last frame.
 pub const POSEWISE_E_TIME: i32 = -5;
-/// None of POSEWISE_FMT_*.
+/// Not a POSEWISE_FMT_* value.
 pub const POSEWISE_E_FORMAT: i32 = -6;
-/// Model not at a multiple of POSEWISE_ALIGN.
+/// Model not aligned to POSEWISE_ALIGN.
 pub const POSEWISE_E_MODEL_ALIGN: i32 = -7;
-/// The model's bytes end too early.
+/// The model is truncated.
 pub const POSEWISE_E_MODEL_TRUNCATED: i32 = -8;
 /// Not a .posewise model.
 pub const POSEWISE_E_MODEL_MAGIC: i32 = -9;
-/// A format version that is not read here.
+/// Unsupported model format version.
 pub const POSEWISE_E_MODEL_VERSION: i32 = -10;
-/// Checksum wrong: the model was changed.
+/// Checksum mismatch: the model is corrupt.
 pub const POSEWISE_E_MODEL_CHECKSUM: i32 = -11;
 
 /// 8-bit grey.
@@ -83,28 +83,28 @@ pub const POSEWISE_FMT_RX24: u32 = 0x3432_5852;
 /// 32-bit alpha, B, G, R in memory.
 pub const POSEWISE_FMT_RA24: u32 = 0x3432_4152;
 
-/// Stored left to right reversed ("selfie").
+/// Rows are stored reversed ("selfie" view).
 pub const POSEWISE_FRAME_MIRRORED: u32 = 1;
 
-/// No face; fields below timestamp_us are 0, but for loss.
+/// No face; after timestamp_us all but loss are 0.
 pub const POSEWISE_SEARCHING: u32 = 0;
-/// Fitted on this frame.
+/// The face was fitted to this frame.
 pub const POSEWISE_TRACKING: u32 = 1;
-/// Not fitted: the last fit, age_us old.
+/// Not fitted: repeats the last fit, age_us old.
 pub const POSEWISE_COASTING: u32 = 2;
 
-/// It is tracked, or there was none yet.
+/// Tracking, or no face was found yet.
 pub const POSEWISE_LOSS_NONE: u32 = 0;
-/// It no longer looked like a face with landmarks where they should be.
+/// The confidence fell below its threshold.
 pub const POSEWISE_LOSS_LOW_CONFIDENCE: u32 = 1;
-/// Its middle left the frame.
+/// The centre of the face left the frame.
 pub const POSEWISE_LOSS_LEFT_FRAME: u32 = 2;
-/// No head pose explains the landmarks.
+/// No head pose fits the landmarks.
 pub const POSEWISE_LOSS_NO_POSE: u32 = 3;
 
-/// A pinhole camera without distortion, in pixels of the upright frame. All four 0: a camera with
-/// a 60 degree horizontal field of view and the principal point in the middle. This struct is
-/// complete and never grows.
+/// A pinhole camera without distortion, in pixels of the upright image. All four 0 select the
+/// default: a horizontal field of view of 60 degrees and the principal point at the image centre.
+/// This struct never grows.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
 pub struct posewise_intrinsics {
@@ -116,30 +116,31 @@ pub struct posewise_intrinsics {
     pub cy: f32,
 }
 
-/// Settings. NULL in place of this struct means all defaults.
+/// Settings. A NULL pointer to this struct selects all defaults.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
 pub struct posewise_config {
     /// sizeof(posewise_config).
     pub struct_size: u32,
-    /// 0; no flags yet.
+    /// Must be 0: no flags are defined.
     pub flags: u32,
-    /// Narrowest face searched for \[px\], 24..4096. 0: the default, 40.
+    /// Least width of a face to search for \[px\], 24..4096. 0: the default, 40.
     pub min_face_px: u32,
-    /// Work per step while searching, 100..10000000; a window is about two, six in a frame full
-    /// of noise. Bounds the time of a step, at the price of finding a face later. 0: the default, 3000.
+    /// Work per step while searching, 100..10000000. One detector window takes about 2 units, 6 in
+    /// a frame of noise. A smaller budget shortens a step and delays detection.
+    /// 0: the default, 3000.
     pub scan_budget: u32,
     /// The camera; see posewise_set_intrinsics().
     pub intrinsics: posewise_intrinsics,
-    /// How posewise_smoothed() filters (One-Euro): the cutoff for a face that does not move \[Hz\],
-    /// 0.01..100, lower is steadier; and how much it rises per unit of speed, up to 1000, higher is
-    /// prompter (units: widths of the face, radians, whole weights per second). 0: the defaults,
-    /// 1 and 12.
+    /// Parameters of the One-Euro filter behind posewise_smoothed() (Casiez et al., CHI 2012).
+    /// smoothing_hz: cutoff frequency at rest \[Hz\], 0.01..100; lower values reduce jitter.
+    /// smoothing_beta: increase of the cutoff per unit of speed, up to 1000; higher values reduce
+    /// lag. Speed is in face widths, radians or weights per second. 0: the defaults, 1 and 12.
     pub smoothing_hz: f32,
     pub smoothing_beta: f32,
 }
 
-/// One camera frame, borrowed for the one call.
+/// One camera frame. The library reads it only during the call.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct posewise_frame {
@@ -147,27 +148,27 @@ pub struct posewise_frame {
     pub struct_size: u32,
     /// POSEWISE_FMT_*: the values of V4L2_PIX_FMT_*. Only luma is read.
     pub format: u32,
-    /// When the frame was taken \[us\], on any monotonic clock; must increase from step to step.
+    /// Capture time of the frame \[us\], on any monotonic clock; must increase from step to step.
     pub timestamp_us: i64,
-    /// Stored size \[px\], 1..16384.
+    /// Stored width and height \[px\], 1..16384.
     pub width: u32,
     pub height: u32,
-    /// Bytes from row to row (V4L2: bytesperline); at least a row of pixels.
+    /// Distance between the starts of two rows \[bytes\] (V4L2: bytesperline); at least one row.
     pub stride: u32,
-    /// Clockwise turn that makes the stored picture upright: 0, 90, 180 or 270. Results are in
-    /// pixels of the upright picture.
+    /// Clockwise rotation that makes the stored image upright: 0, 90, 180 or 270. Results are in
+    /// pixels of the upright image.
     pub rotation_deg: u32,
-    /// 0 or POSEWISE_FRAME_MIRRORED. Mirroring is undone before the turn.
+    /// 0 or POSEWISE_FRAME_MIRRORED. Mirroring is undone before the rotation.
     pub flags: u32,
-    /// 0; keeps the struct free of padding.
+    /// Must be 0. Keeps the struct free of padding.
     pub reserved: u32,
-    /// Bytes readable at data. The last row need not be padded to the stride.
+    /// Readable bytes at data. The last row need not be padded to the stride.
     pub data_len: usize,
-    /// The first byte of the top row, as stored.
+    /// First byte of the first stored row.
     pub data: *const u8,
 }
 
-/// The answer to one frame. Every number is finite.
+/// The result of one frame. Every number is finite.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
 pub struct posewise_result {
@@ -175,64 +176,66 @@ pub struct posewise_result {
     pub struct_size: u32,
     /// POSEWISE_SEARCHING, POSEWISE_TRACKING or POSEWISE_COASTING.
     pub state: u32,
-    /// Of the frame that this answers \[us\].
+    /// Capture time of the frame \[us\], as given in posewise_frame.
     pub timestamp_us: i64,
-    /// Time since the frame that the fit belongs to \[us\]; 0 while tracking.
+    /// Time since the frame of the last fit \[us\]; 0 while tracking.
     pub age_us: i64,
-    /// Landmarks that posewise_landmarks() has: 68; 0 while searching.
+    /// Number of landmarks that posewise_landmarks() gives: 68; 0 while searching.
     pub landmark_count: u32,
-    /// Calibrated probability that this is a face and that the landmarks are right (on average to
-    /// a tenth of the distance between the eyes' outer corners), 0..1. In a library built
-    /// without the verifier: how well the 3D face fits, from 1 to 0, no probability.
+    /// Calibrated probability that this is a face whose landmarks are right, 0..1. Right: the mean
+    /// error is below a tenth of the distance between the outer eye corners. In a library built
+    /// without the verifier: goodness of fit of the 3D face, 0..1, not a probability.
     pub confidence: f32,
-    /// Box of the landmarks: x, y, width, height \[px\].
+    /// Bounding box of the landmarks: x, y, width, height \[px\].
     pub face_box: [f32; 4],
     /// Head-to-camera rotation as a unit quaternion x, y, z, w.
     pub rotation: [f32; 4],
     /// The same rotation as angles \[deg\]. yaw > 0: the face turns to the image right, -180..180.
-    /// pitch > 0: it turns up, -90..90. roll > 0: it tilts clockwise in the image, -180..180.
+    /// pitch > 0: the face turns up, -90..90. roll > 0: the face tilts clockwise in the image,
+    /// -180..180.
     pub yaw_deg: f32,
     pub pitch_deg: f32,
     pub roll_deg: f32,
-    /// The head's origin, midway between the eyeballs, in the camera frame \[mm\].
+    /// Origin of the head frame, midway between the eyeballs, in the camera frame \[mm\].
     pub translation_mm: [f32; 3],
-    /// The subject's left and right eye: 0 shut .. 1 open, -1 unknown (hidden, or too fast to tell).
+    /// Eye opening, the person's left and right eye: 0 shut .. 1 open, -1 unknown because the eye
+    /// is hidden or moves too fast.
     pub eye_open: [f32; 2],
-    /// POSEWISE_LOSS_*: why the face that is now coasted or searched for was lost.
+    /// POSEWISE_LOSS_*: why tracking was lost, while coasting or searching.
     pub loss: u32,
-    /// Mean visibility of the landmarks, 0..1: low when much of the face is covered.
+    /// Mean visibility of the landmarks, 0..1: low when much of the face is occluded.
     pub visible_share: f32,
-    /// Standard deviations of the rotation about the camera's x, y and z axes \[deg\], from how far
-    /// the landmarks of this frame lie from the 3D face.
+    /// Standard deviations of the rotation about the camera's x, y and z axes \[deg\], estimated
+    /// from the distances between the landmarks of this frame and the 3D face.
     pub rotation_sigma_deg: [f32; 3],
-    /// Standard deviations of translation_mm \[mm\], likewise.
+    /// Standard deviations of translation_mm \[mm\], estimated likewise.
     pub translation_sigma_mm: [f32; 3],
 }
 
-/// One landmark. This struct is complete and never grows, so that arrays of it stay the same.
+/// One landmark. This struct never grows, so the layout of arrays stays the same.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
 pub struct posewise_landmark {
-    /// Place in the upright picture \[px\]. Points 0..16 follow the jaw's visible contour; the
-    /// others are the places of x_mm, y_mm, z_mm, estimated from the rest where they are hidden.
+    /// Position in the upright image \[px\]. Points 0..16 follow the visible contour of the jaw.
+    /// The others are images of x_mm, y_mm, z_mm; hidden ones are estimated from the rest.
     pub x: f32,
     pub y: f32,
-    /// Calibrated probability that (x, y) is right to a tenth of the distance between the eyes'
-    /// outer corners, as it is on a face that looks into the camera, 0..1.
+    /// Calibrated probability that the error of (x, y) is below a tenth of the distance between
+    /// the outer eye corners of the same face seen from the front, 0..1.
     pub confidence: f32,
-    /// Calibrated probability that the camera sees it: that neither the head itself nor anything
-    /// before it hides it, 0..1. In a library built without the verifier: 1 unless the head itself
-    /// hides it, else 0; the landmark's confidence is then the face's.
+    /// Calibrated probability that the landmark is visible, 0..1: neither the head itself nor
+    /// anything in front of it hides it. In a library built without the verifier: 0 where the head
+    /// itself hides it, else 1; the landmark's confidence is then that of the face.
     pub visibility: f32,
-    /// The point of the 3D face, camera frame \[mm\]; for points 0..16 a fixed place on the jaw.
+    /// Point of the 3D face in the camera frame \[mm\]; for points 0..16 a fixed point of the jaw.
     pub x_mm: f32,
     pub y_mm: f32,
     pub z_mm: f32,
 }
 
-/// A tracker: opaque, it starts where the caller's memory starts. It holds no pointer into itself,
-/// so a memcpy of posewise_memory_size() bytes to memory of the same alignment is a second tracker
-/// that goes on independently.
+/// A tracker, opaque. It starts at the start of the caller's memory and holds no pointer into
+/// itself: a memcpy of posewise_memory_size() bytes to memory of the same alignment is a second,
+/// independent tracker.
 pub struct posewise_tracker {
     _private: [u8; 0],
 }
