@@ -1,5 +1,5 @@
-//! The cascade's model (section `ALGN`, `ENSM` for a second network, `RFIN` for the fine stages) and
-//! one run through it.
+//! The cascade's model and one run of it. Sections: `ALGN` holds the global stage, `ENSM` its second
+//! ensemble member, `RFIN` and `SREG` the local refiners and the shape regression.
 
 use super::ensemble::EnsembleMember;
 use super::refiners::Refiners;
@@ -11,40 +11,39 @@ use crate::model::{Blob, ModelError};
 use crate::network::MAX_FEATURES;
 use crate::shape::LANDMARKS;
 
-/// Most views.
+/// Capacity: views of a model, mirror images not counted.
 pub const MAX_VIEWS: usize = 4;
 
-/// Most features that are kept for the classifiers.
-const DESCRIBED: usize = if cfg!(feature = "verifier") {
+/// Most iterations after a detection.
+const MAX_ITERATIONS: usize = 8;
+
+/// Capacity: features that are kept for the verifier.
+const VERIFIER_FEATURES: usize = if cfg!(feature = "verifier") {
     LANDMARKS * MAX_FEATURES
 } else {
     0
 };
 
-/// A checked view of section `ALGN`, with the fine stages that the model has.
+/// A checked view of section `ALGN`, with the model's second ensemble member and local refiners.
 #[derive(Clone, Debug)]
 pub struct AlignModel<'m> {
     mean: &'m Shape,
-    /// Shapes in the canonical frame, by view.
-    starts: &'m [Shape],
-    turns: &'m [f32],
-    /// Passes after a detection.
+    views: Views<'m>,
+    /// Iterations after a detection.
     iterations: usize,
-    /// The global stage.
-    face: Regressor<'m>,
-    /// What it is averaged with.
+    /// The global stage's first ensemble member.
+    global: Regressor<'m>,
     second: EnsembleMember<'m>,
-    /// The fine stages.
-    parts: Refiners<'m>,
+    refiners: Refiners<'m>,
 }
 
-/// Working memory of a run; holds nothing between runs but what the last one ended with.
+/// Working memory of a run, and the outputs of the last run beside its shape.
 #[derive(Clone)]
 pub struct Workspace {
     crop: Crop,
     memory: Memory,
-    features: [i8; DESCRIBED],
-    used: usize,
+    features: [i8; VERIFIER_FEATURES],
+    feature_count: usize,
     view: usize,
     global_shape: Shape,
 }
@@ -61,31 +60,32 @@ impl Workspace {
         Workspace {
             crop: Crop::new(),
             memory: Memory::new(),
-            features: [0; DESCRIBED],
-            used: 0,
+            features: [0; VERIFIER_FEATURES],
+            feature_count: 0,
             view: 0,
             global_shape: [[0.0; 2]; LANDMARKS],
         }
     }
 
-    /// Features at the landmarks where the global stage of the last run ended, landmark by landmark;
-    /// none without the feature `experts`.
+    /// Features of the last run for the verifier, `[68][features]`, 0..127: the fine map at the
+    /// landmarks of the global stage. Empty in builds without the feature `verifier`.
     pub fn features(&self) -> &[i8] {
-        self.features.get(..self.used).unwrap_or(&[])
+        self.features.get(..self.feature_count).unwrap_or(&[])
     }
 
-    /// Where the global stage of the last run ended (frame px).
+    /// The landmarks after the global stage of the last run, before the refiners (frame px).
     pub fn global_shape(&self) -> &Shape {
         &self.global_shape
     }
 
-    /// 96 KiB to use for something else between two runs; what is there afterwards does not matter.
+    /// 96 KiB of the working memory, for other use between two runs. A run overwrites it and does
+    /// not read it.
     pub fn scratch(&mut self) -> &mut [u8] {
         self.memory.scratch()
     }
 
-    /// View of the shape where that run ended: 0 towards the camera, then the model's views turned
-    /// to the image right, then those turned left.
+    /// Signed view of the last run's shape: 0 is frontal, then the model's views turned to the image
+    /// right, then those turned left. Below [`AlignModel::signed_views`].
     pub fn view(&self) -> usize {
         self.view
     }
@@ -95,35 +95,39 @@ impl<'m> AlignModel<'m> {
     /// Name of the section.
     pub const TAG: [u8; 4] = *b"ALGN";
 
-    /// Reads and checks the global stage. Its second network and the fine stages are checked by
-    /// themselves ([`EnsembleMember::open`], [`Refiners::open`]), so that they are not on the stack at the same time.
+    /// Reads and checks the global stage: `views: u32, iterations: u32, mean: f32[136], initial
+    /// shapes: f32[views·136], yaws: f32[views]` and a regressor. The caller opens the other
+    /// sections before ([`EnsembleMember::open`], [`Refiners::open`]), so that the stack never
+    /// holds the working memory of all three.
     ///
     /// # Errors
-    /// When the section is missing, too short, or a number is out of range.
+    /// When the section is missing or too short, or a number is out of range.
     #[inline(never)]
     pub fn open(
         blob: &Blob<'m>,
         second: EnsembleMember<'m>,
-        parts: Refiners<'m>,
+        refiners: Refiners<'m>,
     ) -> Result<Self, ModelError> {
         let s = &mut blob.section(&Self::TAG)?;
         let views = s.count(1, MAX_VIEWS, "number of views")?;
-        let iterations = s.count(1, 8, "number of iterations")?;
+        let iterations = s.count(1, MAX_ITERATIONS, "number of iterations")?;
         let missing = s.error("it lacks a shape");
         let mean = shapes_of(s.f32s(2 * LANDMARKS)?);
         let model = AlignModel {
             mean: mean.first().ok_or(missing)?,
-            starts: shapes_of(s.f32s(views * 2 * LANDMARKS)?),
-            turns: s.f32s(views)?,
+            views: Views {
+                shapes: shapes_of(s.f32s(views * 2 * LANDMARKS)?),
+                yaws: s.f32s(views)?,
+            },
             iterations,
-            face: Regressor::read(s, LANDMARKS)?,
+            global: Regressor::read(s, LANDMARKS)?,
             second,
-            parts,
+            refiners,
         };
-        model.second.require_crops_of(&model.face)?;
-        let extent = |shape: &Shape| Similarity::fit(shape, shape).is_some();
-        let sound = extent(model.mean) && model.starts.iter().all(extent);
-        s.require(sound, "a shape has no extent")?;
+        model.second.require_crops_of(&model.global)?;
+        let has_extent = |shape: &Shape| Similarity::fit(shape, shape).is_some();
+        let valid = has_extent(model.mean) && model.views.shapes.iter().all(has_extent);
+        s.require(valid, "a shape has no extent")?;
         Ok(model)
     }
 
@@ -132,32 +136,29 @@ impl<'m> AlignModel<'m> {
         self.mean
     }
 
-    /// Start shapes by turn.
+    /// The initial shapes by yaw.
     pub fn views(&self) -> Views<'m> {
-        Views {
-            starts: self.starts,
-            turns: self.turns,
-        }
+        self.views
     }
 
-    /// Number of views, turns to the left counted apart: what [`Workspace::view`] stays below.
+    /// Number of views with mirror images counted: the frontal view has none.
     pub fn signed_views(&self) -> usize {
-        2 * self.starts.len() - 1
+        2 * self.views.shapes.len() - 1
     }
 
     /// Features per landmark.
     pub fn features(&self) -> usize {
-        self.face.features()
+        self.global.features()
     }
 
-    /// Passes to run after a detection; one is enough from the frame before.
+    /// Iterations to run after a detection; one is enough from the shape of the previous frame.
     pub fn iterations(&self) -> usize {
         self.iterations
     }
 
-    /// Runs the global stage `iterations` times and then the fine ones; `shape` (frame px) says where
-    /// to look and is moved in place. Returns false, with the shape wherever it was then, when it
-    /// lost its extent.
+    /// Runs `iterations` iterations of the global stage and then the refiners, from the initial
+    /// `shape` (frame px), which is updated in place. Returns false when the shape collapsed or is
+    /// not finite; it is undefined then.
     pub fn run(
         &self,
         frame: &Frame<'_>,
@@ -173,40 +174,40 @@ impl<'m> AlignModel<'m> {
         };
         work.view = match view.mirrored {
             false => view.index,
-            true => self.starts.len() + view.index - 1,
+            true => self.views.shapes.len() + view.index - 1,
         };
         work.global_shape = *shape;
         if cfg!(feature = "refiners") {
             let Workspace { crop, memory, .. } = work;
-            self.parts.run(frame, self.mean, shape, crop, memory);
+            self.refiners.run(frame, self.mean, shape, crop, memory);
         }
-        finite(shape)
+        is_finite(shape)
     }
 
-    /// One pass of the global stage; false as in [`AlignModel::run`].
+    /// One iteration of the global stage; false as in [`AlignModel::run`].
     pub fn iterate(&self, frame: &Frame<'_>, shape: &mut Shape, work: &mut Workspace) -> bool {
-        let (face, side) = (&self.face, self.face.side());
-        let Some(placed) = place(self.mean, shape, face.zoom(), side) else {
+        let (global, side) = (&self.global, self.global.side());
+        let Some(placement) = place(self.mean, shape, global.zoom(), side) else {
             return false;
         };
-        warp(frame, &placed.corner_to_frame, side, &mut work.crop);
-        // Before the first, whose maps the classifiers read.
-        let other = self.second.run(&mut work.crop, &mut work.memory);
+        warp(frame, &placement.corner_to_frame, side, &mut work.crop);
+        // The first member runs last: the verifier reads its maps.
+        let second = self.second.run(&mut work.crop, &mut work.memory);
         let mut points = [[0.0f32; 2]; LANDMARKS];
-        face.run(&work.crop, &mut points, &mut work.memory);
-        for (p, q) in points.iter_mut().zip(other.iter().flatten()) {
+        global.run(&work.crop, &mut points, &mut work.memory);
+        for (p, q) in points.iter_mut().zip(second.iter().flatten()) {
             *p = [0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])];
         }
         if cfg!(feature = "verifier") {
-            face.describe(&points, &mut work.memory, &mut work.features);
-            work.used = LANDMARKS * face.features();
+            global.describe(&points, &mut work.memory, &mut work.features);
+            work.feature_count = LANDMARKS * global.features();
         }
-        *shape = points.map(|p| placed.centred_to_frame.apply(p));
-        finite(shape)
+        *shape = points.map(|p| placement.centred_to_frame.apply(p));
+        is_finite(shape)
     }
 }
 
-fn finite(shape: &Shape) -> bool {
+fn is_finite(shape: &Shape) -> bool {
     shape.iter().all(|p| p[0].is_finite() && p[1].is_finite())
 }
 

@@ -1,5 +1,5 @@
-//! A second network of the global stage: two that were trained apart err less in the mean than either
-//! does alone, and less still where one of them looks in the mirror.
+//! The second ensemble member of the global stage. The average of two independently trained networks
+//! has a smaller error than either; the gain is larger where one of them sees the mirror image.
 
 use super::regressor::{Memory, Regressor};
 use super::{Shape, mirror};
@@ -7,13 +7,14 @@ use crate::image::Crop;
 use crate::model::{Blob, ModelError, Section};
 use crate::shape::LANDMARKS;
 
-/// Section `ENSM`, checked; without a network where the model lacks it.
+/// A checked view of section `ENSM`; empty where the model lacks it.
 ///
-/// The network is read anew whenever it runs, as those of the fine stages are.
+/// The regressor is parsed again for each run, which takes a microsecond: its table of layers would
+/// make a model too large for small stacks.
 #[derive(Clone, Debug, Default)]
 pub struct EnsembleMember<'m> {
     content: Option<Section<'m>>,
-    /// Side of the crops that it sees \[px\].
+    /// Side of its crops \[px\].
     side: usize,
     /// Crop px per canonical unit.
     zoom: f32,
@@ -26,7 +27,7 @@ impl<'m> EnsembleMember<'m> {
     /// Reads and checks the section, which holds a regressor.
     ///
     /// # Errors
-    /// When it is too short or a number is out of range.
+    /// When the section is too short or a number is out of range.
     #[inline(never)]
     pub fn open(blob: &Blob<'m>) -> Result<Self, ModelError> {
         let section = match blob.section(&Self::TAG) {
@@ -41,23 +42,23 @@ impl<'m> EnsembleMember<'m> {
         })
     }
 
-    /// Checks that it sees the crops of the first network.
+    /// Checks that its crops have the size and zoom of the first member's.
     ///
     /// # Errors
-    /// When it was made for other crops.
+    /// When they differ.
     pub(super) fn require_crops_of(&self, first: &Regressor<'_>) -> Result<(), ModelError> {
         let Some(section) = &self.content else {
             return Ok(());
         };
         let same = self.side == first.side() && self.zoom == first.zoom();
-        section.require(same, "it sees other crops")
+        section.require(same, "its crops differ from those of the global stage")
     }
 
-    /// Landmarks as this network sees them in a crop's mirror image, in crop px from the crop's centre;
-    /// `None` without a network.
+    /// Landmarks predicted from the mirrored crop, mirrored back, in crop px relative to the crop's
+    /// centre; `None` without a network. The crop is unchanged afterwards.
     #[inline(never)]
     pub(super) fn run(&self, crop: &mut Crop, memory: &mut Memory) -> Option<Shape> {
-        // It was checked when the model was opened.
+        // Reading cannot fail: `open` checked the section.
         let regressor = Regressor::read(&mut self.content.clone()?, LANDMARKS).ok()?;
         let mut points = [[0.0f32; 2]; LANDMARKS];
         crop.mirror();

@@ -1,21 +1,21 @@
-//! The cascade: frame and a first guess in, 68 landmarks out.
+//! The alignment cascade: frame and initial shape in, 68 landmarks out.
 //!
-//! The global stage cuts a crop that is upright and of canonical size for the guess and describes it
-//! by the maps of a small convolutional network ([`crate::network`]), the learned local features. A
-//! first answer comes from the coarsest map as a whole; each correction then reads the fine map at
-//! the 68 points where the answer before it put them, and all points' features together move all
-//! points, so that landmarks that are well placed correct their neighbours (coarse-to-fine
-//! correlative regression, thesis 5.1; shape-indexed features as in Cao et al. 2014). A model may have
-//! a second network that sees the crop in a mirror, and the two answers are averaged. Fine stages of the
-//! same kind then see eyes with brows, the mouth and the lids closer by. From pixels to the sums
-//! that make an answer everything is integer arithmetic. In the end the whole shape corrects each of
-//! its points.
+//! Each iteration of the *global stage* warps the face into an upright crop of canonical size and
+//! runs a small convolutional network on it ([`crate::network`]), which gives feature maps. The
+//! first head regresses all landmarks from the coarsest map. Each further head reads the fine map
+//! at the 68 landmarks of the head before it (shape-indexed features, Cao et al., IJCV 2014) and
+//! moves all landmarks by a linear function of all these features, so that landmarks correct each
+//! other (coarse-to-fine correlative regression, thesis 5.1). A model may hold a second ensemble
+//! member, which sees the mirrored crop; both predictions are averaged. *Local refiners* of the
+//! same kind then see the eyes with brows, the mouth and the lids in closer crops. A linear *shape
+//! regression* finally corrects each landmark by the whole shape. All arithmetic from pixels to the
+//! sums of a prediction is in integers.
 //!
-//! A guess matters only through the similarity transform that brings the mean shape onto it: a pass
-//! that starts from its own answer does not drift.
+//! An iteration depends on its input shape only through the similarity transform that maps the mean
+//! shape onto it: repeated iterations do not drift.
 //!
-//! The *canonical frame* is that of the mean shape: origin at its centroid, upright, unit such that
-//! the model's `zoom` turns it into crop pixels.
+//! The *canonical frame* is that of the mean shape: origin at its centroid, upright. The model's
+//! `zoom` is the number of crop pixels per canonical unit.
 
 mod cascade;
 mod ensemble;
@@ -28,12 +28,12 @@ mod views;
 pub use cascade::{AlignModel, MAX_VIEWS, Workspace};
 pub use ensemble::EnsembleMember;
 pub use placement::{Placement, mirror, place};
-pub use refiners::{MAX_POINTS, MAX_REFINERS, Refiners, placed};
+pub use refiners::{MAX_POINTS, MAX_REFINERS, Refiners, place_refiner};
 pub use regressor::{GLOBAL, MAX_HEADS, MAX_INPUTS, MAX_RANK, SHAPE_INDEXED};
 pub use shape_regression::{ShapeRegression, deviation};
 pub use views::{View, Views};
 
 use crate::shape::LANDMARKS;
 
-/// 68 points.
+/// 68 landmarks, x and y, in the frame that the context names.
 pub type Shape = [[f32; 2]; LANDMARKS];

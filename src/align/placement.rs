@@ -1,24 +1,25 @@
-//! Where a pass looks: the crop of a shape.
+//! Placement of the global stage's crop over a shape.
 
 use super::Shape;
 use crate::math::Similarity;
 use crate::shape::MIRROR;
 
-/// A crop that is canonical for a shape.
+/// Coordinate transforms of a crop that shows a shape upright and at canonical size.
 #[derive(Clone, Copy, Debug)]
 pub struct Placement {
-    /// Crop px from the crop's centre → frame px.
+    /// Crop px relative to the crop's centre → frame px.
     pub centred_to_frame: Similarity,
-    /// Crop px from the centre of its first pixel → frame px: what `warp` takes.
+    /// Crop px relative to the centre of the crop's first pixel → frame px, as
+    /// [`crate::image::warp`] takes it.
     pub corner_to_frame: Similarity,
 }
 
-/// A canonical shape in a mirror.
+/// The mirror image of a canonical shape: x is negated and left and right landmarks are swapped.
 pub fn mirror(shape: &Shape) -> Shape {
     MIRROR.map(|from| shape.get(from).map_or([0.0; 2], |[x, y]| [-x, *y]))
 }
 
-/// Places a crop of `side` px, `zoom` crop px per canonical unit, over a shape in frame px.
+/// Places a crop of `side` px, at `zoom` crop px per canonical unit, over `shape` (frame px).
 ///
 /// `None` when the shape has no extent or is not finite.
 pub fn place(mean: &Shape, shape: &Shape, zoom: f32, side: usize) -> Option<Placement> {

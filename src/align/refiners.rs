@@ -1,11 +1,11 @@
-//! Fine stages: eyes with their brows, the mouth, and the eyes alone for their lids, each seen in a
-//! closer crop of its own.
+//! Local refiners: networks that see eyes with brows, the mouth, and the eyes alone for their lids,
+//! each in a closer crop of its own.
 //!
-//! The global stage sees an eye in some fifteen pixels; lids and lips need more. A part's network
-//! starts from where the stages before it put the part's landmarks and moves all of them by what it
-//! reads around each of them and in the part as a whole (correlative regression, thesis 5.1). Both
-//! eyes share one network, the subject's left eye is seen in a mirror. The mouth is its own mirror
-//! image: what its network says of both is averaged.
+//! An eye covers some fifteen pixels of the global stage's crop; lids and lips need more. A refiner
+//! starts from the landmarks of the stages before it and moves its own by the features around each
+//! of them and by those of its whole crop (correlative regression, thesis 5.1). Both eyes share one
+//! network, which sees the person's left eye mirrored. The mouth is its own mirror image: the
+//! predictions for the crop and for its mirror image are averaged.
 
 use super::Shape;
 use super::regressor::{Memory, Regressor};
@@ -15,44 +15,54 @@ use crate::math::Similarity;
 use crate::model::{Blob, ModelError, Section};
 use crate::shape::{LANDMARKS, MIRROR};
 
-/// Most networks.
+/// Capacity: refiners of a model.
 pub const MAX_REFINERS: usize = 3;
-/// Most landmarks of a part.
+/// Capacity: landmarks of a refiner.
 pub const MAX_POINTS: usize = 24;
 
-/// Section `RFIN` with what follows the fine stages (`SREG`), checked; no parts where the model lacks
-/// the first, or the build its feature (`fine-stages`).
+/// A checked view of section `RFIN` and of `SREG`, which follows the refiners; empty where the model
+/// lacks `RFIN` or the build lacks feature `refiners`.
 ///
-/// A part's network is read anew whenever it runs, which takes a microsecond: all of them would make
-/// a model too large for small stacks.
+/// A refiner is parsed again for each run, which takes a microsecond: the tables of all networks
+/// would make a model too large for small stacks.
 #[derive(Clone, Debug, Default)]
 pub struct Refiners<'m> {
-    /// How many.
+    /// Number of refiners.
     count: usize,
-    /// What follows that number.
+    /// The section behind that number.
     content: Option<Section<'m>>,
-    /// What comes after the last of them.
-    correction: Option<ShapeRegression<'m>>,
+    /// The shape regression that runs after the last refiner.
+    shape_regression: Option<ShapeRegression<'m>>,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Refiner<'m> {
-    /// Which landmarks, in the order of the network's points.
+    /// iBUG 68 numbers of its landmarks, in the order of the network's points.
     landmarks: &'m [u32],
-    /// Whether the landmarks' mirror images are a part of their own; else they are the same part.
-    twin: bool,
+    /// Whether it runs a second time, mirrored, on the landmarks of the other side. Otherwise its
+    /// landmarks are their own mirror images, and the mirrored run is averaged with the first.
+    mirrored: bool,
     regressor: Regressor<'m>,
+}
+
+/// What all refiners of a run share.
+struct Run<'a> {
+    frame: &'a Frame<'a>,
+    /// Canonical frame → frame px, of the face.
+    face: Similarity,
+    crop: &'a mut Crop,
+    memory: &'a mut Memory,
 }
 
 impl<'m> Refiners<'m> {
     /// Name of the section.
     pub const TAG: [u8; 4] = *b"RFIN";
 
-    /// Reads and checks the sections. `RFIN` holds `parts: u32`, then for each `points, twin: u32, landmarks:
-    /// u32[points]` and its regressor.
+    /// Reads and checks the sections. `RFIN` holds `refiners: u32`, then for each refiner
+    /// `points: u32, mirrored: u32, landmarks: u32[points]` and a regressor.
     ///
     /// # Errors
-    /// When one is too short or a number is out of range.
+    /// When a section is too short or a number is out of range.
     #[inline(never)]
     pub fn open(blob: &Blob<'m>) -> Result<Self, ModelError> {
         if !cfg!(feature = "refiners") {
@@ -62,18 +72,18 @@ impl<'m> Refiners<'m> {
             Err(ModelError::Missing(_)) => return Ok(Refiners::default()),
             other => other?,
         };
-        let parts = Refiners {
-            count: s.count(1, MAX_REFINERS, "number of parts")?,
+        let refiners = Refiners {
+            count: s.count(1, MAX_REFINERS, "number of refiners")?,
             content: Some(s.clone()),
-            correction: ShapeRegression::open(blob)?,
+            shape_regression: ShapeRegression::open(blob)?,
         };
-        for _ in 0..parts.count {
+        for _ in 0..refiners.count {
             Refiner::check(&mut s)?;
         }
-        Ok(parts)
+        Ok(refiners)
     }
 
-    /// Moves the parts' landmarks of a shape that is nearly right.
+    /// Refines a nearly right shape (frame px) in place; leaves it where it has no extent.
     #[inline(never)]
     pub(super) fn run(
         &self,
@@ -89,69 +99,67 @@ impl<'m> Refiners<'m> {
         let Some(mut content) = self.content.clone() else {
             return;
         };
+        let run = &mut Run {
+            frame,
+            face,
+            crop,
+            memory,
+        };
         for _ in 0..self.count {
-            // It was checked when the model was opened.
-            let Ok(part) = Refiner::read(&mut content) else {
+            // Reading cannot fail: `open` checked the section.
+            let Ok(refiner) = Refiner::read(&mut content) else {
                 return;
             };
             let mut other = *shape;
-            part.run(frame, &face, false, shape, crop, memory);
-            if part.twin {
-                part.run(frame, &face, true, shape, crop, memory);
+            refiner.run(run, false, shape);
+            if refiner.mirrored {
+                refiner.run(run, true, shape);
                 continue;
             }
-            part.run(frame, &face, true, &mut other, crop, memory);
+            refiner.run(run, true, &mut other);
             for (p, q) in shape.iter_mut().zip(&other) {
                 *p = [0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])];
             }
         }
-        if let Some(correction) = &self.correction {
-            correction.run(mean, shape);
+        if let Some(regression) = &self.shape_regression {
+            regression.run(mean, shape);
         }
     }
 }
 
 impl<'m> Refiner<'m> {
-    /// As [`Refiner::read`], without the part on the caller's stack.
+    /// As [`Refiner::read`], without the refiner on the caller's stack.
     #[inline(never)]
     fn check(s: &mut Section<'m>) -> Result<(), ModelError> {
-        let (landmarks, _) = Self::landmarks(s)?;
+        let (landmarks, _) = Self::read_landmarks(s)?;
         Regressor::read(s, landmarks.len()).map(|_| ())
     }
 
     fn read(s: &mut Section<'m>) -> Result<Self, ModelError> {
-        let (landmarks, twin) = Self::landmarks(s)?;
+        let (landmarks, mirrored) = Self::read_landmarks(s)?;
         Ok(Refiner {
             landmarks,
-            twin,
+            mirrored,
             regressor: Regressor::read(s, landmarks.len())?,
         })
     }
 
-    fn landmarks(s: &mut Section<'m>) -> Result<(&'m [u32], bool), ModelError> {
+    fn read_landmarks(s: &mut Section<'m>) -> Result<(&'m [u32], bool), ModelError> {
         let points = s.count(1, MAX_POINTS, "number of points")?;
-        let twin = s.count(0, 1, "mark of a twin")? == 1;
+        let mirrored = s.count(0, 1, "mirrored")? == 1;
         let landmarks = s.u32s(points)?;
-        let sound = landmarks.iter().all(|k| (*k as usize) < LANDMARKS);
-        s.require(sound, "no such landmark")?;
+        let in_range = landmarks.iter().all(|k| (*k as usize) < LANDMARKS);
+        s.require(in_range, "no such landmark")?;
         let image = |k: &u32| MIRROR.get(*k as usize).map(|m| *m as u32);
         let has_image = |k: &u32| image(k).is_some_and(|m| landmarks.contains(&m));
-        let whole = twin || landmarks.iter().all(has_image);
-        s.require(whole, "a landmark's mirror image is missing")?;
-        Ok((landmarks, twin))
+        let closed = mirrored || landmarks.iter().all(has_image);
+        s.require(closed, "a landmark's mirror image is missing")?;
+        Ok((landmarks, mirrored))
     }
 
-    /// `face`: canonical frame → frame px.
-    fn run(
-        &self,
-        frame: &Frame<'_>,
-        face: &Similarity,
-        mirrored: bool,
-        shape: &mut Shape,
-        crop: &mut Crop,
-        memory: &mut Memory,
-    ) {
-        let index = |k: u32| match mirrored {
+    /// Moves the refiner's landmarks of `shape` (frame px), or with `mirror` their mirror images.
+    fn run(&self, run: &mut Run<'_>, mirror: bool, shape: &mut Shape) {
+        let index = |k: u32| match mirror {
             false => k as usize,
             true => MIRROR.get(k as usize).copied().unwrap_or(0),
         };
@@ -163,7 +171,7 @@ impl<'m> Refiner<'m> {
             *p = shape.get(index(*k)).copied().unwrap_or([0.0; 2]);
         }
         let regressor = &self.regressor;
-        let Some(to_frame) = placed(face, points, regressor.zoom()) else {
+        let Some(to_frame) = place_refiner(&run.face, points, regressor.zoom()) else {
             return;
         };
         let Some(to_crop) = to_frame.inverse() else {
@@ -171,42 +179,39 @@ impl<'m> Refiner<'m> {
         };
         let centre = (regressor.side() as f32 - 1.0) / 2.0;
         let [tx, ty] = to_frame.apply([-centre, -centre]);
-        warp(
-            frame,
-            &Similarity { tx, ty, ..to_frame },
-            regressor.side(),
-            crop,
-        );
-        if mirrored {
-            crop.mirror();
+        let corner_to_frame = Similarity { tx, ty, ..to_frame };
+        warp(run.frame, &corner_to_frame, regressor.side(), run.crop);
+        if mirror {
+            run.crop.mirror();
         }
-        let side = if mirrored { -1.0 } else { 1.0 };
+        let sign = if mirror { -1.0 } else { 1.0 };
         for p in points.iter_mut() {
             let [x, y] = to_crop.apply(*p);
-            *p = [side * x, y];
+            *p = [sign * x, y];
         }
-        regressor.run(crop, points, memory);
+        regressor.run(run.crop, points, run.memory);
         for (p, k) in points.iter().zip(self.landmarks) {
             if let Some(to) = shape.get_mut(index(*k)) {
-                *to = to_frame.apply([side * p[0], p[1]]);
+                *to = to_frame.apply([sign * p[0], p[1]]);
             }
         }
     }
 }
 
-/// Crop px from the crop's centre → frame px, for a part whose landmarks lie at `points` of a face
-/// that `face` (canonical frame → frame px) places: as upright and large as the face, the landmarks'
-/// centroid in the middle.
-pub fn placed(face: &Similarity, points: &[[f32; 2]], zoom: f32) -> Option<Similarity> {
+/// Crop px relative to the crop's centre → frame px, for a refiner whose landmarks are at `points`
+/// (frame px): centred on the mean of the points, with the rotation and scale of the face (`face`:
+/// canonical frame → frame px), at `zoom` crop px per canonical unit. `None` when the face has no
+/// extent.
+pub fn place_refiner(face: &Similarity, points: &[[f32; 2]], zoom: f32) -> Option<Similarity> {
     let n = points.len().max(1) as f32;
     let sum = points
         .iter()
         .fold([0.0f32; 2], |s, p| [s[0] + p[0], s[1] + p[1]]);
-    let placed = Similarity {
+    let placement = Similarity {
         a: face.a / zoom,
         b: face.b / zoom,
         tx: sum[0] / n,
         ty: sum[1] / n,
     };
-    placed.inverse().map(|_| placed)
+    placement.inverse().map(|_| placement)
 }

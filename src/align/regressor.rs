@@ -1,23 +1,30 @@
-//! A network and the answers read from its maps: from a crop to points in it.
+//! A convolutional network with regression heads: from a crop to points in it.
 
 use crate::image::{CROP_MAX, Crop};
 use crate::model::{ModelError, Section};
 use crate::network::{Activations, MAX_FEATURES, Map, Network};
 use crate::shape::LANDMARKS;
 
-/// Most dimensions of an answer.
+/// Capacity: rank of a head.
 pub const MAX_RANK: usize = 96;
-/// Most answers of one run.
+/// Capacity: heads of a regressor.
 pub const MAX_HEADS: usize = 4;
-/// Most features that an answer reads.
+/// Capacity: input features of a head.
 pub const MAX_INPUTS: usize = LANDMARKS * MAX_FEATURES;
 
-/// An answer reads the last map, whole.
+/// A head's input holds the whole coarse map.
 pub const GLOBAL: u32 = 1;
-/// An answer reads the fine map around the points where the answer before it put them.
+/// A head's input holds the fine map at the points that the head before it predicted.
 pub const SHAPE_INDEXED: u32 = 2;
 
-/// A checked network with its answers. Points are in crop px from the crop's centre.
+/// Crop sides that a model may have \[px\]: at least so much.
+const MIN_SIDE: usize = 16;
+/// Zooms that a model may have \[crop px per canonical unit\].
+const ZOOMS: core::ops::Range<f32> = 1e-3..1e3;
+/// Points are clamped to this distance from the crop's centre before they are rounded \[px\].
+const FARTHEST_PX: f32 = 1000.0;
+
+/// A checked network with its heads. Points are in crop px relative to the crop's centre.
 #[derive(Clone, Copy, Debug)]
 pub struct Regressor<'m> {
     /// Side of the crop \[px\].
@@ -25,31 +32,40 @@ pub struct Regressor<'m> {
     /// Crop px per canonical unit.
     zoom: f32,
     network: Network<'m>,
+    /// The map whose values are the features of a point.
     fine: Map,
-    last: Map,
+    /// The map that is read as a whole.
+    coarse: Map,
     heads: [Option<Head<'m>>; MAX_HEADS],
 }
 
-/// A linear map in two steps: features → rank → displacement of every point.
+/// A linear regression of low rank: features → `rank` numbers → displacement of every point.
 #[derive(Clone, Copy, Debug)]
 struct Head<'m> {
-    reads: u32,
+    /// [`GLOBAL`], [`SHAPE_INDEXED`], or both.
+    sources: u32,
+    /// Number of input features.
     inputs: usize,
-    /// `rank` rows of `inputs`.
+    /// `rank` rows of `inputs` weights.
     project: &'m [i8],
+    /// Value of weight 1 of each row of `project`.
     scale: &'m [f32],
+    /// Added to each projection.
     bias: &'m [f32],
-    /// `rank` rows of `2·points`.
+    /// `rank` rows of `2·points` weights, `x0, y0, …`.
     expand: &'m [i8],
+    /// Value of weight 1 of each row of `expand` \[px\].
     expand_scale: &'m [f32],
-    outer: &'m [f32],
+    /// Constant displacement, `2·points` numbers \[px\].
+    offset: &'m [f32],
 }
 
-/// Working memory of a run; holds nothing between runs.
+/// Working memory of a run; its content between runs is not used.
 #[derive(Clone)]
 pub struct Memory {
     maps: Activations,
-    read: [u8; MAX_INPUTS],
+    /// Input of the current head.
+    features: [u8; MAX_INPUTS],
 }
 
 impl Memory {
@@ -57,7 +73,7 @@ impl Memory {
     pub const fn new() -> Self {
         Memory {
             maps: Activations::new(),
-            read: [0; MAX_INPUTS],
+            features: [0; MAX_INPUTS],
         }
     }
 
@@ -68,53 +84,39 @@ impl Memory {
 }
 
 impl<'m> Regressor<'m> {
-    /// Reads `side: u32, zoom: f32, fine, last, heads, rank: u32`, the network, and each answer,
-    /// for `points` points.
+    /// Reads a regressor of `points` points: `side: u32, zoom: f32, fine, coarse, heads, rank: u32`
+    /// (`fine` and `coarse` are numbers of nodes), the network, and for each head `sources: u32,
+    /// project: i8[rank·inputs], scale, bias: f32[rank], expand: i8[rank·2·points], expand_scale:
+    /// f32[rank], offset: f32[2·points]`.
     ///
     /// # Errors
     /// When the section is too short or a number is out of range.
     pub fn read(s: &mut Section<'m>, points: usize) -> Result<Self, ModelError> {
-        let side = s.count(16, CROP_MAX, "crop side")?;
+        let side = s.count(MIN_SIDE, CROP_MAX, "crop side")?;
         let zoom = s.f32()?;
-        s.require((1e-3..1e3).contains(&zoom), "zoom out of range")?;
-        let [fine, last] = [s.u32()? as usize, s.u32()? as usize];
-        let heads = s.count(1, MAX_HEADS, "number of answers")?;
-        let rank = s.count(1, MAX_RANK, "number of rank")?;
+        s.require(ZOOMS.contains(&zoom), "zoom out of range")?;
+        let [fine, coarse] = [s.u32()? as usize, s.u32()? as usize];
+        let heads = s.count(1, MAX_HEADS, "number of heads")?;
+        let rank = s.count(1, MAX_RANK, "rank")?;
         let network = Network::read(s, side)?;
         let missing = s.error("it lacks a map");
-        let (fine, last) = network.map(fine).zip(network.map(last)).ok_or(missing)?;
+        let maps = network.map(fine).zip(network.map(coarse));
+        let (fine, coarse) = maps.ok_or(missing)?;
         s.require(
             fine.channels() <= MAX_FEATURES && fine.side() > 1,
             "too many features per landmark",
         )?;
-        s.require(fine.apart(&last), "an answer's map is overwritten")?;
+        s.require(fine.is_disjoint(&coarse), "a head's map is overwritten")?;
         let mut regressor = Regressor {
             side,
             zoom,
             network,
             fine,
-            last,
+            coarse,
             heads: [None; MAX_HEADS],
         };
         for head in regressor.heads.iter_mut().take(heads) {
-            let reads = s.count(1, (GLOBAL | SHAPE_INDEXED) as usize, "what is read")? as u32;
-            let whole = last.range().len() * usize::from(reads & GLOBAL != 0);
-            let local = points * fine.channels() * usize::from(reads & SHAPE_INDEXED != 0);
-            let both = whole > 0 && local > 0;
-            s.require(
-                !both || whole + local <= MAX_INPUTS,
-                "an answer reads too much",
-            )?;
-            *head = Some(Head {
-                reads,
-                inputs: whole + local,
-                project: s.i8s(rank * (whole + local))?,
-                scale: s.f32s(rank)?,
-                bias: s.f32s(rank)?,
-                expand: s.i8s(rank * 2 * points)?,
-                expand_scale: s.f32s(rank)?,
-                outer: s.f32s(2 * points)?,
-            });
+            *head = Some(Head::read(s, rank, points, &fine, &coarse)?);
         }
         Ok(regressor)
     }
@@ -134,52 +136,53 @@ impl<'m> Regressor<'m> {
         self.fine.channels()
     }
 
-    /// Moves the points to where the crop shows them.
+    /// Regresses the points, in place, on the crop.
     pub fn run(&self, crop: &Crop, points: &mut [[f32; 2]], work: &mut Memory) {
         self.network.run(crop, &mut work.maps);
         let local = points.len() * self.features();
         for head in self.heads.iter().flatten() {
-            if head.reads == GLOBAL {
-                head.add(work.maps.values(&self.last), points);
+            if head.sources == GLOBAL {
+                head.add(work.maps.values(&self.coarse), points);
                 continue;
             }
-            if let Some(read) = work.read.get_mut(..local) {
-                self.features_at(points, &work.maps, read);
+            if let Some(features) = work.features.get_mut(..local) {
+                self.features_at(points, &work.maps, features);
             }
-            if head.reads & GLOBAL != 0
-                && let Some(rest) = work.read.get_mut(local..head.inputs)
+            if head.sources & GLOBAL != 0
+                && let Some(rest) = work.features.get_mut(local..head.inputs)
             {
-                let values = work.maps.values(&self.last);
+                let values = work.maps.values(&self.coarse);
                 rest.iter_mut().zip(values).for_each(|(r, v)| *r = *v);
             }
-            head.add(work.read.get(..head.inputs).unwrap_or(&[]), points);
+            head.add(work.features.get(..head.inputs).unwrap_or(&[]), points);
         }
     }
 
-    /// Features of the last run's crop at these points, point by point, 0 … 127.
+    /// Features of the last run's crop at these points, `[points][features]`, 0..127.
     pub fn describe(&self, points: &[[f32; 2]], work: &mut Memory, out: &mut [i8]) {
-        if let Some(read) = work.read.get_mut(..points.len() * self.features()) {
-            self.features_at(points, &work.maps, read);
-            for (out, value) in out.iter_mut().zip(read) {
+        let count = points.len() * self.features();
+        if let Some(features) = work.features.get_mut(..count) {
+            self.features_at(points, &work.maps, features);
+            for (out, value) in out.iter_mut().zip(features) {
                 *out = (*value >> 1) as i8;
             }
         }
     }
 
-    /// Reads the fine map at the points, between its pixels.
-    fn features_at(&self, points: &[[f32; 2]], maps: &Activations, read: &mut [u8]) {
+    /// Samples the fine map at the points, bilinearly, in fixed point: `[points][features]`.
+    fn features_at(&self, points: &[[f32; 2]], maps: &Activations, features: &mut [u8]) {
         let (side, n) = (self.fine.side(), self.fine.channels());
         let values = maps.values(&self.fine);
-        // Crop px per pixel of the map, which its strides fix to a whole number.
+        // Crop px per pixel of the map: an integer, the product of the strides.
         let step = self.side.div_ceil(side.max(1)).max(1);
         let centre = (self.side as f32 - 1.0) / 2.0;
-        // 8 bits of fraction; the last pixel has no neighbour to the right.
+        // 8 bits of fraction. The last position has a neighbour on its right.
         let last = ((side as i32 - 1) << 8) - 1;
         let at = |v: f32| {
-            let v = (v + centre).clamp(-1000.0, 1000.0) * (256.0 / step as f32);
+            let v = (v + centre).clamp(-FARTHEST_PX, FARTHEST_PX) * (256.0 / step as f32);
             (libm::roundf(v) as i32).max(0).min(last) as usize
         };
-        for ([x, y], out) in points.iter().zip(read.chunks_exact_mut(n.max(1))) {
+        for ([x, y], out) in points.iter().zip(features.chunks_exact_mut(n.max(1))) {
             let (x, y) = (at(*x), at(*y));
             let (fx, fy) = ((x & 255) as u32, (y & 255) as u32);
             let first = ((y >> 8) * side + (x >> 8)) * n;
@@ -196,21 +199,47 @@ impl<'m> Regressor<'m> {
     }
 }
 
-impl Head<'_> {
-    /// Moves the points by what the features say.
+impl<'m> Head<'m> {
+    /// Reads a head, as [`Regressor::read`] describes it.
+    fn read(
+        s: &mut Section<'m>,
+        rank: usize,
+        points: usize,
+        fine: &Map,
+        coarse: &Map,
+    ) -> Result<Self, ModelError> {
+        let sources = s.count(1, (GLOBAL | SHAPE_INDEXED) as usize, "a head's sources")? as u32;
+        let global = coarse.range().len() * usize::from(sources & GLOBAL != 0);
+        let local = points * fine.channels() * usize::from(sources & SHAPE_INDEXED != 0);
+        let inputs = global + local;
+        let both = global > 0 && local > 0;
+        s.require(!both || inputs <= MAX_INPUTS, "a head has too many inputs")?;
+        Ok(Head {
+            sources,
+            inputs,
+            project: s.i8s(rank * inputs)?,
+            scale: s.f32s(rank)?,
+            bias: s.f32s(rank)?,
+            expand: s.i8s(rank * 2 * points)?,
+            expand_scale: s.f32s(rank)?,
+            offset: s.f32s(2 * points)?,
+        })
+    }
+
+    /// Adds the head's prediction from `features` to the points.
     fn add(&self, features: &[u8], points: &mut [[f32; 2]]) {
-        for (p, o) in points.iter_mut().zip(self.outer.as_chunks::<2>().0) {
+        for (p, o) in points.iter_mut().zip(self.offset.as_chunks::<2>().0) {
             *p = [p[0] + o[0], p[1] + o[1]];
         }
         let project = self.project.chunks_exact(self.inputs.max(1));
-        let expand = self.expand.chunks_exact(self.outer.len().max(1));
+        let expand = self.expand.chunks_exact(self.offset.len().max(1));
         let constants = self.scale.iter().zip(self.bias).zip(self.expand_scale);
         for ((weights, row), ((scale, bias), expand_scale)) in project.zip(expand).zip(constants) {
             let sum: i32 = crate::network::dot(features, weights);
-            let mode = (sum as f32 * scale + bias) * expand_scale;
+            let coefficient = (sum as f32 * scale + bias) * expand_scale;
             for (p, [x, y]) in points.iter_mut().zip(row.as_chunks::<2>().0) {
-                p[0] += mode * *x as f32;
-                p[1] += mode * *y as f32;
+                p[0] += coefficient * *x as f32;
+                p[1] += coefficient * *y as f32;
             }
         }
     }

@@ -1,25 +1,26 @@
-//! The last step of the cascade: all landmarks together correct each of them.
+//! The last step of the cascade: a linear regression of each landmark on the whole shape.
 //!
-//! What a stage reads around a landmark cannot tell it that the others disagree. Here each landmark
-//! moves by a linear map of the whole shape, learnt from where the stages before it end on labelled
-//! faces: a nose well placed corrects the jaw (correlative regression, thesis 5.1).
+//! Features around one landmark carry no information on the error of the others. Here each landmark
+//! moves by a linear function of all landmarks, trained on the results of the earlier stages on
+//! labelled faces: a well placed nose corrects the jaw (correlative regression, thesis 5.1).
 
 use super::Shape;
 use crate::math::Similarity;
 use crate::model::{Blob, ModelError};
 use crate::shape::LANDMARKS;
 
-/// Coordinates of a shape.
+/// Number of coordinates of a shape.
 const COORDINATES: usize = 2 * LANDMARKS;
 
-/// Section `SREG`, checked.
+/// A checked view of section `SREG`.
 #[derive(Clone, Copy, Debug)]
 pub struct ShapeRegression<'m> {
-    /// A row of `x0, y0, …, x67, y67` for each coordinate in the same order.
+    /// 136 rows, one per output coordinate, of 136 weights, one per input coordinate; both in the
+    /// order `x0, y0, …, x67, y67`.
     weights: &'m [i8],
-    /// Of each row.
+    /// Value of weight 1 of each row.
     scale: &'m [f32],
-    /// Canonical units.
+    /// Constant displacement of each coordinate \[canonical units\].
     bias: &'m [f32],
 }
 
@@ -27,11 +28,11 @@ impl<'m> ShapeRegression<'m> {
     /// Name of the section.
     pub const TAG: [u8; 4] = *b"SREG";
 
-    /// Reads and checks the section: `weights: i8[136·136], scale, bias: f32[136]`; `None` where the
-    /// model lacks it.
+    /// Reads and checks the section: `weights: i8[136·136], scale: f32[136], bias: f32[136]`. `None`
+    /// where the model lacks it.
     ///
     /// # Errors
-    /// When it is too short or a number is not finite.
+    /// When the section is too short or a number is not finite.
     pub fn open(blob: &Blob<'m>) -> Result<Option<Self>, ModelError> {
         let mut s = match blob.section(&Self::TAG) {
             Err(ModelError::Missing(_)) => return Ok(None),
@@ -44,17 +45,17 @@ impl<'m> ShapeRegression<'m> {
         }))
     }
 
-    /// Moves the points of a shape (frame px) by `bias + scale·weights·(shape − mean)`, all in the
-    /// canonical frame, which the mean shape places over the other.
+    /// Moves the landmarks of `shape` (frame px) by `bias + scale·weights·(shape − mean)`, computed
+    /// in the canonical frame. Does nothing when the shape has no extent.
     pub fn run(&self, mean: &Shape, shape: &mut Shape) {
-        let Some((to_frame, off)) = deviation(mean, shape) else {
+        let Some((to_frame, deviation)) = deviation(mean, shape) else {
             return;
         };
         let rows = self.weights.chunks_exact(COORDINATES);
         let mut rows = rows.zip(self.scale).zip(self.bias);
         let mut next = || {
             rows.next().map_or(0.0, |((row, scale), bias)| {
-                let pairs = row.iter().zip(off.as_flattened());
+                let pairs = row.iter().zip(deviation.as_flattened());
                 bias + scale * pairs.map(|(w, v)| f32::from(*w) * v).sum::<f32>()
             })
         };
@@ -65,17 +66,17 @@ impl<'m> ShapeRegression<'m> {
     }
 }
 
-/// Canonical frame → frame px for a shape, and the shape's distance from the mean in the canonical
-/// frame; `None` when it has no extent.
+/// The similarity transform canonical frame → frame px that fits the mean shape to `shape` (frame
+/// px), and `shape − mean` in the canonical frame. `None` when the shape has no extent.
 pub fn deviation(mean: &Shape, shape: &Shape) -> Option<(Similarity, Shape)> {
     let to_frame = Similarity::fit(mean, shape)?;
-    let back = to_frame.inverse()?;
-    let mut off = *shape;
-    for (p, m) in off.iter_mut().zip(mean) {
-        let [x, y] = back.apply(*p);
+    let to_canonical = to_frame.inverse()?;
+    let mut deviation = *shape;
+    for (p, m) in deviation.iter_mut().zip(mean) {
+        let [x, y] = to_canonical.apply(*p);
         *p = [x - m[0], y - m[1]];
     }
-    Some((to_frame, off))
+    Some((to_frame, deviation))
 }
 
 #[cfg(test)]
@@ -86,30 +87,30 @@ mod tests {
     fn a_row_moves_its_coordinate_in_the_canonical_frame() {
         let mean: Shape = core::array::from_fn(|i| [(i % 9) as f32, (i / 9) as f32]);
         let mut weights = [0i8; COORDINATES * COORDINATES];
-        // y of landmark 1 by half of what x of landmark 0 is off.
+        // Landmark 1 moves in y by half of the deviation of landmark 0 in x.
         weights[3 * COORDINATES] = 64;
         let mut bias = [0.0; COORDINATES];
         bias[0] = 0.25;
-        let correction = ShapeRegression {
+        let regression = ShapeRegression {
             weights: &weights,
             scale: &[1.0 / 128.0; COORDINATES],
             bias: &bias,
         };
-        // A quarter turn, twice as large.
+        // Rotated by 90°, at twice the size.
         let turned = |[x, y]: [f32; 2]| [-2.0 * y + 50.0, 2.0 * x];
         let mut shape = mean.map(turned);
         shape[0][1] += 1.0;
-        let (_, off) = deviation(&mean, &shape).unwrap();
+        let (_, deviation) = deviation(&mean, &shape).unwrap();
         let before = shape;
-        correction.run(&mean, &mut shape);
+        regression.run(&mean, &mut shape);
         let moved = |i: usize| [shape[i][0] - before[i][0], shape[i][1] - before[i][1]];
         let near = |a: [f32; 2], b: [f32; 2]| (a[0] - b[0]).hypot(a[1] - b[1]) < 0.01;
-        assert!(off[0][0] > 0.4, "{off:?}");
+        assert!(deviation[0][0] > 0.4, "{deviation:?}");
         assert!(near(moved(0), [0.0, 0.5]), "{:?}", moved(0));
-        assert!(near(moved(1), [-off[0][0], 0.0]), "{:?}", moved(1));
+        assert!(near(moved(1), [-deviation[0][0], 0.0]), "{:?}", moved(1));
         assert!(near(moved(2), [0.0; 2]));
         let mut point = [[3.0, 3.0]; LANDMARKS];
-        correction.run(&mean, &mut point);
+        regression.run(&mean, &mut point);
         assert!(point.iter().all(|p| p[0].is_finite()));
     }
 }

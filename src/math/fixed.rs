@@ -1,11 +1,11 @@
-//! Scalar helpers.
+//! Scalar functions.
 
-/// Floor of the square root.
+/// Integer square root, rounded down.
 pub fn isqrt(value: u32) -> u32 {
     value.isqrt()
 }
 
-/// Logistic function, 0..1.
+/// Logistic function, 0..1. The argument is clamped to ±30, where `f32` has reached 0 and 1.
 pub fn sigmoid(x: f32) -> f32 {
     1.0 / (1.0 + libm::expf(-x.clamp(-30.0, 30.0)))
 }

@@ -1,7 +1,7 @@
-//! Layer 0: the little mathematics that every room shares.
+//! Layer 0: mathematics that all modules share.
 //!
-//! Fixed-point helpers, 2D similarity transforms, head rotations and a small dense solver. Floats
-//! are `f32` with `libm` only, so results are the same bits on every machine.
+//! Scalar functions, 2D similarity transforms, head rotations and a small dense solver. Floats are
+//! `f32`, and functions of them are `libm`'s, so results have the same bits on every machine.
 
 mod fixed;
 mod rotation;
@@ -9,6 +9,6 @@ mod similarity;
 mod solve;
 
 pub use fixed::{isqrt, sigmoid};
-pub use rotation::{HeadAngles, head_angles, head_rotation, rotation_of};
+pub use rotation::{HeadAngles, head_angles, head_rotation, rotation_from_quaternion};
 pub use similarity::Similarity;
 pub use solve::solve_spd;

@@ -1,9 +1,9 @@
-//! Head rotations: angles ↔ matrix.
+//! Head rotations: conversion between angles, matrix and quaternion.
 //!
 //! Camera axes: x right, y down, z away from the camera. A head with the identity rotation looks
 //! straight into the camera (nose along −z). `R = Ry(−yaw) · Rx(−pitch) · Rz(roll)`, column
-//! vectors, textbook right-handed rotations about each axis. yaw > 0 turns the face to the image
-//! right, pitch > 0 turns it up, roll > 0 turns it clockwise in the image.
+//! vectors, right-handed rotations about each axis. yaw > 0 turns the face to the image right,
+//! pitch > 0 turns it up, roll > 0 tilts it clockwise in the image.
 
 use glam::{Mat3, Vec3};
 
@@ -18,7 +18,7 @@ pub struct HeadAngles {
     pub roll_deg: f32,
 }
 
-/// Head-to-camera rotation of the angles.
+/// The head-to-camera rotation of these angles.
 pub fn head_rotation(angles: HeadAngles) -> Mat3 {
     let sc = |deg: f32| {
         let rad = deg.to_radians();
@@ -33,7 +33,7 @@ pub fn head_rotation(angles: HeadAngles) -> Mat3 {
     yaw * pitch * roll
 }
 
-/// Angles of a head-to-camera rotation; inverse of [`head_rotation`] for |pitch| < 90°.
+/// The angles of a head-to-camera rotation; the inverse of [`head_rotation`] for |pitch| < 90°.
 pub fn head_angles(rotation: &Mat3) -> HeadAngles {
     // With the nose direction d = R·(0, 0, −1): yaw = atan2(dx, −dz), pitch = asin(−dy).
     let z = rotation.z_axis;
@@ -45,8 +45,8 @@ pub fn head_angles(rotation: &Mat3) -> HeadAngles {
     }
 }
 
-/// The rotation of a unit quaternion x, y, z, w.
-pub fn rotation_of([x, y, z, w]: [f32; 4]) -> Mat3 {
+/// The rotation matrix of a unit quaternion x, y, z, w.
+pub fn rotation_from_quaternion([x, y, z, w]: [f32; 4]) -> Mat3 {
     Mat3::from_cols(
         Vec3::new(
             1.0 - 2.0 * (y * y + z * z),

@@ -1,4 +1,4 @@
-//! 2D similarity transforms: rotation, uniform scale and shift.
+//! 2D similarity transforms: rotation, uniform scale and translation.
 
 /// (x, y) ↦ (a·x − b·y + tx, b·x + a·y + ty); a = s·cos θ, b = s·sin θ, θ > 0 clockwise on screen.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,7 +11,7 @@ pub struct Similarity {
 }
 
 impl Similarity {
-    /// Leaves points where they are.
+    /// The identity.
     pub const IDENTITY: Similarity = Similarity {
         a: 1.0,
         b: 0.0,
@@ -19,7 +19,7 @@ impl Similarity {
         ty: 0.0,
     };
 
-    /// Where a point goes.
+    /// The image of a point.
     #[inline]
     pub fn apply(&self, [x, y]: [f32; 2]) -> [f32; 2] {
         [
@@ -28,30 +28,30 @@ impl Similarity {
         ]
     }
 
-    /// Where a direction goes (no shift).
+    /// The image of a vector: rotated and scaled, not translated.
     #[inline]
     pub fn apply_vector(&self, [x, y]: [f32; 2]) -> [f32; 2] {
         [self.a * x - self.b * y, self.b * x + self.a * y]
     }
 
-    /// Uniform scale.
+    /// The uniform scale.
     pub fn scale(&self) -> f32 {
         libm::sqrtf(self.a * self.a + self.b * self.b)
     }
 
-    /// Rotation \[rad\], clockwise on screen.
+    /// The rotation \[rad\], clockwise on screen, −π..π.
     pub fn angle(&self) -> f32 {
         libm::atan2f(self.b, self.a)
     }
 
-    /// First `self`, then `next`.
+    /// The composition: first `self`, then `next`.
     pub fn then(&self, next: &Similarity) -> Similarity {
         let [tx, ty] = next.apply([self.tx, self.ty]);
         let [a, b] = next.apply_vector([self.a, self.b]);
         Similarity { a, b, tx, ty }
     }
 
-    /// The transform that undoes this one; `None` when the scale is zero or not finite.
+    /// The inverse; `None` when the scale is zero or not finite.
     pub fn inverse(&self) -> Option<Similarity> {
         let det = self.a * self.a + self.b * self.b;
         if !(det.is_finite() && det > 1e-12) {
@@ -68,9 +68,8 @@ impl Similarity {
         Some(Similarity { a, b, tx, ty })
     }
 
-    /// Least-squares similarity that takes `from` to `to` (pairs in order).
-    ///
-    /// `None` when the points of `from` coincide. Umeyama 1991 in two dimensions.
+    /// The least-squares similarity transform from `from` to `to`, paired in order (Umeyama, PAMI
+    /// 1991, in two dimensions). `None` when the points of `from` coincide or are not finite.
     pub fn fit(from: &[[f32; 2]], to: &[[f32; 2]]) -> Option<Similarity> {
         let n = from.len().min(to.len());
         if n == 0 {

@@ -1,16 +1,17 @@
-//! A small convolutional network in integers: learned local features of a crop.
+//! A small quantised convolutional network: learned local features of a crop.
 //!
-//! In: a canonical [`crate::image::Crop`]. Out: maps of `u8` features, laid out
-//! `[height][width][channels]`. Weights are `i8` (one scale per output channel), sums `i32`, and a
-//! sum becomes the next layer's `u8` by an integer multiplication and two shifts, so every machine
-//! gives the same bytes. Layers and their sizes come from the model; [`Network::read`] checks them
-//! once, after which a run can neither fail nor leave its [`Activations`].
+//! In: a canonical [`crate::image::Crop`]. Out: feature maps of `u8`, laid out
+//! `[height][width][channels]`. Weights are `i8` with one scale per output channel, sums are `i32`.
+//! A sum is requantised to the next layer's `u8` by an integer multiplication and two shifts (after
+//! Jacob et al., CVPR 2018, without their rounding), so every machine gives the same bytes. The
+//! model defines the layers; [`Network::read`] checks them once, after which a run cannot fail or
+//! access memory outside its [`Activations`].
 
 mod kernel;
 mod layer;
 mod plan;
 
-/// Most channels of a map whose values are read as the features of a place.
+/// Capacity: channels of a map whose values are the features of a landmark.
 pub const MAX_FEATURES: usize = 48;
 
 pub(crate) use kernel::dot;

@@ -1,20 +1,20 @@
-//! What the model says about the network, checked.
+//! The network of a model: its nodes, read and checked.
 
 use crate::image::CROP_MAX;
 use crate::model::{ModelError, Section};
 
-/// Most nodes.
+/// Capacity: nodes of a network.
 pub const MAX_NODES: usize = 20;
-/// Most channels of a map.
+/// Capacity: channels of a map.
 pub const MAX_CHANNELS: usize = 96;
-/// Most inputs of one output of a full convolution: kernel² × channels.
+/// Capacity: inputs of one output of a full convolution, kernel² × channels.
 pub const MAX_COLUMNS: usize = 9 * 64;
-/// Most weights of one node.
+/// Capacity: weights of a node.
 pub const MAX_WEIGHTS: usize = 80 * 80;
-/// Bytes for all maps that are alive at one time.
+/// Memory for all maps that are in use at one time \[bytes\].
 pub const ARENA: usize = 96 * 1024;
 
-/// The picture.
+/// The input crop.
 pub const OP_INPUT: u8 = 0;
 /// Full convolution, then ReLU.
 pub const OP_CONV: u8 = 1;
@@ -22,14 +22,16 @@ pub const OP_CONV: u8 = 1;
 pub const OP_DEPTHWISE: u8 = 2;
 /// Adds a map to another, in place.
 pub const OP_ADD: u8 = 3;
-/// 1×1 convolution plus a map of half the size at its nearest pixel, then ReLU.
+/// 1×1 convolution plus a map of half the side, upsampled to the nearest pixel, then ReLU: the
+/// lateral connection of a feature pyramid (Lin et al., CVPR 2017).
 pub const OP_LATERAL: u8 = 4;
-/// 1×1 convolution around 128 instead of a ReLU: what `OP_LATERAL` adds.
+/// 1×1 convolution with zero point 128 and without ReLU: the map that `OP_LATERAL` adds.
 pub const OP_LINEAR: u8 = 5;
 
-/// Where a map lies, and its size. Narrow numbers: a model is copied on small stacks.
+/// Place and size of a map. Narrow numbers, because a model is copied on small stacks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Map {
+    /// Offset in the arena \[bytes\].
     at: u32,
     side: u16,
     channels: u16,
@@ -43,7 +45,7 @@ impl Map {
     }
 
     /// Whether the two share no byte.
-    pub fn apart(&self, other: &Map) -> bool {
+    pub fn is_disjoint(&self, other: &Map) -> bool {
         let (a, b) = (self.range(), other.range());
         a.end <= b.start || b.end <= a.start
     }
@@ -59,24 +61,43 @@ impl Map {
     }
 }
 
-/// One node.
+/// A checked node.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Node<'m> {
     pub op: u8,
+    /// Side of the kernel \[px\].
     pub kernel: u8,
     pub stride: u8,
     pub input: Map,
+    /// Second input of `OP_ADD` and `OP_LATERAL`.
     pub other: Map,
     pub output: Map,
-    /// What an input value of zero is.
-    pub zero: u8,
+    /// Input value that stands for 0.
+    pub zero_point: u8,
     /// Full convolutions: `[output/8][pair of columns][8 outputs][2]`; depthwise: `[9][channels]`.
     pub weights: &'m [i8],
+    /// By output channel.
     pub bias: &'m [i32],
-    /// By channel: the sum's factor, after `before` bits are dropped and before `after` bits are.
-    pub factor: &'m [i32],
-    pub before: u8,
-    pub after: u8,
+    /// By output channel; for `OP_ADD`, by input.
+    pub multiplier: &'m [i32],
+    /// Right shift of a sum before the multiplication.
+    pub pre_shift: u8,
+    /// Right shift after it.
+    pub post_shift: u8,
+}
+
+/// Numbers of a node as the model states them.
+struct Raw {
+    op: u8,
+    kernel: usize,
+    stride: usize,
+    input: usize,
+    other: usize,
+    channels: usize,
+    at: usize,
+    zero_point: u8,
+    pre_shift: u8,
+    post_shift: u8,
 }
 
 /// A checked network.
@@ -87,11 +108,13 @@ pub struct Network<'m> {
 
 impl<'m> Network<'m> {
     /// Reads `nodes: u32` and then each node: `op, kernel, stride, input, other, channels, at,
-    /// zero, before, after: u32`, `weights: i8[…]`, `bias: i32[…]`, `factor: i32[…]`. Node 0 is
-    /// the picture, `side` px square.
+    /// zero_point, pre_shift, post_shift: u32`, `weights: i8[…]`, `bias: i32[…]`,
+    /// `multiplier: i32[…]`. Node 0 is the crop, `side` px square; `input` and `other` are numbers of
+    /// earlier nodes.
     ///
     /// # Errors
-    /// When the section ends, or a node could leave the arena or overflow its sums.
+    /// When the section is too short, or a node would leave the arena, overwrite its input or
+    /// overflow its sums.
     pub fn read(s: &mut Section<'m>, side: usize) -> Result<Self, ModelError> {
         let count = s.count(2, MAX_NODES, "number of nodes")?;
         let mut network = Network {
@@ -107,99 +130,53 @@ impl<'m> Network<'m> {
     }
 
     fn node(&self, s: &mut Section<'m>, side: usize, index: usize) -> Result<Node<'m>, ModelError> {
-        let (first, last) = if index == 0 {
-            (OP_INPUT, OP_INPUT)
-        } else {
-            (OP_CONV, OP_LINEAR)
-        };
-        let op = s.count(first as usize, last as usize, "node")? as u8;
-        let kernel = s.count(1, 5, "kernel")?;
-        let stride = s.count(1, 2, "stride")?;
-        let before = index.saturating_sub(1);
-        let input = s.count(0, before, "a node's input")?;
-        let other = s.count(0, before, "a node's input")?;
-        let channels = s.count(1, MAX_CHANNELS, "channels")?;
-        let at = s.count(0, ARENA, "place in memory")?;
-        let zero = s.count(0, 255, "zero")? as u8;
-        let (before, after) = (s.count(0, 24, "shift")?, s.count(1, 30, "shift")?);
-        let (from, second) = (self.map(input), self.map(other));
-        let map = |side: usize| Map {
-            at: at as u32,
-            side: side as u16,
-            channels: channels as u16,
-        };
-        let output = match (index, from) {
-            (0, _) => map(side),
-            (_, Some(from)) => map(from.side().div_ceil(stride)),
+        let raw = Raw::read(s, index)?;
+        let (from, second) = (self.map(raw.input), self.map(raw.other));
+        let output_side = match (index, from) {
+            (0, _) => side,
+            (_, Some(from)) => from.side().div_ceil(raw.stride),
             (_, None) => return Err(s.error("a node has no input")),
+        };
+        let output = Map {
+            at: raw.at as u32,
+            side: output_side as u16,
+            channels: raw.channels as u16,
         };
         s.require(output.side() <= CROP_MAX, "a map is too large")?;
         s.require(output.range().end <= ARENA, "a map leaves the memory")?;
         let (input, other) = (from.unwrap_or(output), second.unwrap_or(output));
-        let columns = (kernel * kernel * input.channels()).next_multiple_of(2);
-        let (weights, biases, sound) = match op {
-            OP_INPUT => (0, 0, channels == 1),
-            OP_CONV => (
-                columns * channels,
-                channels,
-                kernel % 2 == 1 && columns <= MAX_COLUMNS && channels.is_multiple_of(8),
-            ),
-            OP_LINEAR | OP_LATERAL => (
-                columns * channels,
-                channels,
-                kernel == 1
-                    && stride == 1
-                    && channels.is_multiple_of(8)
-                    && (op == OP_LINEAR
-                        || other.side() * 2 == output.side() && other.channels() == channels),
-            ),
-            OP_DEPTHWISE => (
-                9 * channels,
-                channels,
-                channels == input.channels() && channels.is_multiple_of(8),
-            ),
-            _ => (
-                0,
-                2,
-                output == input && other.side() == output.side() && other.channels() == channels,
-            ),
-        };
-        s.require(sound && weights <= MAX_WEIGHTS, "a node's sizes do not fit")?;
-        let free = match op {
+        let (weights, channels, valid) = raw.sizes(&input, &other, &output);
+        s.require(valid && weights <= MAX_WEIGHTS, "a node's sizes do not fit")?;
+        let disjoint = match raw.op {
             OP_INPUT => true,
-            OP_ADD => other.apart(&output),
-            OP_LATERAL => input.apart(&output) && other.apart(&output) && input.apart(&other),
-            _ => input.apart(&output),
+            OP_ADD => other.is_disjoint(&output),
+            OP_LATERAL => {
+                input.is_disjoint(&output)
+                    && other.is_disjoint(&output)
+                    && input.is_disjoint(&other)
+            }
+            _ => input.is_disjoint(&output),
         };
-        s.require(free, "a node overwrites its input")?;
+        s.require(disjoint, "a node overwrites its input")?;
         let node = Node {
-            op,
-            kernel: kernel as u8,
-            stride: stride as u8,
+            op: raw.op,
+            kernel: raw.kernel as u8,
+            stride: raw.stride as u8,
             input,
             other,
             output,
-            zero,
+            zero_point: raw.zero_point,
             weights: s.i8s(weights)?,
-            bias: s.i32s(biases)?,
-            factor: s.i32s(biases)?,
-            before: before as u8,
-            after: after as u8,
+            bias: s.i32s(channels)?,
+            multiplier: s.i32s(channels)?,
+            pre_shift: raw.pre_shift,
+            post_shift: raw.post_shift,
         };
-        // |Σ weight·value| < 576·128·255 < 2^25; the sum is dropped to 16 bits before the factor.
-        let bound = |v: &i32, bits: u32| v.unsigned_abs() < 1 << bits;
-        s.require(
-            node.bias.iter().all(|b| bound(b, 28)),
-            "a bias is too large",
-        )?;
-        s.require(
-            node.factor.iter().all(|f| bound(f, 15)),
-            "a factor is too large",
-        )?;
+        node.check_bounds(s)?;
         Ok(node)
     }
 
-    /// The map that a node makes.
+    /// The output map of a node.
     pub fn map(&self, node: usize) -> Option<Map> {
         let node = self.nodes.get(node)?;
         node.as_ref().map(|n| n.output)
@@ -209,5 +186,73 @@ impl<'m> Network<'m> {
     pub fn multiply_adds(&self) -> usize {
         let pixels = |n: &Node<'_>| n.output.side() * n.output.side() * n.weights.len();
         self.nodes.iter().flatten().map(pixels).sum()
+    }
+}
+
+impl Raw {
+    /// Reads node number `index` and checks each number by itself.
+    fn read(s: &mut Section<'_>, index: usize) -> Result<Raw, ModelError> {
+        let (first, last) = if index == 0 {
+            (OP_INPUT, OP_INPUT)
+        } else {
+            (OP_CONV, OP_LINEAR)
+        };
+        let previous = index.saturating_sub(1);
+        Ok(Raw {
+            op: s.count(first as usize, last as usize, "node")? as u8,
+            kernel: s.count(1, 5, "kernel")?,
+            stride: s.count(1, 2, "stride")?,
+            input: s.count(0, previous, "a node's input")?,
+            other: s.count(0, previous, "a node's input")?,
+            channels: s.count(1, MAX_CHANNELS, "channels")?,
+            at: s.count(0, ARENA, "place in memory")?,
+            zero_point: s.count(0, 255, "zero point")? as u8,
+            pre_shift: s.count(0, 24, "shift")? as u8,
+            post_shift: s.count(1, 30, "shift")? as u8,
+        })
+    }
+
+    /// Number of weights, number of biases and multipliers, and whether the operation can be done
+    /// with maps of these sizes.
+    fn sizes(&self, input: &Map, other: &Map, output: &Map) -> (usize, usize, bool) {
+        let Raw {
+            kernel, channels, ..
+        } = *self;
+        let columns = (kernel * kernel * input.channels()).next_multiple_of(2);
+        let blocks = channels.is_multiple_of(8);
+        match self.op {
+            OP_INPUT => (0, 0, channels == 1),
+            OP_CONV => {
+                let valid = kernel % 2 == 1 && columns <= MAX_COLUMNS && blocks;
+                (columns * channels, channels, valid)
+            }
+            OP_LINEAR | OP_LATERAL => {
+                let half = other.side() * 2 == output.side() && other.channels() == channels;
+                let pointwise = kernel == 1 && self.stride == 1 && blocks;
+                let valid = pointwise && (self.op == OP_LINEAR || half);
+                (columns * channels, channels, valid)
+            }
+            OP_DEPTHWISE => (
+                9 * channels,
+                channels,
+                channels == input.channels() && blocks,
+            ),
+            _ => {
+                let same = other.side() == output.side() && other.channels() == channels;
+                (0, 2, output == input && same)
+            }
+        }
+    }
+}
+
+impl Node<'_> {
+    /// Checks that no sum can overflow: |Σ weight·value| < 576·128·255 < 2²⁵, and the multiplier meets
+    /// a sum that is cut to 16 bits.
+    fn check_bounds(&self, s: &Section<'_>) -> Result<(), ModelError> {
+        let within = |v: &i32, bits: u32| v.unsigned_abs() < 1 << bits;
+        let bias = self.bias.iter().all(|b| within(b, 28));
+        s.require(bias, "a bias is too large")?;
+        let multiplier = self.multiplier.iter().all(|m| within(m, 15));
+        s.require(multiplier, "a multiplier is too large")
     }
 }

@@ -1,4 +1,4 @@
-//! Rigid pose and perspective projection.
+//! The pinhole camera and the rigid pose of a head.
 
 use crate::math::{HeadAngles, head_angles, head_rotation};
 use glam::{Mat3, Vec3};
@@ -6,24 +6,25 @@ use glam::{Mat3, Vec3};
 /// A pinhole camera without distortion \[px\].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Intrinsics {
-    /// Focal length along x.
+    /// Focal length along x, > 0.
     pub fx: f32,
-    /// Focal length along y.
+    /// Focal length along y, > 0.
     pub fy: f32,
-    /// Principal point.
+    /// Principal point, x.
     pub cx: f32,
-    /// Principal point.
+    /// Principal point, y.
     pub cy: f32,
 }
 
-/// Nearest depth that a point is projected from \[mm\]; nearer ones are treated as if here.
+/// Least depth for a projection \[mm\]: nearer points are projected from here.
 pub(super) const NEAREST_MM: f32 = 20.0;
 
-/// Greatest distance of a head \[mm\]: at 100 m it is smaller than a pixel.
+/// Greatest distance of a head \[mm\]: at 100 m a head is smaller than a pixel.
 pub(super) const FARTHEST_MM: f32 = 100_000.0;
 
 impl Intrinsics {
-    /// The default: a 60° horizontal field of view, principal point in the middle.
+    /// The default camera of a frame of this size \[px\]: a horizontal field of view of 60°, the
+    /// principal point at the image centre.
     pub fn of_frame(width: i32, height: i32) -> Self {
         // 1 / (2·tan 30°)
         let f = width as f32 * 0.866_025_4;
@@ -51,7 +52,7 @@ impl Intrinsics {
         ]
     }
 
-    /// Rows of the derivative of [`Intrinsics::project`] \[px/mm\].
+    /// Jacobian of [`Intrinsics::project`], by rows \[px/mm\].
     #[inline]
     pub(super) fn project_gradient(&self, point_mm: Vec3) -> [Vec3; 2] {
         let z = point_mm.z.max(NEAREST_MM);
@@ -62,17 +63,17 @@ impl Intrinsics {
     }
 }
 
-/// Where a head is: camera = rotation · head + translation.
+/// Pose of a head: camera = rotation · head + translation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
-    /// Head to camera axes, orthonormal.
+    /// Head-to-camera rotation, orthonormal.
     pub rotation: Mat3,
-    /// The head's origin in the camera frame \[mm\].
+    /// Origin of the head frame in the camera frame \[mm\].
     pub translation_mm: Vec3,
 }
 
 impl Default for Pose {
-    /// Half a metre away, looking into the camera.
+    /// Half a metre in front of the camera, looking into it.
     fn default() -> Self {
         Pose {
             rotation: Mat3::IDENTITY,
@@ -103,7 +104,7 @@ impl Pose {
 
     /// The rotation as a unit quaternion x, y, z, w with w ≥ 0.
     pub fn quaternion(&self) -> [f32; 4] {
-        // Shepperd 1978, written out because glam's SIMD quaternions differ between machines.
+        // Shepperd 1978. Not glam's: the last bits of its SIMD quaternions differ between machines.
         let [x, y, z] = self.rotation.to_cols_array_2d();
         let ([m00, m10, m20], [m01, m11, m21], [m02, m12, m22]) = (x, y, z);
         let trace = m00 + m11 + m22;
@@ -125,17 +126,18 @@ impl Pose {
         }
     }
 
-    /// The pose turned by a small rotation vector (camera axes, about the head's origin \[rad\])
-    /// and shifted \[mm\]; the rotation stays orthonormal.
-    pub(super) fn moved(&self, turn: Vec3, shift_mm: Vec3) -> Pose {
+    /// The pose after a rotation about the head's origin (rotation vector, camera axes \[rad\]) and a
+    /// translation \[mm\]; the rotation stays orthonormal.
+    pub(super) fn moved(&self, rotation_rad: Vec3, translation_mm: Vec3) -> Pose {
         Pose {
-            rotation: orthonormal(rotation_of(turn) * self.rotation),
-            translation_mm: self.translation_mm + shift_mm,
+            rotation: orthonormal(exponential(rotation_rad) * self.rotation),
+            translation_mm: self.translation_mm + translation_mm,
         }
     }
 
-    /// Whether all numbers are finite and the head is before the camera, not at infinity.
-    pub(super) fn is_sound(&self) -> bool {
+    /// Whether all numbers are finite and the head is in front of the camera, below
+    /// [`FARTHEST_MM`].
+    pub(super) fn is_valid(&self) -> bool {
         self.rotation.to_cols_array().iter().all(|v| v.is_finite())
             && self.translation_mm.to_array().iter().all(|v| v.is_finite())
             && self.translation_mm.z > NEAREST_MM
@@ -143,11 +145,11 @@ impl Pose {
     }
 }
 
-/// Rodrigues' formula: rotation vector \[rad\] → matrix.
-fn rotation_of(vector: Vec3) -> Mat3 {
+/// Rodrigues' formula: rotation vector \[rad\] → rotation matrix.
+fn exponential(vector: Vec3) -> Mat3 {
     let angle_squared = vector.length_squared();
     let angle = libm::sqrtf(angle_squared);
-    // Series below 1e-3 rad, where the quotients lose digits.
+    // Below 1e-3 rad the quotients lose digits: Taylor series.
     let (a, b) = if angle > 1e-3 {
         (
             libm::sinf(angle) / angle,
@@ -165,13 +167,14 @@ fn rotation_of(vector: Vec3) -> Mat3 {
     Mat3::IDENTITY + cross * a + cross * cross * b
 }
 
-/// Gram–Schmidt on the columns.
+/// Orthonormalises the columns by Gram–Schmidt.
 pub(super) fn orthonormal(m: Mat3) -> Mat3 {
     let x = normal(m.x_axis);
     let y = normal(m.y_axis - x * x.dot(m.y_axis));
     Mat3::from_cols(x, y, x.cross(y))
 }
 
+/// Unit vector; `libm`'s root, because glam's differs between machines.
 fn normal(v: Vec3) -> Vec3 {
     v * (1.0 / libm::sqrtf(v.length_squared()))
 }
@@ -186,7 +189,7 @@ mod tests {
         assert_eq!(camera.project(Vec3::new(0.0, 0.0, 500.0)), [320.0, 240.0]);
         let [x, y] = camera.project(Vec3::new(10.0, 20.0, 500.0));
         assert!(x > 320.0 && y > 240.0, "x right, y down");
-        // 30° off the axis meets the edge of a 60° field of view.
+        // 30° from the axis is the edge of a 60° field of view.
         let edge = camera.project(Vec3::new(libm::tanf(30f32.to_radians()), 0.0, 1.0) * 100.0);
         assert!((edge[0] - 640.5).abs() < 0.1, "{edge:?}");
         assert!(camera.project(Vec3::ZERO).iter().all(|v| v.is_finite()));
@@ -206,7 +209,7 @@ mod tests {
     }
 
     #[test]
-    fn quaternions_turn_as_matrices() {
+    fn quaternions_rotate_as_matrices() {
         for (yaw_deg, pitch_deg, roll_deg) in [
             (0., 0., 0.),
             (80., 10., -20.),

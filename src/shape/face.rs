@@ -1,4 +1,5 @@
-//! The 3D face: section `FACE` of a model, and points evaluated from it.
+//! The 3D face model (section `FACE`): a linear model of shape, with identity and animation modes
+//! (thesis 5.2), and points evaluated from it. The head frame is that of `include/posewise.h`.
 
 use super::{ANIMATIONS, Animation, Identity, LANDMARKS, MAX_IDENTITIES, Pose};
 use crate::math::head_angles;
@@ -8,55 +9,66 @@ use glam::Vec3;
 /// Name of the section.
 pub const FACE_TAG: Tag = *b"FACE";
 
-/// Jaw landmarks (0–16), which follow the visible contour in the image.
+/// Number of jaw landmarks, 0 to 16. In the image they follow the visible contour.
 pub const JAW: usize = 17;
 
-/// Contour candidates of a jaw landmark beside the landmark itself, at most.
+/// Capacity: contour candidates of a jaw landmark beside the landmark itself.
 pub const MAX_EXTRA: usize = 7;
 
-/// Most points of a face model: landmarks, then the extra contour candidates in jaw order.
+/// Capacity: points of a face model, the landmarks and then the contour candidates in jaw order.
 pub const MAX_POINTS: usize = LANDMARKS + JAW * MAX_EXTRA;
 
-/// View directions of the visibility table: azimuths −120..120° in these steps …
+/// Azimuths of the visibility table: −120..120° in steps of [`VIEW_STEP_DEG`].
 pub const VIEW_AZIMUTHS: usize = 33;
-/// … elevations −60..60° …
+/// Elevations of the visibility table: −60..60° in steps of [`VIEW_STEP_DEG`].
 pub const VIEW_ELEVATIONS: usize = 17;
-/// … \[deg\].
+/// Distance of neighbouring view directions of the visibility table \[deg\].
 pub const VIEW_STEP_DEG: f32 = 7.5;
-/// Bytes of one landmark's bits: bit `azimuth · VIEW_ELEVATIONS + elevation`, least first.
+/// One landmark's row of the visibility table: bit `azimuth · VIEW_ELEVATIONS + elevation`, least
+/// significant bit first \[bytes\].
 pub const VIEW_BYTES: usize = (VIEW_AZIMUTHS * VIEW_ELEVATIONS).div_ceil(8);
 
-/// Coordinates beyond this are not a face's \[mm\].
+/// Largest valid coordinate of a mean face \[mm\].
 const LARGEST_MM: f32 = 1000.0;
 
-/// A checked view of the section.
+/// A checked view of section `FACE`.
 ///
-/// Content, in this order: u32 number of points, u32 number of identity modes K; arrays: u8 number
-/// of extra candidates per jaw landmark (17); f32 mean (points × 3, mm); f32 identity scales (K);
-/// i8 identity modes (points × K × 3, in scales); f32 animation scales (24); i8 animation modes
-/// (points × 24 × 3); f32 outward directions of the jaw landmarks in the frontal view (17 × 2);
-/// f32 landmark noise (68, mm); f32 animation standard deviations (24); u8 visibility bits
-/// (68 × [`VIEW_BYTES`]).
+/// Content, in this order: `points, identities: u32`; `extra: u8[17]`, contour candidates of each
+/// jaw landmark; `mean: f32[points·3]` \[mm\]; `identity_scale: f32[identities]`;
+/// `identity: i8[points·identities·3]`; `animation_scale: f32[24]`; `animation: i8[points·24·3]`;
+/// `outward: f32[17·2]`; `noise_mm: f32[68]`; `animation_sigma: f32[24]`;
+/// `visible: u8[68·VIEW_BYTES]`.
 #[derive(Clone, Copy, Debug)]
 pub struct FaceModel<'m> {
+    /// Number of identity modes.
     identities: usize,
+    /// Number of contour candidates of each jaw landmark.
     extra: &'m [u8],
+    /// Mean face, head frame \[mm\].
     mean: &'m [[f32; 3]],
+    /// By identity mode: mm per standard deviation for a value of 1 in `identity`.
     identity_scale: &'m [f32],
+    /// Identity modes, `[points][identities][3]`.
     identity: &'m [i8],
+    /// By animation mode: mm at weight 1 for a value of 1 in `animation`.
     animation_scale: &'m [f32],
+    /// Animation modes, `[points][24]`.
     animation: &'m [[i8; 3]],
+    /// See [`FaceModel::outward`].
     outward: &'m [[f32; 2]],
+    /// See [`FaceModel::noise_mm`].
     noise_mm: &'m [f32],
+    /// See [`FaceModel::animation_sigma`].
     animation_sigma: &'m [f32],
+    /// The visibility table, `[68][VIEW_BYTES]`.
     visible: &'m [u8],
 }
 
 impl<'m> FaceModel<'m> {
-    /// Checks and views the section.
+    /// Reads and checks the section.
     ///
     /// # Errors
-    /// [`ModelError::Section`] says what is wrong.
+    /// [`ModelError::Section`] when it is too short or a number is out of range.
     pub fn open(mut section: Section<'m>) -> Result<Self, ModelError> {
         let s = &mut section;
         let points = s.count(LANDMARKS, MAX_POINTS, "the number of points")?;
@@ -65,7 +77,7 @@ impl<'m> FaceModel<'m> {
         let total: usize = extra.iter().map(|e| *e as usize).sum();
         s.require(
             extra.iter().all(|e| *e as usize <= MAX_EXTRA) && LANDMARKS + total == points,
-            "the contour candidates do not add up",
+            "the number of contour candidates does not match",
         )?;
         let within =
             |values: &[f32], min: f32, max: f32| values.iter().all(|v| (min..=max).contains(v));
@@ -109,12 +121,12 @@ impl<'m> FaceModel<'m> {
         })
     }
 
-    /// Number of identity modes; weights beyond it are ignored.
+    /// Number of identity modes. Identity weights beyond it are ignored.
     pub fn identities(&self) -> usize {
         self.identities
     }
 
-    /// Standard deviation of each landmark's image position, as a length on the face \[mm\].
+    /// Standard deviation of each landmark's image position, measured on the face \[mm\].
     pub(super) fn noise_mm(&self) -> &'m [f32] {
         self.noise_mm
     }
@@ -124,12 +136,12 @@ impl<'m> FaceModel<'m> {
         self.animation_sigma
     }
 
-    /// Outward directions of the jaw landmarks in the frontal view.
+    /// Outward directions of the jaw landmarks in the frontal view: unit vectors, x right, y down.
     pub(super) fn outward(&self) -> &'m [[f32; 2]] {
         self.outward
     }
 
-    /// Numbers of the extra candidates of each jaw landmark: ranges into a [`Shape`].
+    /// Contour candidates of each jaw landmark, as ranges into a [`Shape`].
     pub(super) fn candidates(&self) -> impl Iterator<Item = core::ops::Range<usize>> + 'm {
         self.extra.iter().scan(LANDMARKS, |at, extra| {
             let start = *at;
@@ -161,7 +173,7 @@ impl<'m> FaceModel<'m> {
             .map(|(delta, scale)| scaled(delta, *scale))
     }
 
-    /// All points of a person without expression, head frame.
+    /// The neutral face of a person: all points, head frame.
     pub fn neutral(&self, identity: &Identity) -> Shape {
         let mut shape = Shape::EMPTY;
         for (i, (out, mean)) in shape.points_mm.iter_mut().zip(self.mean).enumerate() {
@@ -171,17 +183,17 @@ impl<'m> FaceModel<'m> {
         shape
     }
 
-    /// A neutral shape with an expression.
+    /// A neutral face with animation weights applied.
     pub fn animated(&self, neutral: &Shape, animation: &Animation) -> Shape {
         let mut shape = *neutral;
         self.animate(&mut shape, animation);
         shape
     }
 
-    /// Gives a neutral shape an expression, in place.
+    /// Applies animation weights to a neutral face, in place.
     pub(super) fn animate(&self, shape: &mut Shape, animation: &Animation) {
         for (i, out) in shape.points_mm.iter_mut().enumerate().take(self.mean.len()) {
-            // Most weights rest at the bound 0.
+            // Most weights are at the bound 0.
             let modes = self
                 .animation_modes(i)
                 .zip(animation)
@@ -190,12 +202,12 @@ impl<'m> FaceModel<'m> {
         }
     }
 
-    /// Which landmarks the mean head does not hide from the camera, by a table over view
-    /// directions; jaw landmarks as the fixed 3D vertices that they are.
+    /// Which landmarks the head itself does not hide from the camera: a table lookup by the view
+    /// direction, computed from the mean head. Jaw landmarks count as fixed 3D points.
     pub fn visibility(&self, pose: &Pose) -> [bool; LANDMARKS] {
-        // The camera as seen from the head's origin.
+        // The camera's position in the head frame.
         let view = pose.rotation.transpose() * -pose.translation_mm;
-        let length = libm::sqrtf(view.length_squared()).max(1e-6);
+        let length = view.length().max(1e-6);
         let azimuth_deg = libm::atan2f(view.x, -view.z).to_degrees();
         let elevation_deg = libm::asinf((-view.y / length).clamp(-1.0, 1.0)).to_degrees();
         let cell = |deg: f32, cells: usize| {
@@ -215,21 +227,22 @@ impl<'m> FaceModel<'m> {
     }
 }
 
+/// A quantised displacement \[mm\].
 #[inline]
 fn scaled(delta: &[i8; 3], scale: f32) -> Vec3 {
     Vec3::from_array(delta.map(|d| d as f32 * scale))
 }
 
-/// All points of one face in the head frame: landmarks, then contour candidates.
+/// All points of one face in the head frame \[mm\]: landmarks, then contour candidates.
 #[derive(Clone, Copy, Debug)]
 pub struct Shape {
     points_mm: [Vec3; MAX_POINTS],
 }
 
-/// For each jaw landmark, the point of a [`Shape`] that lies on the visible contour.
+/// For each jaw landmark, the index of the point of a [`Shape`] on the visible contour.
 pub type Contour = [u8; JAW];
 
-/// The contour of nobody in particular: the landmarks themselves.
+/// The contour without candidates: the jaw landmarks themselves.
 pub const FIXED_CONTOUR: Contour = {
     let mut contour = [0; JAW];
     let mut i = 0;
@@ -252,17 +265,17 @@ impl Shape {
             .unwrap_or(&[Vec3::ZERO; LANDMARKS])
     }
 
-    /// Point of this number; the origin if there is none.
+    /// The point at an index; the origin if there is none.
     pub fn at(&self, index: usize) -> Vec3 {
         self.points_mm.get(index).copied().unwrap_or(Vec3::ZERO)
     }
 
-    /// Number of the point that stands for a landmark in the image.
+    /// Index of the point that represents a landmark in the image.
     pub(super) fn image_point(landmark: usize, contour: &Contour) -> usize {
         contour.get(landmark).map_or(landmark, |p| *p as usize)
     }
 
-    /// For each jaw landmark the candidate that is outermost in the image at this pose.
+    /// For each jaw landmark, the candidate that is outermost in the image at this pose.
     pub fn contour(&self, face: &FaceModel<'_>, pose: &Pose) -> Contour {
         let mut contour = FIXED_CONTOUR;
         let directions = contour_directions(face, pose);
@@ -287,7 +300,7 @@ impl Shape {
     }
 }
 
-/// Outward directions of the jaw landmarks in the image: the frontal ones, turned with the head.
+/// Outward directions of the jaw landmarks in the image: the frontal ones, rotated by the head's roll.
 pub(super) fn contour_directions(face: &FaceModel<'_>, pose: &Pose) -> [[f32; 2]; JAW] {
     let roll = head_angles(&pose.rotation).roll_deg.to_radians();
     let (sin, cos) = (libm::sinf(roll), libm::cosf(roll));

@@ -211,7 +211,7 @@ impl Task<'_> {
     /// Descends from a start; false when there is nothing to descend on.
     #[inline(never)]
     fn descend(&self, start: &FaceState, at: &mut Point) -> bool {
-        if !start.pose.is_sound() {
+        if !start.pose.is_valid() {
             return false;
         }
         at.weights = self.trust(&start.pose);

@@ -1,23 +1,25 @@
-//! How far the eyes are open, from the lids in the image.
+//! Eye opening, from the distance of the lids in the image.
 
 use super::{ANIMATIONS, FaceModel, FaceState, Intrinsics, LANDMARKS, Shape};
 
-/// First landmark of an eye; upper and lower lid are at +1 and +5, +2 and +4.
+/// Pairs of upper and lower lid landmarks, relative to the first landmark of the eye.
 const LIDS: [[usize; 2]; 2] = [[1, 5], [2, 4]];
-/// Where shut eyes end up on the way from shut to open: the networks leave lids that they see badly a
-/// little open. Measured on 87 shut and 1442 open eyes of rendered faces that training never saw:
-/// means of 0.121 and 0.747, the first is 0.16 of the second.
+/// Measured opening of a shut eye, relative to an open one: the networks place poorly visible lids
+/// slightly apart. Measured on 87 shut and 1442 open eyes of rendered faces outside the training
+/// set: means of 0.121 and 0.747, a ratio of 0.16.
 const SHUT: f32 = 0.16;
-/// Narrowest opening, over the width of the eye, that says anything: an eye seen from the side.
-const NARROWEST: f32 = 0.08;
+/// Least difference of the lid distance between an open and a shut eye, over the eye's width: below
+/// it, the eye is seen too much from the side.
+const MIN_RANGE: f32 = 0.08;
 
-/// Openness of the eye whose first landmark is `first` (36 or 42) and whose lids the animation weight
-/// `blink` closes: where the observed gap between the lids (px, along the eye's own vertical) lies
-/// between those of this person's eye shut (0) and at rest (1) at the fitted pose. `neutral` is the
-/// person's face at rest, [`FaceModel::neutral`].
+/// Opening of the eye whose first landmark is `first` (36 or 42) and whose lids the animation weight
+/// `blink` closes: 0 shut, 1 open at rest. It is the observed distance of the lids (px, along the
+/// eye's vertical) relative to the distances of this person's eye, shut and at rest, projected at
+/// the fitted pose. `neutral` is the person's face at rest ([`FaceModel::neutral`]), `observed` the
+/// landmarks (frame px).
 ///
-/// The animation weight itself follows less far, because the prior on it pulls half-seen lids open.
-/// `None` where perspective leaves too little of the eye.
+/// The animation weight itself has a smaller range, because its prior pulls poorly visible lids open.
+/// `None` when the eye is seen too much from the side.
 pub fn eye_open(
     face: &FaceModel<'_>,
     camera: &Intrinsics,
@@ -43,13 +45,13 @@ pub fn eye_open(
     let width = libm::sqrtf((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]));
     let along = |gap: [f32; 2]| (gap[0] * rest[0] + gap[1] * rest[1]) / length;
     let least = along(sum(&|k| project(&shut, k)));
-    let room = length - least;
-    if room.is_nan() || room <= NARROWEST * width {
+    let range = length - least;
+    if range.is_nan() || range <= MIN_RANGE * width {
         return None;
     }
     let gap = along(sum(&|k| {
         observed.get(first + k).copied().unwrap_or_default()
     }));
-    let open = (gap - least) / room;
+    let open = (gap - least) / range;
     Some(((open - SHUT) / (1.0 - SHUT)).clamp(0.0, 1.0))
 }

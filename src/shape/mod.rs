@@ -1,5 +1,4 @@
-//! The 3D face: mean, identity and animation modes, perspective projection, POSIT and the bounded
-//! pose fit.
+//! The 3D face model, perspective projection, POSIT, and the fit of pose, animation and identity.
 
 mod camera;
 mod face;
@@ -19,17 +18,17 @@ pub use lids::eye_open;
 pub use linear::Observed;
 pub use posit::posit;
 
-/// Landmarks of the iBUG 68 scheme; "left" and "right" are the subject's.
+/// Number of landmarks: the iBUG 68 scheme. "Left" and "right" are the person's own.
 pub const LANDMARKS: usize = 68;
 
-/// For each landmark the one on the other side of the face.
+/// For each landmark its mirror image on the other side of the face.
 pub const MIRROR: [usize; LANDMARKS] = [
     16, 15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0, 26, 25, 24, 23, 22, 21, 20, 19, 18,
     17, 27, 28, 29, 30, 35, 34, 33, 32, 31, 45, 44, 43, 42, 47, 46, 39, 38, 37, 36, 41, 40, 54, 53,
     52, 51, 50, 49, 48, 59, 58, 57, 56, 55, 64, 63, 62, 61, 60, 67, 66, 65,
 ];
 
-/// Animation modes in the order of every weight array; ARKit's blendshape names.
+/// Names of the animation modes, in the order of every weight array: ARKit's blendshape names.
 pub const ANIMATION_NAMES: [&str; ANIMATIONS] = [
     "browDownLeft",
     "browDownRight",
@@ -60,11 +59,11 @@ pub const ANIMATION_NAMES: [&str; ANIMATIONS] = [
 /// Number of animation modes.
 pub const ANIMATIONS: usize = 24;
 
-/// Most identity modes a model may have.
+/// Capacity: identity modes of a model.
 pub const MAX_IDENTITIES: usize = 32;
 
 /// Weights of [`ANIMATION_NAMES`], 0..1.
 pub type Animation = [f32; ANIMATIONS];
 
-/// Identity weights in standard deviations; those beyond the model's number of modes are unused.
+/// Identity weights \[standard deviations\]; those beyond the model's number of modes are unused.
 pub type Identity = [f32; MAX_IDENTITIES];

@@ -103,7 +103,7 @@ fn pose_of(qx: [f32; 4], qy: [f32; 4]) -> Option<Pose> {
         rotation,
         translation_mm: Vec3::new(qx[3] / scale, qy[3] / scale, 1.0 / scale),
     };
-    pose.is_sound().then_some(pose)
+    pose.is_valid().then_some(pose)
 }
 
 /// The other pose that looks almost the same under weak perspective: for a flat object, the one

@@ -39,7 +39,7 @@ pub(super) fn stepped(from: &FaceState, system: &System, damping: f32) -> Option
     let turn = shortened(Vec3::new(rx, ry, rz), MAX_TURN);
     let shift = shortened(Vec3::new(tx, ty, tz), MAX_SHIFT * depth);
     state.pose = state.pose.moved(turn, shift);
-    state.pose.is_sound().then_some(state)
+    state.pose.is_valid().then_some(state)
 }
 
 /// Takes one unknown out of a system.

@@ -8,7 +8,7 @@
 
 use super::place::bounds;
 use super::{State, TrackResult};
-use crate::math::{head_angles, rotation_of};
+use crate::math::{head_angles, rotation_from_quaternion};
 use crate::shape::{ANIMATIONS, LANDMARKS};
 
 /// Cutoff of the speeds' own filter \[Hz\].
@@ -134,7 +134,7 @@ impl Smoother {
         // A quaternion moves half as far as the head turns.
         let between = step(0.5).filtered(from, near, &mut self.turn_speed);
         to.rotation = unit(between);
-        let angles = head_angles(&rotation_of(to.rotation));
+        let angles = head_angles(&rotation_from_quaternion(to.rotation));
         (to.yaw_deg, to.pitch_deg, to.roll_deg) =
             (angles.yaw_deg, angles.pitch_deg, angles.roll_deg);
         let places: [[f32; 2]; LANDMARKS] = to.landmarks.map(|l| [l.x, l.y]);

@@ -32,7 +32,7 @@ use crate::math::HeadAngles;
 use crate::shape::{FRAME_WEIGHT, FitOptions, Intrinsics, MAX_IDENTITIES, Observed, fit};
 use crate::verifier::Confidence;
 #[cfg(not(feature = "verifier"))]
-use crate::verifier::by_fit;
+use crate::verifier::geometric_confidence;
 
 /// What the sweep meets becomes the tracked face from this probability on at first sight, from [`ACCEPT`]
 /// on at second sight: of what looks like a face by chance hardly anything still does once the cascade has
@@ -464,7 +464,7 @@ impl Tracker {
         whose: Whose,
         least: f32,
     ) -> bool {
-        let start = model.align.views().start(face.yaw);
+        let start = model.align.views().initial_shape(face.yaw);
         let Some(mut shape) = start.and_then(|start| start_in(&start, face)) else {
             return false;
         };
@@ -531,7 +531,7 @@ impl Tracker {
         let mut confidence = evaluated(model, &self.work);
         let person = &mut self.subject.person;
         let trusted = confidence.face >= TRUST;
-        let recognised = person.follow(self.work.features(), trusted, &mut confidence);
+        let recognised = person.update(self.work.features(), trusted, &mut confidence);
         if !ran || confidence.face < self.subject.keep(recognised, now) {
             Some(Loss::LowConfidence)
         } else if !overlaps(&shape, frame) {
@@ -613,7 +613,7 @@ impl Tracker {
         };
         // Without classifiers all was taken until here.
         #[cfg(not(feature = "verifier"))]
-        by_fit(confidence, fitted, &camera);
+        geometric_confidence(confidence, fitted, &camera);
         let least = match whose {
             Whose::Tracked => subject.keep(0, now),
             _ => ACCEPT,

@@ -1,119 +1,126 @@
-//! What a person's own landmarks look like: adaptive local models (thesis 3.4) on the cascade's
-//! features.
+//! Adaptive local appearance models of the tracked person (thesis 3.4), on the cascade's features.
 //!
-//! Mean and variance of every feature at every landmark follow the frames of one person, with the
-//! same rate for both (the thesis's α and β). A landmark that looks less like itself than usual is
-//! less likely seen, and a face some of whose landmarks look like themselves is likely still there,
-//! whatever covers the others. Drift is bounded: only the trained classifiers decide what is learnt
-//! from, never what was learnt, and the person's say is limited.
+//! Mean and variance of every feature at every landmark follow the frames of one person at one rate
+//! (the thesis's α and β are equal here). A landmark that differs from its model is less likely
+//! visible. A face some of whose landmarks match their models is likely still there, whatever
+//! occludes the others. Drift is bounded: only the trained classifiers select the samples for an
+//! update, and the influence on a probability is limited.
 
 use super::Confidence;
 use crate::math::sigmoid;
 use crate::network::MAX_FEATURES;
 use crate::shape::LANDMARKS;
 
-/// Means are counted in so many parts of a feature's unit, variances in quarters of its square.
-const MEAN_PARTS: i32 = 128;
-const VARIANCE_PARTS: i32 = 4;
-/// A frame moves means and variances by 1 / 64 of the way.
+/// Fixed-point scale of means: 1 / 128 of a feature's unit, so that ±127 fits an `i16`.
+const MEAN_SCALE: i32 = 128;
+/// Fixed-point scale of variances: a quarter of a feature's unit squared, so that 127² fits a `u16`.
+const VARIANCE_SCALE: i32 = 4;
+/// Time constant of means and variances \[frames\].
 const RATE: i32 = 64;
-/// Added to variances, so that distances are finite.
-const FLOOR: f32 = 16.0;
-/// Frames before the person has a say.
-const FIRST: u32 = 10;
-/// Only landmarks that are at least this surely seen teach.
-const SEEN: f32 = 0.7;
-/// Most that the person can change a logit.
-const MOST: f32 = 4.0;
-/// A landmark that is less than this far from its model looks like itself.
-const ALIKE: f32 = 0.5;
+/// Added to variances \[feature units²\], so that distances are finite.
+const VARIANCE_FLOOR: f32 = 16.0;
+/// Updates of a landmark's model before it is used \[frames\].
+const MIN_FRAMES: u32 = 10;
+/// Least probability of visibility for an update.
+const MIN_VISIBILITY: f32 = 0.7;
+/// Largest change of a visibility's logit.
+const MAX_LOGIT_CHANGE: f32 = 4.0;
+/// A landmark matches its model below this distance (see [`distance`]).
+const MATCH_DISTANCE: f32 = 0.5;
 
-/// Landmarks that are learnt: none in builds that lack the features.
-const LEARNT: usize = if cfg!(all(feature = "verifier", feature = "adaptation")) {
+/// Landmarks with a model: none in builds that lack the features.
+const MODELLED: usize = if cfg!(all(feature = "verifier", feature = "adaptation")) {
     LANDMARKS
 } else {
     0
 };
 
-/// One person's landmarks. Plain data, all zero for nobody.
+/// The appearance models of one person's landmarks. Plain data, all zero at first.
 #[derive(Clone)]
 pub struct Appearance {
-    mean: [[i16; MAX_FEATURES]; LEARNT],
-    variance: [[u16; MAX_FEATURES]; LEARNT],
-    frames: [u16; LEARNT],
+    /// Means \[1 / [`MEAN_SCALE`] feature units\].
+    mean: [[i16; MAX_FEATURES]; MODELLED],
+    /// Variances \[1 / [`VARIANCE_SCALE`] feature units²\].
+    variance: [[u16; MAX_FEATURES]; MODELLED],
+    /// Updates so far, by landmark.
+    frames: [u16; MODELLED],
 }
 
 impl Appearance {
-    /// Nobody yet.
+    /// Models without any update.
     pub const EMPTY: Appearance = Appearance {
-        mean: [[0; MAX_FEATURES]; LEARNT],
-        variance: [[0; MAX_FEATURES]; LEARNT],
-        frames: [0; LEARNT],
+        mean: [[0; MAX_FEATURES]; MODELLED],
+        variance: [[0; MAX_FEATURES]; MODELLED],
+        frames: [0; MODELLED],
     };
 
-    /// Takes the next frame's features (landmark by landmark): betters what the trained classifiers
-    /// say of seen and hidden, and learns from what they are sure of where the face is `trusted`.
-    /// Returns how many landmarks are seen and look like themselves.
+    /// Applies the models to a frame's `features` (`[68][features]`): shifts the visibilities in
+    /// `confidence` by the distance of each landmark from its model. Where the face is `trusted`,
+    /// updates the models of the landmarks that the classifiers find visible. Returns the number of
+    /// landmarks that are visible and match their models.
     #[inline(never)]
-    pub fn follow(&mut self, features: &[i8], trusted: bool, confidence: &mut Confidence) -> u32 {
+    pub fn update(&mut self, features: &[i8], trusted: bool, confidence: &mut Confidence) -> u32 {
         let each = features.len() / LANDMARKS;
         if !(1..=MAX_FEATURES).contains(&each) {
             return 0;
         }
-        let mut recognised = 0;
+        let mut matching = 0;
         let models = self.mean.iter_mut().zip(&mut self.variance);
         let models = models.zip(&mut self.frames).zip(&mut confidence.visibility);
         let features = features.chunks_exact(each);
-        for ((((mean, variance), frames), seen), features) in models.zip(features) {
-            let learns = trusted && *seen >= SEEN;
-            if u32::from(*frames) >= FIRST {
-                let apart = distance(mean, variance, features);
-                *seen = shifted(*seen, -apart.clamp(-MOST, MOST));
-                recognised += u32::from(apart < ALIKE && *seen >= 0.5);
+        for ((((mean, variance), frames), visibility), features) in models.zip(features) {
+            let updates = trusted && *visibility >= MIN_VISIBILITY;
+            if u32::from(*frames) >= MIN_FRAMES {
+                let distance = distance(mean, variance, features);
+                let change = -distance.clamp(-MAX_LOGIT_CHANGE, MAX_LOGIT_CHANGE);
+                *visibility = with_logit_change(*visibility, change);
+                matching += u32::from(distance < MATCH_DISTANCE && *visibility >= 0.5);
             }
-            if learns {
-                learn(mean, variance, *frames, features);
+            if updates {
+                update_model(mean, variance, *frames, features);
                 *frames = frames.saturating_add(1);
             }
         }
-        recognised
+        matching
     }
 }
 
-/// Mean squared distance from the model in its own deviations, less 1.
+/// Mean squared deviation of a landmark's features from its model, in variances, minus 1: about 0
+/// for a typical frame of the person.
 fn distance(mean: &[i16], variance: &[u16], features: &[i8]) -> f32 {
     let mut sum = 0.0f32;
     for ((mean, variance), feature) in mean.iter().zip(variance).zip(features) {
-        let off = f32::from(*feature) - f32::from(*mean) / MEAN_PARTS as f32;
-        sum += off * off / (f32::from(*variance) / VARIANCE_PARTS as f32 + FLOOR);
+        let deviation = f32::from(*feature) - f32::from(*mean) / MEAN_SCALE as f32;
+        let variance = f32::from(*variance) / VARIANCE_SCALE as f32 + VARIANCE_FLOOR;
+        sum += deviation * deviation / variance;
     }
     sum / features.len().max(1) as f32 - 1.0
 }
 
-fn learn(mean: &mut [i16], variance: &mut [u16], frames: u16, features: &[i8]) {
-    // The first frames count alike.
+/// Exponential moving average of mean and variance; a plain average over the first frames.
+fn update_model(mean: &mut [i16], variance: &mut [u16], frames: u16, features: &[i8]) {
     let rate = (i32::from(frames) + 1).min(RATE);
     for ((mean, variance), feature) in mean.iter_mut().zip(variance).zip(features) {
-        let off = i32::from(*feature) * MEAN_PARTS - i32::from(*mean);
-        *mean = (i32::from(*mean) + rounded(off, rate)) as i16;
-        let whole = off / MEAN_PARTS;
-        let square = (whole * whole * VARIANCE_PARTS).min(i32::from(u16::MAX));
-        let first = if frames == 0 { 0 } else { square };
-        let change = rounded(first - i32::from(*variance), rate);
+        let deviation = i32::from(*feature) * MEAN_SCALE - i32::from(*mean);
+        *mean = (i32::from(*mean) + divide_rounded(deviation, rate)) as i16;
+        let units = deviation / MEAN_SCALE;
+        let square = (units * units * VARIANCE_SCALE).min(i32::from(u16::MAX));
+        let target = if frames == 0 { 0 } else { square };
+        let change = divide_rounded(target - i32::from(*variance), rate);
         *variance = (i32::from(*variance) + change).clamp(0, i32::from(u16::MAX)) as u16;
     }
 }
 
-/// A quotient rounded to the nearest whole number; `by` > 0.
-fn rounded(value: i32, by: i32) -> i32 {
-    let half = if value < 0 { -by / 2 } else { by / 2 };
-    (value + half) / by.max(1)
+/// The quotient rounded to the nearest integer; `divisor` > 0.
+fn divide_rounded(value: i32, divisor: i32) -> i32 {
+    let half = if value < 0 { -divisor / 2 } else { divisor / 2 };
+    (value + half) / divisor.max(1)
 }
 
-/// A probability after a change of its logit.
-fn shifted(probability: f32, by: f32) -> f32 {
+/// A probability with its logit changed.
+fn with_logit_change(probability: f32, change: f32) -> f32 {
     let p = probability.clamp(1e-4, 1.0 - 1e-4);
-    sigmoid(libm::logf(p / (1.0 - p)) + by)
+    sigmoid(libm::logf(p / (1.0 - p)) + change)
 }
 
 #[cfg(all(test, feature = "verifier", feature = "adaptation"))]
@@ -126,7 +133,7 @@ mod tests {
         core::array::from_fn(|i| 40 + (i % 7) as i8 + change(i))
     }
 
-    fn sure() -> Confidence {
+    fn certain() -> Confidence {
         Confidence {
             face: 1.0,
             landmarks: [1.0; LANDMARKS],
@@ -135,16 +142,16 @@ mod tests {
     }
 
     #[test]
-    fn a_landmark_that_looks_unlike_itself_is_less_seen() {
-        let mut person = Appearance::EMPTY;
+    fn a_landmark_that_differs_from_its_model_is_less_visible() {
+        let mut appearance = Appearance::EMPTY;
         for n in 0..40 {
-            let mut confidence = sure();
-            person.follow(&face(|i| ((i + n) % 3) as i8 * 4), true, &mut confidence);
+            let mut confidence = certain();
+            appearance.update(&face(|i| ((i + n) % 3) as i8 * 4), true, &mut confidence);
             assert_eq!(confidence.visibility.map(|s| s > 0.5), [true; LANDMARKS]);
         }
-        let covered = face(|i| if i / MAX_FEATURES == 30 { 50 } else { 4 });
-        let mut confidence = sure();
-        person.follow(&covered, true, &mut confidence);
+        let occluded = face(|i| if i / MAX_FEATURES == 30 { 50 } else { 4 });
+        let mut confidence = certain();
+        appearance.update(&occluded, true, &mut confidence);
         assert!(
             confidence.visibility[30] < 0.2,
             "{}",
@@ -158,46 +165,50 @@ mod tests {
     }
 
     #[test]
-    fn a_face_is_recognised_by_what_is_left_of_it() {
-        let mut person = Appearance::EMPTY;
+    fn unoccluded_landmarks_match_their_models() {
+        let mut appearance = Appearance::EMPTY;
         for n in 0..40 {
             let frame = face(|i| ((i + n) % 3) as i8 * 4);
-            let recognised = person.follow(&frame, true, &mut sure());
-            let all = if n < FIRST as usize { 0 } else { LANDMARKS };
-            assert_eq!(recognised, all as u32);
+            let matching = appearance.update(&frame, true, &mut certain());
+            let all = if n < MIN_FRAMES as usize {
+                0
+            } else {
+                LANDMARKS
+            };
+            assert_eq!(matching, all as u32);
         }
-        for covered in [40, 60, LANDMARKS] {
-            let frame = face(|i| if i / MAX_FEATURES < covered { 50 } else { 4 });
-            let recognised = person.follow(&frame, false, &mut sure());
-            assert_eq!(recognised, (LANDMARKS - covered) as u32);
+        for occluded in [40, 60, LANDMARKS] {
+            let frame = face(|i| if i / MAX_FEATURES < occluded { 50 } else { 4 });
+            let matching = appearance.update(&frame, false, &mut certain());
+            assert_eq!(matching, (LANDMARKS - occluded) as u32);
         }
     }
 
     #[test]
-    fn nothing_is_learnt_from_what_is_not_trusted() {
-        let mut person = Appearance::EMPTY;
+    fn untrusted_frames_do_not_update_the_models() {
+        let mut appearance = Appearance::EMPTY;
         for _ in 0..40 {
             let mut confidence = Confidence {
                 face: 0.5,
-                ..sure()
+                ..certain()
             };
-            person.follow(&face(|_| 0), false, &mut confidence);
+            appearance.update(&face(|_| 0), false, &mut confidence);
             let mut confidence = Confidence {
                 visibility: [0.3; LANDMARKS],
-                ..sure()
+                ..certain()
             };
-            person.follow(&face(|_| 0), true, &mut confidence);
+            appearance.update(&face(|_| 0), true, &mut confidence);
         }
-        assert_eq!(person.frames, [0; LANDMARKS]);
+        assert_eq!(appearance.frames, [0; LANDMARKS]);
     }
 
     #[test]
     fn extreme_features_stay_in_range() {
-        let mut person = Appearance::EMPTY;
+        let mut appearance = Appearance::EMPTY;
         for n in 0..300 {
             let value = if n % 2 == 0 { i8::MIN } else { i8::MAX };
-            let mut confidence = sure();
-            person.follow(&[value; FEATURES], true, &mut confidence);
+            let mut confidence = certain();
+            appearance.update(&[value; FEATURES], true, &mut confidence);
             assert!(
                 confidence
                     .visibility
@@ -205,8 +216,8 @@ mod tests {
                     .all(|s| (0.0..=1.0).contains(s))
             );
         }
-        let mut confidence = sure();
-        person.follow(&[], true, &mut confidence);
-        person.follow(&[1, 2, 3], true, &mut confidence);
+        let mut confidence = certain();
+        appearance.update(&[], true, &mut confidence);
+        appearance.update(&[1, 2, 3], true, &mut confidence);
     }
 }

@@ -1,10 +1,11 @@
-//! Linear classifiers on the cascade's features, calibrated to probabilities (section `VRFY`).
+//! Linear classifiers per view on the cascade's features (section `VRFY`).
 //!
-//! One looks at all landmarks' features at once and tells a well-fitted face from anything else;
-//! one per landmark looks at that landmark's features alone and tells whether it is right. Whether a
-//! landmark is seen is asked in two rounds: first of its own features, then of all landmarks' first
-//! answers, because what covers one mostly covers its neighbours. Outputs pass through a fitted
-//! logistic (Platt 1999). Weights are `i8`, sums are integers.
+//! The face classifier reads the features of all landmarks and separates aligned faces from
+//! everything else. One classifier per landmark reads the features of that landmark and decides
+//! whether it is right. Visibility has two stages: a first prediction from the landmark's own
+//! features, then a second one from the first predictions of all landmarks, because an occluder
+//! mostly covers neighbours too. A fitted logistic function calibrates the outputs (Platt 1999).
+//! Weights are `i8`, sums are integers.
 
 use super::Confidence;
 use crate::math::sigmoid;
@@ -18,33 +19,36 @@ pub struct Verifier<'m> {
     views: [Option<ViewWeights<'m>>; MAX_VIEWS],
 }
 
-/// The classifiers of one view; turns to the left and to the right are views of their own.
+/// The classifiers of one signed view. Each output is `scale · (weights · inputs) + bias`.
 #[derive(Clone, Copy, Debug)]
 struct ViewWeights<'m> {
-    /// `LANDMARKS` rows of `features`: the face classifier.
+    /// The face classifier, `[68][features]`.
     face: &'m [i8],
     face_scale: f32,
     face_bias: f32,
-    /// The same shape: one classifier per landmark.
-    local: &'m [i8],
-    local_scale: &'m [f32],
-    local_bias: &'m [f32],
-    /// Share of the face's logit in every landmark's.
-    local_face: &'m [f32],
-    /// `LANDMARKS` rows of `features`: first answers on whether a landmark is seen.
-    seen: &'m [i8],
-    seen_scale: &'m [f32],
-    seen_bias: &'m [f32],
-    /// `LANDMARKS` rows of `LANDMARKS`: second answers from the first ones.
+    /// One classifier per landmark, `[68][features]`.
+    landmark: &'m [i8],
+    landmark_scale: &'m [f32],
+    landmark_bias: &'m [f32],
+    /// Weight of the face's logit in each landmark's logit.
+    landmark_face: &'m [f32],
+    /// Visibility, first stage: `[68][features]`.
+    visible: &'m [i8],
+    visible_scale: &'m [f32],
+    visible_bias: &'m [f32],
+    /// Visibility, second stage: `[68][68]`, from the first predictions.
     context: &'m [i8],
     context_scale: &'m [f32],
     context_bias: &'m [f32],
 }
 
-/// Most views.
+/// Capacity: signed views (frontal, and three to each side).
 const MAX_VIEWS: usize = 7;
 
-/// Nothing right, nothing seen.
+/// First predictions are counted in these fractions, so that ±2.6 fit a byte.
+const PREDICTION_UNITS: f32 = 48.0;
+
+/// All probabilities 0.
 const NONE: Confidence = Confidence {
     face: 0.0,
     landmarks: [0.0; LANDMARKS],
@@ -55,10 +59,12 @@ impl<'m> Verifier<'m> {
     /// Name of the section.
     pub const TAG: [u8; 4] = *b"VRFY";
 
-    /// Reads and checks the section; `features` per landmark and `views` as the cascade has them.
+    /// Reads and checks the section; `features` per landmark and signed `views` are those of the
+    /// cascade. The section holds `features, views: u32`, then for each view the fields of a
+    /// `ViewWeights`: `face_scale` and `face_bias` first, the others in their order.
     ///
     /// # Errors
-    /// When it is missing, too short, or made for another cascade.
+    /// When the section is missing or too short, or its sizes differ from the cascade's.
     pub fn open(blob: &Blob<'m>, features: usize, views: usize) -> Result<Self, ModelError> {
         let s = &mut blob.section(&Self::TAG)?;
         s.count(features, features, "features differ from the cascade's")?;
@@ -77,13 +83,13 @@ impl<'m> Verifier<'m> {
                 face: s.i8s(LANDMARKS * features)?,
                 face_scale,
                 face_bias,
-                local: s.i8s(LANDMARKS * features)?,
-                local_scale: s.f32s(LANDMARKS)?,
-                local_bias: s.f32s(LANDMARKS)?,
-                local_face: s.f32s(LANDMARKS)?,
-                seen: s.i8s(LANDMARKS * features)?,
-                seen_scale: s.f32s(LANDMARKS)?,
-                seen_bias: s.f32s(LANDMARKS)?,
+                landmark: s.i8s(LANDMARKS * features)?,
+                landmark_scale: s.f32s(LANDMARKS)?,
+                landmark_bias: s.f32s(LANDMARKS)?,
+                landmark_face: s.f32s(LANDMARKS)?,
+                visible: s.i8s(LANDMARKS * features)?,
+                visible_scale: s.f32s(LANDMARKS)?,
+                visible_bias: s.f32s(LANDMARKS)?,
                 context: s.i8s(LANDMARKS * LANDMARKS)?,
                 context_scale: s.f32s(LANDMARKS)?,
                 context_bias: s.f32s(LANDMARKS)?,
@@ -92,47 +98,72 @@ impl<'m> Verifier<'m> {
         Ok(verifier)
     }
 
-    /// Judges the features of one fit (`LANDMARKS` × `features`), seen from `view`.
+    /// Evaluates the features of an alignment (`[68][features]`) by the classifiers of its signed
+    /// view ([`crate::align::Workspace::view`]). All probabilities are 0 for an unknown view.
     pub fn evaluate(&self, features: &[i8], view: usize) -> Confidence {
-        let Some(weights) = self.views.get(view).copied().flatten() else {
+        let Some(weights) = self.views.get(view) else {
             return NONE;
         };
+        let Some(weights) = weights else { return NONE };
         let logit = weights.face_scale * dot(weights.face, features) as f32 + weights.face_bias;
-        let n = self.features.max(1);
         let mut confidence = Confidence {
             face: sigmoid(logit),
             ..NONE
         };
-        let rows = weights.local.chunks_exact(n).zip(features.chunks_exact(n));
-        let constants = weights
-            .local_scale
-            .iter()
-            .zip(weights.local_bias)
-            .zip(weights.local_face);
-        for ((out, (weight, own)), ((scale, bias), share)) in
-            confidence.landmarks.iter_mut().zip(rows).zip(constants)
-        {
-            *out = sigmoid(scale * dot(weight, own) as f32 + share * logit + bias);
-        }
-        let mut first = [0i8; LANDMARKS];
-        let rows = weights.seen.chunks_exact(n).zip(features.chunks_exact(n));
-        let constants = weights.seen_scale.iter().zip(weights.seen_bias);
-        for ((out, (weight, own)), (scale, bias)) in first.iter_mut().zip(rows).zip(constants) {
-            *out = first_prediction(scale * dot(weight, own) as f32 + bias);
-        }
-        let rows = weights.context.chunks_exact(LANDMARKS);
-        let constants = weights.context_scale.iter().zip(weights.context_bias);
-        for ((out, row), (scale, bias)) in confidence.visibility.iter_mut().zip(rows).zip(constants)
-        {
-            *out = sigmoid(scale * dot(row, &first) as f32 + bias);
-        }
+        let n = self.features.max(1);
+        weights.landmarks(features.chunks_exact(n), n, logit, &mut confidence);
+        weights.visibility(features.chunks_exact(n), n, &mut confidence);
         confidence
     }
 }
 
-/// A first answer (about −1 … 1) in the byte that the second ones read.
-pub fn first_prediction(score: f32) -> i8 {
-    libm::roundf(score * 48.0).clamp(-127.0, 127.0) as i8
+impl ViewWeights<'_> {
+    /// Probabilities that landmarks are right, from the `features` of each, `n` per landmark, and the
+    /// face's logit.
+    fn landmarks<'f>(
+        &self,
+        features: impl Iterator<Item = &'f [i8]>,
+        n: usize,
+        face_logit: f32,
+        confidence: &mut Confidence,
+    ) {
+        let rows = self.landmark.chunks_exact(n).zip(features);
+        let constants = self.landmark_scale.iter().zip(self.landmark_bias);
+        let constants = constants.zip(self.landmark_face);
+        for ((out, (weights, features)), ((scale, bias), share)) in
+            confidence.landmarks.iter_mut().zip(rows).zip(constants)
+        {
+            *out = sigmoid(scale * dot(weights, features) as f32 + share * face_logit + bias);
+        }
+    }
+
+    /// Probabilities that landmarks are visible, from the `features` of each, `n` per landmark.
+    fn visibility<'f>(
+        &self,
+        features: impl Iterator<Item = &'f [i8]>,
+        n: usize,
+        confidence: &mut Confidence,
+    ) {
+        let mut first = [0i8; LANDMARKS];
+        let rows = self.visible.chunks_exact(n).zip(features);
+        let constants = self.visible_scale.iter().zip(self.visible_bias);
+        for ((out, (weights, features)), (scale, bias)) in first.iter_mut().zip(rows).zip(constants)
+        {
+            *out = first_prediction(scale * dot(weights, features) as f32 + bias);
+        }
+        let rows = self.context.chunks_exact(LANDMARKS);
+        let constants = self.context_scale.iter().zip(self.context_bias);
+        for ((out, row), (scale, bias)) in confidence.visibility.iter_mut().zip(rows).zip(constants)
+        {
+            *out = sigmoid(scale * dot(row, &first) as f32 + bias);
+        }
+    }
+}
+
+/// Quantises a first prediction of visibility (a margin, mostly −1..1) to the byte that the second
+/// stage reads.
+pub fn first_prediction(margin: f32) -> i8 {
+    libm::roundf(margin * PREDICTION_UNITS).clamp(-127.0, 127.0) as i8
 }
 
 fn dot(a: &[i8], b: &[i8]) -> i32 {

@@ -1,17 +1,17 @@
-//! What is said of a fit.
+//! The confidence of an alignment.
 
 use crate::shape::LANDMARKS;
 
-/// How sure the answer is.
+/// Calibrated probabilities for one set of 68 landmarks, each 0..1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Confidence {
-    /// Probability that this is a face and that its landmarks are right (mean error below a tenth
-    /// of the inter-ocular distance).
+    /// Probability that this is a face whose landmarks are right: the mean error is below a tenth of
+    /// the distance between the outer eye corners.
     pub face: f32,
-    /// Per landmark, probability that it lies within a tenth of the inter-ocular distance of the
-    /// truth.
+    /// Per landmark, probability that its error is below a tenth of the distance between the outer
+    /// eye corners.
     pub landmarks: [f32; LANDMARKS],
-    /// Per landmark, probability that nothing hides it from the camera, neither the head itself nor
-    /// anything before it.
+    /// Per landmark, probability that it is visible: neither the head itself nor anything in front
+    /// of it hides it.
     pub visibility: [f32; LANDMARKS],
 }

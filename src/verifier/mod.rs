@@ -1,8 +1,9 @@
-//! Truth or guess: is this a face, which landmarks sit where they should, and which are seen?
+//! The verifier: is it a face, which landmarks are right, and which are visible?
 //!
-//! In: the local features that the cascade's last pass ended with. Out: calibrated probabilities,
-//! bettered by what the person's own landmarks look like ([`Appearance`], feature `adaptation`).
-//! Builds without the feature `experts` have [`geometry`](by_fit) instead, which has neither.
+//! In: the local features of the cascade's last iteration. Out: calibrated probabilities
+//! ([`Confidence`]), adapted to the tracked person by [`Appearance`] (feature `adaptation`). Builds
+//! without the feature `verifier` derive a confidence from the fit of the 3D face instead
+//! (`geometry.rs`).
 
 mod appearance;
 #[cfg(feature = "verifier")]
@@ -16,4 +17,4 @@ pub use appearance::Appearance;
 pub use classifiers::{Verifier, first_prediction};
 pub use confidence::Confidence;
 #[cfg(not(feature = "verifier"))]
-pub use geometry::{Verifier, by_fit};
+pub use geometry::{Verifier, geometric_confidence};

@@ -1,5 +1,5 @@
-//! The loops that nearly all time goes into. The twins for single machines give the same integers
-//! as the portable code, which compilers turn into good code for the others.
+//! Inner loops of the network: nearly all time of a step is spent here. The SIMD versions for x86-64
+//! and AArch64 give the same integers as the portable code, which the other machines run.
 
 // SIMD kernels are one of the places where `unsafe` is allowed.
 #![allow(unsafe_code)]
@@ -11,40 +11,41 @@ mod portable;
 #[cfg(target_arch = "x86_64")]
 mod sse2;
 
-/// Outputs computed together.
+/// Output channels computed together.
 pub(super) const BLOCK: usize = 8;
-/// Pixels whose outputs are computed together, so that weights are read once for all of them.
+/// Output pixels computed together, so that weights are read once for all of them.
 pub(super) const TILE: usize = 4;
-/// Pairs of the nine taps of a 3×3 window, the last with a weight of 0.
+/// Pairs of taps of a 3×3 window: nine taps and one of weight 0.
 pub(super) const TAP_PAIRS: usize = 5;
 
-/// From a block's sums to its bytes: `(((sum + bias) >> before)·factor + half) >> after + floor`,
-/// clamped. What is left of a sum by `before` fits 16 bits in a sound model, and is cut to them in
-/// others; so does a factor.
+/// Requantisation of a block of sums to bytes:
+/// `((((sum + bias) >> pre_shift)·multiplier + half) >> post_shift) + zero_point`, clamped to
+/// 0..255, with `half = 1 << (post_shift − 1)`. The shifted sum and the multiplier are cut to 16
+/// bits; in a valid model they fit.
 #[derive(Clone, Copy)]
 pub(super) struct Scale<'a> {
     pub bias: &'a [i32; BLOCK],
-    pub factor: &'a [i32; BLOCK],
-    pub before: u32,
-    pub after: u32,
-    pub floor: i32,
+    pub multiplier: &'a [i32; BLOCK],
+    pub pre_shift: u32,
+    pub post_shift: u32,
+    pub zero_point: i32,
 }
 
-/// What a coarse map of nothing is.
-pub(super) const NO_COARSE: [u8; BLOCK] = [128; BLOCK];
+/// A block of a lateral map that adds nothing.
+pub(super) const NO_LATERAL: [u8; BLOCK] = [128; BLOCK];
 
-/// What some pixels' outputs are computed from.
+/// Inputs of [`TILE`] output pixels.
 pub(super) struct Tile<'a> {
-    /// The window of each, all as long, and of an even length.
+    /// The input window of each pixel (im2col), all of the same even length.
     pub columns: [&'a [i16]; TILE],
-    /// A block of a coarse map below each.
-    pub coarse: [&'a [u8; BLOCK]; TILE],
+    /// A block of the lateral map at each pixel.
+    pub lateral: [&'a [u8; BLOCK]; TILE],
 }
 
-// Portable code walks one pixel after the other.
+// The portable code computes one pixel after the other.
 #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
 impl<'a> Tile<'a> {
-    /// The windows, two columns of each at a time.
+    /// The windows, two columns of each pixel at a time.
     #[inline]
     fn pairs(&self) -> impl Iterator<Item = [&'a [i16; 2]; TILE]> + use<'a> {
         let [a, b, c, d] = self.columns.map(|columns| columns.as_chunks::<2>().0);
@@ -53,12 +54,14 @@ impl<'a> Tile<'a> {
     }
 }
 
-/// The taps of a 3×3 window, beside each other in pairs, and their weights: `[pair][channel][2]`.
+/// The taps of a 3×3 window, in pairs.
 pub(super) type Taps<'a> = [[&'a [u8; BLOCK]; 2]; TAP_PAIRS];
+/// The weights of the taps: `[pair][channel][2]`.
 pub(super) type TapWeights = [[i16; 2 * BLOCK]; TAP_PAIRS];
 
-/// A block of outputs for each pixel: `Σₖ columns[k]·weights[k/2][output][k%2]`, brought to bytes with
-/// twice what `coarse` lies above 128 on top. `weights` holds [`BLOCK`] outputs for each pair of columns.
+/// Full convolution, a block of channels for each pixel of a tile:
+/// `Σₖ columns[k]·weights[k/2][channel][k%2]`, requantised, plus `2·(lateral − 128)`.
+/// `weights` holds [`BLOCK`] channels for each pair of columns.
 #[inline]
 pub(super) fn conv2d(tile: &Tile<'_>, weights: &[i16], scale: &Scale<'_>) -> [[u8; BLOCK]; TILE] {
     #[cfg(target_arch = "x86_64")]
@@ -71,7 +74,7 @@ pub(super) fn conv2d(tile: &Tile<'_>, weights: &[i16], scale: &Scale<'_>) -> [[u
     portable::conv2d(tile, weights, scale)
 }
 
-/// A block of channels' 3×3 windows.
+/// Depthwise 3×3 convolution of a block of channels at one pixel.
 #[inline]
 pub(super) fn depthwise3x3(
     taps: &Taps<'_>,
@@ -88,7 +91,7 @@ pub(super) fn depthwise3x3(
     portable::depthwise3x3(taps, weights, scale)
 }
 
-/// `Σ a·b` of features and weights.
+/// `Σ feature·weight`.
 #[inline]
 pub(crate) fn dot(features: &[u8], weights: &[i8]) -> i32 {
     let (blocks, rest) = features.as_chunks::<{ 2 * BLOCK }>();
@@ -118,17 +121,17 @@ mod tests {
     }
 
     const BIAS: [i32; BLOCK] = [0, 1000, -1000, 30_000, -200_000, 7, 123_456, -8];
-    const FACTOR: [i32; BLOCK] = [32_767, 1, 0, 12_345, 20_000, 30_000, 999, -400];
+    const MULTIPLIER: [i32; BLOCK] = [32_767, 1, 0, 12_345, 20_000, 30_000, 999, -400];
 
     fn scales() -> impl Iterator<Item = Scale<'static>> {
         let shifts = [(0, 1), (4, 14), (6, 18), (12, 30)];
-        shifts.into_iter().flat_map(|(before, after)| {
-            [0, 128].map(|floor| Scale {
+        shifts.into_iter().flat_map(|(pre_shift, post_shift)| {
+            [0, 128].map(|zero_point| Scale {
                 bias: &BIAS,
-                factor: &FACTOR,
-                before,
-                after,
-                floor,
+                multiplier: &MULTIPLIER,
+                pre_shift,
+                post_shift,
+                zero_point,
             })
         })
     }
@@ -139,27 +142,27 @@ mod tests {
             core::array::from_fn(|p| core::array::from_fn(|k| noise(k + 100 * p)));
         let columns = columns.each_ref().map(|c| &c[..]);
         let weights: [i16; 26 * BLOCK] = core::array::from_fn(|k| noise(k + 7) / 2);
-        let coarse: [[u8; BLOCK]; TILE] = core::array::from_fn(bytes);
+        let lateral: [[u8; BLOCK]; TILE] = core::array::from_fn(bytes);
         for scale in scales() {
-            for coarse in [coarse, [NO_COARSE; TILE]] {
-                let coarse = coarse.each_ref();
-                let tile = Tile { columns, coarse };
+            for lateral in [lateral, [NO_LATERAL; TILE]] {
+                let lateral = lateral.each_ref();
+                let tile = Tile { columns, lateral };
                 assert_eq!(
                     conv2d(&tile, &weights, &scale),
                     portable::conv2d(&tile, &weights, &scale)
                 );
             }
         }
-        // One of them by hand.
+        // One case against plain arithmetic.
         let plain = Scale {
             bias: &[0; BLOCK],
-            factor: &[1 << 10; BLOCK],
-            before: 4,
-            after: 16,
-            floor: 128,
+            multiplier: &[1 << 10; BLOCK],
+            pre_shift: 4,
+            post_shift: 16,
+            zero_point: 128,
         };
-        let coarse = [&NO_COARSE; TILE];
-        let out = conv2d(&Tile { columns, coarse }, &weights, &plain);
+        let lateral = [&NO_LATERAL; TILE];
+        let out = conv2d(&Tile { columns, lateral }, &weights, &plain);
         let sum = |p: usize| -> i32 {
             let one = |k: usize| columns[p][k] as i32 * weights[k / 2 * 16 + k % 2] as i32;
             (0..26).map(one).sum()

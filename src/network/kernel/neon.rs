@@ -1,6 +1,6 @@
-//! By `smlal`, which adds products of 16-bit numbers to 32-bit sums.
+//! The kernels for AArch64: `smlal` adds products of 16-bit numbers to 32-bit sums.
 
-use super::{BLOCK, NO_COARSE, Scale, TILE, TapWeights, Taps, Tile};
+use super::{BLOCK, NO_LATERAL, Scale, TILE, TapWeights, Taps, Tile};
 use core::arch::aarch64::{
     int16x8_t, int16x8x2_t, int32x4_t, vaddq_s32, vaddvq_s32, vaddw_s16, vcombine_s16, vcreate_s8,
     vcreate_u8, vdupq_n_s32, vget_high_s16, vget_lane_u64, vget_low_s16, vld1q_s32, vld2q_s16,
@@ -23,8 +23,8 @@ pub(super) fn conv2d(tile: &Tile<'_>, weights: &[i16], scale: &Scale<'_>) -> [[u
         }
     }
     let mut out = [[0; BLOCK]; TILE];
-    for ((out, sums), coarse) in out.iter_mut().zip(sums).zip(tile.coarse) {
-        *out = requantize(sums, scale, coarse);
+    for ((out, sums), lateral) in out.iter_mut().zip(sums).zip(tile.lateral) {
+        *out = requantize(sums, scale, lateral);
     }
     out
 }
@@ -45,7 +45,7 @@ pub(super) fn depthwise3x3(
             high = vmlal_high_s16(high, tap, weights);
         }
     }
-    requantize([low, high], scale, &NO_COARSE)
+    requantize([low, high], scale, &NO_LATERAL)
 }
 
 #[target_feature(enable = "neon")]
@@ -71,20 +71,20 @@ fn signed(v: &[i8; BLOCK]) -> int16x8_t {
     vmovl_s8(vcreate_s8(u64::from_le_bytes(bytes)))
 }
 
-/// Those at even places, and those at odd ones.
+/// Deinterleaves: the numbers at even places, then those at odd places.
 #[target_feature(enable = "neon")]
 #[inline]
 fn halves(v: &[i16; 16]) -> int16x8x2_t {
-    // SAFETY: sixteen numbers are read from where sixteen lie.
+    // SAFETY: reads the sixteen numbers of the array.
     unsafe { vld2q_s16(v.as_ptr()) }
 }
 
-/// Two registers of four.
+/// Eight 32-bit numbers in two registers.
 #[target_feature(enable = "neon")]
 #[inline]
 fn quarters(v: &[i32; BLOCK]) -> [int32x4_t; 2] {
     let [a, b, c, d, e, f, g, h] = *v;
-    // SAFETY: four numbers are read from where four lie.
+    // SAFETY: reads the four numbers of the array.
     [[a, b, c, d], [e, f, g, h]].map(|v| unsafe { vld1q_s32(v.as_ptr()) })
 }
 
@@ -97,22 +97,25 @@ fn widened(v: &[u8; BLOCK]) -> int16x8_t {
 
 #[target_feature(enable = "neon")]
 #[inline]
-fn requantize(sums: [int32x4_t; 2], scale: &Scale<'_>, coarse: &[u8; BLOCK]) -> [u8; BLOCK] {
-    let (before, after) = (scale.before & 31, scale.after & 31);
-    let half = vdupq_n_s32(1 << (after.wrapping_sub(1) & 31));
-    // To the left by less than nothing is to the right.
-    let [before, after] = [before, after].map(|shift| vdupq_n_s32(-(shift as i32)));
-    // Twice the coarse map, 256 below.
-    let floor = vdupq_n_s32(scale.floor - 256);
-    let coarse = vshlq_n_s16::<1>(widened(coarse));
-    let coarse = [vget_low_s16(coarse), vget_high_s16(coarse)];
-    let (bias, factor) = (quarters(scale.bias), quarters(scale.factor));
+fn requantize(sums: [int32x4_t; 2], scale: &Scale<'_>, lateral: &[u8; BLOCK]) -> [u8; BLOCK] {
+    let (pre_shift, post_shift) = (scale.pre_shift & 31, scale.post_shift & 31);
+    let half = vdupq_n_s32(1 << (post_shift.wrapping_sub(1) & 31));
+    // A left shift by a negative number is a right shift.
+    let [pre_shift, post_shift] = [pre_shift, post_shift].map(|shift| vdupq_n_s32(-(shift as i32)));
+    // 2·(lateral − 128) = 2·lateral − 256.
+    let zero_point = vdupq_n_s32(scale.zero_point - 256);
+    let lateral = vshlq_n_s16::<1>(widened(lateral));
+    let lateral = [vget_low_s16(lateral), vget_high_s16(lateral)];
+    let (bias, multiplier) = (quarters(scale.bias), quarters(scale.multiplier));
     let mut out = [vdupq_n_s32(0); 2];
-    let constants = bias.into_iter().zip(factor).zip(coarse);
-    for ((out, sum), ((bias, factor), coarse)) in out.iter_mut().zip(sums).zip(constants) {
-        let kept = vmovn_s32(vshlq_s32(vaddq_s32(sum, bias), before));
-        let scaled = vaddq_s32(vmull_s16(kept, vmovn_s32(factor)), half);
-        *out = vaddw_s16(vaddq_s32(vshlq_s32(scaled, after), floor), coarse);
+    let constants = bias.into_iter().zip(multiplier).zip(lateral);
+    for ((out, sum), ((bias, multiplier), lateral)) in out.iter_mut().zip(sums).zip(constants) {
+        let kept = vmovn_s32(vshlq_s32(vaddq_s32(sum, bias), pre_shift));
+        let scaled = vaddq_s32(vmull_s16(kept, vmovn_s32(multiplier)), half);
+        *out = vaddw_s16(
+            vaddq_s32(vshlq_s32(scaled, post_shift), zero_point),
+            lateral,
+        );
     }
     let words = vcombine_s16(vqmovn_s32(out[0]), vqmovn_s32(out[1]));
     vget_lane_u64::<0>(vreinterpret_u64_u8(vqmovun_s16(words))).to_le_bytes()

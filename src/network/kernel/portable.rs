@@ -1,11 +1,11 @@
-//! What the kernels compute, for every machine.
+//! The kernels in portable Rust.
 
 use super::{BLOCK, Scale, TILE, TapWeights, Taps, Tile};
 
 pub(super) fn conv2d(tile: &Tile<'_>, weights: &[i16], scale: &Scale<'_>) -> [[u8; BLOCK]; TILE] {
     let mut out = [[0; BLOCK]; TILE];
-    for ((out, columns), coarse) in out.iter_mut().zip(tile.columns).zip(tile.coarse) {
-        *out = requantize(products(columns, weights), scale, coarse);
+    for ((out, columns), lateral) in out.iter_mut().zip(tile.columns).zip(tile.lateral) {
+        *out = requantize(products(columns, weights), scale, lateral);
     }
     out
 }
@@ -23,12 +23,12 @@ pub(super) fn depthwise3x3(
             *sum += *a as i32 * *w0 as i32 + *b as i32 * *w1 as i32;
         }
     }
-    requantize(sums, scale, &super::NO_COARSE)
+    requantize(sums, scale, &super::NO_LATERAL)
 }
 
 pub(super) fn dot(features: &[[u8; 2 * BLOCK]], weights: &[[i8; 2 * BLOCK]]) -> i32 {
     let pairs = features.as_flattened().iter().zip(weights.as_flattened());
-    // 16-bit factors: what machines multiply in pairs.
+    // 16-bit factors, for which SIMD units have a multiply-add of pairs.
     pairs
         .map(|(f, w)| (*f as i16) as i32 * (*w as i16) as i32)
         .sum()
@@ -47,17 +47,17 @@ fn products(columns: &[i16], weights: &[i16]) -> [i32; BLOCK] {
     sums
 }
 
-fn requantize(sums: [i32; BLOCK], scale: &Scale<'_>, coarse: &[u8; BLOCK]) -> [u8; BLOCK] {
-    let (before, after) = (scale.before & 31, scale.after & 31);
-    let half = 1i32 << (after.wrapping_sub(1) & 31);
+fn requantize(sums: [i32; BLOCK], scale: &Scale<'_>, lateral: &[u8; BLOCK]) -> [u8; BLOCK] {
+    let (pre_shift, post_shift) = (scale.pre_shift & 31, scale.post_shift & 31);
+    let half = 1i32 << (post_shift.wrapping_sub(1) & 31);
     let mut out = [0; BLOCK];
-    let constants = scale.bias.iter().zip(scale.factor);
-    for (((out, sum), (bias, factor)), coarse) in
-        out.iter_mut().zip(sums).zip(constants).zip(coarse)
+    let constants = scale.bias.iter().zip(scale.multiplier);
+    for (((out, sum), (bias, multiplier)), lateral) in
+        out.iter_mut().zip(sums).zip(constants).zip(lateral)
     {
-        let kept = (sum.wrapping_add(*bias) >> before) as i16 as i32;
-        let scaled = (kept * *factor as i16 as i32).wrapping_add(half) >> after;
-        let value = scaled + scale.floor + 2 * (*coarse as i32 - 128);
+        let kept = (sum.wrapping_add(*bias) >> pre_shift) as i16 as i32;
+        let scaled = (kept * *multiplier as i16 as i32).wrapping_add(half) >> post_shift;
+        let value = scaled + scale.zero_point + 2 * (*lateral as i32 - 128);
         *out = value.clamp(0, 255) as u8;
     }
     out

@@ -1,6 +1,6 @@
-//! By `pmaddwd`, which adds two products of 16-bit numbers.
+//! The kernels for x86-64: `pmaddwd` multiplies pairs of 16-bit numbers and adds the products.
 
-use super::{BLOCK, NO_COARSE, Scale, TILE, TapWeights, Taps, Tile};
+use super::{BLOCK, NO_LATERAL, Scale, TILE, TapWeights, Taps, Tile};
 use core::arch::x86_64::{
     __m128i, _mm_add_epi32, _mm_and_si128, _mm_cvtsi32_si128, _mm_cvtsi64_si128, _mm_cvtsi128_si32,
     _mm_cvtsi128_si64, _mm_madd_epi16, _mm_packs_epi32, _mm_packus_epi16, _mm_set_epi64x,
@@ -23,8 +23,8 @@ pub(super) fn conv2d(tile: &Tile<'_>, weights: &[i16], scale: &Scale<'_>) -> [[u
         }
     }
     let mut out = [[0; BLOCK]; TILE];
-    for ((out, sums), coarse) in out.iter_mut().zip(sums).zip(tile.coarse) {
-        *out = requantize(sums, scale, coarse);
+    for ((out, sums), lateral) in out.iter_mut().zip(sums).zip(tile.lateral) {
+        *out = requantize(sums, scale, lateral);
     }
     out
 }
@@ -47,7 +47,7 @@ pub(super) fn depthwise3x3(
             *sum = _mm_add_epi32(*sum, _mm_madd_epi16(pair, weights));
         }
     }
-    requantize(sums, scale, &NO_COARSE)
+    requantize(sums, scale, &NO_LATERAL)
 }
 
 #[target_feature(enable = "sse2")]
@@ -58,7 +58,7 @@ pub(super) fn dot(features: &[[u8; 2 * BLOCK]], weights: &[[i8; 2 * BLOCK]]) -> 
     for (features, weights) in features.iter().zip(weights) {
         let features = sixteen(*features);
         let weights = sixteen(weights.map(|w| w as u8));
-        // A byte in the upper half of a word, shifted down, keeps its sign.
+        // Sign extension: the byte is shifted down from the upper half of a word.
         let below = _mm_srai_epi16::<8>(_mm_unpacklo_epi8(zero, weights));
         let above = _mm_srai_epi16::<8>(_mm_unpackhi_epi8(zero, weights));
         let first = _mm_unpacklo_epi8(features, zero);
@@ -79,7 +79,7 @@ fn sixteen(v: [u8; 2 * BLOCK]) -> __m128i {
     _mm_set_epi64x(high, low)
 }
 
-/// Two registers of eight.
+/// Sixteen 16-bit numbers in two registers.
 #[target_feature(enable = "sse2")]
 #[inline]
 fn halves(v: &[i16; 16]) -> [__m128i; 2] {
@@ -91,7 +91,7 @@ fn halves(v: &[i16; 16]) -> [__m128i; 2] {
     ]
 }
 
-/// Two registers of four.
+/// Eight 32-bit numbers in two registers.
 #[target_feature(enable = "sse2")]
 #[inline]
 fn quarters(v: &[i32; BLOCK]) -> [__m128i; 2] {
@@ -109,28 +109,29 @@ fn widened(v: &[u8; BLOCK]) -> __m128i {
 
 #[target_feature(enable = "sse2")]
 #[inline]
-fn requantize(sums: [__m128i; 2], scale: &Scale<'_>, coarse: &[u8; BLOCK]) -> [u8; BLOCK] {
-    let (before, after) = (scale.before & 31, scale.after & 31);
-    let half = _mm_set1_epi32(1 << (after.wrapping_sub(1) & 31));
-    let [before, after] = [before, after].map(|shift| _mm_cvtsi32_si128(shift as i32));
-    // Twice the coarse map, 256 below.
-    let floor = _mm_set1_epi32(scale.floor - 256);
-    let coarse = widened(coarse);
-    let coarse = [
-        _mm_unpacklo_epi16(coarse, _mm_setzero_si128()),
-        _mm_unpackhi_epi16(coarse, _mm_setzero_si128()),
+fn requantize(sums: [__m128i; 2], scale: &Scale<'_>, lateral: &[u8; BLOCK]) -> [u8; BLOCK] {
+    let (pre_shift, post_shift) = (scale.pre_shift & 31, scale.post_shift & 31);
+    let half = _mm_set1_epi32(1 << (post_shift.wrapping_sub(1) & 31));
+    let [pre_shift, post_shift] =
+        [pre_shift, post_shift].map(|shift| _mm_cvtsi32_si128(shift as i32));
+    // 2·(lateral − 128) = 2·lateral − 256.
+    let zero_point = _mm_set1_epi32(scale.zero_point - 256);
+    let lateral = widened(lateral);
+    let lateral = [
+        _mm_unpacklo_epi16(lateral, _mm_setzero_si128()),
+        _mm_unpackhi_epi16(lateral, _mm_setzero_si128()),
     ];
     let low = _mm_set1_epi32(0xffff);
-    let (bias, factor) = (quarters(scale.bias), quarters(scale.factor));
+    let (bias, multiplier) = (quarters(scale.bias), quarters(scale.multiplier));
     let mut out = [_mm_setzero_si128(); 2];
-    let constants = bias.into_iter().zip(factor).zip(coarse);
-    for ((out, sum), ((bias, factor), coarse)) in out.iter_mut().zip(sums).zip(constants) {
-        let kept = _mm_sra_epi32(_mm_add_epi32(sum, bias), before);
-        // The upper halves meet zeros.
-        let scaled = _mm_madd_epi16(kept, _mm_and_si128(factor, low));
-        let scaled = _mm_sra_epi32(_mm_add_epi32(scaled, half), after);
-        let coarse = _mm_add_epi32(floor, _mm_slli_epi32::<1>(coarse));
-        *out = _mm_add_epi32(scaled, coarse);
+    let constants = bias.into_iter().zip(multiplier).zip(lateral);
+    for ((out, sum), ((bias, multiplier), lateral)) in out.iter_mut().zip(sums).zip(constants) {
+        let kept = _mm_sra_epi32(_mm_add_epi32(sum, bias), pre_shift);
+        // Only the lower 16 bits of each factor are multiplied: the upper ones meet zeros.
+        let scaled = _mm_madd_epi16(kept, _mm_and_si128(multiplier, low));
+        let scaled = _mm_sra_epi32(_mm_add_epi32(scaled, half), post_shift);
+        let lateral = _mm_add_epi32(zero_point, _mm_slli_epi32::<1>(lateral));
+        *out = _mm_add_epi32(scaled, lateral);
     }
     let words = _mm_packs_epi32(out[0], out[1]);
     _mm_cvtsi128_si64(_mm_packus_epi16(words, words)).to_le_bytes()

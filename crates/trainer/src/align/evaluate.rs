@@ -45,7 +45,7 @@ pub fn mean_error(
 pub fn start_of(model: &AlignModel<'_>, turn: f32) -> Shape {
     model
         .views()
-        .start(turn)
+        .initial_shape(turn)
         .expect("a model has a start shape")
 }
 

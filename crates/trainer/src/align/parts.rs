@@ -12,7 +12,7 @@ use crate::faces::{Face, ratio};
 use crate::pack::SectionWriter;
 use crate::single_eyes::{self, Single, is_single};
 use anyhow::Result;
-use posewise::align::{AlignModel, Refiners, Shape, Workspace, placed};
+use posewise::align::{AlignModel, Refiners, Shape, Workspace, place_refiner};
 use posewise::math::Similarity;
 use posewise::shape::{LANDMARKS, MIRROR};
 use rand::{Rng, SeedableRng};
@@ -374,7 +374,7 @@ impl Source for PartFaces<'_> {
             }
         }
         let sizes = &self.options.sizes;
-        let to_frame = placed(&seat, &points, sizes.zoom).expect("an answer has extent");
+        let to_frame = place_refiner(&seat, &points, sizes.zoom).expect("an answer has extent");
         let mut crop = cut_at(face, &to_frame, sizes.side);
         if mirrored {
             crop.chunks_exact_mut(sizes.side).for_each(<[f32]>::reverse);

@@ -54,8 +54,8 @@ impl StartShapes {
     /// The core's view of them.
     pub fn views(&self) -> Views<'_> {
         Views {
-            starts: &self.shapes,
-            turns: &self.turns,
+            shapes: &self.shapes,
+            yaws: &self.turns,
         }
     }
 }

@@ -364,7 +364,7 @@ fn starts_on(
             let views = starts.views();
             let (at, size, roll) = jittered_box(&views, &face.landmarks, &boxes.jitter, &mut rng);
             let turn = face.turn() + 0.2 * rng.random_range(-1.0f32..1.0);
-            let start = views.start(turn).expect("there is a start shape");
+            let start = views.initial_shape(turn).expect("there is a start shape");
             start_from_box(&start, at, size, roll)
         })
         .collect()
