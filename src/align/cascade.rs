@@ -1,5 +1,5 @@
-//! The cascade's model and one run of it. Sections: `ALGN` holds the global stage, `ENSM` its second
-//! ensemble member, `RFIN` and `SREG` the local refiners and the shape regression.
+//! The cascade's model and one run of it. Sections: `ALGN` holds the global stage, `ENSM` its
+//! second ensemble member, `RFIN` and `SREG` the local refiners and the shape regression.
 
 use super::ensemble::EnsembleMember;
 use super::refiners::Refiners;
@@ -84,8 +84,8 @@ impl Workspace {
         self.memory.scratch()
     }
 
-    /// Signed view of the last run's shape: 0 is frontal, then the model's views turned to the image
-    /// right, then those turned left. Below [`AlignModel::signed_views`].
+    /// Signed view of the last run's shape: 0 is frontal, then the model's views turned to the
+    /// image right, then those turned left. Below [`AlignModel::signed_views`].
     pub fn view(&self) -> usize {
         self.view
     }

@@ -1,5 +1,6 @@
-//! The second ensemble member of the global stage. The average of two independently trained networks
-//! has a smaller error than either; the gain is larger where one of them sees the mirror image.
+//! The second ensemble member of the global stage. The average of two independently trained
+//! networks has a smaller error than either; the gain is larger where one of them sees the mirror
+//! image.
 
 use super::regressor::{Memory, Regressor};
 use super::{Shape, mirror};

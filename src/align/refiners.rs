@@ -20,8 +20,8 @@ pub const MAX_REFINERS: usize = 3;
 /// Capacity: landmarks of a refiner.
 pub const MAX_POINTS: usize = 24;
 
-/// A checked view of section `RFIN` and of `SREG`, which follows the refiners; empty where the model
-/// lacks `RFIN` or the build lacks feature `refiners`.
+/// A checked view of section `RFIN` and of `SREG`, which follows the refiners; empty where the
+/// model lacks `RFIN` or the build lacks feature `refiners`.
 ///
 /// A refiner is parsed again for each run, which takes a microsecond: the tables of all networks
 /// would make a model too large for small stacks.

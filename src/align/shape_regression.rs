@@ -28,8 +28,8 @@ impl<'m> ShapeRegression<'m> {
     /// Name of the section.
     pub const TAG: [u8; 4] = *b"SREG";
 
-    /// Reads and checks the section: `weights: i8[136·136], scale: f32[136], bias: f32[136]`. `None`
-    /// where the model lacks it.
+    /// Reads and checks the section: `weights: i8[136·136], scale: f32[136], bias: f32[136]`.
+    /// `None` where the model lacks it.
     ///
     /// # Errors
     /// When the section is too short or a number is not finite.

@@ -198,8 +198,8 @@ pub unsafe extern "C" fn posewise_landmarks(
     })
 }
 
-/// Writes the first min(capacity, POSEWISE_ANIMATIONS) animation weights of the last step, 0..1; all
-/// zero while searching.
+/// Writes the first min(capacity, POSEWISE_ANIMATIONS) animation weights of the last step, 0..1;
+/// all zero while searching.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn posewise_animation(
     tracker: *const posewise_tracker,

@@ -109,8 +109,8 @@ pub struct Network<'m> {
 impl<'m> Network<'m> {
     /// Reads `nodes: u32` and then each node: `op, kernel, stride, input, other, channels, at,
     /// zero_point, pre_shift, post_shift: u32`, `weights: i8[…]`, `bias: i32[…]`,
-    /// `multiplier: i32[…]`. Node 0 is the crop, `side` px square; `input` and `other` are numbers of
-    /// earlier nodes.
+    /// `multiplier: i32[…]`. Node 0 is the crop, `side` px square; `input` and `other` are numbers
+    /// of earlier nodes.
     ///
     /// # Errors
     /// When the section is too short, or a node would leave the arena, overwrite its input or
@@ -246,8 +246,8 @@ impl Raw {
 }
 
 impl Node<'_> {
-    /// Checks that no sum can overflow: |Σ weight·value| < 576·128·255 < 2²⁵, and the multiplier meets
-    /// a sum that is cut to 16 bits.
+    /// Checks that no sum can overflow: |Σ weight·value| < 576·128·255 < 2²⁵, and the multiplier
+    /// meets a sum that is cut to 16 bits.
     fn check_bounds(&self, s: &Section<'_>) -> Result<(), ModelError> {
         let within = |v: &i32, bits: u32| v.unsigned_abs() < 1 << bits;
         let bias = self.bias.iter().all(|b| within(b, 28));

@@ -126,8 +126,8 @@ impl Pose {
         }
     }
 
-    /// The pose after a rotation about the head's origin (rotation vector, camera axes \[rad\]) and a
-    /// translation \[mm\]; the rotation stays orthonormal.
+    /// The pose after a rotation about the head's origin (rotation vector, camera axes \[rad\]) and
+    /// a translation \[mm\]; the rotation stays orthonormal.
     pub(super) fn moved(&self, rotation_rad: Vec3, translation_mm: Vec3) -> Pose {
         Pose {
             rotation: orthonormal(exponential(rotation_rad) * self.rotation),

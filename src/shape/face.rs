@@ -300,7 +300,8 @@ impl Shape {
     }
 }
 
-/// Outward directions of the jaw landmarks in the image: the frontal ones, rotated by the head's roll.
+/// Outward directions of the jaw landmarks in the image: the frontal ones, rotated by the head's
+/// roll.
 pub(super) fn contour_directions(face: &FaceModel<'_>, pose: &Pose) -> [[f32; 2]; JAW] {
     let roll = head_angles(&pose.rotation).roll_deg.to_radians();
     let (sin, cos) = (libm::sinf(roll), libm::cosf(roll));

@@ -12,14 +12,14 @@ const SHUT: f32 = 0.16;
 /// it, the eye is seen too much from the side.
 const MIN_RANGE: f32 = 0.08;
 
-/// Opening of the eye whose first landmark is `first` (36 or 42) and whose lids the animation weight
-/// `blink` closes: 0 shut, 1 open at rest. It is the observed distance of the lids (px, along the
-/// eye's vertical) relative to the distances of this person's eye, shut and at rest, projected at
-/// the fitted pose. `neutral` is the person's face at rest ([`FaceModel::neutral`]), `observed` the
-/// landmarks (frame px).
+/// Opening of the eye whose first landmark is `first` (36 or 42) and whose lids the animation
+/// weight `blink` closes: 0 shut, 1 open at rest. It is the observed distance of the lids (px,
+/// along the eye's vertical) relative to the distances of this person's eye, shut and at rest,
+/// projected at the fitted pose. `neutral` is the person's face at rest ([`FaceModel::neutral`]),
+/// `observed` the landmarks (frame px).
 ///
-/// The animation weight itself has a smaller range, because its prior pulls poorly visible lids open.
-/// `None` when the eye is seen too much from the side.
+/// The animation weight itself has a smaller range, because its prior pulls poorly visible lids
+/// open. `None` when the eye is seen too much from the side.
 pub fn eye_open(
     face: &FaceModel<'_>,
     camera: &Intrinsics,

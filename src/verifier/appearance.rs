@@ -13,7 +13,8 @@ use crate::shape::LANDMARKS;
 
 /// Fixed-point scale of means: 1 / 128 of a feature's unit, so that ±127 fits an `i16`.
 const MEAN_SCALE: i32 = 128;
-/// Fixed-point scale of variances: a quarter of a feature's unit squared, so that 127² fits a `u16`.
+/// Fixed-point scale of variances: a quarter of a feature's unit squared, so that 127² fits a
+/// `u16`.
 const VARIANCE_SCALE: i32 = 4;
 /// Time constant of means and variances \[frames\].
 const RATE: i32 = 64;

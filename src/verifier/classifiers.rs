@@ -118,8 +118,8 @@ impl<'m> Verifier<'m> {
 }
 
 impl ViewWeights<'_> {
-    /// Probabilities that landmarks are right, from the `features` of each, `n` per landmark, and the
-    /// face's logit.
+    /// Probabilities that landmarks are right, from the `features` of each, `n` per landmark, and
+    /// the face's logit.
     fn landmarks<'f>(
         &self,
         features: impl Iterator<Item = &'f [i8]>,

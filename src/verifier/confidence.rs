@@ -5,8 +5,8 @@ use crate::shape::LANDMARKS;
 /// Calibrated probabilities for one set of 68 landmarks, each 0..1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Confidence {
-    /// Probability that this is a face whose landmarks are right: the mean error is below a tenth of
-    /// the distance between the outer eye corners.
+    /// Probability that this is a face whose landmarks are right: the mean error is below a tenth
+    /// of the distance between the outer eye corners.
     pub face: f32,
     /// Per landmark, probability that its error is below a tenth of the distance between the outer
     /// eye corners.

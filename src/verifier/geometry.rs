@@ -9,9 +9,9 @@ use crate::model::{Blob, ModelError};
 use crate::shape::{FaceFit, Intrinsics, LANDMARKS};
 use core::marker::PhantomData;
 
-/// Distance of the landmarks from the 3D face (root mean square, over the distance between the outer
-/// eye corners) at which the confidence is 0. Most faces stay below half of this; most backgrounds
-/// give between half and twice this.
+/// Distance of the landmarks from the 3D face (root mean square, over the distance between the
+/// outer eye corners) at which the confidence is 0. Most faces stay below half of this; most
+/// backgrounds give between half and twice this.
 const LIMIT: f32 = 0.06;
 
 /// Outer eye corners, iBUG 68 numbers.

@@ -1,5 +1,5 @@
-//! Inner loops of the network: nearly all time of a step is spent here. The SIMD versions for x86-64
-//! and AArch64 give the same integers as the portable code, which the other machines run.
+//! Inner loops of the network: nearly all time of a step is spent here. The SIMD versions for
+//! x86-64 and AArch64 give the same integers as the portable code, which the other machines run.
 
 // SIMD kernels are one of the places where `unsafe` is allowed.
 #![allow(unsafe_code)]
