@@ -1,4 +1,4 @@
-/* mjpg.h - one frame of motion JPEG to grey, by libjpeg or libjpeg-turbo where WITH_JPEG is defined. */
+/* mjpg.h - one frame of motion JPEG to grey, by libjpeg(-turbo) where WITH_JPEG is defined. */
 #ifndef MJPG_H
 #define MJPG_H
 #include <stddef.h>

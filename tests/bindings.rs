@@ -1,5 +1,5 @@
-//! The examples for other languages: Java by JNI tracks the demo frames as Rust does; Swift's module
-//! map is one that clang takes.
+//! The examples for other languages: Java by JNI tracks the demo frames as Rust does; clang accepts
+//! Swift's module map.
 
 mod common;
 

@@ -112,8 +112,8 @@ fn captures_from_a_device() {
     assert_eq!(unplugged.status, 1);
     assert!(unplugged.frames.len() >= 3);
     assert_eq!(unplugged.said[1], "the camera is gone: No such device");
-    // The clip through an output, a scaler and an input: few frames come in time in an emulator, but
-    // the face is there.
+    // The clip through an output, a scaler and an input: few frames come in time in an emulator,
+    // but the face is there.
     let face = run("v4l2 /dev/video1 100 GREY");
     assert_eq!((face.status, face.frames.len()), (0, 100));
     assert!(

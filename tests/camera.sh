@@ -3,9 +3,9 @@
 # kernel has vivid, the kernel's own virtual video device, and prints what it prints.
 #
 # There, /dev/video0 is a camera that shows a test pattern; what is shown on the output /dev/video2
-# comes in at /dev/video1. KERNEL is an unpacked Linux image (boot/, lib/modules/); V4L2, CONTROL and
-# FEED are ffi-examples/v4l2.c and two of tests/c, linked statically; CLIP is a grey y4m file, WORK a
-# folder for the machine's disk.
+# comes in at /dev/video1. KERNEL is an unpacked Linux image (boot/, lib/modules/); V4L2, CONTROL
+# and FEED are ffi-examples/v4l2.c and two of tests/c, linked statically; CLIP is a grey y4m file,
+# WORK a folder for the machine's disk.
 set -eu
 kernel=$1 v4l2=$2 control=$3 feed=$4 clip=$5 work=$6
 rm -rf "$work"

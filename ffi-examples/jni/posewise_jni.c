@@ -8,10 +8,12 @@
 /* The aligned part of the Java object's buffer; NULL if it is not a direct one. */
 static posewise_tracker *tracker_in(JNIEnv *env, jobject memory) {
     uint8_t *start = (*env)->GetDirectBufferAddress(env, memory);
+    uintptr_t past;
     if (start == NULL || (*env)->GetDirectBufferCapacity(env, memory) <
                              (jlong)(POSEWISE_MEMORY_SIZE + POSEWISE_ALIGN))
         return NULL;
-    return (posewise_tracker *)(void *)(start + (POSEWISE_ALIGN - (uintptr_t)start % POSEWISE_ALIGN));
+    past = (uintptr_t)start % POSEWISE_ALIGN;
+    return (posewise_tracker *)(void *)(start + (POSEWISE_ALIGN - past));
 }
 
 NATIVE(jint, memorySize)(JNIEnv *env, jclass class) {

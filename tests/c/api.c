@@ -178,7 +178,8 @@ static void test_config(void) {
     }
     c = zero, c.intrinsics.fx = 500, config_refused(&c);
     c = zero, c.intrinsics.fx = c.intrinsics.fy = 500, c.intrinsics.cx = NAN, config_refused(&c);
-    c = zero, c.intrinsics.fx = c.intrinsics.fy = 500, c.intrinsics.cy = INFINITY, config_refused(&c);
+    c = zero, c.intrinsics.fx = c.intrinsics.fy = 500, c.intrinsics.cy = INFINITY;
+    config_refused(&c);
     c = zero, c.intrinsics.cx = 320, config_refused(&c);
     memset(&later, 0, sizeof later);
     later.known.struct_size = sizeof later;
@@ -207,7 +208,7 @@ static void test_model(void) {
     size_t i;
     memcpy(copy.start, model.start, model.len);
     CHECK_STATUS(posewise_model_check(model.start, model.len), POSEWISE_OK);
-    CHECK_STATUS(posewise_model_check(copy.start, model.len + 1), POSEWISE_OK); /* a longer buffer */
+    CHECK_STATUS(posewise_model_check(copy.start, model.len + 1), POSEWISE_OK); /* longer */
     model_refused(NULL, model.len, POSEWISE_E_ARG);
     model_refused(NULL, 0, POSEWISE_E_ARG);
     model_refused(model.start, SIZE_MAX, POSEWISE_E_MODEL_TRUNCATED);
@@ -261,7 +262,8 @@ static void test_init(void) {
     CHECK_STATUS(posewise_init(&t, memory.start, need - 1, model.start, model.len, NULL),
                  POSEWISE_E_MEMORY);
     /* A tracker upon its own model. */
-    CHECK_STATUS(posewise_init(&t, model.start, need, model.start, model.len, NULL), POSEWISE_E_ARG);
+    CHECK_STATUS(posewise_init(&t, model.start, need, model.start, model.len, NULL),
+                 POSEWISE_E_ARG);
     CHECK_STATUS(posewise_init(&t, memory.start, need, memory.start + 64, need - 64, NULL),
                  POSEWISE_E_ARG);
     CHECK(t == NULL);

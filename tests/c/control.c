@@ -12,7 +12,8 @@ int main(int argc, char **argv) {
     int fd = argc >= 3 ? open(argv[1], O_RDWR | O_NONBLOCK) : -1;
     memset(&query, 0, sizeof query);
     query.id = V4L2_CTRL_FLAG_NEXT_CTRL;
-    for (; fd >= 0 && ioctl(fd, VIDIOC_QUERYCTRL, &query) == 0; query.id |= V4L2_CTRL_FLAG_NEXT_CTRL)
+    for (; fd >= 0 && ioctl(fd, VIDIOC_QUERYCTRL, &query) == 0;
+         query.id |= V4L2_CTRL_FLAG_NEXT_CTRL)
         if (strcmp((const char *)query.name, argv[2]) == 0) {
             control.id = query.id;
             control.value = 1;

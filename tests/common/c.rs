@@ -1,5 +1,5 @@
-//! Compiling C against the static library as it ships (`--profile dist`), which is built in a folder
-//! of its own under target/, so that the cargo that runs the tests and the one that they run do not
+//! Compiling C against the static library as it ships (`--profile dist`). It is built in a folder of
+//! its own under target/, so that the cargo that runs the tests and the one that they run do not
 //! wait for each other.
 
 use super::{Clip, root, scratch};
@@ -45,8 +45,8 @@ pub fn exists(program: &str) -> bool {
     Command::new(program).arg("--version").output().is_ok()
 }
 
-/// Whether a program is there; says that the test is skipped if not. Where everything must be there,
-/// as on the machine of .ci/run, a missing one is a failure.
+/// Whether a program is there; says that the test is skipped if not. With
+/// `POSEWISE_REQUIRE_TARGETS`, as in .ci/run, a missing one is a failure.
 pub fn require(program: &str) -> bool {
     let there = exists(program);
     let must = std::env::var_os("POSEWISE_REQUIRE_TARGETS").is_some();

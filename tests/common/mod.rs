@@ -18,8 +18,8 @@ pub fn scratch(name: &str) -> PathBuf {
     path
 }
 
-/// Fails when docs/memory.md, in the row that starts so, states a figure that is off by more than the
-/// part given.
+/// Fails when docs/memory.md, in the row that starts so, states a figure that is off by more than
+/// the given part of it.
 pub fn check_documented(row: &str, measured: usize, part: f64) {
     let page = std::fs::read_to_string(root().join("docs/memory.md")).expect("docs/memory.md");
     let start = format!("| {row} | ");

@@ -1,5 +1,6 @@
-//! Frames: every field of `posewise_frame`, over memory that ends where it says. Refused exactly
-//! when a rule of `posewise.h` is broken; else the answer is that to the same picture as plain grey.
+//! Frames: every field of `posewise_frame`, over memory that ends where it says. A frame is refused
+//! exactly when a rule of `posewise.h` is broken; else its result is that of the same picture as
+//! plain grey.
 //!
 //! ```text
 //! u8 format        0..18: one of those known; above: the next four bytes

@@ -1,4 +1,5 @@
-//! Models: arbitrary bytes, and good models that were changed. What is not refused must be harmless.
+//! Models: arbitrary bytes, and good models that were changed. One that is not refused must be
+//! harmless.
 //!
 //! ```text
 //! u8 mode   bit 0: the other bytes are the model; else they change a good one

@@ -33,8 +33,8 @@ public final class Tracker {
     }
 
     /**
-     * One frame in; the fields have the answer. On Android, plane 0 of a YUV_420_888 image is such a
-     * luma, with its row stride, and its timestamp / 1000 such a time.
+     * One frame in; the result is in the fields. On Android, pass plane 0 of a YUV_420_888 image,
+     * its row stride, and its timestamp / 1000.
      *
      * @param luma direct buffer of 8-bit luma, read from its start
      * @param rotationDeg clockwise turn that makes the picture upright: 0, 90, 180, 270
