@@ -1,4 +1,4 @@
-//! Replays the inputs of the fuzz targets (`fuzz/seeds/`) without a fuzzer.
+//! Replays the inputs of the fuzz targets (`fuzz/seeds.tar.gz`) without a fuzzer.
 
 mod common;
 // The C ABI is no part of the library as tests link it.
@@ -11,17 +11,28 @@ mod targets;
 // What `ffi` finds in the crate that it belongs to.
 use posewise::{DEFAULT_MODEL, image, model, shape, track};
 
-/// Every input of a target, in the order of their names.
+use flate2::read::GzDecoder;
+use std::fs::File;
+use std::io::Read;
+
+/// Runs every input of a target, in the order of their names.
 fn replay(target: &str, run: fn(&[u8])) {
-    let folder = common::root().join("fuzz/seeds").join(target);
-    let entries = std::fs::read_dir(&folder).expect("a folder of inputs");
-    let mut paths: Vec<_> = entries.map(|e| e.expect("an entry").path()).collect();
-    paths.sort();
-    assert!(!paths.is_empty());
-    for path in paths {
+    let archive = File::open(common::root().join("fuzz/seeds.tar.gz")).expect("the inputs");
+    let mut archive = tar::Archive::new(GzDecoder::new(archive));
+    let mut count = 0;
+    for entry in archive.entries().expect("a tar archive") {
+        let mut entry = entry.expect("an entry");
+        let path = entry.path().expect("a path").into_owned();
+        if !path.starts_with(target) || !entry.header().entry_type().is_file() {
+            continue;
+        }
         println!("{}", path.display()); // shown when the input panics
-        run(&std::fs::read(&path).expect("an input"));
+        let mut input = Vec::new();
+        entry.read_to_end(&mut input).expect("a whole archive");
+        run(&input);
+        count += 1;
     }
+    assert!(count > 0, "no input of {target}");
 }
 
 #[test]
@@ -42,7 +53,7 @@ fn calls() {
 /// Calls on pictures without a face: all of the unsafe code, and nothing that takes Miri minutes.
 #[test]
 fn calls_without_a_face() {
-    targets::calls::run(include_bytes!("../fuzz/seeds/calls/flat"));
+    targets::calls::run(include_bytes!("data/calls-without-a-face"));
 }
 
 /// Were it refused, or blind, most of the inputs would test nothing.
