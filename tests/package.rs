@@ -1,5 +1,5 @@
-//! What `make install` and `make dist` give: programs find it by pkg-config and by CMake, wherever it
-//! lies, and track the demo clip with it.
+//! What `make install` and `make dist` give: programs find it by pkg-config and by CMake, wherever
+//! it lies, and track the demo clip with it. What `cargo package` gives: a small crate that builds.
 
 mod common;
 
@@ -152,4 +152,33 @@ fn archive_holds_all() {
         .collect();
     files.sort_unstable();
     assert_eq!(files, FILES);
+}
+
+/// Bytes of the compressed crate, at most. The model, which does not compress, is half of it.
+const CRATE_LIMIT: usize = 2 << 20;
+
+#[test]
+fn crate_is_small_and_builds() {
+    let folder = scratch("crate");
+    let cargo = |arguments: &[&str]| {
+        let mut cargo = Command::new(env!("CARGO"));
+        cargo.args(arguments).args(["--quiet", "--offline"]);
+        cargo.arg("--target-dir").arg(&folder);
+        cargo
+    };
+    let mut pack = cargo(&["package", "--package", "posewise"]);
+    pack.args(["--allow-dirty", "--no-verify"]);
+    succeed(pack.current_dir(root()));
+    let name = concat!("posewise-", env!("CARGO_PKG_VERSION"));
+    let path = folder.join("package").join(format!("{name}.crate"));
+    let bytes = std::fs::read(&path).expect("cargo package writes it");
+    println!("{} bytes", bytes.len());
+    assert!(bytes.len() <= CRATE_LIMIT);
+
+    // Outside of the repository's workspace, with nothing but what is packed.
+    let unpacked = tempfile::tempdir().expect("a folder");
+    let mut archive = tar::Archive::new(flate2::read::GzDecoder::new(&bytes[..]));
+    archive.unpack(unpacked.path()).expect("a whole archive");
+    let mut check = cargo(&["check", "--features", "ffi"]);
+    succeed(check.current_dir(unpacked.path().join(name)));
 }
