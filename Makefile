@@ -1,144 +1,81 @@
-# The static library, its package, and both for other machines.
+# The static library with its C ABI, and its package.
 #
-#   make                     the static library
-#   make install             library, headers, model, pkg-config and CMake files; PREFIX=, DESTDIR=
-#   make dist                the same as target/posewise-VERSION-TARGET.tar.gz
-#   make size                bytes of code that a program gets, without the model
-#   make sizes CLIP=x.y4m    the same, model and memory, with and without what WITHOUT can leave out
-#   make replay CLIP=x.y4m   one line with a hash of every answer to the clip; FRAMES= limits it
+#   make            builds the library: target/dist/libposewise.a, or target/TARGET/dist/…
+#   make install    installs library, headers, model, pkg-config and CMake files
+#   make dist       packs what is installed: target/posewise-VERSION-TARGET.tar.gz
 #
-# TARGET=… makes each for another machine. Rust must know that machine: after `rustup target add
-# TARGET`; or `rustup component add rust-src`, or Debian's packages rustc-web, cargo-web and
-# rust-web-src, from which its core is then built.
-# TARGET_DIR is cargo's build folder. MODEL=none builds no model in. WITHOUT="…" leaves out what a
-# small board can do without: any of refiners, verifier, adaptation, keyframes; see docs/memory.md.
+#   PREFIX=…        where to install (/usr/local)
+#   DESTDIR=…       a folder before PREFIX, for packagers
+#   TARGET=…        another machine, by its name in Rust; what it needs is in docs/integrating.md
+#   MODEL=none      builds no model in
+#   WITHOUT="…"     leaves out any of the default features of Cargo.toml; see docs/memory.md
+#   TARGET_DIR=…    cargo's build folder (target)
+#
+# What developers measure (sizes, results on emulated machines) is in `cargo xtask --help`.
+
 TARGET_DIR ?= $(or $(CARGO_TARGET_DIR),target)
 PREFIX ?= /usr/local
 CARGO ?= cargo
-CLIP ?= tests/data/demo.y4m
-FRAMES ?= 100
 override ROOT := $(abspath $(dir $(lastword $(MAKEFILE_LIST))))
-override VERSION := $(shell sed -n '/^\[workspace.package\]/,/^$$/s/^version = "\(.*\)"/\1/p' $(ROOT)/Cargo.toml)
+override MANIFEST := $(ROOT)/Cargo.toml
+override VERSION := $(shell sed -n 's/^version = "\(.*\)"/\1/p' $(MANIFEST))
+override LIB := $(TARGET_DIR)/$(if $(TARGET),$(TARGET)/)dist/libposewise.a
 
-# --- How to build for a machine: sets CARGO_RUSTC, LIB.
+# Features: the default ones, less what is left out.
+override DEFAULT := $(shell sed -n 's/^default = \[\(.*\)\]$$/\1/p' $(MANIFEST) | tr -d '",')
+override PARTS := $(filter-out default-model,$(DEFAULT))
+override UNWANTED := $(WITHOUT) $(if $(filter none,$(MODEL)),default-model)
+# The adaptation needs the verifier.
+override UNWANTED += $(if $(filter verifier,$(WITHOUT)),adaptation)
+override FEATURES := ffi panic-handler $(filter-out $(UNWANTED),$(DEFAULT))
+$(if $(filter-out $(PARTS),$(WITHOUT)),$(error WITHOUT takes any of: $(PARTS)))
+
+# Another machine: where the compiler has no core library for it, core is built from its source,
+# with rustup's compiler or else with Debian's (each cargo builds only the core of its own version).
 ifdef TARGET
-override LIB := $(TARGET_DIR)/$(TARGET)/dist/libposewise.a
-override LIBDIR_OF = $(shell $(1) --print sysroot)/lib/rustlib/$(TARGET)/lib
-override SOURCE_OF = $(shell $(1) --print sysroot)/lib/rustlib/src/rust/library/core/src/lib.rs
-ifneq ($(wildcard $(call LIBDIR_OF,rustc)/libcore-*.rlib),)
-override CARGO_RUSTC := $(CARGO) rustc --target $(TARGET)
-else ifneq ($(wildcard $(call SOURCE_OF,rustc)),)
-override CARGO_RUSTC := RUSTC_BOOTSTRAP=1 $(CARGO) rustc -Zbuild-std=core --target $(TARGET)
-else ifneq ($(wildcard $(call SOURCE_OF,/usr/bin/rustc)),)
-# Debian's compiler, and its cargo, because each cargo can build only the core of its own version.
-override CARGO_RUSTC := RUSTC=/usr/bin/rustc RUSTC_BOOTSTRAP=1 /usr/bin/cargo rustc -Zbuild-std=core \
-	--target $(TARGET)
-else
-$(error no Rust for $(TARGET); see the head of $(ROOT)/Makefile)
+override RUSTLIB = $(shell $(1) --print sysroot)/lib/rustlib
+override CORE_SOURCE = $(wildcard $(call RUSTLIB,$(1))/src/rust/library/core/src/lib.rs)
+ifeq ($(wildcard $(call RUSTLIB,rustc)/$(TARGET)/lib/libcore-*.rlib),)
+override BUILD_CORE := -Zbuild-std=core
+export RUSTC_BOOTSTRAP := 1
+ifeq ($(call CORE_SOURCE,rustc),)
+$(if $(call CORE_SOURCE,/usr/bin/rustc),,$(error no Rust for $(TARGET); see docs/integrating.md))
+override CARGO := /usr/bin/cargo
+export RUSTC := /usr/bin/rustc
 endif
-else
-override LIB := $(TARGET_DIR)/dist/libposewise.a
-override CARGO_RUSTC := $(CARGO) rustc
 endif
-override NAME := $(or $(TARGET),$(shell rustc --print host-tuple))
-
-# --- How to compile C for a machine and how to run it here.
-ifeq ($(TARGET),)
-CROSS_CC ?= $(CC)
-CROSS_SIZE ?= size
-else ifeq ($(TARGET),aarch64-unknown-linux-gnu)
-CROSS_CC ?= aarch64-linux-gnu-gcc -static
-CROSS_SIZE ?= aarch64-linux-gnu-size
-RUN ?= timeout 300 qemu-aarch64-static -cpu cortex-a76
-else ifeq ($(TARGET),armv7-unknown-linux-gnueabihf)
-CROSS_CC ?= arm-linux-gnueabihf-gcc -static
-CROSS_SIZE ?= arm-linux-gnueabihf-size
-RUN ?= timeout 300 qemu-arm-static -cpu cortex-a7
+endif
+ifeq ($(TARGET),armv7-unknown-linux-gnueabihf)
 # Rust's target of that name has no NEON, nearly every such processor has. RUSTFLAGS= does without.
 export RUSTFLAGS := -Ctarget-feature=+neon
-else ifeq ($(TARGET),thumbv7em-none-eabihf)
-CROSS_CC ?= arm-none-eabi-gcc -mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16
-CROSS_SIZE ?= arm-none-eabi-size
-# Files, standard output and the exit status go through the debugger's channel (semihosting).
-BOARD := --specs=rdimon.specs -nostartfiles -Wl,--no-warn-execstack \
-	-T $(ROOT)/ffi-examples/bare-metal/mps2-an386.ld \
-	$(ROOT)/ffi-examples/bare-metal/start.c
-RUN ?= timeout 300 qemu-system-arm -M mps2-an386 -nographic -monitor none -serial null \
-	-semihosting-config enable=on,target=native,arg=replay,arg=$(CLIP),arg=$(FRAMES) -kernel
 endif
 
-# --- What is built in.
-override PARTS := refiners verifier adaptation keyframes
-ifneq ($(filter-out $(PARTS),$(WITHOUT)),)
-$(error WITHOUT takes any of: $(PARTS))
-endif
-override comma := ,
-override space := $(subst ,, )
-override FEATURES := ffi panic-handler $(if $(filter none,$(MODEL)),,default-model) \
-	$(filter-out $(WITHOUT),$(PARTS))
-override FEATURES := $(subst $(space),$(comma),$(strip $(FEATURES)))
-
-all: lib
-
-# cargo knows best whether the library is fresh.
+# Cargo knows whether the library is up to date.
 lib:
-	cd $(ROOT) && $(CARGO_RUSTC) --quiet --profile dist --lib \
-		$(if $(WITHOUT)$(filter none,$(MODEL)),--no-default-features) \
-		--features $(FEATURES) --crate-type staticlib --target-dir $(abspath $(TARGET_DIR))
+	cd $(ROOT) && $(CARGO) rustc --quiet --profile dist --lib --crate-type staticlib \
+		$(if $(strip $(UNWANTED)),--no-default-features) --features "$(FEATURES)" \
+		$(BUILD_CORE) $(if $(TARGET),--target $(TARGET)) --target-dir $(abspath $(TARGET_DIR))
 
+override TO := $(DESTDIR)$(PREFIX)
+override CMAKE := $(TO)/lib/cmake/posewise
 install: lib
-	install -d $(addprefix $(DESTDIR)$(PREFIX)/,include share/posewise lib/pkgconfig lib/cmake/posewise)
-	install -m 644 $(LIB) $(DESTDIR)$(PREFIX)/lib/
-	install -m 644 $(ROOT)/include/posewise.h $(ROOT)/include/posewise.hpp $(DESTDIR)$(PREFIX)/include/
-	install -m 644 $(ROOT)/models/default.posewise $(DESTDIR)$(PREFIX)/share/posewise/
-	install -m 644 $(ROOT)/packaging/posewise-config.cmake $(DESTDIR)$(PREFIX)/lib/cmake/posewise/
+	install -d $(TO)/include $(TO)/share/posewise $(TO)/lib/pkgconfig $(CMAKE)
+	install -m 644 $(LIB) $(TO)/lib/
+	install -m 644 $(ROOT)/include/posewise.h $(ROOT)/include/posewise.hpp $(TO)/include/
+	install -m 644 $(ROOT)/models/default.posewise $(TO)/share/posewise/
+	install -m 644 $(ROOT)/packaging/posewise-config.cmake $(CMAKE)/
 	sed 's/@VERSION@/$(VERSION)/' $(ROOT)/packaging/posewise-config-version.cmake.in \
-		> $(DESTDIR)$(PREFIX)/lib/cmake/posewise/posewise-config-version.cmake
-	sed 's/@VERSION@/$(VERSION)/' $(ROOT)/packaging/posewise.pc.in \
-		> $(DESTDIR)$(PREFIX)/lib/pkgconfig/posewise.pc
+		> $(CMAKE)/posewise-config-version.cmake
+	sed 's/@VERSION@/$(VERSION)/' $(ROOT)/packaging/posewise.pc.in > $(TO)/lib/pkgconfig/posewise.pc
 
-override PACKAGE := posewise-$(VERSION)-$(NAME)
+override PACKAGE = posewise-$(VERSION)-$(or $(TARGET),$(shell rustc --print host-tuple))
+override STAGE = $(abspath $(TARGET_DIR))/package/$(PACKAGE)
 dist:
-	rm -rf $(TARGET_DIR)/package/$(PACKAGE)
-	$(MAKE) -f $(ROOT)/Makefile install DESTDIR=$(abspath $(TARGET_DIR))/package/$(PACKAGE) PREFIX=
-	install -m 644 $(ROOT)/LICENSE $(TARGET_DIR)/package/$(PACKAGE)/share/posewise/
-	tar -C $(TARGET_DIR)/package --sort=name --owner=0 --group=0 --numeric-owner --mtime=@0 \
+	rm -rf $(STAGE)
+	$(MAKE) -f $(ROOT)/Makefile install DESTDIR=$(STAGE) PREFIX=
+	install -m 644 $(ROOT)/LICENSE $(STAGE)/share/posewise/
+	tar -C $(STAGE)/.. --sort=name --owner=0 --group=0 --numeric-owner --mtime=@0 \
 		-czf $(TARGET_DIR)/$(PACKAGE).tar.gz $(PACKAGE)
 	@echo $(TARGET_DIR)/$(PACKAGE).tar.gz
 
-override REPLAY := $(TARGET_DIR)/replay-$(NAME)
-$(REPLAY): lib
-	$(CROSS_CC) -std=c99 -O2 -Wall -Wextra -Wpedantic -Werror -I$(ROOT)/include $(ROOT)/tests/c/replay.c \
-		$(BOARD) $(LIB) -Wl,--gc-sections -o $@
-
-replay: $(REPLAY)
-	@$(RUN) $(REPLAY) $(if $(BOARD),,$(CLIP) $(FRAMES)) </dev/null
-
-# Linking takes what the header's functions reach; without posewise_default_model() no model.
-override FUNCTIONS := $(filter-out posewise_default_model,$(shell \
-	sed -n 's/^[a-z].*[ *]\(posewise_[a-z_]*\)(.*)*$$/\1/p' $(ROOT)/include/posewise.h))
-size: lib
-	$(CROSS_CC) -r -nostdlib -Wl,--gc-sections $(addprefix -Wl$(comma)-u$(comma),$(FUNCTIONS)) \
-		$(LIB) -o $(TARGET_DIR)/whole-$(NAME).o
-	$(CROSS_SIZE) $(TARGET_DIR)/whole-$(NAME).o
-
-# The program tells model and memory, a Cortex-M's its stack; ten frames find and fit a face.
-sizes:
-	@echo '| built without | code and constants | model | tracker | stack of a program |'
-	@echo '|---|---|---|---|---|'
-	@for without in '' $(PARTS) '$(PARTS)'; do \
-		$(MAKE) -s -f $(ROOT)/Makefile size replay WITHOUT="$$without" FRAMES=10 2>&1 | \
-		awk -v without="$$without" ' \
-			/text.*data.*bss/ { getline; code = $$1 + $$2 } \
-			/^model: / { model = $$2 } \
-			/^tracker: / { tracker = $$2 } \
-			/^stack: / { stack = $$2 } \
-			{ said = said $$0 "\n" } \
-			END { \
-				if (!code || !tracker) { print said; exit 1 } \
-				print "| " (without ? without : "nothing") " | " code " | " model " | " \
-					tracker " | " (stack ? stack : "-") " |" \
-			}' || exit 1; \
-	done
-
-.PHONY: all lib install dist replay size sizes
+.PHONY: lib install dist

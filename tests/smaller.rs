@@ -3,10 +3,9 @@
 mod common;
 
 use common::c::{cc, exists, require};
-use common::{root, scratch};
-use std::process::Command;
+use common::scratch;
 
-/// What `make WITHOUT=…` leaves out; landmarks of an answer; frames in a hundred that it must track.
+/// What `make WITHOUT=…` leaves out; landmarks of a result; frames of 100 that it must track.
 const BUILDS: [(&str, usize, usize); 5] = [
     ("refiners", 68, 95),
     ("verifier adaptation", 68, 90),
@@ -23,34 +22,19 @@ fn every_build_tracks() {
     if !require("make") || !exists(&cc()) {
         return;
     }
-    let Some(demo) = common::demo() else {
-        eprintln!("skipped: there is no tests/data/demo.y4m.gz");
-        return;
-    };
     let folder = scratch("smaller");
-    let clip = folder.join("demo.y4m");
-    std::fs::write(&clip, demo.y4m).expect("target/ is writable");
+    let clip = xtask::demo_clip(&folder).expect("tests/data/demo.y4m.gz");
     for (without, landmarks, least) in BUILDS {
-        let mut make = Command::new("make");
-        make.args(["-s", "-C"]).arg(root()).arg("replay");
-        make.arg(format!("TARGET_DIR={}", folder.display()));
-        make.arg(format!("CLIP={}", clip.display()));
-        make.arg(format!("FRAMES={FRAMES}"));
-        let output = make.arg(format!("WITHOUT={without}")).output();
-        let output = output.expect("make runs");
-        let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
-        let (line, said) = (text(output.stdout), text(output.stderr));
-        assert!(output.status.success(), "{make:?}\n{line}{said}");
-        println!("without {without}: {line}{said}");
-        let tracked = line.split(' ').rev().nth(1).and_then(|n| n.parse().ok());
-        assert!(tracked >= Some(least), "{line}");
-
-        let figure = |name: &str| -> usize {
-            let line = said.lines().find_map(|line| line.strip_prefix(name));
-            let figure = line.and_then(|rest| rest.split(' ').next()?.parse().ok());
-            figure.unwrap_or_else(|| panic!("no {name}in {said}"))
+        let library = xtask::Library {
+            target: None,
+            without: without.split(' ').map(String::from).collect(),
+            target_dir: folder.clone(),
         };
-        assert_eq!(figure("landmarks: "), landmarks);
+        let replay = xtask::replay(&library, &clip, FRAMES);
+        let replay = replay.unwrap_or_else(|error| panic!("{error:#}"));
+        println!("without {without}: {}{}", replay.line, replay.notes);
+        assert!(replay.tracked() >= Some(least), "{}", replay.line);
+        assert_eq!(replay.figure("landmarks"), Some(landmarks));
         // The sections that are not read are not there.
         let sections = [
             ("refiners", b"RFIN"),
@@ -63,7 +47,7 @@ fn every_build_tracks() {
             .map(|(_, tag)| section_len(tag))
             .sum();
         let left = posewise::DEFAULT_MODEL.len() - unread;
-        let apart = left.abs_diff(figure("model: "));
+        let apart = left.abs_diff(replay.figure("model").expect("its size"));
         assert!(apart < 256, "{apart} bytes more than padding");
     }
 }

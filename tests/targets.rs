@@ -1,5 +1,5 @@
-//! Other machines, emulated: the static library, built as the Makefile builds it for them, gives the
-//! same answers there to the last bit, and its structs lie the same.
+//! Other machines, emulated: the static library, built for them by the Makefile, gives the same
+//! results there to the last bit, and its structs have the same layout.
 //!
 //! Skipped where compilers or emulators are missing, unless `POSEWISE_REQUIRE_TARGETS` is set.
 
@@ -10,16 +10,19 @@ use common::{root, scratch};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
+use xtask::{Library, Replay};
 
 /// Frames of the demo clip that each machine tracks: enough to search, find, track and lose.
 const FRAMES: usize = 100;
 
-fn make(goal: &str) -> Command {
-    let mut make = Command::new("make");
-    make.arg("-s").arg("-C").arg(root()).arg(goal);
-    // The folder that `library` uses too; cargo shares what is the same.
-    make.arg(format!("TARGET_DIR={}", scratch("dist").display()));
-    make
+/// The library as the Makefile builds it for a machine.
+fn built_for(target: Option<&str>) -> Library {
+    Library {
+        target: target.map(String::from),
+        without: Vec::new(),
+        // The folder that `library` uses too; cargo shares what is the same.
+        target_dir: scratch("dist"),
+    }
 }
 
 /// What every machine must print, as this one does.
@@ -27,38 +30,24 @@ fn expected() -> &'static str {
     static EXPECTED: OnceLock<String> = OnceLock::new();
     EXPECTED.get_or_init(|| {
         library();
-        let line = run_replay(None).0;
-        let tracked = line.split(' ').rev().nth(1).and_then(|n| n.parse().ok());
-        assert!(tracked > Some(FRAMES / 2), "{line}");
-        line
+        let replay = replay(None);
+        assert!(replay.tracked() > Some(FRAMES / 2), "{}", replay.line);
+        replay.line
     })
 }
 
 /// The demo clip, unpacked once.
 fn clip() -> &'static Path {
     static CLIP: OnceLock<PathBuf> = OnceLock::new();
-    CLIP.get_or_init(|| {
-        let clip = scratch("targets").join("demo.y4m");
-        let demo = common::demo().expect("tests/data/demo.y4m.gz");
-        std::fs::write(&clip, demo.y4m).expect("target/ is writable");
-        clip
-    })
+    CLIP.get_or_init(|| xtask::demo_clip(&scratch("targets")).expect("tests/data/demo.y4m.gz"))
 }
 
-/// Builds and runs tests/c/replay.c on a machine; gives what it prints and what it says besides.
-fn run_replay(target: Option<&str>) -> (String, String) {
-    let mut make = make("replay");
-    make.arg(format!("CLIP={}", clip().display()))
-        .arg(format!("FRAMES={FRAMES}"));
-    if let Some(target) = target {
-        make.arg(format!("TARGET={target}"));
-    }
-    let output = make.output().expect("make runs");
-    let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
-    let (line, said) = (text(output.stdout), text(output.stderr));
-    assert!(output.status.success(), "{make:?}\n{line}{said}");
-    print!("{}: {line}", target.unwrap_or("this machine"));
-    (line, said)
+/// Builds and runs tests/c/replay.c on a machine.
+fn replay(target: Option<&str>) -> Replay {
+    let replay = xtask::replay(&built_for(target), clip(), FRAMES);
+    let replay = replay.unwrap_or_else(|error| panic!("{error:#}"));
+    print!("{}: {}", target.unwrap_or("this machine"), replay.line);
+    replay
 }
 
 /// Whether a library can be built for a machine, and programs compiled and run.
@@ -66,20 +55,17 @@ fn possible(target: &str, programs: &[&str]) -> bool {
     if !programs.iter().all(|program| require(program)) {
         return false;
     }
-    let mut dry = make("lib");
-    let dry = dry.arg("--dry-run").arg(format!("TARGET={target}"));
-    let rust = dry.output().is_ok_and(|output| output.status.success());
-    rust || require(&format!("Rust for {target}"))
+    built_for(Some(target)).can_be_built() || require(&format!("Rust for {target}"))
 }
 
-/// Runs the clip on a machine, if that is possible, and gives what was said besides the answer.
-fn answers_alike(target: &str, programs: &[&str]) -> Option<String> {
+/// Runs the clip on a machine, if that is possible, and compares the results with this machine's.
+fn answers_alike(target: &str, programs: &[&str]) -> Option<Replay> {
     if !require("make") || !possible(target, programs) {
         return None;
     }
-    let (line, said) = run_replay(Some(target));
-    assert_eq!(line, expected(), "this machine at the right");
-    Some(said)
+    let replay = replay(Some(target));
+    assert_eq!(replay.line, expected(), "this machine at the right");
+    Some(replay)
 }
 
 #[test]
@@ -100,12 +86,10 @@ const STACK_LIMIT: usize = 32 * 1024;
 #[test]
 fn cortex_m_answers_alike() {
     let programs = ["arm-none-eabi-gcc", "qemu-system-arm"];
-    let Some(said) = answers_alike("thumbv7em-none-eabihf", &programs) else {
+    let Some(replay) = answers_alike("thumbv7em-none-eabihf", &programs) else {
         return;
     };
-    let stack = said.lines().find_map(|line| line.strip_prefix("stack: "));
-    let bytes = stack.and_then(|s| s.split(' ').next()?.parse::<usize>().ok());
-    let bytes = bytes.expect("start.c tells it");
+    let bytes = replay.figure("stack").expect("start.c prints it");
     println!("stack of the whole program: {bytes}");
     assert!(bytes <= STACK_LIMIT);
     common::check_documented("stack of a whole program, Cortex-M4", bytes, 0.1);
@@ -120,13 +104,10 @@ fn code_is_small() {
     if !require("make") || !possible(target, &["aarch64-linux-gnu-gcc", "aarch64-linux-gnu-size"]) {
         return;
     }
-    let table = succeed(make("size").arg(format!("TARGET={target}")));
-    println!("{table}");
-    let sizes = table.lines().nth(1).expect("a line below the head");
-    let text = sizes.split_whitespace().next().and_then(|n| n.parse().ok());
-    let text: usize = text.expect("a number");
-    assert!(text <= CODE_LIMIT, "{text} bytes of code");
-    common::check_documented("code and constants without model, AArch64", text, 0.03);
+    let bytes = xtask::code_size(&built_for(Some(target)));
+    let bytes = bytes.unwrap_or_else(|error| panic!("{error:#}"));
+    assert!(bytes <= CODE_LIMIT, "{bytes} bytes of code");
+    common::check_documented("code and constants without model, AArch64", bytes, 0.03);
 }
 
 #[test]

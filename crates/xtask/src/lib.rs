@@ -1,0 +1,36 @@
+//! Developer commands (`cargo xtask --help`). They measure the static library that the Makefile
+//! builds, on this machine and on emulated ones; the tests call the same functions.
+
+mod library;
+mod machine;
+mod replay;
+mod size;
+
+pub use library::{Library, optional_parts};
+pub use machine::Machine;
+pub use replay::{Replay, demo_clip, replay};
+pub use size::{code_size, size_table};
+
+use anyhow::{Context, Result, ensure};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// The repository.
+pub fn root() -> PathBuf {
+    let own = Path::new(env!("CARGO_MANIFEST_DIR"));
+    own.ancestors().nth(2).expect("crates/xtask").to_path_buf()
+}
+
+/// Output of a command that must succeed.
+fn output_of(command: &mut Command) -> Result<Output> {
+    let output = command
+        .output()
+        .with_context(|| format!("cannot start {command:?}"))?;
+    ensure!(
+        output.status.success(),
+        "{command:?}\n{}{}",
+        String::from_utf8_lossy(&output.stdout),
+        String::from_utf8_lossy(&output.stderr)
+    );
+    Ok(output)
+}

@@ -1,0 +1,103 @@
+//! `cargo xtask`: developer commands; see `crates/xtask/src/lib.rs`.
+
+use anyhow::{Context, Result};
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+use xtask::{Library, code_size, demo_clip, replay, root, size_table};
+
+/// Measures the static library, on this machine and on emulated ones.
+#[derive(Parser)]
+#[command(name = "cargo xtask")]
+struct Cli {
+    #[command(subcommand)]
+    command: Task,
+}
+
+#[derive(Subcommand)]
+enum Task {
+    /// Tracks a clip: prints a hash of every result, then sizes on standard error
+    Replay {
+        #[command(flatten)]
+        build: Build,
+        #[command(flatten)]
+        clip: Clip,
+        /// Frames to track, at most
+        #[arg(long, default_value_t = 100)]
+        frames: usize,
+    },
+    /// Prints the bytes of code and constants that a program gets, without the model
+    Size {
+        #[command(flatten)]
+        build: Build,
+    },
+    /// Prints a table of all sizes, with and without what can be left out
+    Sizes {
+        #[command(flatten)]
+        build: Build,
+        #[command(flatten)]
+        clip: Clip,
+    },
+}
+
+#[derive(Args)]
+struct Build {
+    /// The machine, by its name in Rust [default: this one]
+    #[arg(long)]
+    target: Option<String>,
+    /// Parts to leave out, separated by commas
+    #[arg(long, value_delimiter = ',')]
+    without: Vec<String>,
+}
+
+impl Build {
+    fn library(self) -> Library {
+        Library {
+            target: self.target,
+            without: self.without,
+            target_dir: target_dir(),
+        }
+    }
+}
+
+#[derive(Args)]
+struct Clip {
+    /// A grey y4m video of at most 640×480 [default: tests/data/demo.y4m.gz]
+    #[arg(long)]
+    clip: Option<PathBuf>,
+}
+
+impl Clip {
+    fn path(self) -> Result<PathBuf> {
+        match self.clip {
+            Some(clip) => clip.canonicalize().with_context(|| format!("{clip:?}")),
+            None => demo_clip(&target_dir()),
+        }
+    }
+}
+
+/// Cargo's build folder.
+fn target_dir() -> PathBuf {
+    match std::env::var_os("CARGO_TARGET_DIR") {
+        Some(folder) => folder.into(),
+        None => root().join("target"),
+    }
+}
+
+fn main() -> Result<()> {
+    match Cli::parse().command {
+        Task::Replay {
+            build,
+            clip,
+            frames,
+        } => {
+            let replay = replay(&build.library(), &clip.path()?, frames)?;
+            eprint!("{}", replay.notes);
+            print!("{}", replay.line);
+        }
+        Task::Size { build } => println!("{}", code_size(&build.library())?),
+        Task::Sizes { build, clip } => {
+            print!("{}", size_table(&build.library(), &clip.path()?)?);
+        }
+    }
+    Ok(())
+}

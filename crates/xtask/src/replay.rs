@@ -1,0 +1,67 @@
+//! Replays the same frames on any machine: `tests/c/replay.c` prints a hash of all results.
+
+use crate::{Library, Machine, output_of, root};
+use anyhow::{Context, Result};
+use std::path::{Path, PathBuf};
+use std::process::Stdio;
+
+/// What a replay printed.
+pub struct Replay {
+    /// Hash, number of frames, number of tracked frames: the same on every machine.
+    pub line: String,
+    /// Sizes, one a line as `name: number unit`; they differ from machine to machine.
+    pub notes: String,
+}
+
+impl Replay {
+    /// Frames in which a face was tracked.
+    pub fn tracked(&self) -> Option<usize> {
+        self.line.split(' ').rev().nth(1)?.parse().ok()
+    }
+
+    /// One of the sizes in the notes: `model`, `tracker`, `landmarks`, `stack`.
+    pub fn figure(&self, name: &str) -> Option<usize> {
+        let mut lines = self.notes.lines();
+        let rest = lines.find_map(|line| line.strip_prefix(name)?.strip_prefix(": "))?;
+        rest.split(' ').next()?.parse().ok()
+    }
+}
+
+/// Tracks the first frames of a y4m clip with a library, on its machine.
+pub fn replay(library: &Library, clip: &Path, frames: usize) -> Result<Replay> {
+    let machine = Machine::named(library.target.as_deref())?;
+    let archive = library.build()?;
+    let name = format!("replay-{}", library.target_name());
+    let program = library.target_dir.join(name);
+    let mut compile = machine.compiler();
+    compile.args([
+        "-std=c99",
+        "-O2",
+        "-Wall",
+        "-Wextra",
+        "-Wpedantic",
+        "-Werror",
+    ]);
+    compile.arg("-I").arg(root().join("include"));
+    compile.arg(root().join("tests/c/replay.c"));
+    compile.args(machine.start_up()).arg(archive);
+    output_of(compile.arg("-Wl,--gc-sections").arg("-o").arg(&program))?;
+
+    let arguments = [clip.display().to_string(), frames.to_string()];
+    let output = output_of(machine.run(&program, &arguments).stdin(Stdio::null()))?;
+    Ok(Replay {
+        line: String::from_utf8(output.stdout)?,
+        notes: String::from_utf8(output.stderr)?,
+    })
+}
+
+/// Unpacks the clip of the repository into a folder, and gives its path.
+pub fn demo_clip(folder: &Path) -> Result<PathBuf> {
+    let packed = std::fs::File::open(root().join("tests/data/demo.y4m.gz"))
+        .context("tests/data/demo.y4m.gz")?;
+    std::fs::create_dir_all(folder)?;
+    let path = folder.join("demo.y4m");
+    let mut clip = std::fs::File::create(&path)?;
+    std::io::copy(&mut flate2::read::MultiGzDecoder::new(packed), &mut clip)?;
+    Ok(path)
+}
