@@ -160,25 +160,40 @@ const CRATE_LIMIT: usize = 2 << 20;
 #[test]
 fn crate_is_small_and_builds() {
     let folder = scratch("crate");
-    let cargo = |arguments: &[&str]| {
+    let cargo = |subcommand: &str| {
         let mut cargo = Command::new(env!("CARGO"));
-        cargo.args(arguments).args(["--quiet", "--offline"]);
-        cargo.arg("--target-dir").arg(&folder);
+        cargo.args([subcommand, "--quiet", "--offline", "--target-dir"]);
+        cargo.arg(&folder);
         cargo
     };
-    let mut pack = cargo(&["package", "--package", "posewise"]);
+    // Both are published together.
+    let mut pack = cargo("package");
+    pack.args(["--package", "posewise", "--package", "posewise-format"]);
     pack.args(["--allow-dirty", "--no-verify"]);
     succeed(pack.current_dir(root()));
-    let name = concat!("posewise-", env!("CARGO_PKG_VERSION"));
-    let path = folder.join("package").join(format!("{name}.crate"));
-    let bytes = std::fs::read(&path).expect("cargo package writes it");
-    println!("{} bytes", bytes.len());
-    assert!(bytes.len() <= CRATE_LIMIT);
 
     // Outside of the repository's workspace, with nothing but what is packed.
-    let unpacked = tempfile::tempdir().expect("a folder");
-    let mut archive = tar::Archive::new(flate2::read::GzDecoder::new(&bytes[..]));
-    archive.unpack(unpacked.path()).expect("a whole archive");
-    let mut check = cargo(&["check", "--features", "ffi"]);
-    succeed(check.current_dir(unpacked.path().join(name)));
+    let outside = tempfile::tempdir().expect("a folder");
+    let unpack = |name: &str| {
+        let name = format!("{name}-{}", env!("CARGO_PKG_VERSION"));
+        let path = folder.join("package").join(format!("{name}.crate"));
+        let bytes = std::fs::read(&path).expect("cargo package writes it");
+        println!("{name}: {} bytes", bytes.len());
+        assert!(bytes.len() <= CRATE_LIMIT);
+        let mut archive = tar::Archive::new(flate2::read::GzDecoder::new(&bytes[..]));
+        archive.unpack(outside.path()).expect("a whole archive");
+        outside.path().join(name)
+    };
+    let format = unpack("posewise-format");
+    let mut check = cargo("check");
+    // The registry does not have it yet.
+    check.arg("--config").arg(format!(
+        "patch.crates-io.posewise-format.path = '{}'",
+        format.display()
+    ));
+    succeed(
+        check
+            .args(["--features", "ffi"])
+            .current_dir(unpack("posewise")),
+    );
 }
