@@ -94,7 +94,7 @@ impl<'a> Windows<'a> {
     /// The same of a box_filtered frame.
     #[inline]
     fn box_filtered(&self, (_, centre): (&'a [u8], isize)) -> impl Fn(Pixel) -> u8 {
-        move |pixel| self.frame.mean_at(centre + self.bytes_to(pixel))
+        move |pixel| self.frame.filtered_luma_at(centre + self.bytes_to(pixel))
     }
 
     /// The bytes of a frame that has luma in single ones, and the place of a pixel in them, if all that is
@@ -108,13 +108,13 @@ impl<'a> Windows<'a> {
         let left_and_up = x >= across && y >= down;
         let inside = left_and_up && x + across < frame.width() && y + down < frame.height();
         let bytes = frame.luma_bytes().filter(|_| inside)?;
-        Some((bytes, frame.place(x, y)))
+        Some((bytes, frame.byte_offset(x, y)))
     }
 
     #[inline]
     fn bytes_to(&self, pixel: Pixel) -> isize {
         let [right, below] = self.far(pixel);
-        self.frame.bytes_between(right, below)
+        self.frame.byte_step(right, below)
     }
 
     #[inline]

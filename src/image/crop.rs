@@ -6,7 +6,7 @@ use crate::math::Similarity;
 /// Largest side of a crop \[px\].
 pub const CROP_MAX: usize = 128;
 
-/// A square grey picture of `side`×`side` pixels, row-major, in fixed memory.
+/// A square grey image of `side`×`side` pixels, row-major, in fixed memory.
 #[derive(Clone)]
 pub struct Crop {
     side: usize,
@@ -52,15 +52,17 @@ impl Crop {
 const FRACTION: u32 = 16;
 
 /// Most samples averaged along one axis of a crop pixel when the frame is finer than the crop.
-const MAX_TAPS: i32 = 4;
+const TAPS_MAX: i32 = 4;
 
-/// How wide a box_filtered frame's pixels are \[px\], and how far a crop's pixels reach for it at most.
-const SOFT_PX: f32 = 3.0;
-const REACH_MAX: usize = 3;
+/// Width of a frame's box filter \[frame px\].
+const BOX_PX: f32 = 3.0;
+/// Largest half width of the box filter in the crop \[crop px\].
+const RADIUS_MAX: usize = 3;
 
 /// Fills `crop` (`side` ≤ [`CROP_MAX`]) with the frame's luma: crop pixel (u, v) shows the frame
-/// at `to_frame` × (u, v). Bilinear; where the frame is finer than the crop, each pixel averages up
-/// to 4×4 samples, so the work is bounded by 16 `side`².
+/// at `to_frame` × (u, v). Bilinear. Where the frame is finer than the crop, each pixel averages up
+/// to 4×4 samples, so the work is bounded by 16 `side`². Of a box-filtered frame the crop is filtered
+/// instead, with a box that is as wide in the frame as nearly as an odd number of crop pixels can be.
 ///
 /// Arithmetic is 16.16 fixed point: the same bytes on every machine.
 pub fn warp(frame: &Frame<'_>, to_frame: &Similarity, side: usize, crop: &mut Crop) {
@@ -74,7 +76,7 @@ pub fn warp(frame: &Frame<'_>, to_frame: &Similarity, side: usize, crop: &mut Cr
     let (tx, ty) = (fixed(to_frame.tx) as i64, fixed(to_frame.ty) as i64);
     let scale = libm::sqrtf(to_frame.a * to_frame.a + to_frame.b * to_frame.b);
     let taps = if scale.is_finite() {
-        (libm::roundf(scale) as i32).clamp(1, MAX_TAPS)
+        (libm::roundf(scale) as i32).clamp(1, TAPS_MAX)
     } else {
         1
     };
@@ -106,43 +108,50 @@ pub fn warp(frame: &Frame<'_>, to_frame: &Similarity, side: usize, crop: &mut Cr
         }
     }
     if frame.is_box_filtered() {
-        // As wide as three of the frame's pixels, which would be nine times the reading.
-        let reach = libm::roundf((SOFT_PX / scale.max(1e-3) - 1.0) / 2.0);
-        if reach >= 1.0 {
-            soften(crop, (reach as usize).min(REACH_MAX));
+        // Filtering the crop saves the nine reads per sample that the frame's own filter takes.
+        let radius = libm::roundf((BOX_PX / scale.max(1e-3) - 1.0) / 2.0);
+        if radius >= 1.0 {
+            box_filter(crop, (radius as usize).min(RADIUS_MAX));
         }
     }
 }
 
-/// Means over squares that reach so far from their middle; the edges repeat.
-fn soften(crop: &mut Crop, reach: usize) {
+/// Box filter of `2·radius + 1` crop pixels along each axis; the edge pixels repeat.
+fn box_filter(crop: &mut Crop, radius: usize) {
     let side = crop.side;
-    let width = 2 * reach as u32 + 1;
-    // Exact enough for the few widths that there are.
+    let width = 2 * radius as u32 + 1;
+    // Reciprocal in 1/65536, rounded up: means of the widths 3, 5 and 7 are off by less than one.
     let share = (1 << 16) / width + 1;
     // The rows, then the columns.
     for (next, step) in [(side, 1), (1, side)] {
         for k in 0..side {
-            soften_line(crop, k * next, step, reach, |sum| {
-                (((sum + reach as u32) * share) >> 16) as u8
+            box_filter_line(crop, k * next, step, radius, |sum| {
+                (((sum + radius as u32) * share) >> 16) as u8
             });
         }
     }
 }
 
-/// Running sums over a row or column of the crop, from one pixel on in steps to the next.
-fn soften_line(crop: &mut Crop, first: usize, step: usize, reach: usize, mean: impl Fn(u32) -> u8) {
+/// Box filter along one row or column: the pixels `first`, `first + step`, … of the crop. `mean`
+/// divides a sum of `2·radius + 1` pixels.
+fn box_filter_line(
+    crop: &mut Crop,
+    first: usize,
+    step: usize,
+    radius: usize,
+    mean: impl Fn(u32) -> u8,
+) {
     let side = crop.side;
-    let mut line = [0u8; CROP_MAX + 2 * REACH_MAX];
+    let mut line = [0u8; CROP_MAX + 2 * RADIUS_MAX];
     let Some(pixels) = crop.luma.get_mut(first..) else {
         return;
     };
-    for (k, v) in line.iter_mut().enumerate().take(side + 2 * reach) {
-        let at = k.saturating_sub(reach).min(side.saturating_sub(1));
+    for (k, v) in line.iter_mut().enumerate().take(side + 2 * radius) {
+        let at = k.saturating_sub(radius).min(side.saturating_sub(1));
         *v = pixels.get(at * step).copied().unwrap_or(0);
     }
-    let mut sum: u32 = line.iter().take(2 * reach).map(|v| u32::from(*v)).sum();
-    let ends = line.iter().skip(2 * reach).zip(&line);
+    let mut sum: u32 = line.iter().take(2 * radius).map(|v| u32::from(*v)).sum();
+    let ends = line.iter().skip(2 * radius).zip(&line);
     for (pixel, (new, old)) in pixels.iter_mut().step_by(step.max(1)).take(side).zip(ends) {
         sum += u32::from(*new);
         *pixel = mean(sum);
@@ -157,7 +166,7 @@ fn bilinear(frame: &Frame<'_>, x: i64, y: i64) -> u32 {
     // 8 bits of fraction are below the quantisation of the pixels themselves.
     let fx = ((x >> (FRACTION - 8)) & 255) as u32;
     let fy = ((y >> (FRACTION - 8)) & 255) as u32;
-    let [a, b, c, d] = frame.square(ix, iy).map(u32::from);
+    let [a, b, c, d] = frame.raw_2x2(ix, iy).map(u32::from);
     let top = a * (256 - fx) + b * fx;
     let bottom = c * (256 - fx) + d * fx;
     (top * (256 - fy) + bottom * fy + (1 << 15)) >> 16
@@ -188,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn a_softened_frame_gives_means() {
+    fn a_box_filtered_frame_gives_means() {
         // A dot and a slope, at the frame's own scale: means over 3×3.
         let mut bytes = [0u8; 64];
         bytes[3 * 8 + 3] = 90;
@@ -202,21 +211,21 @@ mod tests {
         );
         assert_eq!(crop.luma()[4], 0);
         for (x, y) in (0..8).flat_map(|x| (0..8).map(move |y| (x, y))) {
-            let (read, cut) = (
+            let (read, warped) = (
                 frame.box_filtered().luma(x, y),
                 crop.luma()[(y * 8 + x) as usize],
             );
-            assert!(read.abs_diff(cut) <= 1, "{x} {y}: {read} {cut}");
+            assert!(read.abs_diff(warped) <= 1, "{x} {y}: {read} {warped}");
         }
-        // Where the frame is twice as fine the crop's own means are as wide.
+        // Where the frame is twice as fine, averaging its samples is filter enough.
         let half = Similarity {
             a: 2.0,
             ..Similarity::IDENTITY
         };
-        let (mut sharp, mut box_filtered) = (Crop::new(), Crop::new());
-        warp(&frame, &half, 4, &mut sharp);
+        let (mut raw, mut box_filtered) = (Crop::new(), Crop::new());
+        warp(&frame, &half, 4, &mut raw);
         warp(&frame.box_filtered(), &half, 4, &mut box_filtered);
-        assert_eq!(sharp.luma(), box_filtered.luma());
+        assert_eq!(raw.luma(), box_filtered.luma());
     }
 
     #[test]
@@ -235,7 +244,7 @@ mod tests {
     }
 
     #[test]
-    fn wild_transforms_stay_inside() {
+    fn extreme_transforms_stay_inside() {
         let frame = Frame::new(&FrameLayout::grey(1, 1), &[7]).unwrap();
         let mut crop = Crop::new();
         for v in [f32::NAN, f32::INFINITY, -1e30, 1e30, 16_000.0] {

@@ -1,17 +1,21 @@
 //! Frames in, luma out.
 //!
 //! In: the caller's bytes in one of the V4L2 layouts of [`PixelFormat`]. Out: 8-bit luma, read
-//! pixel by pixel or warped straight into a small square [`Crop`]; a full-frame copy is never
-//! made, so the cost of a step does not grow with the frame. A frame that is mostly noise
-//! ([`noise_share`]) can be read [box_filtered](Frame::box_filtered).
+//! pixel by pixel or warped straight into a small square [`Crop`]. A full frame is never copied, so
+//! the cost of a step does not grow with the frame. A frame with much noise ([`noise_share`]) can be
+//! read through a 3×3 box filter ([`Frame::box_filtered`]).
 //!
-//! Pixel coordinates: x right, y down, the centre of the top-left pixel is (0, 0), in the
-//! *upright* image, that is after [`Rotation`] and mirroring.
+//! Pixel coordinates: x right, y down, the centre of the top-left pixel is (0, 0), in the *upright*
+//! image, that is after [`Rotation`] and mirroring are undone.
 
 mod crop;
+mod format;
 mod frame;
+mod layout;
 mod noise;
 
 pub use crop::{CROP_MAX, Crop, warp};
-pub use frame::{Frame, FrameError, FrameLayout, MAX_SIDE, PixelFormat, Rotation};
+pub use format::PixelFormat;
+pub use frame::Frame;
+pub use layout::{FrameError, FrameLayout, MAX_SIDE, Rotation};
 pub use noise::noise_share;

@@ -203,8 +203,8 @@ fn sample(frame: &Frame<'_>, grid: &Grid, v: i32, width: usize, out: &mut [u16; 
     let mut raw = [0u16; WIDTH + 2];
     let mut x = grid.x + 128;
     for pixel in raw.iter_mut().skip(1).take(width) {
-        let a = frame.sharp((x - quarter) >> 8, y0) as u16;
-        let b = frame.sharp((x + quarter) >> 8, y1) as u16;
+        let a = frame.raw_luma((x - quarter) >> 8, y0) as u16;
+        let b = frame.raw_luma((x + quarter) >> 8, y1) as u16;
         *pixel = (a + b + 1) >> 1;
         x += grid.step;
     }
