@@ -1,9 +1,9 @@
 //! Complete binary trees of pixel comparisons, stored breadth first.
 //!
-//! A node is two pixels of the window's [grid](super::grid) and a u8 margin. The walk goes to the
-//! second child where the luma at the first exceeds that at the second by more than the margin:
-//! without one, noise decides where a picture is flat (halves the false alarms of equally many
-//! trees).
+//! A node is two pixels of the window's [grid](super::grid) and a u8 margin. A walk goes to the
+//! second child where the luma of the first pixel exceeds that of the second by more than the margin.
+//! Without a margin noise decides the comparison in flat regions: the margin halves the false
+//! positives of equally many trees.
 
 use super::grid::{GRID, Pixel};
 use crate::model::{ModelError, Section};
@@ -11,10 +11,10 @@ use crate::model::{ModelError, Section};
 /// Deepest trees that a model may have.
 pub(super) const DEPTH_MAX: usize = 8;
 
-/// Trees that are walked side by side.
-pub(super) const ABREAST: usize = 4;
+/// Trees that are walked in parallel.
+pub(super) const PARALLEL_TREES: usize = 4;
 
-/// Trees of one depth; leaves are kept by the owner.
+/// Trees of one depth; their owner keeps the values of the leaves.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Forest<'m> {
     depth: u32,
@@ -33,7 +33,7 @@ impl<'m> Forest<'m> {
         let outside = |pixel: &Pixel| *pixel as usize >= GRID * GRID;
         section.require(
             !nodes.as_flattened().iter().any(outside),
-            "a tree looks outside the grid",
+            "a tree reads a pixel outside the grid",
         )?;
         let margins = section.u8s(count)?;
         Ok(Forest {
@@ -54,14 +54,14 @@ impl<'m> Forest<'m> {
         1 << self.depth
     }
 
-    /// The leaf, 0..`leaves()`, that a window with this luma reaches in each of the [`ABREAST`] trees
-    /// from this one on; what is beyond the last tree means nothing.
+    /// The leaf, 0..`leaves()`, that a window with this luma reaches in each of [`PARALLEL_TREES`]
+    /// trees from `tree` on. Values of trees beyond the last are undefined.
     ///
-    /// Each step of a walk waits for the pixels before it; walks side by side wait together.
+    /// Each step of a walk waits for the pixels that it compares; parallel walks overlap their waits.
     #[inline]
-    pub fn walk(&self, tree: usize, luma: impl Fn(Pixel) -> u8) -> [usize; ABREAST] {
+    pub fn walk(&self, tree: usize, luma: impl Fn(Pixel) -> u8) -> [usize; PARALLEL_TREES] {
         let inner = (1usize << self.depth) - 1;
-        let mut at = [0; ABREAST];
+        let mut at = [0; PARALLEL_TREES];
         for _ in 0..self.depth {
             for (k, at) in at.iter_mut().enumerate() {
                 let node = (tree + k) * inner + *at;

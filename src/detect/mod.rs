@@ -1,15 +1,17 @@
-//! The multi-view face detector: a time-sliced scan straight over the frame's luma.
+//! The multi-view face detector: a scan of the frame's luma in calls of bounded work.
 //!
-//! In: a [`Frame`](crate::image::Frame) and the section `DTCT` of the model. Out: at most one
-//! [`Detection`], that of the largest face. A window is evaluated by soft cascades of boosted trees
-//! whose nodes compare two pixels (Markuš et al., "Object detection with pixel intensity
-//! comparisons organized in decision trees", 2013): no pyramid, no integral image, no copy of the
-//! frame; the [`GRID`] of pixels to compare is scaled and turned with the window. Overlapping hits are
-//! merged ([`cluster`]), and a small regression forest of the same comparisons then moves the
-//! merged window onto the face ([`refine`]).
+//! In: a [`Frame`](crate::image::Frame) and the model's section `DTCT`. Out: one [`Detection`] at a
+//! time, the largest face first.
 //!
-//! Integers up to the merged window. [`Scan`] holds all state in fixed memory, so a sweep over
-//! the frame can be spread over as many steps as the caller likes.
+//! A window is evaluated by soft cascades of boosted trees whose nodes compare two pixels (Markuš et
+//! al., "Object detection with pixel intensity comparisons organized in decision trees", 2013). The
+//! [`GRID`] of pixels to compare is scaled and rotated with the window, so there is no pyramid, no
+//! integral image and no copy of the frame. Overlapping hits are merged ([`cluster`]); a small
+//! regression forest on the same comparisons then moves the merged window onto the face
+//! ([`refine`]).
+//!
+//! Arithmetic is integer up to the merged window. [`Scan`] holds all state in fixed memory, so a scan
+//! of the frame can be spread over as many calls as the caller likes.
 
 mod cluster;
 mod evaluate;
@@ -30,19 +32,19 @@ pub use refine::refine;
 pub use scan::{Scan, ScanOutcome, Sizes};
 pub use window::Window;
 
-/// A face candidate: a square that is turned with the head.
+/// A face candidate: a square in the upright frame, rotated with the head.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Detection {
-    /// Centre of the (upright) box around the 68 landmarks \[px\].
+    /// Centre of the bounding box of the 68 landmarks, taken along the rotated axes \[frame px\].
     pub x: f32,
-    /// Centre \[px\].
+    /// Centre \[frame px\].
     pub y: f32,
-    /// Side of the square: the larger of the width and the height of that box \[px\].
+    /// Side of the square: the larger of the width and the height of that box \[frame px\].
     pub size: f32,
     /// In-plane rotation of the head, clockwise in the image \[rad\].
     pub roll: f32,
-    /// Sign and rough amount of yaw, −1 (turned to the image left) to 1 (right).
+    /// Rough yaw in units of 90°: −1 (turned to the image's left) to 1 (right).
     pub yaw: f32,
-    /// Confidence; higher is better, 0 is the working threshold.
+    /// Detector score, not a probability: higher is better, 0 is the working threshold.
     pub score: f32,
 }

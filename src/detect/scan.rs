@@ -1,47 +1,50 @@
-//! The sweep over sizes, rolls and places, in slices.
+//! The scan over sizes, rolls and places, in calls of bounded work.
 //!
-//! Sizes go from the frame's shorter side down, so the largest face is met first, and large sizes,
-//! which are cheap, are done soon. All sizes are searched for upright faces first, then for turned
-//! ones: most heads are upright, and are found in a fraction of the sweep. After each size the
-//! largest confirmed cluster that is complete is told. Between slices the frame may change: a sweep
-//! over a live stream sees each part of it at another time, and a face that moves is elsewhere when
-//! its cluster is complete. So what was met in a slice is told at its end, and a small search around
-//! it makes up for the sizes that were not looked at yet.
+//! Sizes go from the frame's shorter side down: the largest face is found first, and large sizes are
+//! cheap. All sizes are scanned for upright faces first, then for rolled ones: most heads are upright
+//! and are found in a fraction of the whole scan. After each size the best complete cluster is
+//! reported.
+//!
+//! Between calls the frame may change: a scan of a live stream sees each part of it at another time,
+//! and a moving face has left by the time its cluster is complete. So what was hit during a call is
+//! reported at the end of that call; a small local search makes up for the sizes that were not scanned
+//! yet.
 
-use super::cluster::{Clusters, Hit, turns};
-use super::evaluate::{EMPTY, Windows};
+use super::cluster::{Clusters, Hit, radians};
+use super::evaluate::{EMPTY_TABLE, WindowGrid};
 use super::window::Q4;
 use super::{Detection, DetectorModel, Window, local_search, refine};
 use crate::image::Frame;
 
 /// Smallest face that can be asked for \[px\].
 const FACE_MIN_PX: i32 = 16;
-/// Work of a search around what is told before it is complete.
-const SETTLE_UNITS: u32 = 800;
+/// Budget of the local search around a cluster that is reported before it is complete \[units of
+/// work\]: its 735 windows, most of them rejected within a unit.
+const LOCAL_SEARCH_UNITS: u32 = 800;
 
-/// What a slice of the sweep ended with.
+/// What a call of the scan ended with.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ScanOutcome {
-    /// The budget is used up; the sweep goes on with the next call.
+    /// The budget is used up; the next call continues the scan.
     BudgetSpent,
-    /// A face. Should it prove not to be one, the next call goes on with the sweep, and tells it again
-    /// only where other sizes show it too; else call [`Scan::restart`].
+    /// A face candidate. If the caller rejects it, the next call continues the scan and reports it
+    /// again only where other sizes hit it too. If the caller accepts it, it calls [`Scan::restart`].
     Candidate(Detection),
-    /// The whole frame was seen and holds no face; the next call starts a new sweep.
+    /// The whole frame was scanned and holds no further face; the next call starts a new scan.
     Finished,
 }
 
-/// Which faces a sweep looks for, by [`Detection::size`] \[px\]: within a step of the grid.
+/// Range of [`Detection::size`] that a scan covers \[frame px\], to within one step of its sizes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sizes {
-    /// Narrowest, at least 16.
+    /// Smallest, at least 16.
     pub min_px: i32,
-    /// Widest.
+    /// Largest.
     pub max_px: i32,
 }
 
 impl Sizes {
-    /// All from this one on.
+    /// This size and all larger ones.
     pub const fn from(min_px: i32) -> Self {
         Sizes {
             min_px,
@@ -50,28 +53,31 @@ impl Sizes {
     }
 }
 
-/// State of a sweep: plain data of fixed size.
-#[derive(Clone, Copy, Debug, Default)]
+/// State of a scan: plain data of fixed size.
+#[derive(Clone, Debug)]
 pub struct Scan {
-    // What the sweep was started for; another frame size or other faces start it anew.
+    // What the scan was started for; another frame size or range of sizes restarts it.
     width: i32,
     height: i32,
     min_px: i32,
     max_px: i32,
-    // Size of this pass [1/16 px]; 0 before the start.
+    // Size of this level [1/16 px]; 0 before the start.
     size: i32,
-    pass: u16,
-    // Whether this is the second half of the sweep, for heads that are turned in the image.
-    turned: bool,
+    // Number of sizes scanned before this one.
+    level: u16,
+    // Whether this is the second half of the scan, for heads that are rolled.
+    rolled: bool,
+    // Index of the roll within this half.
     roll: usize,
+    // The next place.
     row: i32,
     column: i32,
-    // Units that the last slice did not use.
-    left: u32,
+    // Units of work that the last call did not use.
+    units_left: u32,
     clusters: Clusters,
 }
 
-/// Places of window centres along one axis \[1/16 px\]; each is taken to the nearest pixel.
+/// Window centres along one axis \[1/16 px\]; each is rounded to the nearest pixel.
 #[derive(Clone, Copy)]
 struct Axis {
     first: i32,
@@ -80,12 +86,12 @@ struct Axis {
 }
 
 impl Axis {
-    /// Centred on `length` pixels, keeping `margin` from both edges.
+    /// Spread symmetrically over `length` pixels, `margin` away from both edges.
     fn new(length: i32, margin: i32, step: i32) -> Self {
         let last = (length - 1) * Q4;
-        let room = (last - 2 * margin).max(0) as u32;
+        let span = (last - 2 * margin).max(0) as u32;
         let step = step.max(Q4 / 2);
-        let count = (room / step.max(1) as u32) as i32 + 1;
+        let count = (span / step.max(1) as u32) as i32 + 1;
         Axis {
             first: (last - (count - 1) * step) / 2,
             step,
@@ -98,8 +104,14 @@ impl Axis {
     }
 }
 
+impl Default for Scan {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl Scan {
-    /// A sweep that has not begun.
+    /// A scan that has not begun; all zero.
     pub const fn new() -> Self {
         Scan {
             width: 0,
@@ -107,26 +119,27 @@ impl Scan {
             min_px: 0,
             max_px: 0,
             size: 0,
-            pass: 0,
-            turned: false,
+            level: 0,
+            rolled: false,
             roll: 0,
             row: 0,
             column: 0,
-            left: 0,
+            units_left: 0,
             clusters: Clusters::EMPTY,
         }
     }
 
-    /// Forgets everything: the next slice starts a new sweep.
+    /// Drops all state: the next call starts a new scan.
     pub fn restart(&mut self) {
-        *self = Self::default();
+        *self = Self::new();
     }
 
-    /// Goes on with the sweep for at most about `budget` units of work.
+    /// Continues the scan for about `budget` units of work.
     ///
-    /// A window costs one unit and one more for every 16 trees that it needs, so a call asks at
-    /// most 16·`budget` trees plus those of one window, and once those of [`refine`] and of a search
-    /// around what is told at a slice's end, 800 units.
+    /// A window costs one unit plus one for every 16 trees that it needs (three times as much on a
+    /// box-filtered frame). So a call evaluates at most 16·`budget` trees plus those of one window,
+    /// and once those of [`refine`] and, for a cluster that is reported before it is complete, of a
+    /// local search of 800 units.
     pub fn advance(
         &mut self,
         model: &DetectorModel<'_>,
@@ -139,42 +152,42 @@ impl Scan {
         if self.size == 0 || wanted != self.wanted() {
             self.begin(wanted, false);
         }
-        self.clusters.begin_slice();
-        let mut left = budget.max(1) as i64;
-        while left > 0 {
+        self.clusters.begin_call();
+        let mut units_left = budget.max(1) as i64;
+        while units_left > 0 {
             let Some(roll) = self.rolls(model).get(self.roll) else {
-                if let Some(end) = self.end_pass(model, frame) {
-                    self.left = left.max(0) as u32;
-                    return end;
+                if let Some(outcome) = self.end_level(model, frame) {
+                    self.units_left = units_left.max(0) as u32;
+                    return outcome;
                 }
-                left -= 1;
+                units_left -= 1;
                 continue;
             };
-            self.rows(model, frame, *roll as i32, &mut left);
+            self.scan_roll(model, frame, *roll as i32, &mut units_left);
         }
-        self.left = 0;
+        self.units_left = 0;
         match self.clusters.report_fresh(model.confirm) {
-            Some(told) => ScanOutcome::Candidate(settle(model, frame, &told)),
+            Some(found) => ScanOutcome::Candidate(complete(model, frame, &found)),
             None => ScanOutcome::BudgetSpent,
         }
     }
 
-    /// Units of the last slice's budget that it did not use.
-    pub fn left(&self) -> u32 {
-        self.left
+    /// Units of the last call's budget that it did not use.
+    pub fn units_left(&self) -> u32 {
+        self.units_left
     }
 
-    /// The rolls of this half of the sweep: the model's first one, then the others.
+    /// The rolls of this half of the scan: the model's first one, then the others.
     fn rolls<'m>(&self, model: &DetectorModel<'m>) -> &'m [i16] {
-        let (upright, turned) = model.rolls.split_at_checked(1).unwrap_or_default();
-        if self.turned { turned } else { upright }
+        let (upright, rolled) = model.rolls.split_at_checked(1).unwrap_or_default();
+        if self.rolled { rolled } else { upright }
     }
 
     fn wanted(&self) -> [i32; 4] {
         [self.width, self.height, self.min_px, self.max_px]
     }
 
-    fn begin(&mut self, wanted: [i32; 4], turned: bool) {
+    fn begin(&mut self, wanted: [i32; 4], rolled: bool) {
         let [width, height, min_px, max_px] = wanted;
         *self = Scan {
             width,
@@ -182,32 +195,38 @@ impl Scan {
             min_px,
             max_px,
             size: width.min(height).min(max_px).max(min_px) * Q4,
-            turned,
-            ..Self::default()
+            rolled,
+            ..Self::new()
         };
     }
 
-    /// The rest of the places at one size and roll, as far as the work goes.
-    // By itself, so that its table has left the stack when a candidate is settled.
+    /// The remaining places at one size and roll, as far as the budget goes.
+    // Not inlined: its table has left the stack when a candidate is completed.
     #[inline(never)]
-    fn rows(&mut self, model: &DetectorModel<'_>, frame: &Frame<'_>, roll: i32, left: &mut i64) {
+    fn scan_roll(
+        &mut self,
+        model: &DetectorModel<'_>,
+        frame: &Frame<'_>,
+        roll: i32,
+        units_left: &mut i64,
+    ) {
         let q8 = |v: i32| ((self.size as i64 * v as i64) >> 8) as i32;
         let (step, margin) = (q8(model.step_q8), q8(model.margin_q8));
         let across = Axis::new(self.width, margin, step);
         let down = Axis::new(self.height, margin, step);
-        let window = Window::new(0, 0, q8(model.side_q8), turns(roll));
-        let mut table = EMPTY;
-        let windows = Windows::new(frame, window, &mut table);
+        let window = Window::new(0, 0, q8(model.side_q8), radians(roll));
+        let mut table = EMPTY_TABLE;
+        let windows = WindowGrid::new(frame, window, &mut table);
         while self.row < down.count {
             let y = down.pixel(self.row);
             while self.column < across.count {
-                if *left <= 0 {
+                if *units_left <= 0 {
                     return;
                 }
                 let x = across.pixel(self.column);
                 self.column += 1;
                 let (score, units) = windows.evaluate(model, x, y);
-                *left -= units;
+                *units_left -= units;
                 if let Some(score) = score {
                     self.clusters.add(Hit {
                         x: x * Q4,
@@ -215,7 +234,7 @@ impl Scan {
                         size: self.size,
                         roll,
                         score,
-                        pass: self.pass,
+                        level: self.level,
                     });
                 }
             }
@@ -226,16 +245,16 @@ impl Scan {
         self.roll += 1;
     }
 
-    /// After all rolls of a size: an end of the sweep, or the next size.
-    fn end_pass(&mut self, model: &DetectorModel<'_>, frame: &Frame<'_>) -> Option<ScanOutcome> {
+    /// After all rolls of a size: an outcome, or `None` and the next size.
+    fn end_level(&mut self, model: &DetectorModel<'_>, frame: &Frame<'_>) -> Option<ScanOutcome> {
         let next = ((self.size as i64 * model.ratio_q8 as i64) >> 8) as i32;
-        // Half a step below the smallest face, for its hits straddle two sizes.
+        // Half a step below the smallest face: the hits of a face straddle two sizes.
         let floor = (self.min_px * Q4 * 15) / 16;
         let last = next < floor || next >= self.size;
-        if let Some(best) = self.clusters.report(model.confirm, self.pass, last) {
+        if let Some(best) = self.clusters.report(model.confirm, self.level, last) {
             return Some(ScanOutcome::Candidate(refine(model, frame, &best)));
         }
-        if last && !self.turned {
+        if last && !self.rolled {
             self.begin(self.wanted(), true);
             return None;
         }
@@ -244,14 +263,14 @@ impl Scan {
             return Some(ScanOutcome::Finished);
         }
         self.roll = 0;
-        self.pass += 1;
+        self.level += 1;
         self.size = next;
         None
     }
 }
 
-/// An incomplete cluster, moved onto the face: it may be off by a step of the grid.
-fn settle(model: &DetectorModel<'_>, frame: &Frame<'_>, told: &Detection) -> Detection {
-    let rough = refine(model, frame, told);
-    local_search(model, frame, &rough, SETTLE_UNITS).unwrap_or(rough)
+/// Moves an incomplete cluster, which may be off by a step of the scan, onto the face.
+fn complete(model: &DetectorModel<'_>, frame: &Frame<'_>, found: &Detection) -> Detection {
+    let rough = refine(model, frame, found);
+    local_search(model, frame, &rough, LOCAL_SEARCH_UNITS).unwrap_or(rough)
 }

@@ -3,20 +3,20 @@
 use super::grid::{GRID, Pixel, offset};
 use crate::image::{Frame, MAX_SIDE};
 
-/// Bits after the point of a pixel coordinate while an offset is turned and scaled.
+/// Bits after the point of a pixel coordinate while an offset is rotated and scaled.
 const FRACTION: u32 = 14;
-/// Bits after the point of sizes and centres.
+/// Units of sizes and centres \[1/px\]: 4 bits after the point.
 pub(super) const Q4: i32 = 16;
 /// Largest side of a window \[px\]; with it no sum below leaves i32.
 const SIDE_MAX: i32 = 4 * MAX_SIDE as i32;
 
-/// A square of a frame, turned: maps its grid to the frame's pixels.
+/// A rotated square of the frame: maps the pixels of its grid to pixels of the frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Window {
     // Centre [px, Q14], rounding included.
     x: i32,
     y: i32,
-    // One offset unit (1/256 side) along the turned axes [px, Q14].
+    // One unit of offset (1/256 side) along the rotated axes [px, Q14].
     cos: i32,
     sin: i32,
     // 1, or −1 for a mirrored window.
@@ -24,8 +24,8 @@ pub struct Window {
 }
 
 impl Window {
-    /// The window of `side_px_q4` (1/16 px) around (`x_px_q4`, `y_px_q4`), turned clockwise by
-    /// `roll` \[rad\]. Values beyond any frame are clamped.
+    /// The window of `side_px_q4` (1/16 px) around (`x_px_q4`, `y_px_q4`), rotated clockwise by
+    /// `roll` \[rad\]. Values beyond any frame are clamped; a `roll` that is not finite is taken as 0.
     pub fn new(x_px_q4: i32, y_px_q4: i32, side_px_q4: i32, roll: f32) -> Self {
         let roll = if roll.is_finite() { roll } else { 0.0 };
         let side = side_px_q4.clamp(0, SIDE_MAX * Q4);
@@ -55,7 +55,7 @@ impl Window {
         }
     }
 
-    /// The window that sees the same square mirrored left to right along its own axes.
+    /// The window of the same square whose grid is mirrored left to right along its own axes.
     pub fn mirrored(self) -> Self {
         Window {
             flip: -self.flip,
@@ -63,20 +63,20 @@ impl Window {
         }
     }
 
-    /// The same window around a pixel.
+    /// The same window around a pixel of the frame.
     #[inline]
     pub(super) fn at_pixel(self, x: i32, y: i32) -> Self {
         self.at(x * Q4, y * Q4)
     }
 
-    /// Luma at a pixel of the grid: of the frame's pixel that it falls into.
+    /// Luma of the frame's pixel that a pixel of the grid falls into.
     #[inline]
     pub fn read(&self, frame: &Frame<'_>, pixel: Pixel) -> u8 {
         let [x, y] = self.frame_pixel(pixel as usize / GRID, pixel as usize % GRID);
         frame.luma(x, y)
     }
 
-    /// The frame's pixel that one of the grid falls into.
+    /// The frame's pixel (x, y) that a pixel of the grid falls into.
     #[inline]
     pub(super) fn frame_pixel(&self, row: usize, column: usize) -> [i32; 2] {
         let (x, y) = (offset(column) * self.flip, offset(row));

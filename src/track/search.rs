@@ -210,7 +210,7 @@ impl Search {
                 None => (&mut self.scan, slice.all),
             };
             let swept = scan.advance(detector, frame, sizes, slice.budget);
-            slice.budget = scan.left();
+            slice.budget = scan.units_left();
             match swept {
                 ScanOutcome::Candidate(face) => return Some(face),
                 ScanOutcome::Finished if slice.likely.is_some() && slice.wide => {
