@@ -1,4 +1,4 @@
-//! A lost face comes back somewhere else, and is tracked again at once.
+//! A face that is lost and returns elsewhere is re-acquired by keyframes within two steps.
 #![cfg(feature = "keyframes")]
 
 mod common;
@@ -6,8 +6,8 @@ mod common;
 use posewise::image::{Frame, FrameLayout};
 use posewise::track::{Config, Model, State, Tracker};
 
-/// A picture of the demo clip, moved; what comes in repeats the edge.
-fn moved(luma: &[u8], width: usize, height: usize, (dx, dy): (i32, i32)) -> Vec<u8> {
+/// A frame of the demo clip, shifted \[px\]; pixels from outside repeat the edge.
+fn shifted(luma: &[u8], width: usize, height: usize, (dx, dy): (i32, i32)) -> Vec<u8> {
     let at = |i: usize, shift: i32, n: usize| (i as i32 - shift).clamp(0, n as i32 - 1) as usize;
     let rows = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
     rows.map(|(x, y)| luma[at(y, dy, height) * width + at(x, dx, width)])
@@ -15,7 +15,7 @@ fn moved(luma: &[u8], width: usize, height: usize, (dx, dy): (i32, i32)) -> Vec<
 }
 
 #[test]
-fn a_face_that_comes_back_elsewhere_is_tracked_at_once() {
+fn a_face_that_returns_elsewhere_is_reacquired() {
     let Some(clip) = common::demo() else {
         eprintln!("skipped: there is no tests/data/demo.y4m.gz");
         return;
@@ -31,36 +31,36 @@ fn a_face_that_comes_back_elsewhere_is_tracked_at_once() {
         let result = tracker.step(&model, &frame, now).expect("in order");
         (result.state, result.landmarks[30])
     };
-    let seen = &clip.luma[..60];
-    for luma in seen {
+    for luma in &clip.luma[..60] {
         step(&mut tracker, luma);
     }
     let (_, nose) = step(&mut tracker, &clip.luma[60]);
-    let nobody = vec![90; width * height];
+    let empty = vec![90; width * height];
     for shift in [(60, 20), (-50, -25), (0, 30)] {
         for _ in 0..30 {
-            let (state, _) = step(&mut tracker, &nobody);
+            let (state, _) = step(&mut tracker, &empty);
             assert_ne!(state, State::Tracking);
         }
-        let back = moved(&clip.luma[60], width, height, shift);
+        let back = shifted(&clip.luma[60], width, height, shift);
         let mut steps = (1..=2).map(|_| step(&mut tracker, &back));
         let found = steps.find(|(state, _)| *state == State::Tracking);
-        let (_, there) = found.expect("tracked within two steps");
-        let off = (there.x - nose.x - shift.0 as f32).hypot(there.y - nose.y - shift.1 as f32);
+        let (_, reacquired) = found.expect("tracked within two steps");
+        let off =
+            (reacquired.x - nose.x - shift.0 as f32).hypot(reacquired.y - nose.y - shift.1 as f32);
         assert!(off < 4.0, "{off} px off after a shift by {shift:?}");
     }
-    // Whoever has taken the seat was never seen.
+    // Without its keyframes the tracker searches as one that has seen nothing.
     tracker.forget_identity();
     for _ in 0..30 {
-        step(&mut tracker, &nobody);
+        step(&mut tracker, &empty);
     }
     let mut fresh = Box::new(Tracker::new(&Config::default()).expect("defaults"));
-    step(&mut fresh, &nobody);
+    step(&mut fresh, &empty);
     tracker.reset();
-    step(&mut tracker, &nobody);
-    let back = moved(&clip.luma[60], width, height, (60, 20));
+    step(&mut tracker, &empty);
+    let back = shifted(&clip.luma[60], width, height, (60, 20));
     for _ in 0..40 {
         let (a, b) = (step(&mut tracker, &back), step(&mut fresh, &back));
-        assert_eq!(a.0, b.0, "as one that has seen nothing");
+        assert_eq!(a.0, b.0, "same state as a new tracker");
     }
 }

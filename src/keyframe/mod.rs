@@ -1,27 +1,32 @@
-//! Keyframes: faces as they were once, by which a lost one is found again (thesis 4.2).
+//! Keyframes: earlier views of faces, by which a lost face is re-acquired (thesis 4.2).
 //!
-//! In: a frame on which the face is known, to be remembered; later a frame on which it is lost. Out:
-//! where its landmarks should be now, if it looks as it did on one of the remembered frames. The
-//! frame is reduced until the face is about 64 px wide ([`FACE_PX`]); keypoints are small spots,
-//! brighter or darker than what is around them; each is described by 256 comparisons of pixels
-//! (BRIEF), turned with the face. Keypoints of a keyframe are matched with those of now by the number
-//! of differing bits, best against second best, and RANSAC finds the similarity transform on which
-//! they agree. It moves the keyframe's landmarks to where the cascade then starts: the cascade needs
-//! no more than that, and finds the pose by itself.
+//! In: frames on which the face is known, of which keyframes are added; later a frame on which it is
+//! lost, which is a query. Out: the landmarks of the best matching keyframe, moved to the frame.
 //!
-//! There is one keyframe for each bin of yaw and pitch and each person; a table of fixed size holds
-//! them. A face in a mirror is another person's. Memory, keypoints, comparisons
-//! and rounds are bounded by constants; pixels and bits are integers, so every machine finds the same.
+//! 1. The frame is reduced until the face is about 64 px wide ([`FACE_PX`]).
+//! 2. Keypoints are spots, brighter or darker than their surroundings, found by the difference of
+//!    two box filters.
+//! 3. A keypoint is described by 256 pixel comparisons (BRIEF), rotated with the face.
+//! 4. Keypoints of a keyframe and of the query are matched by Hamming distance with a ratio test.
+//! 5. RANSAC finds the similarity transform on which most matches of a keyframe agree. It moves the
+//!    keyframe's landmarks; from there the cascade aligns and finds the pose by itself.
+//!
+//! A table of fixed size holds one keyframe for each bin of yaw and pitch and each identity. A
+//! mirrored face does not match: it is another identity. Memory, keypoints, comparisons and
+//! iterations are bounded by constants. Pixels and descriptors are integers, so every machine finds
+//! the same matches.
 
 mod descriptor;
-mod find;
-mod picture;
-mod points;
+mod keypoints;
+mod outline;
+mod query;
+mod ransac;
+mod reduced_image;
 mod table;
 
-pub use find::{KeyframeMatch, Query};
-pub use picture::SCRATCH_BYTES;
-pub use points::KEYPOINTS_MAX;
+pub use keypoints::KEYPOINTS_MAX;
+pub use query::{KeyframeMatch, Query};
+pub use reduced_image::SCRATCH_BYTES;
 pub use table::{KEYFRAME_POINTS_MAX, KEYFRAMES_MAX, Keyframes, Observation};
 
 use crate::shape::LANDMARKS;
@@ -29,8 +34,8 @@ use crate::shape::LANDMARKS;
 #[cfg(test)]
 mod testing;
 
-/// 68 points.
+/// The 68 landmarks.
 type Shape = [[f32; 2]; LANDMARKS];
 
-/// How wide a face is in the reduced picture \[px\].
+/// Width of a face in the reduced image \[px\].
 pub const FACE_PX: f32 = 64.0;

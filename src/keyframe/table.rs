@@ -1,8 +1,10 @@
-//! The table of keyframes: what is kept of a frame, and which entry makes room.
+//! The table of keyframes: what is kept of a frame, and which entry is replaced.
 
-use super::descriptor::{Descriptor, Steered};
-use super::picture::{Grid, Picture};
-use super::points::keypoints;
+use super::descriptor::{Descriptor, SteeredPattern};
+use super::keypoints::keypoints;
+use super::outline::Outline;
+use super::query::KeyframeMatch;
+use super::reduced_image::{ReducedImage, SamplingGrid};
 use super::{FACE_PX, Shape};
 use crate::image::Frame;
 use crate::math::HeadAngles;
@@ -13,211 +15,225 @@ pub const KEYFRAMES_MAX: usize = 20;
 /// Most keypoints of a keyframe.
 pub const KEYFRAME_POINTS_MAX: usize = 32;
 
-/// Yaws and pitches that part the bins \[deg\].
-const YAWS: [f32; 4] = [-40.0, -14.0, 14.0, 40.0];
-const PITCHES: [f32; 2] = [-14.0, 14.0];
+/// Edges between the bins of yaw and of pitch \[deg\].
+const YAW_EDGES: [f32; 4] = [-40.0, -14.0, 14.0, 40.0];
+const PITCH_EDGES: [f32; 2] = [-14.0, 14.0];
 
-/// A keyframe of a bin is replaced by one that is better by so much.
-const BETTER: f32 = 0.15;
+/// A keyframe is replaced by one of the same bin whose quality is better by this.
+const QUALITY_GAIN: f32 = 0.15;
 
-/// Side of the picture around a face \[px\].
+/// Side of the reduced image around a face \[px\].
 const SIDE: usize = 120;
-/// How far above the brows there still is face, in its sizes.
-const FOREHEAD: f32 = 0.2;
 
-/// Units of a place on a keyframe \[1/px\].
+/// Units of an offset on a keyframe \[1/px\]: 4 bits after the point.
 const Q4: f32 = 16.0;
 
 /// A keypoint of a face.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Point {
     pub descriptor: Descriptor,
-    /// Relative to the middle of the face \[1/16 px of the reduced picture\].
-    place: [i16; 2],
-    pub dark: bool,
+    /// From the face's centre \[1/16 px of the reduced image\].
+    offset: [i16; 2],
+    /// Whether it is darker than its surroundings.
+    pub is_dark: bool,
 }
 
 impl Point {
-    const NONE: Point = Point {
-        descriptor: [0; 8],
-        place: [0; 2],
-        dark: false,
-    };
-
-    /// Relative to the middle of the face \[px of the reduced picture\].
-    pub fn place(&self) -> [f32; 2] {
-        self.place.map(|v| v as f32 / Q4)
+    /// From the face's centre \[px of the reduced image\].
+    pub fn offset(&self) -> [f32; 2] {
+        self.offset.map(|v| v as f32 / Q4)
     }
 }
 
-/// A face as it was once.
-#[derive(Clone, Copy)]
+/// An earlier view of a face.
+#[derive(Clone)]
 pub(super) struct Keyframe {
-    /// Points in use; 0 in a free entry.
-    count: u8,
+    /// Bin of yaw and pitch, see [`bin_of`].
     bin: u8,
-    /// Whose face it is.
     pub identity: u32,
-    /// When it was last of use; higher is later.
+    /// When it was added or last matched, by [`Keyframes::clock`].
     used: u32,
     quality: f32,
-    /// \[rad\]
+    /// Clockwise in the image \[rad\].
     pub roll: f32,
-    /// The landmarks, as a point's place.
+    /// The landmarks, in the units of [`Point::offset`].
     shape: [[i16; 2]; LANDMARKS],
-    points: [Point; KEYFRAME_POINTS_MAX],
+    /// None in a free entry.
+    points: heapless::Vec<Point, KEYFRAME_POINTS_MAX>,
 }
 
 impl Keyframe {
     const FREE: Keyframe = Keyframe {
-        count: 0,
         bin: 0,
         identity: 0,
         used: 0,
         quality: 0.0,
         roll: 0.0,
         shape: [[0; 2]; LANDMARKS],
-        points: [Point::NONE; KEYFRAME_POINTS_MAX],
+        points: heapless::Vec::new(),
     };
 
-    pub fn points(&self) -> &[Point] {
-        self.points.get(..self.count as usize).unwrap_or(&[])
+    fn is_free(&self) -> bool {
+        self.points.is_empty()
     }
 
-    /// The landmarks, relative to the middle of the face \[px of the reduced picture\].
+    pub fn points(&self) -> &[Point] {
+        &self.points
+    }
+
+    /// The landmarks, from the face's centre \[px of the reduced image\].
     pub fn shape(&self) -> Shape {
         self.shape.map(|p| p.map(|v| v as f32 / Q4))
     }
 }
 
-/// A face to remember.
+/// A frame on which the face is known.
 #[derive(Clone, Copy, Debug)]
 pub struct Observation<'a> {
-    /// Its landmarks \[frame px\].
+    /// The landmarks \[frame px\].
     pub shape: &'a Shape,
-    /// How its head is turned.
+    /// Head pose.
     pub angles: HeadAngles,
-    /// Its size, as the detector has it \[frame px\].
+    /// Size of the face, as in [`Detection::size`](crate::detect::Detection::size) \[frame px\].
     pub size_px: f32,
-    /// How sure it is and how much of it is seen; higher is better.
+    /// The face's confidence times its visible share, 0..=1; higher is better.
     pub quality: f32,
 }
 
 /// Keyframes: plain data of fixed size, all zero when empty.
 #[derive(Clone)]
 pub struct Keyframes {
-    pub(super) table: [Keyframe; KEYFRAMES_MAX],
-    /// Whose face is tracked: another number for every stranger.
+    /// Entries in the order in which they were first taken; an entry stays where it is.
+    entries: heapless::Vec<Keyframe, KEYFRAMES_MAX>,
+    /// Identity of the tracked face.
     identity: u32,
-    /// Counts what was of use.
+    /// Counts keyframes that were added or matched.
     clock: u32,
 }
 
 /// Number of the bin of a pose.
 fn bin_of(angles: &HeadAngles) -> u8 {
-    let yaw = YAWS.iter().filter(|edge| angles.yaw_deg >= **edge).count();
-    let pitch = PITCHES.iter().filter(|edge| angles.pitch_deg >= **edge);
-    (pitch.count() * (YAWS.len() + 1) + yaw) as u8
+    let yaw = YAW_EDGES.iter().filter(|edge| angles.yaw_deg >= **edge);
+    let pitch = PITCH_EDGES.iter().filter(|edge| angles.pitch_deg >= **edge);
+    (pitch.count() * (YAW_EDGES.len() + 1) + yaw.count()) as u8
 }
 
 impl Keyframes {
-    /// None yet.
+    /// No keyframe yet.
     pub const EMPTY: Keyframes = Keyframes {
-        table: [Keyframe::FREE; KEYFRAMES_MAX],
+        entries: heapless::Vec::new(),
         identity: 0,
         clock: 0,
     };
 
-    /// Forgets all faces.
+    /// Drops all keyframes.
     pub fn clear(&mut self) {
-        self.table.iter_mut().for_each(|k| k.count = 0);
+        self.entries.clear();
     }
 
-    /// Whether there is none.
+    /// Whether there is no keyframe.
     pub fn is_empty(&self) -> bool {
-        self.table.iter().all(|k| k.count == 0)
+        self.entries.iter().all(Keyframe::is_free)
     }
 
-    /// A face is tracked that no keyframe led to: what is seen from here on is kept as somebody
-    /// else's.
+    pub(super) fn entries(&self) -> &[Keyframe] {
+        &self.entries
+    }
+
+    /// A face is tracked that no keyframe led to: keyframes are added under a new identity.
     pub fn new_identity(&mut self) {
-        let last = self.table.iter().map(|k| k.identity).max().unwrap_or(0);
+        let last = self.entries.iter().map(|k| k.identity).max().unwrap_or(0);
         self.identity = self.identity.max(last).wrapping_add(1);
     }
 
-    /// Whose face is tracked.
+    /// Identity of the tracked face: a number that means nothing outside of this table.
     pub fn identity(&self) -> u32 {
         self.identity
     }
 
-    /// The face of an entry is tracked again.
-    pub(super) fn mark_entry_used(&mut self, entry: usize) {
+    /// The matched face is tracked from here on.
+    pub fn mark_used(&mut self, found: &KeyframeMatch) {
+        self.mark_entry_used(found.entry);
+    }
+
+    fn mark_entry_used(&mut self, entry: usize) {
         self.clock = self.clock.wrapping_add(1);
-        if let Some(keyframe) = self.table.get_mut(entry) {
+        if let Some(keyframe) = self.entries.get_mut(entry) {
             keyframe.used = self.clock;
             self.identity = keyframe.identity;
         }
     }
 
-    /// Where a face seen like this would go; `None` when it brings nothing new. A bin of a person
-    /// has one entry. Else a free entry is taken, or the one that was of use longest ago.
+    /// The entry that a keyframe of this pose and quality would take; `None` when it is not needed.
+    ///
+    /// An identity has one entry per bin, which only a better keyframe replaces. A new bin takes a
+    /// free entry, or the one that was used longest ago.
     pub fn entry_for(&self, angles: &HeadAngles, quality: f32) -> Option<usize> {
         let bin = bin_of(angles);
-        let mut entries = self.table.iter().enumerate();
-        let own = entries.find(|(_, k)| k.count > 0 && k.identity == self.identity && k.bin == bin);
+        let mut entries = self.entries.iter().enumerate();
+        let own =
+            entries.find(|(_, k)| !k.is_free() && k.identity == self.identity && k.bin == bin);
         match own {
-            Some((entry, kept)) => (quality > kept.quality + BETTER).then_some(entry),
+            Some((entry, kept)) => (quality > kept.quality + QUALITY_GAIN).then_some(entry),
+            None if !self.entries.is_full() => Some(self.entries.len()),
             None => {
-                let entries = self.table.iter().enumerate();
-                let oldest = entries.min_by_key(|(_, k)| (k.count > 0, k.used));
+                let entries = self.entries.iter().enumerate();
+                let oldest = entries.min_by_key(|(_, k)| (!k.is_free(), k.used));
                 oldest.map(|(entry, _)| entry)
             }
         }
     }
 
-    /// Remembers a face, if it brings something new; `memory` needs 120² bytes.
+    /// Adds a keyframe if [`Keyframes::entry_for`] has an entry for it; `scratch` needs 120² bytes.
     #[inline(never)]
-    pub fn add(&mut self, frame: &Frame<'_>, seen: &Observation<'_>, memory: &mut [u8]) {
+    pub fn add(&mut self, frame: &Frame<'_>, seen: &Observation<'_>, scratch: &mut [u8]) {
         let Some(entry) = self.entry_for(&seen.angles, seen.quality) else {
             return;
         };
-        let centre = middle(seen.shape);
-        let Some(grid) = Grid::around(centre, SIDE, seen.size_px, FACE_PX) else {
+        let centre = centroid(seen.shape);
+        let Some(grid) = SamplingGrid::around(centre, SIDE, seen.size_px, FACE_PX) else {
             return;
         };
-        let picture = Picture::of(frame, &grid, memory);
-        let [cx, cy] = grid.of_frame(centre);
-        let local = seen.shape.map(|p| {
-            let [x, y] = grid.of_frame(p);
+        let image = ReducedImage::of(frame, &grid, scratch);
+        let [cx, cy] = grid.to_image(centre);
+        let offsets = seen.shape.map(|p| {
+            let [x, y] = grid.to_image(p);
             [x - cx, y - cy]
         });
         let roll = seen.angles.roll_deg.to_radians();
-        let steered = Steered::new(roll, &picture);
-        let outline = Outline::of(&local, roll);
+        let pattern = SteeredPattern::new(roll, &image);
+        let outline = Outline::of(&offsets, roll);
         self.clock = self.clock.wrapping_add(1);
         let (identity, clock) = (self.identity, self.clock);
-        let Some(keyframe) = self.table.get_mut(entry) else {
+        let Some(keyframe) = self.entry_mut(entry) else {
             return;
         };
-        keyframe.count = 0;
         keyframe.bin = bin_of(&seen.angles);
         keyframe.identity = identity;
         keyframe.used = clock;
         keyframe.quality = seen.quality;
         keyframe.roll = roll;
-        keyframe.shape = local.map(|p| p.map(q4));
-        keypoints(&picture, |found| {
-            let place = [found.x as f32 - cx, found.y as f32 - cy];
-            let free = keyframe.points.get_mut(keyframe.count as usize);
-            if let Some(free) = free.filter(|_| outline.holds(place)) {
-                *free = Point {
-                    descriptor: steered.describe(&picture, found.x, found.y),
-                    place: place.map(q4),
-                    dark: found.dark(),
-                };
-                keyframe.count += 1;
+        keyframe.shape = offsets.map(|p| p.map(q4));
+        keyframe.points.clear();
+        keypoints(&image, |keypoint| {
+            let offset = [keypoint.x as f32 - cx, keypoint.y as f32 - cy];
+            if !keyframe.points.is_full() && outline.contains(offset) {
+                // Not full, so there is space.
+                let _ = keyframe.points.push(Point {
+                    descriptor: pattern.describe(&image, keypoint.x, keypoint.y),
+                    offset: offset.map(q4),
+                    is_dark: keypoint.is_dark(),
+                });
             }
         });
+    }
+
+    /// An entry; the one after the last is appended.
+    fn entry_mut(&mut self, entry: usize) -> Option<&mut Keyframe> {
+        if entry == self.entries.len() {
+            self.entries.push(Keyframe::FREE).ok()?;
+        }
+        self.entries.get_mut(entry)
     }
 }
 
@@ -225,7 +241,7 @@ fn q4(v: f32) -> i16 {
     libm::roundf((v * Q4).clamp(-32_000.0, 32_000.0)) as i16
 }
 
-fn middle(shape: &Shape) -> [f32; 2] {
+fn centroid(shape: &Shape) -> [f32; 2] {
     let n = LANDMARKS as f32;
     let sum = shape
         .iter()
@@ -233,40 +249,14 @@ fn middle(shape: &Shape) -> [f32; 2] {
     sum.map(|v| v / n)
 }
 
-/// A convex outline around the landmarks and the forehead: how far it reaches in each direction.
-struct Outline {
-    reach: [([f32; 2], f32); 16],
-}
-
-impl Outline {
-    fn of(shape: &Shape, roll: f32) -> Outline {
-        let up = [libm::sinf(roll), -libm::cosf(roll)];
-        let mut reach = [([0.0; 2], 0.0); 16];
-        for (i, (direction, far)) in reach.iter_mut().enumerate() {
-            let angle = i as f32 * (core::f32::consts::TAU / 16.0);
-            let d = [libm::cosf(angle), libm::sinf(angle)];
-            let along = shape.iter().map(|p| p[0] * d[0] + p[1] * d[1]);
-            let upward = (up[0] * d[0] + up[1] * d[1]).max(0.0);
-            *direction = d;
-            *far = along.fold(0.0, f32::max) + upward * FOREHEAD * FACE_PX;
-        }
-        Outline { reach }
-    }
-
-    fn holds(&self, [x, y]: [f32; 2]) -> bool {
-        let mut reach = self.reach.iter();
-        reach.all(|(d, far)| x * d[0] + y * d[1] <= *far)
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use super::super::testing::{SIDE as SQUARE, texture};
+    use super::super::testing::{SIDE as TEXTURE_SIDE, texture};
     use super::super::{Query, SCRATCH_BYTES};
     use super::*;
     use crate::image::FrameLayout;
 
-    /// A ring of landmarks, 64 px wide, around a place.
+    /// A ring of landmarks, 64 px wide, around a point.
     fn ring([x, y]: [f32; 2]) -> Shape {
         core::array::from_fn(|i| {
             let angle = i as f32 * 0.37;
@@ -291,42 +281,42 @@ mod tests {
         Frame::new(&FrameLayout::grey(width as u32, height as u32), luma).unwrap()
     }
 
-    fn learn(keyframes: &mut Keyframes, luma: &[u8], yaw_deg: f32, pitch_deg: f32, quality: f32) {
+    fn add(keyframes: &mut Keyframes, luma: &[u8], yaw_deg: f32, pitch_deg: f32, quality: f32) {
         let seen = Observation {
             shape: &ring([100.0, 100.0]),
             angles: angles(yaw_deg, pitch_deg),
             size_px: 64.0,
             quality,
         };
-        keyframes.add(&frame(luma, SQUARE), &seen, &mut [0; SCRATCH_BYTES]);
+        keyframes.add(&frame(luma, TEXTURE_SIDE), &seen, &mut [0; SCRATCH_BYTES]);
     }
 
-    const WANTED: Query = Query {
+    const QUERY: Query = Query {
         size_px: 64.0,
         roll: 0.0,
         attempt: 0,
     };
 
     #[test]
-    fn bins_fill_and_are_replaced_by_better_ones() {
+    fn bins_fill_and_are_replaced_by_better_keyframes() {
         let luma = texture(0.0, 1.0, 0);
         let mut keyframes = Keyframes::EMPTY;
         assert!(keyframes.is_empty());
-        learn(&mut keyframes, &luma, 0.0, 0.0, 0.7);
-        let filled = |k: &Keyframes| k.table.iter().filter(|k| k.count > 0).count();
+        add(&mut keyframes, &luma, 0.0, 0.0, 0.7);
+        let filled = |k: &Keyframes| k.entries.iter().filter(|k| !k.is_free()).count();
         assert_eq!(filled(&keyframes), 1);
-        assert!(keyframes.table[0].points().len() > 8);
-        // The same bin brings nothing, unless much better; then the entry stays the same.
+        assert!(keyframes.entries[0].points().len() > 8);
+        // A keyframe of the same bin is not needed, unless it is much better; then it takes the same entry.
         assert_eq!(keyframes.entry_for(&angles(9.0, -9.0), 0.8), None);
         assert_eq!(keyframes.entry_for(&angles(9.0, -9.0), 0.9), Some(0));
         assert_eq!(keyframes.entry_for(&angles(20.0, 0.0), 0.1), Some(1));
         assert_eq!(keyframes.entry_for(&angles(0.0, 20.0), 0.1), Some(1));
-        learn(&mut keyframes, &luma, -20.0, 0.0, 0.5);
-        // Somebody else's face does not replace it before there is no room.
+        add(&mut keyframes, &luma, -20.0, 0.0, 0.5);
+        // A new identity takes free entries first.
         keyframes.new_identity();
         for bin in 0..15 {
             let yaw = [-60.0, -20.0, 0.0, 20.0, 60.0][bin % 5];
-            learn(&mut keyframes, &luma, yaw, [-30.0, 0.0, 30.0][bin / 5], 0.5);
+            add(&mut keyframes, &luma, yaw, [-30.0, 0.0, 30.0][bin / 5], 0.5);
         }
         assert_eq!(filled(&keyframes), 17);
         keyframes.mark_entry_used(0);
@@ -334,25 +324,25 @@ mod tests {
         for _ in 0..2 {
             keyframes.new_identity();
             assert_ne!(keyframes.identity(), first);
-            learn(&mut keyframes, &luma, 0.0, 0.0, 0.5);
-            learn(&mut keyframes, &luma, 20.0, 0.0, 0.5);
+            add(&mut keyframes, &luma, 0.0, 0.0, 0.5);
+            add(&mut keyframes, &luma, 20.0, 0.0, 0.5);
         }
-        // The one that was of use lately is kept, the one that was not has made room.
+        // The entry that was used lately is kept, the other one was replaced.
         assert_eq!(filled(&keyframes), KEYFRAMES_MAX);
-        assert_eq!(keyframes.table[0].identity, first);
-        assert_ne!(keyframes.table[1].identity, first);
+        assert_eq!(keyframes.entries[0].identity, first);
+        assert_ne!(keyframes.entries[1].identity, first);
         keyframes.clear();
         assert!(keyframes.is_empty());
     }
 
     #[test]
-    fn a_face_is_found_where_it_went() {
+    fn a_moved_face_is_found() {
         let mut keyframes = Keyframes::EMPTY;
-        learn(&mut keyframes, &texture(0.0, 1.0, 0), 0.0, 0.0, 1.0);
+        add(&mut keyframes, &texture(0.0, 1.0, 0), 0.0, 0.0, 1.0);
         for (roll, scale) in [(0.0, 1.0), (0.2, 1.0), (-0.2, 1.1), (0.0, 0.9)] {
             let luma = texture(roll, scale, 4);
-            let frame = frame(&luma, SQUARE);
-            let found = keyframes.query(&frame, &WANTED, &mut [0; SCRATCH_BYTES]);
+            let frame = frame(&luma, TEXTURE_SIDE);
+            let found = keyframes.query(&frame, &QUERY, &mut [0; SCRATCH_BYTES]);
             let found = found.expect("the same texture");
             assert_eq!((found.identity, found.inliers >= 6), (0, true));
             let truth = ring([0.0, 0.0]).map(|[x, y]| {
@@ -367,35 +357,35 @@ mod tests {
     }
 
     #[test]
-    fn where_there_is_nothing_nothing_is_found() {
+    fn nothing_is_found_in_noise_and_flat_images() {
         let mut keyframes = Keyframes::EMPTY;
-        learn(&mut keyframes, &texture(0.0, 1.0, 0), 0.0, 0.0, 1.0);
+        add(&mut keyframes, &texture(0.0, 1.0, 0), 0.0, 0.0, 1.0);
         let mut state = 3u32;
-        let noise: [u8; SQUARE * SQUARE] = core::array::from_fn(|_| {
+        let noise: [u8; TEXTURE_SIDE * TEXTURE_SIDE] = core::array::from_fn(|_| {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             (state >> 24) as u8
         });
-        let memory = &mut [0; SCRATCH_BYTES];
+        let scratch = &mut [0; SCRATCH_BYTES];
         for attempt in 0..8 {
             for (luma, width) in [
-                (&noise[..], SQUARE),
+                (&noise[..], TEXTURE_SIDE),
                 (&[77; 160 * 120], 160),
                 (&[200], 1),
                 (&[3; 16_384], 16_384),
                 (&[3; 16_384], 1),
             ] {
                 for size_px in [64.0, 1.0, 0.0, -5.0, 1e9, f32::NAN] {
-                    let wanted = Query {
+                    let query = Query {
                         size_px,
                         attempt,
                         roll: size_px,
                     };
-                    let found = keyframes.query(&frame(luma, width), &wanted, memory);
+                    let found = keyframes.query(&frame(luma, width), &query, scratch);
                     assert_eq!(found, None);
                 }
             }
         }
-        // Faces that cannot be: nothing to find them by is kept.
+        // Impossible shapes leave no keyframe.
         let mut empty = Keyframes::EMPTY;
         for v in [f32::NAN, f32::INFINITY, 1e30, -1e30] {
             let seen = Observation {
@@ -404,10 +394,10 @@ mod tests {
                 size_px: v,
                 quality: 1.0,
             };
-            empty.add(&frame(&noise, SQUARE), &seen, memory);
+            empty.add(&frame(&noise, TEXTURE_SIDE), &seen, scratch);
             empty.add(&frame(&[0], 1), &seen, &mut []);
         }
-        let found = empty.query(&frame(&noise, SQUARE), &WANTED, memory);
+        let found = empty.query(&frame(&noise, TEXTURE_SIDE), &QUERY, scratch);
         assert_eq!(found, None);
     }
 }

@@ -1,17 +1,17 @@
-//! What the tests of this room look at.
+//! A synthetic texture for the tests of this module.
 
-/// Side of a picture \[px\].
+/// Side of the texture \[px\].
 pub const SIDE: usize = 200;
 
-/// Soft spots in random places, the same in every picture, turned by `roll`, blown up by `scale`
-/// about the middle, and with noise of so many grey levels.
+/// Soft spots in pseudo-random places, the same in every call, rotated clockwise by `roll` \[rad\] and
+/// enlarged by `scale` about the centre, plus uniform noise of `noise` grey levels.
 pub fn texture(roll: f32, scale: f32, noise: u32) -> [u8; SIDE * SIDE] {
     let mut state = 12_345u32;
     let mut below = |n: u32| {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         (state >> 8) % n.max(1)
     };
-    // Place, radius and brightness.
+    // x, y and radius [px], brightness [grey levels].
     let spots: [[f32; 4]; 400] = core::array::from_fn(|_| {
         let mut one = |n| below(n) as f32;
         [
