@@ -13,8 +13,8 @@ const JOIN_DISTANCE: i64 = 5;
 const JOIN_RATIO: i64 = 24;
 /// … and whose roll differs by less than this \[1/65536 revolution\]: 45°.
 const JOIN_ROLL: i32 = 8_192;
-/// Clusters this near \[1/16 of the larger size\] and within this factor of size \[1/16\] compete: of
-/// these only the strongest is reported. Windows a step too large around a face may form a weak
+/// Clusters this near \[1/16 of the larger size\] and within this factor of size \[1/16\] compete:
+/// of these only the strongest is reported. Windows a step too large around a face may form a weak
 /// cluster of their own.
 const COMPETING_DISTANCE: i64 = 8;
 const COMPETING_RATIO: i64 = 64;
@@ -164,8 +164,9 @@ impl Clusters {
         self.list.iter_mut().for_each(|c| c.fresh = false);
     }
 
-    /// Reports the best cluster. `None` if there is none, or if it was hit at the size `level`, unless
-    /// that was the `last`: smaller sizes may still add to it. Each cluster is reported once.
+    /// Reports the best cluster. `None` if there is none, or if it was hit at the size `level`,
+    /// unless that was the `last`: smaller sizes may still add to it. Each cluster is reported
+    /// once.
     pub fn report(&mut self, confirm: i32, level: u16, last: bool) -> Option<Detection> {
         let best = self.best(confirm, |_| true)?;
         match last || best.last_level < level {

@@ -72,8 +72,8 @@ impl<'a> WindowGrid<'a> {
         (best, cost * (1 + (trees_used / TREES_PER_UNIT) as i64))
     }
 
-    /// Luma of the grid, or of the mirrored grid, around a pixel of the frame; outside the frame, that
-    /// of the nearest pixel.
+    /// Luma of the grid, or of the mirrored grid, around a pixel of the frame; outside the frame,
+    /// that of the nearest pixel.
     #[inline]
     fn clamped_luma(&self, x: i32, y: i32, mirror: bool) -> impl Fn(Pixel) -> u8 {
         move |pixel| {
@@ -82,8 +82,8 @@ impl<'a> WindowGrid<'a> {
         }
     }
 
-    /// As [`WindowGrid::clamped_luma`], faster, for what [`WindowGrid::interior`] returns of a frame
-    /// that is not box-filtered.
+    /// As [`WindowGrid::clamped_luma`], faster, for what [`WindowGrid::interior`] returns of a
+    /// frame that is not box-filtered.
     #[inline]
     fn raw_luma(&self, (bytes, centre): (&'a [u8], isize)) -> impl Fn(Pixel) -> u8 {
         move |pixel| {

@@ -1,9 +1,9 @@
 //! Complete binary trees of pixel comparisons, stored breadth first.
 //!
 //! A node is two pixels of the window's [grid](super::grid) and a u8 margin. A walk goes to the
-//! second child where the luma of the first pixel exceeds that of the second by more than the margin.
-//! Without a margin noise decides the comparison in flat regions: the margin halves the false
-//! positives of equally many trees.
+//! second child where the luma of the first pixel exceeds that of the second by more than the
+//! margin. Without a margin noise decides the comparison in flat regions: the margin halves the
+//! false positives of equally many trees.
 
 use super::grid::{GRID, Pixel};
 use crate::model::{ModelError, Section};
@@ -57,7 +57,8 @@ impl<'m> Forest<'m> {
     /// The leaf, 0..`leaves()`, that a window with this luma reaches in each of [`PARALLEL_TREES`]
     /// trees from `tree` on. Values of trees beyond the last are undefined.
     ///
-    /// Each step of a walk waits for the pixels that it compares; parallel walks overlap their waits.
+    /// Each step of a walk waits for the pixels that it compares; parallel walks overlap their
+    /// waits.
     #[inline]
     pub fn walk(&self, tree: usize, luma: impl Fn(Pixel) -> u8) -> [usize; PARALLEL_TREES] {
         let inner = (1usize << self.depth) - 1;

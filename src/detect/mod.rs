@@ -3,15 +3,15 @@
 //! In: a [`Frame`](crate::image::Frame) and the model's section `DTCT`. Out: one [`Detection`] at a
 //! time, the largest face first.
 //!
-//! A window is evaluated by soft cascades of boosted trees whose nodes compare two pixels (Markuš et
-//! al., "Object detection with pixel intensity comparisons organized in decision trees", 2013). The
-//! [`GRID`] of pixels to compare is scaled and rotated with the window, so there is no pyramid, no
-//! integral image and no copy of the frame. Overlapping hits are merged ([`cluster`]); a small
+//! A window is evaluated by soft cascades of boosted trees whose nodes compare two pixels (Markuš
+//! et al., "Object detection with pixel intensity comparisons organized in decision trees", 2013).
+//! The [`GRID`] of pixels to compare is scaled and rotated with the window, so there is no pyramid,
+//! no integral image and no copy of the frame. Overlapping hits are merged ([`cluster`]); a small
 //! regression forest on the same comparisons then moves the merged window onto the face
 //! ([`refine`]).
 //!
-//! Arithmetic is integer up to the merged window. [`Scan`] holds all state in fixed memory, so a scan
-//! of the frame can be spread over as many calls as the caller likes.
+//! Arithmetic is integer up to the merged window. [`Scan`] holds all state in fixed memory, so a
+//! scan of the frame can be spread over as many calls as the caller likes.
 
 mod cluster;
 mod evaluate;

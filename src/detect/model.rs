@@ -21,8 +21,8 @@ pub const ROLLS_MAX: usize = 12;
 /// Most ensembles.
 pub const ENSEMBLES_MAX: usize = 3;
 /// Outputs of a leaf of the regression forest \[1/4096\]: shift right and shift down (along the
-/// window's own axes, as a share of its size), natural logarithm of the size's ratio, change of roll
-/// \[rad\], and yaw as in [`Detection::yaw`](super::Detection::yaw).
+/// window's own axes, as a share of its size), natural logarithm of the size's ratio, change of
+/// roll \[rad\], and yaw as in [`Detection::yaw`](super::Detection::yaw).
 pub const REFINE_OUTPUTS: usize = 5;
 
 const TREES_MAX: usize = 4096;
@@ -32,7 +32,8 @@ const ITERATIONS_MAX: usize = 8;
 /// 2005): a window is rejected at the first tree where its sum falls below the tree's threshold.
 #[derive(Clone, Copy, Debug)]
 pub struct Ensemble<'m> {
-    /// Whether windows are also evaluated mirrored: then the ensemble is trained on one side view only.
+    /// Whether windows are also evaluated mirrored: then the ensemble is trained on one side view
+    /// only.
     pub mirrored: bool,
     pub(super) forest: Forest<'m>,
     /// Value per tree and leaf.

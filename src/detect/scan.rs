@@ -1,14 +1,14 @@
 //! The scan over sizes, rolls and places, in calls of bounded work.
 //!
-//! Sizes go from the frame's shorter side down: the largest face is found first, and large sizes are
-//! cheap. All sizes are scanned for upright faces first, then for rolled ones: most heads are upright
-//! and are found in a fraction of the whole scan. After each size the best complete cluster is
-//! reported.
+//! Sizes go from the frame's shorter side down: the largest face is found first, and large sizes
+//! are cheap. All sizes are scanned for upright faces first, then for rolled ones: most heads are
+//! upright and are found in a fraction of the whole scan. After each size the best complete cluster
+//! is reported.
 //!
-//! Between calls the frame may change: a scan of a live stream sees each part of it at another time,
-//! and a moving face has left by the time its cluster is complete. So what was hit during a call is
-//! reported at the end of that call; a small local search makes up for the sizes that were not scanned
-//! yet.
+//! Between calls the frame may change: a scan of a live stream sees each part of it at another
+//! time, and a moving face has left by the time its cluster is complete. So what was hit during a
+//! call is reported at the end of that call; a small local search makes up for the sizes that were
+//! not scanned yet.
 
 use super::cluster::{Clusters, Hit, radians};
 use super::evaluate::{EMPTY_TABLE, WindowGrid};
@@ -28,7 +28,8 @@ pub enum ScanOutcome {
     /// The budget is used up; the next call continues the scan.
     BudgetSpent,
     /// A face candidate. If the caller rejects it, the next call continues the scan and reports it
-    /// again only where other sizes hit it too. If the caller accepts it, it calls [`Scan::restart`].
+    /// again only where other sizes hit it too. If the caller accepts it, it calls
+    /// [`Scan::restart`].
     Candidate(Detection),
     /// The whole frame was scanned and holds no further face; the next call starts a new scan.
     Finished,

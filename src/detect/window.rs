@@ -25,7 +25,8 @@ pub struct Window {
 
 impl Window {
     /// The window of `side_px_q4` (1/16 px) around (`x_px_q4`, `y_px_q4`), rotated clockwise by
-    /// `roll` \[rad\]. Values beyond any frame are clamped; a `roll` that is not finite is taken as 0.
+    /// `roll` \[rad\]. Values beyond any frame are clamped; a `roll` that is not finite is taken as
+    /// 0.
     pub fn new(x_px_q4: i32, y_px_q4: i32, side_px_q4: i32, roll: f32) -> Self {
         let roll = if roll.is_finite() { roll } else { 0.0 };
         let side = side_px_q4.clamp(0, SIDE_MAX * Q4);

@@ -59,10 +59,11 @@ const BOX_PX: f32 = 3.0;
 /// Largest half width of the box filter in the crop \[crop px\].
 const RADIUS_MAX: usize = 3;
 
-/// Fills `crop` (`side` ≤ [`CROP_MAX`]) with the frame's luma: crop pixel (u, v) shows the frame
-/// at `to_frame` × (u, v). Bilinear. Where the frame is finer than the crop, each pixel averages up
-/// to 4×4 samples, so the work is bounded by 16 `side`². Of a box-filtered frame the crop is filtered
-/// instead, with a box that is as wide in the frame as nearly as an odd number of crop pixels can be.
+/// Fills `crop` (`side` ≤ [`CROP_MAX`]) with the frame's luma: crop pixel (u, v) shows the frame at
+/// `to_frame` × (u, v). Bilinear. Where the frame is finer than the crop, each pixel averages up to
+/// 4×4 samples, so the work is bounded by 16 `side`². Of a box-filtered frame the crop is filtered
+/// instead, with a box that is as wide in the frame as nearly as an odd number of crop pixels can
+/// be.
 ///
 /// Arithmetic is 16.16 fixed point: the same bytes on every machine.
 pub fn warp(frame: &Frame<'_>, to_frame: &Similarity, side: usize, crop: &mut Crop) {

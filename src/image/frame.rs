@@ -30,8 +30,9 @@ impl<'a> Frame<'a> {
         })
     }
 
-    /// The same frame seen through a 3×3 box filter: each pixel is the rounded mean of itself and its
-    /// eight neighbours. The deviation of white noise falls to a third; a pixel costs nine reads.
+    /// The same frame seen through a 3×3 box filter: each pixel is the rounded mean of itself and
+    /// its eight neighbours. The deviation of white noise falls to a third; a pixel costs nine
+    /// reads.
     pub fn box_filtered(&self) -> Self {
         Frame {
             box_filtered: true,
@@ -86,8 +87,8 @@ impl<'a> Frame<'a> {
         self.raw_luma_at(self.byte_offset(x, y))
     }
 
-    /// Luma, without the box filter, at (x, y), (x+1, y), (x, y+1) and (x+1, y+1); outside the frame,
-    /// that of the nearest pixel.
+    /// Luma, without the box filter, at (x, y), (x+1, y), (x, y+1) and (x+1, y+1); outside the
+    /// frame, that of the nearest pixel.
     #[inline]
     pub(crate) fn raw_2x2(&self, x: i32, y: i32) -> [u8; 4] {
         if x >= 0 && y >= 0 && x < self.at.width - 1 && y < self.at.height - 1 {
@@ -161,7 +162,8 @@ impl<'a> Frame<'a> {
     #[inline]
     fn raw_luma_at(&self, offset: isize) -> u8 {
         let at = offset as usize;
-        // `new` checked the length, so the fallback is never taken; it keeps panics out of the binary.
+        // `new` checked the length, so the fallback is never taken; it keeps panics out of the
+        // binary.
         let byte = |offset: usize| self.data.get(at + offset).copied().unwrap_or(0);
         match self.encoding {
             LumaEncoding::Byte(offset) => byte(offset),

@@ -14,11 +14,11 @@ const UNIT_NOISE_MEDIAN: f32 = 6.0 * 0.6745;
 /// Fewest samples that give an estimate.
 const SAMPLES_MIN: u32 = 64;
 
-/// Ratio of the deviation of the noise to the deviation of the luma, estimated at up to 432 pixels of
-/// the frame; 0 where fewer than 64 of them are neither dark nor clipped.
+/// Ratio of the deviation of the noise to the deviation of the luma, estimated at up to 432 pixels
+/// of the frame; 0 where fewer than 64 of them are neither dark nor clipped.
 ///
-/// The filter is that of Immerkær, "Fast Noise Variance Estimation", 1996, which responds to noise and
-/// hardly to smooth content. The median replaces the paper's mean: edges do not move it.
+/// The filter is that of Immerkær, "Fast Noise Variance Estimation", 1996, which responds to noise
+/// and hardly to smooth content. The median replaces the paper's mean: edges do not move it.
 pub fn noise_share(frame: &Frame<'_>) -> f32 {
     let mut histogram = [0u16; 256];
     let (mut samples, mut sum, mut squares) = (0u32, 0u32, 0u32);

@@ -12,8 +12,9 @@ const PAIRS: usize = BITS as usize;
 /// Largest offset of a compared pixel along each axis \[px\].
 const OFFSET_MAX: i32 = 12;
 
-/// Pairs of offsets from the keypoint: x and y of the first pixel, x and y of the second \[px\]. Each
-/// coordinate is the clamped sum of four uniform numbers, which approximates a normal distribution.
+/// Pairs of offsets from the keypoint: x and y of the first pixel, x and y of the second \[px\].
+/// Each coordinate is the clamped sum of four uniform numbers, which approximates a normal
+/// distribution.
 const PATTERN: [[i8; 4]; PAIRS] = {
     let mut pattern = [[0; 4]; PAIRS];
     let mut state = 0x2545_F491u32;

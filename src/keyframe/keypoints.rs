@@ -1,7 +1,7 @@
 //! Keypoints: spots that are brighter or darker than their surroundings.
 //!
-//! The response is the difference of two box filters, a fast stand-in for the difference of Gaussians
-//! (as in Agrawal et al., "CenSurE", 2008). Keypoints are its local extremes.
+//! The response is the difference of two box filters, a fast stand-in for the difference of
+//! Gaussians (as in Agrawal et al., "CenSurE", 2008). Keypoints are its local extremes.
 
 use super::reduced_image::{HEIGHT, ReducedImage, WIDTH};
 
@@ -45,8 +45,8 @@ type Row = [i16; WIDTH];
 /// Keypoints of one row of cells.
 type CellRow = [heapless::Vec<Keypoint, PER_CELL, u8>; CELLS];
 
-/// Calls `report` with the keypoints of an image, those with the strongest responses of each cell: at
-/// most [`KEYPOINTS_MAX`]. The work is some twenty additions per pixel.
+/// Calls `report` with the keypoints of an image, those with the strongest responses of each cell:
+/// at most [`KEYPOINTS_MAX`]. The work is some twenty additions per pixel.
 #[inline(never)]
 pub fn keypoints(image: &ReducedImage<'_>, mut report: impl FnMut(Keypoint)) {
     let (width, height) = (image.width(), image.height());

@@ -1,7 +1,7 @@
 //! Keyframes: earlier views of faces, by which a lost face is re-acquired (thesis 4.2).
 //!
-//! In: frames on which the face is known, of which keyframes are added; later a frame on which it is
-//! lost, which is a query. Out: the landmarks of the best matching keyframe, moved to the frame.
+//! In: frames on which the face is known, of which keyframes are added; later a frame on which it
+//! is lost, which is a query. Out: the landmarks of the best matching keyframe, moved to the frame.
 //!
 //! 1. The frame is reduced until the face is about 64 px wide ([`FACE_PX`]).
 //! 2. Keypoints are spots, brighter or darker than their surroundings, found by the difference of

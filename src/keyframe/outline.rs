@@ -14,7 +14,8 @@ pub(super) struct Outline {
 }
 
 impl Outline {
-    /// Of landmarks relative to the face's centre \[px of the reduced image\], and its roll \[rad\].
+    /// Of landmarks relative to the face's centre \[px of the reduced image\], and its roll
+    /// \[rad\].
     pub fn of(shape: &Shape, roll: f32) -> Outline {
         let up = [libm::sinf(roll), -libm::cosf(roll)];
         let mut extents = [([0.0; 2], 0.0); DIRECTIONS];

@@ -16,8 +16,8 @@ const DISTANCE_MAX: u32 = 80;
 /// Ratio test (Lowe, 2004): the best distance is below this share of the second best \[1/256\].
 const RATIO: u32 = 230;
 
-/// Scales that attempts cycle through, as multiples of the expected one: a descriptor bridges no more
-/// than the step between them. Every other one of them takes the head for upright.
+/// Scales that attempts cycle through, as multiples of the expected one: a descriptor bridges no
+/// more than the step between them. Every other one of them takes the head for upright.
 const SCALES: [f32; 4] = [1.0, 1.25, 1.0, 0.8];
 
 /// What to search for.
@@ -45,8 +45,8 @@ pub struct KeyframeMatch {
     pub(super) entry: usize,
 }
 
-/// For a keypoint of a keyframe: the nearest keypoint of the reduced image, the Hamming distance to it
-/// and to the second nearest.
+/// For a keypoint of a keyframe: the nearest keypoint of the reduced image, the Hamming distance to
+/// it and to the second nearest.
 #[derive(Clone, Copy)]
 struct NearestPair {
     best: u16,
@@ -88,9 +88,9 @@ impl NearestPair {
 type Nearest = [[NearestPair; KEYFRAME_POINTS_MAX]; KEYFRAMES_MAX];
 
 impl Keyframes {
-    /// Searches one window of the frame for the keyframes' faces; `scratch` needs [`SCRATCH_BYTES`].
-    /// Work is bounded by the window's pixels, its keypoints times the points of all keyframes, and
-    /// the iterations of RANSAC.
+    /// Searches one window of the frame for the keyframes' faces; `scratch` needs
+    /// [`SCRATCH_BYTES`]. Work is bounded by the window's pixels, its keypoints times the points of
+    /// all keyframes, and the iterations of RANSAC.
     ///
     /// [`SCRATCH_BYTES`]: super::SCRATCH_BYTES
     #[inline(never)]

@@ -4,8 +4,8 @@
 use super::table::KEYFRAME_POINTS_MAX;
 use crate::math::Similarity;
 
-/// Iterations for one keyframe. With 40 % inliers a pair of inliers is drawn in 64 iterations with a
-/// probability of 1 − (1 − 0.16)⁶⁴, all but certainly.
+/// Iterations for one keyframe. With 40 % inliers a pair of inliers is drawn in 64 iterations with
+/// a probability of 1 − (1 − 0.16)⁶⁴, all but certainly.
 const ITERATIONS: usize = 64;
 /// A match is an inlier of a transform that maps it this near \[px of the reduced image\].
 const INLIER_PX: f32 = 3.0;
@@ -20,8 +20,8 @@ const ROTATION_TAN: f32 = 0.6;
 /// reduced image\].
 pub(super) type Pair = ([f32; 2], [f32; 2]);
 
-/// The number of inliers and the transform from the keyframe to the reduced image; `None` with fewer
-/// than [`INLIERS_MIN`]. `rotation` is the expected one, clockwise \[rad\].
+/// The number of inliers and the transform from the keyframe to the reduced image; `None` with
+/// fewer than [`INLIERS_MIN`]. `rotation` is the expected one, clockwise \[rad\].
 ///
 /// Each iteration fits a similarity to two pairs drawn from a fixed seed. The best is fitted again,
 /// by least squares, to all its inliers.

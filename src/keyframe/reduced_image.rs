@@ -28,15 +28,16 @@ pub struct SamplingGrid {
 }
 
 impl SamplingGrid {
-    /// The step with which a face of `face_px` frame pixels is `reduced_px` wide \[1/256 frame px\].
+    /// The step with which a face of `face_px` frame pixels is `reduced_px` wide
+    /// \[1/256 frame px\].
     fn step(face_px: f32, reduced_px: f32) -> Option<i32> {
         let step = face_px / reduced_px;
         (step.is_finite() && step > 0.0)
             .then(|| libm::roundf(step.clamp(STEP_MIN, STEP_MAX) * Q8) as i32)
     }
 
-    /// A square of `side` pixels around a point of the frame \[frame px\]. A face of `face_px` frame
-    /// pixels is reduced to `reduced_px`.
+    /// A square of `side` pixels around a point of the frame \[frame px\]. A face of `face_px`
+    /// frame pixels is reduced to `reduced_px`.
     pub fn around(
         centre: [f32; 2],
         side: usize,
@@ -147,8 +148,8 @@ impl<'s> ReducedImage<'s> {
         }
     }
 
-    /// Samples the frame at the grid, with two samples per pixel, and blurs by 3×3 binomial weights: at
-    /// most 2·[`SCRATCH_BYTES`] reads of the frame. Empty when the memory is too small.
+    /// Samples the frame at the grid, with two samples per pixel, and blurs by 3×3 binomial
+    /// weights: at most 2·[`SCRATCH_BYTES`] reads of the frame. Empty when the memory is too small.
     pub fn of(frame: &Frame<'_>, grid: &SamplingGrid, memory: &'s mut [u8]) -> ReducedImage<'s> {
         let (width, height) = (grid.width.min(WIDTH), grid.height.min(HEIGHT));
         let Some(luma) = memory.get_mut(..width * height) else {

@@ -306,7 +306,8 @@ mod tests {
         let filled = |k: &Keyframes| k.entries.iter().filter(|k| !k.is_free()).count();
         assert_eq!(filled(&keyframes), 1);
         assert!(keyframes.entries[0].points().len() > 8);
-        // A keyframe of the same bin is not needed, unless it is much better; then it takes the same entry.
+        // A keyframe of the same bin is not needed, unless it is much better; then it takes the
+        // same entry.
         assert_eq!(keyframes.entry_for(&angles(9.0, -9.0), 0.8), None);
         assert_eq!(keyframes.entry_for(&angles(9.0, -9.0), 0.9), Some(0));
         assert_eq!(keyframes.entry_for(&angles(20.0, 0.0), 0.1), Some(1));

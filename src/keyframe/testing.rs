@@ -3,8 +3,8 @@
 /// Side of the texture \[px\].
 pub const SIDE: usize = 200;
 
-/// Soft spots in pseudo-random places, the same in every call, rotated clockwise by `roll` \[rad\] and
-/// enlarged by `scale` about the centre, plus uniform noise of `noise` grey levels.
+/// Soft spots in pseudo-random places, the same in every call, rotated clockwise by `roll` \[rad\]
+/// and enlarged by `scale` about the centre, plus uniform noise of `noise` grey levels.
 pub fn texture(roll: f32, scale: f32, noise: u32) -> [u8; SIDE * SIDE] {
     let mut state = 12_345u32;
     let mut below = |n: u32| {
