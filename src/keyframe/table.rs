@@ -59,7 +59,7 @@ pub(super) struct Keyframe {
     /// The landmarks, in the units of [`Point::offset`].
     shape: [[i16; 2]; LANDMARKS],
     /// None in a free entry.
-    points: heapless::Vec<Point, KEYFRAME_POINTS_MAX>,
+    points: heapless::Vec<Point, KEYFRAME_POINTS_MAX, u8>,
 }
 
 impl Keyframe {
@@ -104,7 +104,7 @@ pub struct Observation<'a> {
 #[derive(Clone)]
 pub struct Keyframes {
     /// Entries in the order in which they were first taken; an entry stays where it is.
-    entries: heapless::Vec<Keyframe, KEYFRAMES_MAX>,
+    entries: heapless::Vec<Keyframe, KEYFRAMES_MAX, u8>,
     /// Identity of the tracked face.
     identity: u32,
     /// Counts keyframes that were added or matched.
