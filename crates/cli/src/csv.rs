@@ -174,7 +174,7 @@ pub const COLUMNS: &[Column] = &[
     one(
         "state",
         "word",
-        "`searching`, `tracking` or `holding`",
+        "`searching`, `tracking` or `coasting`",
         |r, _| Cell::Word(state_name(r.result.state)),
     ),
     one(
@@ -195,31 +195,31 @@ pub const COLUMNS: &[Column] = &[
     per_landmark(
         "c",
         "0..1",
-        "confidence: probability that the landmark is within a tenth of the inter-ocular distance",
+        "confidence: probability of an error below 0.1 inter-ocular distances",
         |r, i| num(landmark(r, i).confidence, 3),
     ),
     per_landmark(
         "vis",
         "0..1",
-        "visibility: probability that nothing hides the landmark from the camera",
+        "visibility: probability that nothing hides the landmark",
         |r, i| num(landmark(r, i).visibility, 2),
     ),
     one(
         "eye_open_left",
         "0..1, −1",
-        "openness of the subject's left eye; −1 unknown: hidden, or moving by more than 0.6 of its width in 1/30 s",
+        "left eye: 0 shut, 1 open, −1 unknown (hidden or too fast)",
         |r, _| num(r.result.eye_open[0], 3),
     ),
     one(
         "eye_open_right",
         "0..1, −1",
-        "openness of the subject's right eye, likewise",
+        "right eye, likewise",
         |r, _| num(r.result.eye_open[1], 3),
     ),
     Column {
         names: Names::Animations,
         unit: "0..1",
-        meaning: "animation weights under ARKit's blendshape names",
+        meaning: "animation weights; all names are listed below",
         value: |r, i| num(r.result.animation.get(i).copied().unwrap_or(0.0), 3),
     },
     one("box_x", "px", "left edge of the landmarks' box", |r, _| {
@@ -243,7 +243,7 @@ pub const COLUMNS: &[Column] = &[
     one(
         "loss",
         "0..3",
-        "why the face was lost: 0 it was not, 1 doubt, 2 it left the frame, 3 no pose explains it",
+        "reason of the loss: 0 none, 1 low confidence, 2 left the frame, 3 no pose",
         |r, _| Cell::Number(f64::from(r.result.loss as u8), 0),
     ),
     one(
@@ -346,18 +346,30 @@ pub fn values(row: &Row<'_>) -> Vec<String> {
         .collect()
 }
 
-/// The columns as a Markdown table: what `posewise columns` prints and the docs contain.
+/// Names of animation weights on one line of the documentation.
+const NAMES_PER_LINE: usize = 4;
+
+/// The columns as a Markdown table and the names of the animation weights: what `posewise columns`
+/// prints and the docs contain.
 pub fn documentation() -> String {
     let mut out = String::from("| column | unit | meaning |\n|---|---|---|\n");
     for column in COLUMNS {
         let name = match column.names {
             Names::One(name) => format!("`{name}`"),
             Names::PerLandmark(name) => format!("`{name}_0` … `{name}_67`"),
-            Names::Animations => ANIMATION_NAMES.map(|n| format!("`{n}`")).join(", "),
+            Names::Animations => {
+                let (first, last) = (ANIMATION_NAMES.first(), ANIMATION_NAMES.last());
+                format!("`{}` … `{}`", first.unwrap_or(&""), last.unwrap_or(&""))
+            }
         };
         out += &format!("| {name} | {} | {} |\n", column.unit, column.meaning);
     }
-    out
+    out += "\nThe animation weights, in order, under ARKit's blendshape names:\n";
+    for line in ANIMATION_NAMES.chunks(NAMES_PER_LINE) {
+        let names: Vec<String> = line.iter().map(|name| format!("`{name}`")).collect();
+        out += &format!("\n{},", names.join(", "));
+    }
+    out.trim_end_matches(',').to_string() + ".\n"
 }
 
 /// Writes the table.
@@ -405,6 +417,7 @@ mod tests {
             docs.contains(&table),
             "docs/command-line.md must contain this table:\n{table}"
         );
+        assert!(table.lines().all(|line| line.chars().count() <= 100));
     }
 
     #[test]

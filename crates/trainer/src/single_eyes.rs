@@ -13,6 +13,7 @@ use posewise::math::Similarity;
 use posewise::shape::LANDMARKS;
 use posewise::track::Model;
 use rayon::prelude::*;
+use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -25,6 +26,9 @@ pub struct Args {
     /// The model.
     #[arg(long, default_value = "models/default.posewise")]
     pub model: PathBuf,
+    /// Write the numbers as JSON too.
+    #[arg(long)]
+    pub json: Option<PathBuf>,
 }
 
 /// Widths of an eye, and the height of its middle, in sides of the picture: where to begin.
@@ -103,6 +107,7 @@ pub fn run(args: &Args) -> Result<()> {
     let bytes = AlignedBlob::new(&bytes);
     let model = Model::load(bytes.bytes())?;
     let mut all = vec![];
+    let mut value = json!({});
     for (name, open) in [("open", true), ("closed", false)] {
         let paths = pictures(&args.eyes.join(name), true)?;
         let found = looks(&model.align, &paths)?;
@@ -115,9 +120,16 @@ pub fn run(args: &Args) -> Result<()> {
             2 * paths.len(),
             found[found.len() / 2]
         );
+        value[name] = json!({"looked_at": 2 * paths.len(), "found": found.len(),
+            "median_gap": found[found.len() / 2]});
         all.extend(found.into_iter().map(|gap| (gap, open)));
     }
-    println!("area under the ROC of the gap: {:.3}", roc::area(all));
+    let area = roc::area(all);
+    println!("area under the ROC of the gap: {area:.3}");
+    value["gap_auc"] = json!(area);
+    if let Some(path) = &args.json {
+        std::fs::write(path, value.to_string()).with_context(|| path.display().to_string())?;
+    }
     Ok(())
 }
 

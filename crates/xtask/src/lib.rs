@@ -1,8 +1,11 @@
 //! Developer commands (`cargo xtask --help`). They measure the static library that the Makefile
-//! builds, on this machine and on emulated ones; the tests call the same functions.
+//! builds, on this machine and on emulated ones, and the accuracy of the models. The tests call the
+//! same functions.
 
+pub mod figures;
 mod library;
 mod machine;
+pub mod picture;
 mod replay;
 mod size;
 

@@ -3,9 +3,9 @@
 use anyhow::{Context, Result};
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
-use xtask::{Library, code_size, demo_clip, replay, root, size_table};
+use xtask::{Library, code_size, demo_clip, figures, picture, replay, root, size_table};
 
-/// Measures the static library, on this machine and on emulated ones.
+/// Measures the static library and the models.
 #[derive(Parser)]
 #[command(name = "cargo xtask")]
 struct Cli {
@@ -37,6 +37,12 @@ enum Task {
         #[command(flatten)]
         clip: Clip,
     },
+    /// Measures a model and writes its figures as JSON
+    Measure(figures::measure::Args),
+    /// Writes docs/accuracy.md and the figures in README.md from the JSON of `measure`
+    Accuracy,
+    /// Writes docs/tracked.png, the picture in README.md
+    Picture,
 }
 
 #[derive(Args)]
@@ -98,6 +104,9 @@ fn main() -> Result<()> {
         Task::Sizes { build, clip } => {
             print!("{}", size_table(&build.library(), &clip.path()?)?);
         }
+        Task::Measure(args) => figures::measure::run(&args)?,
+        Task::Accuracy => figures::pages::write()?,
+        Task::Picture => picture::write()?,
     }
     Ok(())
 }

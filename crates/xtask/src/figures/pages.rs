@@ -1,0 +1,54 @@
+//! `cargo xtask accuracy`: the pages that show the figures.
+
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+
+use super::tables::{self, Model};
+use super::{MODELS, figures_of};
+use crate::root;
+
+/// Around the table of figures in `README.md`.
+const BEGIN: &str = "<!-- figures: written by `cargo xtask accuracy` -->\n";
+const END: &str = "<!-- end of figures -->";
+
+/// Writes both pages.
+pub fn write() -> Result<()> {
+    for (path, text) in pages()? {
+        std::fs::write(&path, text).with_context(|| path.display().to_string())?;
+    }
+    Ok(())
+}
+
+/// The pages as the committed figures make them.
+fn pages() -> Result<Vec<(PathBuf, String)>> {
+    let models = MODELS
+        .iter()
+        .map(|name| read(name))
+        .collect::<Result<Vec<_>>>()?;
+    let readme = root().join("README.md");
+    let text = std::fs::read_to_string(&readme)?;
+    let text = between_marks(&text, &tables::readme(&models)?)?;
+    let accuracy = root().join("docs/accuracy.md");
+    Ok(vec![(readme, text), (accuracy, tables::accuracy(&models)?)])
+}
+
+fn read(name: &str) -> Result<Model> {
+    let path = figures_of(name);
+    let text = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
+    Ok(Model {
+        name: name.to_string(),
+        figures: serde_json::from_str(&text).with_context(|| path.display().to_string())?,
+    })
+}
+
+/// The text with this table between its marks.
+fn between_marks(text: &str, table: &str) -> Result<String> {
+    let (before, rest) = text
+        .split_once(BEGIN)
+        .context("README.md: no begin of figures")?;
+    let (_, after) = rest
+        .split_once(END)
+        .context("README.md: no end of figures")?;
+    Ok(format!("{before}{BEGIN}\n{table}\n{END}{after}"))
+}

@@ -1,0 +1,139 @@
+//! Tables of the search, and of time and memory.
+
+use anyhow::{Context, Result};
+
+use super::{Model, by_model, side_by_side, table, word};
+
+pub fn recovery(models: &[Model]) -> Result<String> {
+    let items = [
+        (
+            "half of them mirrored",
+            "/lost_and_found/recovery/half_mirrored",
+        ),
+        ("as they are", "/lost_and_found/recovery/not_mirrored"),
+        (
+            "new tracker each time",
+            "/lost_and_found/recovery/first_seen",
+        ),
+    ];
+    let rows = by_model(models, &items, |model, pointer| {
+        let at = |key: &str| model.at(&format!("{pointer}/{key}"));
+        Ok(vec![
+            at("median_frames")?.count(),
+            at("worst_frames")?.count(),
+            at("never")?.count(),
+            format!(
+                "{} of {}",
+                at("false_tracks")?.count(),
+                at("faceless_frames")?.count()
+            ),
+        ])
+    })?;
+    let header = [
+        "pieces",
+        "model",
+        "median",
+        "worst",
+        "never",
+        "faceless frames tracked",
+    ];
+    Ok(table(&header, &rows))
+}
+
+pub fn fast(models: &[Model]) -> Result<String> {
+    let first = models.first().context("no models")?;
+    let mut rows = vec![];
+    for index in 0..first.list("/fast_motion")?.len() {
+        let pointer = |key: &str| format!("/fast_motion/{index}/{key}");
+        let mut row = vec![
+            first.at(&pointer("every"))?.count(),
+            first.at(&pointer("frames"))?.count(),
+        ];
+        for model in models {
+            row.push(model.at(&pointer("tracked"))?.count());
+        }
+        rows.push(row);
+    }
+    let mut header = vec!["every n-th frame".to_string(), "frames".to_string()];
+    header.extend(
+        models
+            .iter()
+            .map(|model| format!("{}: tracked", model.name)),
+    );
+    let header: Vec<&str> = header.iter().map(String::as_str).collect();
+    Ok(table(&header, &rows))
+}
+
+pub fn faceless(models: &[Model]) -> Result<String> {
+    let first = models.first().context("no models")?;
+    let mut rows = vec![];
+    for (index, item) in first.list("/lost_and_found/faceless")?.iter().enumerate() {
+        let options = word(item, "options")?;
+        let pointer = |key: &str| format!("/lost_and_found/faceless/{index}/result/{key}");
+        let mut row = vec![
+            if options.is_empty() {
+                "none".into()
+            } else {
+                format!("`{options}`")
+            },
+            first.at(&pointer("frames"))?.count(),
+        ];
+        for model in models {
+            row.push(model.at(&pointer("tracked"))?.count());
+        }
+        rows.push(row);
+    }
+    let mut header = vec!["further options".to_string(), "frames".to_string()];
+    header.extend(
+        models
+            .iter()
+            .map(|model| format!("{}: tracked", model.name)),
+    );
+    let header: Vec<&str> = header.iter().map(String::as_str).collect();
+    Ok(table(&header, &rows))
+}
+
+pub fn departure(models: &[Model]) -> Result<String> {
+    let sum = |m: &Model, key: &str| -> Result<f64> {
+        let list = m.list("/lost_and_found/departure")?;
+        Ok(list.iter().filter_map(|way| way[key].as_f64()).sum())
+    };
+    let of = |m: &Model, tracked: &str, frames: &str| -> Result<String> {
+        Ok(format!("{} of {}", sum(m, tracked)?, sum(m, frames)?))
+    };
+    side_by_side(
+        models,
+        "frames tracked, all sixteen ways",
+        &[
+            ("while nobody is there", &|m| {
+                of(m, "absent_tracked", "absent_frames")
+            }),
+            ("while nine tenths of the landmarks are in view", &|m| {
+                of(m, "present_tracked", "present_frames")
+            }),
+        ],
+    )
+}
+
+pub fn cost(models: &[Model]) -> Result<String> {
+    let ms = |m: &Model, key: &str| -> Result<String> {
+        Ok(m.at(&format!("/bench/{key}"))?.over(1e6, 2) + " ms")
+    };
+    let bytes = |m: &Model, key: &str| -> Result<String> {
+        Ok(m.at(&format!("/bench/{key}"))?.count() + " bytes")
+    };
+    side_by_side(
+        models,
+        "cost",
+        &[
+            ("a tracking step, median", &|m| ms(m, "tracking/median_ns")),
+            ("a searching step, median", &|m| {
+                ms(m, "searching/median_ns")
+            }),
+            ("the worst-case step", &|m| ms(m, "worst_ns")),
+            ("model", &|m| bytes(m, "model_bytes")),
+            ("tracker memory", &|m| bytes(m, "tracker_bytes")),
+            ("stack of the steps", &|m| bytes(m, "peak_stack_bytes")),
+        ],
+    )
+}
