@@ -1,54 +1,12 @@
-//! What a program gets when it links the static library: no panics, no heap, no stray symbols, a
-//! bounded stack.
+//! What a program gets when it links the static library: no panics, no heap, no stray symbols.
 
 mod common;
-#[path = "../src/ffi/types.rs"]
-#[allow(dead_code, missing_docs, non_camel_case_types)]
-mod types;
 
-use common::c::{arguments, cc, example, exists, library, program, succeed};
-use common::{check_documented, root, scratch};
+use common::c::{cc, example, exists, library, succeed};
+use common::{root, scratch};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
-
-/// Peak stack of one call \[bytes\], as the header promises: what a Cortex-M board can spare.
-const STACK_LIMIT: usize = 32 * 1024;
-
-/// `POSEWISE_MEMORY_SIZE` may exceed the true need by this factor, no more: it is what a C program
-/// sets aside. Below the floor it does not matter.
-const MEMORY_SLACK: f64 = 1.15;
-const MEMORY_FLOOR: usize = 64 * 1024;
-
-#[test]
-fn stack_and_memory_are_bounded() {
-    let stack = program("tests/c/stack.c", "stack", &["-pthread"]);
-    let printed = succeed(Command::new(stack).args(arguments()));
-    println!("{printed}");
-    let figure = |name: &str| -> usize {
-        let line = printed.lines().find_map(|line| line.strip_prefix(name));
-        line.and_then(|n| n.trim().parse().ok()).expect("a figure")
-    };
-    for call in ["init", "step"] {
-        let used = figure(call);
-        assert!(
-            used <= STACK_LIMIT,
-            "posewise_{call} uses {used} bytes of stack"
-        );
-    }
-    if cfg!(target_arch = "x86_64") {
-        check_documented("stack of `posewise_init`, x86-64", figure("init"), 0.1);
-        check_documented("stack of `posewise_step`, x86-64", figure("step"), 0.1);
-    }
-    let (need, stated) = (figure("memory"), types::POSEWISE_MEMORY_SIZE as usize);
-    assert!(need <= stated);
-    check_documented("tracker, 64-bit machine", need, 0.03);
-    check_documented("… at most, known when compiling", stated, 0.0);
-    assert!(
-        need < MEMORY_FLOOR || stated as f64 <= need as f64 * MEMORY_SLACK,
-        "POSEWISE_MEMORY_SIZE is {stated}, a tracker needs {need}: lower it in ffi/types.rs"
-    );
-}
 
 /// Names in a linked program that belong to the panic machinery.
 fn panics(program: &Path) -> Vec<String> {

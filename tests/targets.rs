@@ -4,6 +4,9 @@
 //! Skipped where compilers or emulators are missing, unless `POSEWISE_REQUIRE_TARGETS` is set.
 
 mod common;
+#[path = "../src/ffi/types.rs"]
+#[allow(dead_code, missing_docs, non_camel_case_types)]
+mod types;
 
 use common::c::{STRICT, cc, cxx, exists, library, require, succeed};
 use common::{root, scratch};
@@ -58,41 +61,80 @@ fn possible(target: &str, programs: &[&str]) -> bool {
     built_for(Some(target)).can_be_built() || require(&format!("Rust for {target}"))
 }
 
-/// Runs the clip on a machine, if that is possible, and compares the results with this machine's.
-fn answers_alike(target: &str, programs: &[&str]) -> Option<Replay> {
-    if !require("make") || !possible(target, programs) {
-        return None;
+/// What the header promises of the stack of a call \[bytes\].
+const STACK_LIMIT: usize = 32 * 1024;
+
+/// One of the figures that the replay printed.
+fn figure(replay: &Replay, name: &str) -> usize {
+    let figure = replay.figure(name);
+    figure.unwrap_or_else(|| panic!("no '{name}' in {}", replay.notes))
+}
+
+/// Checks that each call keeps the promise of the header, and what docs/memory.md says of it.
+fn check_stack(replay: &Replay, machine: &str) {
+    for call in ["posewise_init", "posewise_step"] {
+        let bytes = figure(replay, &format!("stack of {call}"));
+        println!("{machine}: stack of {call}: {bytes}");
+        assert!(
+            bytes < STACK_LIMIT,
+            "{machine}: {call} takes {bytes} bytes of stack"
+        );
+        common::check_documented(&format!("stack of `{call}`, {machine}"), bytes, 0.1);
     }
-    let replay = replay(Some(target));
-    assert_eq!(replay.line, expected(), "this machine at the right");
-    Some(replay)
+}
+
+/// Runs the clip on a machine, if that is possible: the same results as here, on a bounded stack.
+fn check_target(target: &str, machine: &str, programs: &[&str]) {
+    if require("make") && possible(target, programs) {
+        let replay = replay(Some(target));
+        assert_eq!(replay.line, expected(), "this machine at the right");
+        check_stack(&replay, machine);
+    }
 }
 
 #[test]
 fn aarch64_answers_alike() {
     let programs = ["aarch64-linux-gnu-gcc", "qemu-aarch64-static"];
-    answers_alike("aarch64-unknown-linux-gnu", &programs);
+    check_target("aarch64-unknown-linux-gnu", "AArch64", &programs);
 }
 
 #[test]
 fn armv7_answers_alike() {
     let programs = ["arm-linux-gnueabihf-gcc", "qemu-arm-static"];
-    answers_alike("armv7-unknown-linux-gnueabihf", &programs);
+    check_target("armv7-unknown-linux-gnueabihf", "ARMv7", &programs);
 }
-
-/// What the header promises of a call; here the program around it must fit in, too \[bytes\].
-const STACK_LIMIT: usize = 32 * 1024;
 
 #[test]
 fn cortex_m_answers_alike() {
     let programs = ["arm-none-eabi-gcc", "qemu-system-arm"];
-    let Some(replay) = answers_alike("thumbv7em-none-eabihf", &programs) else {
+    check_target("thumbv7em-none-eabihf", "Cortex-M4", &programs);
+}
+
+/// `POSEWISE_MEMORY_SIZE` may exceed the true need by this factor, no more: it is what a C program
+/// sets aside.
+const MEMORY_SLACK: f64 = 1.15;
+
+#[test]
+fn stack_and_memory_are_bounded_here() {
+    if !require("make") {
         return;
-    };
-    let bytes = replay.figure("stack").expect("start.c prints it");
-    println!("stack of the whole program: {bytes}");
-    assert!(bytes <= STACK_LIMIT);
-    common::check_documented("stack of a whole program, Cortex-M4", bytes, 0.1);
+    }
+    library();
+    let replay = replay(None);
+    if cfg!(target_arch = "x86_64") {
+        check_stack(&replay, "x86-64");
+    }
+    let (need, stated) = (
+        figure(&replay, "tracker"),
+        types::POSEWISE_MEMORY_SIZE as usize,
+    );
+    assert!(need <= stated);
+    common::check_documented("tracker, 64-bit machine", need, 0.03);
+    common::check_documented("… at most, known when compiling", stated, 0.0);
+    assert!(
+        stated as f64 <= need as f64 * MEMORY_SLACK,
+        "POSEWISE_MEMORY_SIZE is {stated}, a tracker needs {need}: lower it in ffi/types.rs"
+    );
 }
 
 /// Code and constants that a program gets at most, the model not counted \[bytes\].

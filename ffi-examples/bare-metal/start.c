@@ -1,6 +1,6 @@
 /* start.c - from power-on to main() on a Cortex-M4F: vectors, floating point, memory, arguments.
  * Files and printf go to the debugger (semihosting); on a product, leave that out.
- * Tells on standard error how much stack main() took. */
+ * Prints on standard error how much stack main() took, unless the program paints the stack itself. */
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -150,9 +150,8 @@ pub unsafe extern "C" fn posewise_init(
         if start < blob.saturating_add(model.len()) && blob < start.saturating_add(BLOCK_SIZE) {
             return Err(POSEWISE_E_ARG); // the tracker would overwrite its model
         }
-        let model = load(model)?;
         // SAFETY: aligned and long enough, as just checked.
-        unsafe { memory::place(memory.cast(), model, &config) }.map_err(|_| POSEWISE_E_ARG)?;
+        unsafe { memory::place(memory.cast(), model, &config)? };
         // SAFETY: checked above.
         unsafe { out.write(memory.cast()) };
         Ok(())

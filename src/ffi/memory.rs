@@ -4,8 +4,9 @@
 //! points to as many readable (outputs: writable) bytes as its `struct_size` or length states, no
 //! other thread writes them during the call, and the model outlives its trackers.
 
+use super::convert::load;
 use super::types::*;
-use crate::track::{Config, ConfigError, Model, Tracker};
+use crate::track::{Config, Model, Tracker};
 use core::mem::{MaybeUninit, align_of, size_of};
 
 /// Longest struct that is accepted \[bytes\]: room for newer headers, a bound on the zero check.
@@ -154,24 +155,34 @@ const _: () = assert!(
     "raise POSEWISE_MEMORY_SIZE in ffi/types.rs"
 );
 
-/// Creates a tracker at `memory`, which is untouched if the settings are invalid.
+/// Builds a tracker at `memory`, which is untouched if the settings or the model are wrong.
 ///
 /// # Safety
 /// `memory` is aligned to [`POSEWISE_ALIGN`] and has [`BLOCK_SIZE`] writable bytes.
 pub(super) unsafe fn place(
     memory: *mut u8,
-    model: Model<'static>,
+    model: &'static [u8],
     config: &Config,
-) -> Result<(), ConfigError> {
+) -> Result<(), posewise_status> {
+    config.check().map_err(|_| POSEWISE_E_ARG)?;
     let block = memory.cast::<Block>();
-    // SAFETY: by the caller's contract; `MaybeUninit` may hold any bytes.
+    // SAFETY: by the caller's promise, here and below; `MaybeUninit` may hold whatever was there.
+    load_into(unsafe { &mut *(&raw mut (*block).model).cast() }, model)?;
     let slot = unsafe { &mut *(&raw mut (*block).tracker).cast::<MaybeUninit<Tracker>>() };
-    Tracker::init_in(slot, config)?;
-    // SAFETY: by the caller's contract. The magic comes last, when the block is complete.
-    unsafe {
-        (&raw mut (*block).model).write(model);
-        (&raw mut (*block).magic).write(MAGIC);
-    }
+    Tracker::init_in(slot, config).map_err(|_| POSEWISE_E_ARG)?;
+    // SAFETY: as above; the magic comes last, when the block is whole.
+    unsafe { (&raw mut (*block).magic).write(MAGIC) };
+    Ok(())
+}
+
+/// Loads a model into the block. By itself, because a model by value on the caller's stack would
+/// come on top of what loading takes.
+#[inline(never)]
+fn load_into(
+    slot: &mut MaybeUninit<Model<'static>>,
+    model: &'static [u8],
+) -> Result<(), posewise_status> {
+    slot.write(load(model)?);
     Ok(())
 }
 

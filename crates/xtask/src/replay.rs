@@ -19,7 +19,7 @@ impl Replay {
         self.line.split(' ').rev().nth(1)?.parse().ok()
     }
 
-    /// One of the sizes in the notes: `model`, `tracker`, `landmarks`, `stack`.
+    /// One of the sizes in the notes: `model`, `tracker`, `landmarks`, `stack of posewise_step`, …
     pub fn figure(&self, name: &str) -> Option<usize> {
         let mut lines = self.notes.lines();
         let rest = lines.find_map(|line| line.strip_prefix(name)?.strip_prefix(": "))?;

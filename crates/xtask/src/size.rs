@@ -5,7 +5,7 @@ use anyhow::{Context, Result};
 use std::fmt::Write;
 use std::path::Path;
 
-/// Frames of a replay that find and fit a face, which takes the stack's peak.
+/// Frames of a replay that find and fit a face, which takes the deepest stack.
 const FRAMES: usize = 10;
 
 /// Bytes of all that the header's functions reach, without the model. The model is linked by
@@ -39,7 +39,7 @@ pub fn size_table(library: &Library, clip: &Path) -> Result<String> {
     builds.extend(parts.iter().map(|part| vec![part.clone()]));
     builds.push(parts);
     let mut table = String::from(
-        "| built without | code and constants | model | tracker | stack of a program |\n\
+        "| built without | code and constants | model | tracker | stack of a step |\n\
          |---|---|---|---|---|\n",
     );
     for without in builds {
@@ -62,7 +62,7 @@ pub fn size_table(library: &Library, clip: &Path) -> Result<String> {
             "| {name} | {code} | {} | {} | {} |",
             figure("model"),
             figure("tracker"),
-            figure("stack")
+            figure("stack of posewise_step")
         )?;
     }
     Ok(table)
