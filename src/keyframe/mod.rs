@@ -17,6 +17,7 @@
 //! the same matches.
 
 mod descriptor;
+mod entry;
 mod keypoints;
 mod outline;
 mod query;
@@ -24,10 +25,11 @@ mod ransac;
 mod reduced_image;
 mod table;
 
+pub use entry::KEYFRAME_POINTS_MAX;
 pub use keypoints::KEYPOINTS_MAX;
 pub use query::{KeyframeMatch, Query};
 pub use reduced_image::SCRATCH_BYTES;
-pub use table::{KEYFRAME_POINTS_MAX, KEYFRAMES_MAX, Keyframes, Observation};
+pub use table::{KEYFRAMES_MAX, Keyframes, Observation};
 
 use crate::shape::LANDMARKS;
 

@@ -1,10 +1,11 @@
 //! Finds a known face in a frame: keypoints are matched with those of every keyframe.
 
 use super::descriptor::{BITS, SteeredPattern, hamming_distance};
+use super::entry::{KEYFRAME_POINTS_MAX, Keyframe};
 use super::keypoints::{Keypoint, keypoints};
 use super::ransac::{Pair, consensus};
 use super::reduced_image::{ReducedImage, SamplingGrid};
-use super::table::{KEYFRAME_POINTS_MAX, KEYFRAMES_MAX, Keyframe, Keyframes};
+use super::table::{KEYFRAMES_MAX, Keyframes};
 use super::{FACE_PX, Shape};
 use crate::image::Frame;
 use crate::math::Similarity;
@@ -137,7 +138,7 @@ impl Keyframes {
         keypoints(image, |keypoint| {
             let descriptor = pattern.describe(image, keypoint.x, keypoint.y);
             for (keyframe, nearest) in self.entries().iter().zip(nearest.iter_mut()) {
-                for (point, nearest) in keyframe.points().iter().zip(nearest) {
+                for (point, nearest) in keyframe.points.iter().zip(nearest) {
                     if point.is_dark != keypoint.is_dark() {
                         continue;
                     }
@@ -160,7 +161,7 @@ fn align(
     rotation: f32,
 ) -> Option<(usize, Similarity)> {
     let mut pairs = heapless::Vec::<Pair, KEYFRAME_POINTS_MAX>::new();
-    let points = keyframe.points().iter().zip(nearest);
+    let points = keyframe.points.iter().zip(nearest);
     for (point, nearest) in points.filter(|(_, nearest)| nearest.is_match()) {
         // A keyframe has no more points than that, so there is space.
         let _ = pairs.push((point.offset(), [nearest.x as f32, nearest.y as f32]));

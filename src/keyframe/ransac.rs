@@ -1,7 +1,7 @@
 //! RANSAC: the similarity transform on which most matches of a keyframe agree (Fischler and Bolles,
 //! "Random sample consensus", 1981).
 
-use super::table::KEYFRAME_POINTS_MAX;
+use super::entry::KEYFRAME_POINTS_MAX;
 use crate::math::Similarity;
 
 /// Iterations for one keyframe. With 40 % inliers a pair of inliers is drawn in 64 iterations with

@@ -1,6 +1,7 @@
 //! The table of keyframes: what is kept of a frame, and which entry is replaced.
 
-use super::descriptor::{Descriptor, SteeredPattern};
+use super::descriptor::SteeredPattern;
+use super::entry::{Keyframe, Point, q4};
 use super::keypoints::keypoints;
 use super::outline::Outline;
 use super::query::KeyframeMatch;
@@ -12,8 +13,6 @@ use crate::shape::LANDMARKS;
 
 /// Most keyframes.
 pub const KEYFRAMES_MAX: usize = 20;
-/// Most keypoints of a keyframe.
-pub const KEYFRAME_POINTS_MAX: usize = 32;
 
 /// Edges between the bins of yaw and of pitch \[deg\].
 const YAW_EDGES: [f32; 4] = [-40.0, -14.0, 14.0, 40.0];
@@ -24,68 +23,6 @@ const QUALITY_GAIN: f32 = 0.15;
 
 /// Side of the reduced image around a face \[px\].
 const SIDE: usize = 120;
-
-/// Units of an offset on a keyframe \[1/px\]: 4 bits after the point.
-const Q4: f32 = 16.0;
-
-/// A keypoint of a face.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Point {
-    pub descriptor: Descriptor,
-    /// From the face's centre \[1/16 px of the reduced image\].
-    offset: [i16; 2],
-    /// Whether it is darker than its surroundings.
-    pub is_dark: bool,
-}
-
-impl Point {
-    /// From the face's centre \[px of the reduced image\].
-    pub fn offset(&self) -> [f32; 2] {
-        self.offset.map(|v| v as f32 / Q4)
-    }
-}
-
-/// An earlier view of a face.
-#[derive(Clone)]
-pub(super) struct Keyframe {
-    /// Bin of yaw and pitch, see [`bin_of`].
-    bin: u8,
-    pub identity: u32,
-    /// When it was added or last matched, by [`Keyframes::clock`].
-    used: u32,
-    quality: f32,
-    /// Clockwise in the image \[rad\].
-    pub roll: f32,
-    /// The landmarks, in the units of [`Point::offset`].
-    shape: [[i16; 2]; LANDMARKS],
-    /// None in a free entry.
-    points: heapless::Vec<Point, KEYFRAME_POINTS_MAX, u8>,
-}
-
-impl Keyframe {
-    const FREE: Keyframe = Keyframe {
-        bin: 0,
-        identity: 0,
-        used: 0,
-        quality: 0.0,
-        roll: 0.0,
-        shape: [[0; 2]; LANDMARKS],
-        points: heapless::Vec::new(),
-    };
-
-    fn is_free(&self) -> bool {
-        self.points.is_empty()
-    }
-
-    pub fn points(&self) -> &[Point] {
-        &self.points
-    }
-
-    /// The landmarks, from the face's centre \[px of the reduced image\].
-    pub fn shape(&self) -> Shape {
-        self.shape.map(|p| p.map(|v| v as f32 / Q4))
-    }
-}
 
 /// A frame on which the face is known.
 #[derive(Clone, Copy, Debug)]
@@ -213,7 +150,7 @@ impl Keyframes {
         keyframe.used = clock;
         keyframe.quality = seen.quality;
         keyframe.roll = roll;
-        keyframe.shape = offsets.map(|p| p.map(q4));
+        keyframe.shape_q4 = offsets.map(|p| p.map(q4));
         keyframe.points.clear();
         keypoints(&image, |keypoint| {
             let offset = [keypoint.x as f32 - cx, keypoint.y as f32 - cy];
@@ -221,7 +158,7 @@ impl Keyframes {
                 // Not full, so there is space.
                 let _ = keyframe.points.push(Point {
                     descriptor: pattern.describe(&image, keypoint.x, keypoint.y),
-                    offset: offset.map(q4),
+                    offset_q4: offset.map(q4),
                     is_dark: keypoint.is_dark(),
                 });
             }
@@ -235,10 +172,6 @@ impl Keyframes {
         }
         self.entries.get_mut(entry)
     }
-}
-
-fn q4(v: f32) -> i16 {
-    libm::roundf((v * Q4).clamp(-32_000.0, 32_000.0)) as i16
 }
 
 fn centroid(shape: &Shape) -> [f32; 2] {
@@ -305,7 +238,7 @@ mod tests {
         add(&mut keyframes, &luma, 0.0, 0.0, 0.7);
         let filled = |k: &Keyframes| k.entries.iter().filter(|k| !k.is_free()).count();
         assert_eq!(filled(&keyframes), 1);
-        assert!(keyframes.entries[0].points().len() > 8);
+        assert!(keyframes.entries[0].points.len() > 8);
         // A keyframe of the same bin is not needed, unless it is much better; then it takes the
         // same entry.
         assert_eq!(keyframes.entry_for(&angles(9.0, -9.0), 0.8), None);
