@@ -6,12 +6,13 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use image::RgbImage;
 use posewise::track::{State, TrackResult, Tracker};
+use posewise_metrics::median;
 
 use crate::cli::{DemoArgs, TrackerArgs};
 use crate::csv::{CsvWriter, Row};
+use crate::eval::pose;
 use crate::eval::pose_metrics::Summary;
 use crate::eval::table::Table;
-use crate::eval::{median, pose};
 use crate::model_file::ModelFile;
 use crate::overlay::Painter;
 use crate::picture::Picture;

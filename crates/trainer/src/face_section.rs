@@ -1,12 +1,12 @@
 //! Writes section `FACE`: what of the head the tracker needs, quantised.
 
 use crate::head::{Head, outward};
-use crate::pack::SectionWriter;
 use anyhow::{Result, ensure};
 use nalgebra::{DMatrix, SymmetricEigen};
 use posewise::shape::{
-    ANIMATION_NAMES, FACE_TAG, Identity, JAW, LANDMARKS, MAX_EXTRA, MAX_IDENTITIES,
+    ANIMATION_NAMES, FACE_TAG, FaceModel, Identity, JAW, LANDMARKS, MAX_EXTRA, MAX_IDENTITIES,
 };
+use posewise_format::{Blob, SectionWriter};
 
 mod visibility;
 
@@ -42,6 +42,11 @@ impl Points {
     fn pick(&self, values: &[[f32; 3]]) -> Mode {
         self.vertices.iter().map(|v| values[*v as usize]).collect()
     }
+}
+
+/// The 3D face of a model.
+pub fn open<'m>(model: &Blob<'m>) -> Result<FaceModel<'m>> {
+    Ok(FaceModel::open(model.section(&FACE_TAG)?)?)
 }
 
 /// The section for a head. Points are displaced from the head's by `offsets_mm` (68, head frame:

@@ -1,98 +1,14 @@
 //! Labelled faces in memory: photographs from a CSV, and renders turned into the same form.
 
-use crate::detect::grey::Grey;
-use crate::fit::labels;
-use crate::render::effects::Camera;
-use anyhow::{Context, Result};
+use crate::labels;
+pub use crate::picture::Picture;
+use crate::render::cache;
+use anyhow::Result;
 use posewise::align::Shape;
-use posewise::image::{Frame, FrameLayout};
 use posewise::shape::{LANDMARKS, MIRROR};
-use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
-
-/// A grey picture.
-#[derive(Clone)]
-pub struct Picture {
-    /// Width and height \[px\].
-    pub size: [u32; 2],
-    /// Row-major luma.
-    pub luma: Vec<u8>,
-}
-
-impl Picture {
-    /// The picture as the core sees it.
-    pub fn frame(&self) -> Frame<'_> {
-        let layout = FrameLayout::grey(self.size[0], self.size[1]);
-        Frame::new(&layout, &self.luma).expect("a picture is as large as it says")
-    }
-
-    /// Picture files of a folder, in the order of their names.
-    pub fn list(folder: &Path) -> Result<Vec<PathBuf>> {
-        let list = std::fs::read_dir(folder);
-        let list = list.with_context(|| format!("reading {}", folder.display()))?;
-        let mut paths: Vec<PathBuf> = list.map(|f| Ok(f?.path())).collect::<Result<_>>()?;
-        paths.retain(|p| p.extension().is_some_and(|e| e == "jpg" || e == "png"));
-        paths.sort();
-        Ok(paths)
-    }
-
-    /// Reads a picture file as luma (BT.601).
-    pub fn read(path: &Path) -> Result<Picture> {
-        let image = image::open(path).with_context(|| format!("reading {}", path.display()))?;
-        let grey = image.to_luma8();
-        Ok(Picture {
-            size: [grey.width(), grey.height()],
-            luma: grey.into_raw(),
-        })
-    }
-
-    /// Left and right exchanged.
-    pub fn mirrored(&self) -> Picture {
-        let rows = self.luma.chunks_exact(self.size[0] as usize);
-        Picture {
-            size: self.size,
-            luma: rows.flat_map(|row| row.iter().rev().copied()).collect(),
-        }
-    }
-
-    /// Turned clockwise by a quarter.
-    pub fn turned(&self) -> Picture {
-        let [w, h] = self.size;
-        let column = |x| self.luma[x..].iter().step_by(w as usize).rev().copied();
-        Picture {
-            size: [h, w],
-            luma: (0..w as usize).flat_map(column).collect(),
-        }
-    }
-
-    /// As a camera shows it.
-    pub fn through(&self, camera: &Camera, rng: &mut ChaCha8Rng) -> Picture {
-        let mut light = self.luma.iter().map(|v| *v as f32 / 255.0).collect();
-        Picture {
-            size: self.size,
-            luma: camera.develop(rng, &mut light, self.size[0] as usize),
-        }
-    }
-
-    /// In all eight orientations.
-    pub fn orientations(&self) -> Vec<Picture> {
-        let mut all = vec![self.clone()];
-        (0..3).for_each(|k| all.push(all[k].turned()));
-        all.extend(all.iter().map(Picture::mirrored).collect::<Vec<_>>());
-        all
-    }
-}
-
-impl From<Grey> for Picture {
-    fn from(grey: Grey) -> Picture {
-        Picture {
-            size: [grey.width, grey.height],
-            luma: grey.luma,
-        }
-    }
-}
 
 /// One face with its 68 landmarks.
 #[derive(Clone)]
@@ -202,7 +118,7 @@ pub fn photographs(csv_path: &Path, images: &Path) -> Result<Vec<Face>> {
 /// The first `count` samples of a file of renders; a face weighs as much as a photograph when all
 /// of it is seen, and less the more of it is hidden.
 pub fn rendered(path: &Path, count: usize) -> Result<Vec<Face>> {
-    let samples = crate::render::cache::read(path, count)?;
+    let samples = cache::read(path, count)?;
     Ok(samples
         .into_iter()
         .map(|sample| Face {
@@ -227,23 +143,6 @@ fn seen(visible: &[bool; LANDMARKS]) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_picture_has_eight_orientations() {
-        let picture = Picture {
-            size: [3, 2],
-            luma: vec![1, 2, 3, 4, 5, 6],
-        };
-        let turned = picture.turned();
-        assert_eq!(
-            (turned.size, &turned.luma[..]),
-            ([2, 3], &[4, 1, 5, 2, 6, 3][..])
-        );
-        let mut all = picture.orientations();
-        all.sort_by(|a, b| (a.size, &a.luma).cmp(&(b.size, &b.luma)));
-        all.dedup_by(|a, b| a.luma == b.luma && a.size == b.size);
-        assert_eq!(all.len(), 8);
-    }
 
     #[test]
     fn mirror_is_its_own_inverse() {

@@ -5,17 +5,14 @@
 //! The photographs are crops of unknown cameras: the principal point is taken as the middle and
 //! the focal length as [`FitSettings::focal_per_side`] times the longer side.
 
-pub mod labels;
-
-use crate::face_section::{face_section, head_identity, identity_directions, point_vertices};
+use crate::face_section::{face_section, head_identity, identity_directions, open, point_vertices};
 use crate::head::Head;
-use crate::pack;
+use crate::labels::{self, Label};
 use anyhow::{Context, Result, ensure};
 use indicatif::{ParallelProgressIterator, ProgressBar, ProgressStyle};
-use labels::Label;
 use posewise::shape::{self, FaceFit, FaceModel, FitOptions, Identity, IdentityEstimator};
 use posewise::shape::{Intrinsics, LANDMARKS, MAX_IDENTITIES, MIRROR, Observed};
-use posewise_format::{AlignedBytes, Blob};
+use posewise_format::{AlignedBytes, Blob, blob};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -185,8 +182,9 @@ pub fn fit_photographs(
         .collect::<Result<Vec<_>>>()?;
     let mut offsets = vec![[0.0f32; 3]; LANDMARKS];
     for round in 0..settings.rounds.max(1) {
-        let blob = AlignedBlob::new(&pack::blob(&[face_section(head, Some(&offsets))?]));
-        let face = blob.face()?;
+        let bytes = blob(&[face_section(head, Some(&offsets))?]);
+        let bytes = AlignedBytes::new(&bytes);
+        let face = open(&Blob::open(&bytes)?)?;
         fit_all(&face, &mut photos, round, settings.rounds);
         if round + 1 < settings.rounds.max(1) {
             estimate_identities(&face, &mut photos, settings);
@@ -217,27 +215,6 @@ pub fn fit_photographs_cached(
     std::fs::write(cache, serde_json::to_vec(&fits)?)
         .with_context(|| format!("cannot write {}", cache.display()))?;
     Ok(fits)
-}
-
-/// A blob at an address that the reader accepts.
-pub struct AlignedBlob(AlignedBytes);
-
-impl AlignedBlob {
-    /// Copies the bytes of a blob.
-    pub fn new(blob: &[u8]) -> Self {
-        AlignedBlob(AlignedBytes::new(blob))
-    }
-
-    /// The bytes, aligned.
-    pub fn bytes(&self) -> &[u8] {
-        &self.0
-    }
-
-    /// The 3D face of the blob.
-    pub fn face(&self) -> Result<FaceModel<'_>> {
-        let blob = Blob::open(&self.0)?;
-        Ok(FaceModel::open(blob.section(&shape::FACE_TAG)?)?)
-    }
 }
 
 fn fit_all(face: &FaceModel<'_>, photos: &mut [Photo], round: usize, rounds: usize) {

@@ -1,6 +1,5 @@
 //! Trains the models of posewise from photographs and rendered faces.
 
-pub mod adaptive;
 pub mod align;
 pub mod demo_clip;
 pub mod detect;
@@ -8,12 +7,11 @@ pub mod face_section;
 pub mod faces;
 pub mod fit;
 pub mod head;
-pub mod lab;
+pub mod labels;
 pub mod pack;
+pub mod picture;
 pub mod pipeline;
 pub mod render;
-mod ridge;
-mod roc;
+pub mod ridge;
 pub mod score;
 pub mod single_eyes;
-pub mod templates;

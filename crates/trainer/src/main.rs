@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
-use posewise_train::{adaptive, demo_clip, lab, pack, pipeline, render, single_eyes, templates};
+use posewise_train::{demo_clip, pack, pipeline, render, single_eyes};
 use std::path::PathBuf;
 
 /// Trains the models of posewise.
@@ -21,15 +21,9 @@ enum Command {
     Render(render::Args),
     /// Draw rendered samples with their landmarks, to be looked at.
     Sheet(render::sheet::Args),
-    /// Measure what models of a person's own features, learnt on line, would add to the verifier.
-    Adaptive(adaptive::Args),
     /// Measure whether the fine stages' lids tell real shut eyes from open ones.
     Eyes(single_eyes::Args),
-    /// Measure pose-wise SVM templates on hand-made descriptors against a model's own experts.
-    Templates(templates::Args),
-    /// Compare kinds of local features in small linear cascades; prints a table.
-    Features(lab::Args),
-    /// Leave sections out of a model: ENSM (the global stage's second network), PART (fine stages, and with
+    /// Leave sections out of a model: ENSM (the global stage's second network), RFIN (fine stages, and with
     /// them what SREG holds), SREG (the step after them) or INFO (the data sheet).
     Trim {
         /// The model.
@@ -56,10 +50,7 @@ fn main() -> Result<()> {
         Command::Model(args) => pipeline::run(&args),
         Command::Render(args) => render::run(&args).map(|path| println!("{}", path.display())),
         Command::Sheet(args) => render::sheet::run(&args),
-        Command::Adaptive(args) => adaptive::run(&args),
         Command::Eyes(args) => single_eyes::run(&args),
-        Command::Templates(args) => templates::run(&args),
-        Command::Features(args) => lab::run(&args),
         Command::Trim {
             model,
             out,

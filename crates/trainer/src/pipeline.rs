@@ -3,18 +3,18 @@
 //! Every section is kept in the cache under a name that tells its settings, so an interrupted run
 //! goes on where it stopped and a change of one part does not train the others again.
 
-use crate::align::{self, Accuracy, Jitter};
+use crate::align::{self, Accuracy};
 use crate::detect::backgrounds;
-use crate::detect::grey::Grey;
 use crate::faces::{self, Face, Picture};
-use crate::fit::{AlignedBlob, FitSettings, fit_photographs_cached};
+use crate::fit::{FitSettings, fit_photographs_cached};
 use crate::head::{Head, Wfm};
 use crate::pack::{SectionWriter, blob};
 use crate::{detect, face_section, render, score};
 use anyhow::{Context, Result};
 use posewise::align::{AlignModel, EnsembleMember, Refiners, ShapeRegression};
 use posewise::detect::DetectorModel;
-use posewise::model::{Blob, Tag};
+use posewise_format::{AlignedBytes, Blob, Tag, crc32};
+use posewise_metrics::BoxJitter;
 use rayon::prelude::*;
 use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
@@ -125,24 +125,21 @@ pub fn run(args: &Args) -> Result<()> {
         trained,
     } = training.cascade()?;
     let whole = [&cascade, &second, &parts, &correction].map(SectionWriter::clone);
-    let alone = AlignedBlob::new(&blob(&whole));
-    let opened = Blob::open(alone.bytes())?;
+    let alone = AlignedBytes::new(&blob(&whole));
+    let opened = Blob::open(&alone)?;
     let model = AlignModel::open(
         &opened,
         EnsembleMember::open(&opened)?,
         Refiners::open(&opened)?,
     )?;
-    let alone = AlignedBlob::new(&blob(std::slice::from_ref(&detector)));
-    let with_detector = Blob::open(alone.bytes())?;
+    let alone = AlignedBytes::new(&blob(std::slice::from_ref(&detector)));
+    let with_detector = Blob::open(&alone)?;
     let scan = DetectorModel::open(with_detector.section(b"DTCT")?)?;
     // It goes with all of these, however they were made.
     let parents = [&cascade, &second, &parts, &correction, &detector];
-    let key = format!(
-        "{:08x?}",
-        parents.map(|s| posewise::model::crc32(s.bytes()))
-    );
+    let key = format!("{:08x?}", parents.map(|s| crc32(s.bytes())));
     let verifier = kept(args, &posewise::verifier::Verifier::TAG, &key, || {
-        let empty: Vec<Picture> = training.empty()?.into_iter().map(Picture::from).collect();
+        let empty = training.empty()?;
         // Plain renders: with hard ones it gives covered faces up too soon.
         score::train(&model, &scan, training.faces()?, &empty, args.seed)
     })?;
@@ -223,7 +220,7 @@ impl Training<'_> {
     }
 
     /// Pictures in which nobody is seen.
-    fn empty(&self) -> Result<Vec<Grey>> {
+    fn empty(&self) -> Result<Vec<Picture>> {
         match self.args.clean {
             true => Ok(backgrounds::made_up(self.args.seed, 600)),
             false => backgrounds::load(&self.args.data),
@@ -290,10 +287,10 @@ impl Training<'_> {
         let options = align::parts::options(args.seed, args.steps);
         // No hard renders: lids half way that are hardly seen would teach the network to guess the
         // middle.
-        let of_second = posewise::model::crc32(second.bytes());
+        let of_second = crc32(second.bytes());
         let key = format!("{options:?}-{key}-{}-{of_second:08x}", args.near_renders);
         let parts = kept(args, &Refiners::TAG, &key, || {
-            let hash = posewise::model::crc32(key.as_bytes());
+            let hash = crc32(key.as_bytes());
             let global = [&global, &second];
             let faces = [&self.bettered(&global)?, self.near()?].concat();
             let eyes = args.data.join("eyes");
@@ -366,7 +363,7 @@ impl Training<'_> {
     }
 
     fn checkpoint(&self, key: &str) -> PathBuf {
-        let hash = posewise::model::crc32(key.as_bytes());
+        let hash = crc32(key.as_bytes());
         self.args
             .cache
             .join(format!("network-{hash:08x}.checkpoint"))
@@ -380,7 +377,7 @@ fn kept(
     key: &str,
     make: impl FnOnce() -> Result<SectionWriter>,
 ) -> Result<SectionWriter> {
-    let hash = posewise::model::crc32(key.as_bytes());
+    let hash = crc32(key.as_bytes());
     let name = format!("{}-{hash:08x}.section", tag.escape_ascii());
     let path = args.cache.join(name);
     if let Ok(bytes) = std::fs::read(&path) {
@@ -403,11 +400,7 @@ fn evaluate(
     let labels = data.join("faces68");
     let dev = faces::photographs(&labels.join("dev.csv"), &labels.join("dev"))?;
     let boxes = |count| align::Boxes {
-        jitter: Jitter {
-            shift: 0.05,
-            log_size: 0.08,
-            roll: 0.14,
-        },
+        jitter: BoxJitter::DETECTOR,
         count,
     };
     if let Some(trained) = trained {

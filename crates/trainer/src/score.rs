@@ -470,7 +470,7 @@ fn linear<'a>(
 
 /// Logistic fit of labels to score and a second input, if there is one, by Newton's method: slopes and
 /// offset. Without weights all count the same.
-pub(crate) fn platt(
+pub fn platt(
     scores: &[f32],
     labels: &[bool],
     weights: Option<&[f32]>,

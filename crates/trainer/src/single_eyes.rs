@@ -5,13 +5,14 @@
 //! its lids are laid together. Each fifth picture is kept from training, to measure on.
 
 use crate::faces::{Face, Picture, ratio};
-use crate::fit::AlignedBlob;
-use crate::roc;
 use anyhow::{Context, Result, ensure};
 use posewise::align::{AlignModel, Shape, Workspace};
 use posewise::math::Similarity;
 use posewise::shape::LANDMARKS;
 use posewise::track::Model;
+use posewise_format::AlignedBytes;
+use posewise_metrics::auc;
+use posewise_metrics::landmarks::distance;
 use rayon::prelude::*;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -104,8 +105,8 @@ fn laid_together(mut shape: Shape) -> Shape {
 /// Prints how well the lids' gap tells shut eyes from open ones.
 pub fn run(args: &Args) -> Result<()> {
     let bytes = std::fs::read(&args.model).with_context(|| args.model.display().to_string())?;
-    let bytes = AlignedBlob::new(&bytes);
-    let model = Model::load(bytes.bytes())?;
+    let bytes = AlignedBytes::new(&bytes);
+    let model = Model::load(&bytes)?;
     let mut all = vec![];
     let mut value = json!({});
     for (name, open) in [("open", true), ("closed", false)] {
@@ -122,9 +123,9 @@ pub fn run(args: &Args) -> Result<()> {
         );
         value[name] = json!({"looked_at": 2 * paths.len(), "found": found.len(),
             "median_gap": found[found.len() / 2]});
-        all.extend(found.into_iter().map(|gap| (gap, open)));
+        all.extend(found.into_iter().map(|gap| (f64::from(gap), open)));
     }
-    let area = roc::area(all);
+    let area = auc(&all).context("eyes of one kind only")?;
     println!("area under the ROC of the gap: {area:.3}");
     value["gap_auc"] = json!(area);
     if let Some(path) = &args.json {
@@ -165,10 +166,6 @@ fn extent(shape: &Shape) -> ([f32; 2], f32) {
     let eye = &shape[EYE];
     let centre = [0, 1].map(|k| eye.iter().map(|p| p[k]).sum::<f32>() / eye.len() as f32);
     (centre, distance(eye[0], eye[3]))
-}
-
-fn distance(a: [f32; 2], b: [f32; 2]) -> f32 {
-    (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
 /// Of the lids, over the eye's width.

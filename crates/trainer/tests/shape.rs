@@ -8,16 +8,20 @@ use posewise::shape::{
     ANIMATIONS, Animation, FaceFit, FaceModel, FaceState, FitOptions, Identity, IdentityEstimator,
     Intrinsics, LANDMARKS, MAX_IDENTITIES, Observed, Pose, fit,
 };
-use posewise_train::face_section::face_section;
-use posewise_train::fit::AlignedBlob;
-use posewise_train::pack;
+use posewise_format::{AlignedBytes, Blob, blob, reseal};
+use posewise_train::face_section::{face_section, open};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::sync::LazyLock;
 
 static BYTES: LazyLock<Vec<u8>> =
-    LazyLock::new(|| pack::blob(&[face_section(&common::head(), None).unwrap()]));
-static BLOB: LazyLock<AlignedBlob> = LazyLock::new(|| AlignedBlob::new(&BYTES));
+    LazyLock::new(|| blob(&[face_section(&common::head(), None).unwrap()]));
+static MODEL: LazyLock<AlignedBytes> = LazyLock::new(|| AlignedBytes::new(&BYTES));
+
+/// The 3D face of a head of no one.
+fn face() -> FaceModel<'static> {
+    open(&Blob::open(&MODEL).unwrap()).unwrap()
+}
 
 const CAMERA: Intrinsics = Intrinsics {
     fx: 550.0,
@@ -89,7 +93,7 @@ fn fitted(
 
 #[test]
 fn poses_come_back_to_profile() {
-    let face = &BLOB.face().unwrap();
+    let face = &face();
     let mut rng = ChaCha8Rng::seed_from_u64(7);
     for yaw in (-90..=90).step_by(15) {
         for (pitch, roll) in [(0.0, 0.0), (20.0, -15.0), (-20.0, 30.0)] {
@@ -118,7 +122,7 @@ fn poses_come_back_to_profile() {
 
 #[test]
 fn expressions_do_not_turn_the_head() {
-    let face = &BLOB.face().unwrap();
+    let face = &face();
     let mut rng = ChaCha8Rng::seed_from_u64(8);
     let mut animation: Animation = [0.0; ANIMATIONS];
     (animation[9], animation[5], animation[2]) = (0.6, 0.9, 0.5);
@@ -151,7 +155,7 @@ fn expressions_do_not_turn_the_head() {
 
 #[test]
 fn identity_is_learned_from_frames() {
-    let face = &BLOB.face().unwrap();
+    let face = &face();
     let mut rng = ChaCha8Rng::seed_from_u64(9);
     let mut person = NOBODY;
     (person[0], person[1], person[2]) = (1.5, -1.0, 1.0);
@@ -188,7 +192,7 @@ fn identity_is_learned_from_frames() {
 
 #[test]
 fn hopeless_input_gives_no_fit() {
-    let face = &BLOB.face().unwrap();
+    let face = &face();
     let good = seen(
         face,
         &FaceState::default(),
@@ -226,10 +230,9 @@ fn hopeless_input_gives_no_fit() {
 
 /// Rewrites the checksum, so that the section's own checks are what is tested.
 fn reopened(mut bytes: Vec<u8>) -> Option<FaceFit> {
-    let crc = posewise::model::crc32(&bytes[posewise::model::HEADER_LEN..]);
-    bytes[16..20].copy_from_slice(&crc.to_le_bytes());
-    let blob = AlignedBlob::new(&bytes);
-    let face = blob.face().ok()?;
+    reseal(&mut bytes);
+    let bytes = AlignedBytes::new(&bytes);
+    let face = open(&Blob::open(&bytes).ok()?).ok()?;
     let points = [(); LANDMARKS].map({
         let mut k = 0.0;
         move |()| {

@@ -8,10 +8,12 @@
 use std::fmt::Write as _;
 
 use anyhow::Result;
+use posewise_metrics::statistics::centred;
+use posewise_metrics::{correlation, mean};
 use serde_json::{Value, json};
 
+use super::clips::clips_of;
 use super::table::Table;
-use super::{clips_of, mean};
 use crate::cli::ClipsArgs;
 use crate::output;
 
@@ -226,26 +228,6 @@ fn count(frames: &[Frame]) -> Closures {
     }
 }
 
-/// Values less their means.
-fn centred(pairs: &[(f64, f64)]) -> impl Iterator<Item = (f64, f64)> {
-    let n = pairs.len().max(1) as f64;
-    let (x, y) = pairs
-        .iter()
-        .fold((0.0, 0.0), |m, p| (m.0 + p.0 / n, m.1 + p.1 / n));
-    pairs.iter().map(move |p| (p.0 - x, p.1 - y))
-}
-
-/// Pearson's; `None` when either side does not vary.
-fn correlation(pairs: &[(f64, f64)]) -> Option<f64> {
-    let (mut xy, mut xx, mut yy) = (0.0, 0.0, 0.0);
-    for (x, y) in centred(pairs) {
-        xy += x * y;
-        xx += x * x;
-        yy += y * y;
-    }
-    (xx > 1e-12 && yy > 1e-12).then(|| xy / (xx * yy).sqrt())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -280,13 +262,5 @@ mod tests {
         unknown[12..18].iter_mut().for_each(|f| f.open = None);
         assert_eq!(found(&unknown), (1, 0), "unknown is not closed");
         assert_eq!(Pairs::of(&unknown).blink.len(), 34);
-    }
-
-    #[test]
-    fn correlation_of_a_line_is_one() {
-        let line = (0..9).map(|k| (f64::from(k), 3.0 * f64::from(k) - 1.0));
-        let line: Vec<(f64, f64)> = line.collect();
-        assert!((correlation(&line).expect("it varies") - 1.0).abs() < 1e-12);
-        assert_eq!(correlation(&[(1.0, 2.0), (1.0, 3.0)]), None);
     }
 }

@@ -1,4 +1,4 @@
-//! `posewise eval jitter`: how much the landmarks tremble.
+//! `posewise eval jitter`: how much the landmarks jitter.
 //!
 //! Per landmark the r.m.s. of the second difference (frame before, this, next) over all runs of
 //! tracked frames, scaled to an inter-ocular distance of 40 px; then the median over landmarks. The
@@ -11,9 +11,10 @@ use std::fmt::Write as _;
 
 use anyhow::{Result, ensure};
 use posewise::math::Similarity;
+use posewise_metrics::jitter::{Shape, common_motion, landmark_jitter, second_difference};
+use posewise_metrics::landmarks::distance;
 use serde_json::json;
 
-use super::median;
 use super::registration::{Luma, Patch, register};
 use super::table::Table;
 use crate::cli::JitterArgs;
@@ -25,8 +26,6 @@ const INTER_OCULAR: f64 = 40.0;
 const FPS: f64 = 30.0;
 /// Brows, nose and eyes: where nothing but the head moves much.
 const RIGID: std::ops::Range<usize> = 17..48;
-
-type Shape = [[f64; 2]; 68];
 
 /// Runs the command.
 pub fn run(args: &JitterArgs) -> Result<()> {
@@ -89,37 +88,22 @@ fn triple(three: &[Option<Shape>]) -> Option<([&Shape; 3], f64)> {
     let [Some(a), Some(b), Some(c)] = three else {
         return None;
     };
-    let eyes = (b[36][0] - b[45][0]).hypot(b[36][1] - b[45][1]);
+    let eyes = distance(b[36], b[45]);
     Some(([a, b, c], INTER_OCULAR / eyes.max(1.0)))
-}
-
-/// The second difference of each landmark.
-fn second_difference([a, b, c]: [&Shape; 3], scale: f64) -> Shape {
-    std::array::from_fn(|i| [0, 1].map(|k| (a[i][k] - 2.0 * b[i][k] + c[i][k]) * scale))
-}
-
-/// The median over landmarks of their r.m.s. length; `None` of nothing.
-fn trembling(of: &[Shape]) -> Option<f64> {
-    let rms = |i: usize| {
-        let squares = of.iter().map(|d| d[i][0].powi(2) + d[i][1].powi(2));
-        (squares.sum::<f64>() / of.len() as f64).sqrt()
-    };
-    let values: [f64; 68] = std::array::from_fn(rms);
-    median(&values).filter(|v| v.is_finite())
 }
 
 /// Of the landmarks as they are, and without what they do together.
 fn jitter(shapes: &[Option<Shape>]) -> [Option<f64>; 2] {
     let (mut all, mut rest) = (Vec::new(), Vec::new());
     for (three, scale) in shapes.windows(3).filter_map(triple) {
-        let trembles = second_difference(three, scale);
-        let whole = as_a_whole(three[1], &trembles);
+        let differences = second_difference(three, scale);
+        let whole = common_motion(three[1], &differences);
         rest.push(std::array::from_fn(|i| {
-            [0, 1].map(|k| trembles[i][k] - whole[i][k])
+            [0, 1].map(|k| differences[i][k] - whole[i][k])
         }));
-        all.push(trembles);
+        all.push(differences);
     }
-    [trembling(&all), trembling(&rest)]
+    [landmark_jitter(&all), landmark_jitter(&rest)]
 }
 
 /// Of landmarks that move from each frame to its neighbours as the picture does. The clip must have a
@@ -143,7 +127,7 @@ fn of_picture(shapes: &[Option<Shape>], clip: &str) -> Result<Option<f64>> {
         "{clip} has {count} frames, but {} rows were written",
         shapes.len()
     );
-    Ok(trembling(&moved))
+    Ok(landmark_jitter(&moved))
 }
 
 /// The second difference of landmarks that move from the middle frame to both others as the picture
@@ -175,24 +159,6 @@ fn around(points: &[[f32; 2]]) -> Patch {
     }
 }
 
-/// The part of the displacements that a similarity of the shape explains, in the sense of least
-/// squares.
-fn as_a_whole(shape: &Shape, displacements: &Shape) -> Shape {
-    let mean = |of: &Shape| [0, 1].map(|k| of.iter().map(|p| p[k]).sum::<f64>() / 68.0);
-    let (centre, shift) = (mean(shape), mean(displacements));
-    let at = shape.map(|p| [p[0] - centre[0], p[1] - centre[1]]);
-    let extent: f64 = at.iter().map(|p| p[0] * p[0] + p[1] * p[1]).sum();
-    let pairs = || at.iter().zip(displacements);
-    let grow = pairs().map(|(p, d)| p[0] * d[0] + p[1] * d[1]).sum::<f64>() / extent.max(1e-9);
-    let turn = pairs().map(|(p, d)| p[0] * d[1] - p[1] * d[0]).sum::<f64>() / extent.max(1e-9);
-    at.map(|[x, y]| {
-        [
-            shift[0] + grow * x - turn * y,
-            shift[1] + grow * y + turn * x,
-        ]
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -213,17 +179,5 @@ mod tests {
         let shapes = shapes(&table).expect("numbers");
         let jitter = jitter(&shapes)[0].expect("frames");
         assert!((jitter - 2.0).abs() < 0.05, "{jitter}");
-    }
-
-    #[test]
-    fn what_moves_together_is_told_apart() {
-        let shape: Shape = std::array::from_fn(|i| {
-            let (sin, cos) = (i as f64).sin_cos();
-            [100.0 + 30.0 * cos, 80.0 + 20.0 * sin]
-        });
-        let turned = shape.map(|[x, y]| [0.1 * x - 0.02 * y + 3.0, 0.1 * y + 0.02 * x - 1.0]);
-        for (whole, d) in as_a_whole(&shape, &turned).iter().zip(turned) {
-            assert!((whole[0] - d[0]).hypot(whole[1] - d[1]) < 1e-9);
-        }
     }
 }

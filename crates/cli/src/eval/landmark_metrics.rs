@@ -4,10 +4,10 @@
 //! labelled outer eye corners (36, 45). Means and medians run over the faces found; the failure
 //! rate and the AUC run over all pictures, a face not found counting as an infinite error.
 
+use posewise_metrics::cumulative::area_under_ced;
+use posewise_metrics::landmarks::{bounds, distance, iou, normalized_errors};
+use posewise_metrics::{calibration_error, mean, median};
 use serde_json::{Map, Value, json};
-
-use super::trust::calibration_error;
-use super::{mean, median};
 
 /// Labelled or found landmarks \[px\].
 pub type Points = [[f64; 2]; 68];
@@ -78,7 +78,7 @@ pub struct Trust {
 impl Outcome {
     /// Compares what was found (if anything) with the labels.
     pub fn new(label: &Points, found: Option<&Points>) -> Self {
-        let same = found.filter(|f| iou(&bounds(label), &bounds(f)) >= SAME_FACE_IOU);
+        let same = found.filter(|f| iou(&bounds(label), &bounds(*f)) >= SAME_FACE_IOU);
         Outcome {
             band: yaw_band(label),
             errors: same.map(|f| errors(label, f)),
@@ -145,26 +145,7 @@ fn scale(label: &Points) -> f64 {
 
 fn errors(label: &Points, found: &Points) -> [f64; 68] {
     let iod = distance(label[36], label[45]).max(1e-9);
-    std::array::from_fn(|i| distance(label[i], found[i]) / iod)
-}
-
-fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
-    (a[0] - b[0]).hypot(a[1] - b[1])
-}
-
-/// Box of points: left, top, right, bottom.
-pub fn bounds(points: &Points) -> [f64; 4] {
-    points.iter().fold(
-        [f64::MAX, f64::MAX, f64::MIN, f64::MIN],
-        |[l, t, r, b], [x, y]| [l.min(*x), t.min(*y), r.max(*x), b.max(*y)],
-    )
-}
-
-fn iou(a: &[f64; 4], b: &[f64; 4]) -> f64 {
-    let overlap = |i: usize| (a[i + 2].min(b[i + 2]) - a[i].max(b[i])).max(0.0);
-    let area = |c: &[f64; 4]| (c[2] - c[0]).max(0.0) * (c[3] - c[1]).max(0.0);
-    let both = overlap(0) * overlap(1);
-    both / (area(a) + area(b) - both).max(1e-9)
+    normalized_errors(label, found, iod)
 }
 
 /// |dl − dr| / (dl + dr), dl and dr the distances along the eye line from the nose tip (30) to the
@@ -209,11 +190,7 @@ pub fn summarize<'a>(outcomes: impl Iterator<Item = &'a Outcome>) -> Summary {
     let all: Vec<&Outcome> = outcomes.collect();
     let share = |count: usize| count as f64 / all.len().max(1) as f64;
     let nme = |from, to| -> Vec<f64> { all.iter().filter_map(|o| o.nme(from, to)).collect() };
-    // ∫ CED from 0 to τ over τ is the mean of max(0, 1 − e/τ).
-    let auc = |errors: &[f64]| {
-        let sum: f64 = errors.iter().map(|e| (1.0 - e / AUC_NME).max(0.0)).sum();
-        sum.max(0.0) / all.len().max(1) as f64
-    };
+    let auc = |errors: &[f64]| area_under_ced(errors, all.len(), AUC_NME);
     let (all68, inner51) = (nme(0, 68), nme(17, 68));
     Summary {
         images: all.len(),

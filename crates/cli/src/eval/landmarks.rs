@@ -11,12 +11,13 @@ use anyhow::{Context, Result, anyhow, bail};
 use indicatif::{ParallelProgressIterator, ProgressBar};
 use posewise::detect::Detection;
 use posewise::track::{Config, Model, State, Tracker};
+use posewise_metrics::landmarks::bounds;
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
 use super::camera;
 use super::landmark_metrics::{
-    Outcome, PARTS, Points, Summary, Trust, YawBand, bounds, eye_line, summarize,
+    Outcome, PARTS, Points, Summary, Trust, YawBand, eye_line, summarize,
 };
 use super::table::Table;
 use super::turned::Turn;

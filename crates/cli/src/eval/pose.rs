@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use anyhow::Result;
 use serde_json::{Map, Value};
 
-use super::clips_of;
+use super::clips::clips_of;
 use super::pose_metrics::{BANDS, FrameOutcome, Summary, Tracked, Truth};
 use super::pose_metrics::{summarize, summarize_band, summarize_covered};
 use super::table::Table;

@@ -5,10 +5,9 @@
 //! their size, so a wrong lock cannot hide. Angle differences wrap at ±180°.
 
 use posewise::track::{State, TrackResult};
+use posewise_metrics::landmarks::{bounds, distance};
+use posewise_metrics::{auc, mean};
 use serde_json::{Map, Value, json};
-
-use super::mean;
-use super::trust::auc;
 
 /// Share of landmarks inside the picture from which on a frame counts.
 pub const MIN_IN_FRAME: f64 = 0.5;
@@ -129,12 +128,9 @@ fn errors(truth: &Truth, tracked: &Tracked) -> Errors {
 pub fn landmark_error(truth: &Truth, tracked: &Tracked) -> Option<f64> {
     let distances: Vec<f64> = (17..68)
         .filter(|i| truth.visible[*i])
-        .map(|i| {
-            let (a, b) = (truth.points[i], tracked.points[i]);
-            (a[0] - b[0]).hypot(a[1] - b[1])
-        })
+        .map(|i| distance(truth.points[i], tracked.points[i]))
         .collect();
-    let [l, t, r, b] = super::landmark_metrics::bounds(&truth.points);
+    let [l, t, r, b] = bounds(&truth.points);
     let size = ((r - l) * (b - t)).max(1e-9).sqrt();
     mean(&distances).map(|d| d / size)
 }

@@ -15,10 +15,10 @@ use anyhow::{Result, bail};
 use image::GrayImage;
 use image::imageops::flip_horizontal;
 use posewise::track::{Model, State};
+use posewise_metrics::median;
 use serde_json::{Map, Value, json};
 
 use super::backgrounds::{self, covering, window};
-use super::median;
 use super::show::Show;
 use crate::cli::RecoveryArgs;
 use crate::clip::{Clip, moved};

@@ -2,7 +2,7 @@
 
 use anyhow::{Result, bail};
 
-use super::Source;
+use super::stream::Source;
 
 /// Opens a camera.
 #[cfg(not(target_os = "linux"))]

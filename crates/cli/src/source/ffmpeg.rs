@@ -10,7 +10,8 @@ use std::thread::JoinHandle;
 
 use anyhow::{Result, anyhow, bail};
 
-use super::{Source, Y4mSource};
+use super::stream::Source;
+use super::y4m::Y4mSource;
 use crate::picture::Picture;
 
 /// A running `ffmpeg`.

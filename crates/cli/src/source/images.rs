@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use image::RgbImage;
 
-use super::Source;
+use super::stream::Source;
 use crate::picture::Picture;
 
 /// File name extensions that are read as pictures.

@@ -7,7 +7,7 @@ use std::rc::Rc;
 use anyhow::{Result, anyhow, bail};
 use posewise::image::{FrameLayout, MAX_SIDE, PixelFormat};
 
-use super::{Source, timestamp_us};
+use super::stream::{Source, timestamp_us};
 use crate::picture::{Chroma, Picture};
 
 /// Longest stream header that the decoder reads \[bytes\].

@@ -1,10 +1,12 @@
 //! Errors of a finished cascade on labelled faces, by the core's own code.
 
-use super::Trained;
-use super::starts::{Jitter, jittered_box, start_from_box};
+use super::starts::{jittered_box, start_from_box};
+use super::train::Trained;
 use crate::faces::Face;
 use posewise::align::{AlignModel, Shape, Workspace};
 use posewise::shape::LANDMARKS;
+use posewise_metrics::landmarks::nme_percent;
+use posewise_metrics::{BoxJitter, mean, median};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -34,11 +36,7 @@ pub fn mean_error(
     landmarks: impl Iterator<Item = usize>,
     unit: f32,
 ) -> f32 {
-    let (sum, count) = landmarks
-        .map(|k| (face.landmarks[k], shape[k]))
-        .map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1]))
-        .fold((0.0, 0), |(sum, n), d| (sum + d, n + 1));
-    100.0 * sum / count.max(1) as f32 / unit
+    nme_percent(landmarks.map(|k| (face.landmarks[k], shape[k])), unit)
 }
 
 /// The start shape for a turn.
@@ -53,7 +51,7 @@ pub fn start_of(model: &AlignModel<'_>, turn: f32) -> Shape {
 #[derive(Clone, Copy, Debug)]
 pub struct Boxes {
     /// How far off.
-    pub jitter: Jitter,
+    pub jitter: BoxJitter,
     /// Per face.
     pub count: usize,
 }
@@ -121,14 +119,14 @@ fn from_boxes(
 impl Accuracy {
     /// Summary of [`evaluate`]'s rows.
     pub fn of(rows: &[(Shape, f32, f32)]) -> Accuracy {
-        let n = rows.len() as f32;
-        let mut sorted: Vec<f32> = rows.iter().map(|r| r.1).collect();
-        sorted.sort_by(f32::total_cmp);
+        let nme68: Vec<f64> = rows.iter().map(|r| f64::from(r.1)).collect();
+        let nme51: Vec<f64> = rows.iter().map(|r| f64::from(r.2)).collect();
+        let shown = |value: Option<f64>| value.unwrap_or(f64::NAN) as f32;
         Accuracy {
-            nme68: rows.iter().map(|r| r.1).sum::<f32>() / n,
-            nme68_median: sorted[sorted.len() / 2],
-            nme51: rows.iter().map(|r| r.2).sum::<f32>() / n,
-            failure: rows.iter().filter(|r| r.1 > 10.0).count() as f32 / n,
+            nme68: shown(mean(&nme68)),
+            nme68_median: shown(median(&nme68)),
+            nme51: shown(mean(&nme51)),
+            failure: nme68.iter().filter(|e| **e > 10.0).count() as f32 / rows.len() as f32,
         }
     }
 }

@@ -3,11 +3,11 @@
 
 use super::evaluate::start_of;
 use super::network::{Points, Sizes};
+use super::open::with_model;
 use super::quantise::write_part;
-use super::samples::{Augment, Sample, cut_at, disturb, standardise};
-use super::starts::{Jitter, jittered_box, normal, start_from_box};
+use super::samples::{Augment, EXAMPLES, Sample, cut_at, disturb, standardise};
+use super::starts::{jittered_box, normal, start_from_box};
 use super::train::{Draw, Gaps, Options, Source, Trained, train};
-use super::with_model;
 use crate::faces::{Face, ratio};
 use crate::pack::SectionWriter;
 use crate::single_eyes::{self, Single, is_single};
@@ -15,6 +15,7 @@ use anyhow::Result;
 use posewise::align::{AlignModel, Refiners, Shape, Workspace, place_refiner};
 use posewise::math::Similarity;
 use posewise::shape::{LANDMARKS, MIRROR};
+use posewise_metrics::BoxJitter;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -79,12 +80,6 @@ fn all() -> [Part; 3] {
 const STARTS: usize = 2;
 /// Passes that led to them.
 const PASSES: usize = 3;
-/// Errors of the boxes that they began from.
-const JITTER: Jitter = Jitter {
-    shift: 0.05,
-    log_size: 0.08,
-    roll: 0.14,
-};
 /// Largest mean error of an answer to go on from \[% of the scale\].
 const LOST: f32 = 12.0;
 /// Weight of a landmark that is not seen.
@@ -196,7 +191,7 @@ impl Training<'_> {
         let initial = after.map(|trained| trained.parameters);
         let trained = train(&source, &options, &self.cache.join(name), initial)?;
         let mut rng = ChaCha8Rng::seed_from_u64(options.seed ^ 2);
-        Ok((trained, source.samples(super::EXAMPLES, &mut rng)))
+        Ok((trained, source.samples(EXAMPLES, &mut rng)))
     }
 }
 
@@ -290,7 +285,8 @@ pub(super) fn ends(model: &AlignModel<'_>, faces: &[Face]) -> Vec<[Option<Shape>
                 rng.set_stream(index as u64);
                 [(); STARTS].map(|()| {
                     let views = model.views();
-                    let (at, size, roll) = jittered_box(&views, &face.landmarks, &JITTER, &mut rng);
+                    let (at, size, roll) =
+                        jittered_box(&views, &face.landmarks, &BoxJitter::DETECTOR, &mut rng);
                     let start = start_of(model, face.turn());
                     let mut shape = start_from_box(&start, at, size, roll);
                     let ran = model.run(&face.picture.frame(), PASSES, &mut shape, work);

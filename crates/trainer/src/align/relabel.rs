@@ -6,11 +6,12 @@
 //! agree.
 
 use super::evaluate::start_of;
-use super::starts::{Jitter, jittered_box, start_from_box};
+use super::starts::{jittered_box, start_from_box};
 use crate::faces::{Face, Picture};
 use anyhow::Result;
 use posewise::align::{AlignModel, Shape, Workspace};
 use posewise::shape::{LANDMARKS, MIRROR};
+use posewise_metrics::BoxJitter;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -20,7 +21,7 @@ use std::sync::Arc;
 /// Looks at a face, half of them in the mirror.
 const LOOKS: usize = 8;
 /// Where looks start from, around the answer before them.
-const AROUND: Jitter = Jitter {
+const AROUND: BoxJitter = BoxJitter {
     shift: 0.03,
     log_size: 0.05,
     roll: 0.08,

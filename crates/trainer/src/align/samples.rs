@@ -2,22 +2,26 @@
 //! cameras and light disturb them.
 
 use super::network::{Points, Sizes};
-use super::starts::{Jitter, normal};
+use super::starts::normal;
 use crate::faces::Face;
 use posewise::align::{Shape, mirror};
 use posewise::image::{Crop, warp};
 use posewise::math::Similarity;
 use posewise::shape::LANDMARKS;
+use posewise_metrics::BoxJitter;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
+
+/// Samples that show how large the maps' values grow and where predictions move points.
+pub const EXAMPLES: usize = 2048;
 
 /// How far crops lie from where the true landmarks would put them.
 #[derive(Clone, Copy, Debug)]
 pub struct Start {
     /// Errors as after a detection.
-    pub detected: Jitter,
+    pub detected: BoxJitter,
     /// Errors as from the frame before, or in a second pass.
-    pub tracked: Jitter,
+    pub tracked: BoxJitter,
     /// Share of the first kind.
     pub detected_share: f32,
 }
@@ -25,12 +29,12 @@ pub struct Start {
 impl Default for Start {
     fn default() -> Self {
         Start {
-            detected: Jitter {
+            detected: BoxJitter {
                 shift: 0.08,
                 log_size: 0.13,
                 roll: 0.20,
             },
-            tracked: Jitter {
+            tracked: BoxJitter {
                 shift: 0.03,
                 log_size: 0.04,
                 roll: 0.05,

@@ -5,6 +5,7 @@ use crate::faces::Face;
 use posewise::align::{Shape, Views, mirror};
 use posewise::math::Similarity;
 use posewise::shape::LANDMARKS;
+use posewise_metrics::{BoxJitter, FaceBox};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 
@@ -110,24 +111,13 @@ pub fn start_from_box(start: &Shape, centre: [f32; 2], size: f32, roll: f32) -> 
 pub fn jittered_box(
     views: &Views<'_>,
     shape: &Shape,
-    jitter: &Jitter,
+    jitter: &BoxJitter,
     rng: &mut ChaCha8Rng,
 ) -> ([f32; 2], f32, f32) {
     let (centre, size, roll) = face_box(views, shape);
-    let centre = centre.map(|c| c + jitter.shift * size * normal(rng));
-    let size = size * (jitter.log_size * normal(rng)).exp();
-    (centre, size, roll + jitter.roll * normal(rng))
-}
-
-/// How far starts lie from the truth.
-#[derive(Clone, Copy, Debug)]
-pub struct Jitter {
-    /// Standard deviation of the centre, in box sides.
-    pub shift: f32,
-    /// Standard deviation of the natural logarithm of the side.
-    pub log_size: f32,
-    /// Standard deviation of the roll \[rad\].
-    pub roll: f32,
+    let truth = FaceBox { centre, size, roll };
+    let FaceBox { centre, size, roll } = jitter.apply(&truth, || normal(rng));
+    (centre, size, roll)
 }
 
 /// A standard normal number.

@@ -144,7 +144,7 @@ pub struct Trained {
     pub parameters: Vec<f32>,
 }
 
-/// Refiners that a batch is split into.
+/// Parts that a batch is split into.
 const PARTS: usize = 8;
 /// Steps between checkpoints.
 const CHECKPOINT: usize = 1000;

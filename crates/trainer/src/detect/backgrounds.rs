@@ -6,15 +6,15 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use rayon::prelude::*;
 
-use super::grey::Grey;
-use crate::faces::Picture;
+use super::options::rng_for;
+use crate::picture::Picture;
 use crate::render::{background, dead_leaves};
 
 /// The usable photographs, in the order of their names, but for each fifth.
 ///
 /// # Errors
 /// When a file cannot be read.
-pub fn load(data: &Path) -> Result<Vec<Grey>> {
+pub fn load(data: &Path) -> Result<Vec<Picture>> {
     usable(data, |i| i % 5 != 4)
 }
 
@@ -22,11 +22,11 @@ pub fn load(data: &Path) -> Result<Vec<Grey>> {
 ///
 /// # Errors
 /// When a file cannot be read.
-pub fn held_out(data: &Path) -> Result<Vec<Grey>> {
+pub fn held_out(data: &Path) -> Result<Vec<Picture>> {
     usable(data, |i| i % 5 == 4)
 }
 
-fn usable(data: &Path, wanted: impl Fn(usize) -> bool + Sync) -> Result<Vec<Grey>> {
+fn usable(data: &Path, wanted: impl Fn(usize) -> bool + Sync) -> Result<Vec<Picture>> {
     let folder = data.join("backgrounds");
     let listed = std::fs::read_to_string(folder.join("with-people.txt"))
         .context("backgrounds/with-people.txt")?;
@@ -40,17 +40,17 @@ fn usable(data: &Path, wanted: impl Fn(usize) -> bool + Sync) -> Result<Vec<Grey
         .par_iter()
         .enumerate()
         .filter(|(i, _)| wanted(*i))
-        .map(|(_, path)| Grey::open(path))
+        .map(|(_, path)| Picture::read(path))
         .collect()
 }
 
 /// Made-up backgrounds, for a model that owes nothing to photographs.
-pub fn made_up(seed: u64, count: u64) -> Vec<Grey> {
+pub fn made_up(seed: u64, count: u64) -> Vec<Picture> {
     const SIZE: [u32; 2] = [480, 320];
     (0..count)
         .into_par_iter()
         .map(|index| {
-            let mut rng = super::rng_for(seed, 0x4D41_4445, index);
+            let mut rng = rng_for(seed, 0x4D41_4445, index);
             let [width, height] = SIZE;
             // Bare rooms and skies now and then: few of them pass the first trees.
             let make = match index % 6 {
@@ -59,9 +59,8 @@ pub fn made_up(seed: u64, count: u64) -> Vec<Grey> {
             };
             let light = make(&mut rng, width as usize, height as usize);
             let level = |l: f32| (255.0 * l.clamp(0.0, 1.0).powf(1.0 / 2.2)).round() as u8;
-            Grey {
-                width,
-                height,
+            Picture {
+                size: SIZE,
                 luma: light.into_iter().map(level).collect(),
             }
         })

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::cascade::{Cascade, Flat, UNIT};
 use super::faces::Face;
-use super::rng_for;
+use super::options::rng_for;
 use super::sample::{window, with_view};
 
 /// Windows on the grid around each face that must survive.

@@ -7,15 +7,15 @@ use posewise::detect::Detection;
 use posewise::shape::MIRROR;
 use rayon::prelude::*;
 
-use super::grey::Grey;
 use crate::align::{self, StartShapes};
-use crate::fit::labels;
+use crate::labels;
+use crate::picture::Picture;
 
 /// A picture with one labelled face.
 pub struct Face {
     /// File name, whose first part names the person.
     pub name: String,
-    pub picture: Grey,
+    pub picture: Picture,
     /// The face's box by the rule of [`Detection`]; `yaw` from the nose's place between the eyes.
     pub truth: Detection,
 }
@@ -31,7 +31,7 @@ pub fn load(data: &Path) -> Result<Vec<Face>> {
         .into_par_iter()
         .map(|row| {
             Ok(Face {
-                picture: Grey::open(&folder.join("train").join(&row.image))?,
+                picture: Picture::read(&folder.join("train").join(&row.image))?,
                 truth: face_box(&row.points, None, None),
                 name: row.image,
             })
@@ -71,11 +71,7 @@ pub fn profiles(renders: &[crate::faces::Face], most: usize) -> Vec<Face> {
 fn of_render(index: usize, face: &crate::faces::Face, yaw_deg: f32, roll: Option<f32>) -> Face {
     Face {
         name: format!("render_{index}"),
-        picture: Grey {
-            width: face.picture.size[0],
-            height: face.picture.size[1],
-            luma: face.picture.luma.clone(),
-        },
+        picture: Picture::clone(&face.picture),
         truth: face_box(&face.landmarks, roll, Some(yaw_deg.to_radians())),
     }
 }

@@ -6,11 +6,11 @@ use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use super::cascade::Cascade;
+use super::cascade::{Cascade, Flat};
 use super::faces::Face;
-use super::grey::Grey;
-use super::rng_for;
+use super::options::rng_for;
 use super::sample::{PATCH, cut, disturb, window};
+use crate::picture::Picture;
 
 /// Windows tried by one task, and tasks that run before the yield is looked at.
 const TRIES: usize = 20_000;
@@ -24,13 +24,13 @@ const AROUND_KEPT: usize = 5;
 
 /// Pictures to look for negatives in.
 pub struct Ground<'a> {
-    backgrounds: Vec<Grey>,
+    backgrounds: Vec<Picture>,
     faces: &'a [Face],
 }
 
 impl<'a> Ground<'a> {
     /// Backgrounds as they are, blurred, and at half size; and the surroundings of faces.
-    pub fn new(backgrounds: &[Grey], faces: &'a [Face]) -> Self {
+    pub fn new(backgrounds: &[Picture], faces: &'a [Face]) -> Self {
         let backgrounds = backgrounds
             .par_iter()
             .flat_map_iter(|b| [b.clone(), b.clone(), b.blurred(1), b.halved(), b.blurred(2)])
@@ -104,7 +104,7 @@ pub fn mine(
 
 fn attempt(
     ground: &Ground<'_>,
-    nodes: &super::cascade::Flat,
+    nodes: &Flat,
     picture: Option<usize>,
     rng: &mut ChaCha8Rng,
     patches: &mut Vec<u8>,
@@ -133,7 +133,7 @@ fn attempt(
 fn take(
     frame: &Frame<'_>,
     window: &Window,
-    nodes: &super::cascade::Flat,
+    nodes: &Flat,
     rng: &mut ChaCha8Rng,
     patches: &mut Vec<u8>,
 ) {
@@ -149,8 +149,8 @@ fn take(
 }
 
 /// A window of any size at any place of a picture.
-fn anywhere(picture: &Grey, rng: &mut ChaCha8Rng) -> Detection {
-    let (width, height) = (picture.width as f32 - 1.0, picture.height as f32 - 1.0);
+fn anywhere(picture: &Picture, rng: &mut ChaCha8Rng) -> Detection {
+    let [width, height] = picture.size.map(|side| side as f32 - 1.0);
     let size = rng
         .random_range(24.0f32.ln()..(width.min(height) * 0.95).ln())
         .exp();
@@ -187,7 +187,8 @@ fn beside(face: &Face, rng: &mut ChaCha8Rng) -> Option<Detection> {
     let far = dx.hypot(dy) > 0.55 * scale.max(0.8);
     let wrong = far || !(0.58..1.75).contains(&scale) || turn.abs() > 1.0;
     let size = truth.size * scale;
-    let fits = size > 22.0 && size < face.picture.width.min(face.picture.height) as f32;
+    let [width, height] = face.picture.size;
+    let fits = size > 22.0 && size < width.min(height) as f32;
     (wrong && fits).then_some(Detection {
         x: truth.x + truth.size * dx,
         y: truth.y + truth.size * dy,

@@ -2,9 +2,9 @@
 
 use posewise::detect::{Pixel, TAG};
 
-use super::SIDE_Q8;
 use super::boost::Node;
 use super::cascade::Cascade;
+use super::options::SIDE_Q8;
 use super::refine::Forest;
 use crate::pack::SectionWriter;
 

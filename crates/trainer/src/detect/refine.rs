@@ -11,8 +11,8 @@ use serde::{Deserialize, Serialize};
 
 use super::boost::{Node, Planes, Tree, grow};
 use super::faces::Face;
+use super::options::{Options, rng_for};
 use super::sample::{Jitter, PATCH, cut, disturb, window, with_view};
-use super::{Options, rng_for};
 
 /// One unit of a leaf, for all five outputs.
 const UNIT: f32 = 1.0 / 4096.0;

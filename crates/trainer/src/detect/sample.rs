@@ -6,8 +6,8 @@ use posewise::math::Similarity;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 
-use super::SIDE_Q8;
 use super::faces::Face;
+use super::options::SIDE_Q8;
 
 /// Pixels of a patch.
 pub const PATCH: usize = GRID * GRID;

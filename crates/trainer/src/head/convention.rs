@@ -2,7 +2,7 @@
 //! 2013) lie that the kit puts elsewhere. Its points are at even distances on the skin; people place
 //! them in pictures, mostly seen from the front.
 
-use super::Head;
+use super::morphable::Head;
 use posewise::shape::{LANDMARKS, MIRROR};
 
 /// From the middle of the upper lip to a peak of its bow \[mm\].

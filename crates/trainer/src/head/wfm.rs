@@ -1,6 +1,7 @@
 //! Candide-3 wireframes (`.wfm`, Ahlberg 2001): the file, and a [`Head`] made of it.
 
-use super::{Expression, Head, animation_index, contour_paths};
+use super::contour::contour_paths;
+use super::morphable::{Expression, Head, animation_index};
 use anyhow::{Context, Result, ensure};
 use posewise::shape::{JAW, LANDMARKS};
 use std::path::Path;

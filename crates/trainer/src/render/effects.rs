@@ -1,5 +1,6 @@
 //! The camera: defocus, motion blur, exposure, noise, compression.
 
+use crate::picture::Picture;
 use image::codecs::jpeg::{JpegDecoder, JpegEncoder};
 use image::{DynamicImage, ExtendedColorType};
 use rand::Rng;
@@ -22,6 +23,17 @@ pub struct Camera {
     pub noise: f32,
     /// JPEG quality; `None` leaves the picture as it is.
     pub jpeg: Option<u8>,
+}
+
+impl Picture {
+    /// As a camera shows it.
+    pub fn through(&self, camera: &Camera, rng: &mut ChaCha8Rng) -> Picture {
+        let mut light = self.luma.iter().map(|v| *v as f32 / 255.0).collect();
+        Picture {
+            size: self.size,
+            luma: camera.develop(rng, &mut light, self.size[0] as usize),
+        }
+    }
 }
 
 impl Camera {

@@ -18,6 +18,7 @@ pub mod light;
 pub mod mesh;
 pub mod noise;
 pub mod people;
+pub mod person;
 pub mod photo;
 pub mod props;
 pub mod raster;
@@ -30,9 +31,9 @@ pub mod worn;
 pub use people::{People, Persons};
 pub use sample::{Renderer, Sample, SampleSpec};
 
-use crate::faces::Picture;
 use crate::fit::{FitSettings, fit_photographs_cached};
 use crate::head::Head;
+use crate::picture::Picture;
 use anyhow::Result;
 use image::GrayImage;
 use std::path::{Path, PathBuf};

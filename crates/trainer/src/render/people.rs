@@ -1,8 +1,9 @@
 //! Who can be rendered: procedural people, made when first needed, and photographed ones.
 
 use super::mesh::Mesh;
+use super::person::Person;
 use super::photo::Photographer;
-use super::skin::{Features, Looks, Painted, paint};
+use super::skin::{Features, Looks, paint};
 use super::texture::TexelMap;
 use crate::fit::PhotoFit;
 use crate::head::Head;
@@ -15,25 +16,6 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
-
-/// A textured person.
-pub struct Person {
-    /// Photographed people are counted up in the order of their names, so all pictures of one
-    /// share it; procedural people count down from `u32::MAX`.
-    pub id: u32,
-    /// Skin and hair.
-    pub painted: Painted,
-    /// Identity weights; empty where any head fits.
-    pub identity: Vec<f32>,
-    /// Iris albedo.
-    pub iris: f32,
-    /// Skin albedo.
-    pub skin: f32,
-    /// Albedo of the hair; `None`: bald.
-    pub hair: Option<f32>,
-    /// Albedo of the clothes.
-    pub cloth: f32,
-}
 
 /// Which people a sample may show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

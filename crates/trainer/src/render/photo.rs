@@ -9,7 +9,7 @@ use super::background::linear;
 use super::draw::{SUPER, View};
 use super::mesh::Mesh;
 use super::noise::smoothstep;
-use super::people::Person;
+use super::person::Person;
 use super::raster::{Cull, Projected, Target};
 use super::skin::{Features, Looks, Painted, is_ear, paint_albedo, push};
 use super::texture::{TILE, TexelMap, Texture};

@@ -1,11 +1,11 @@
 //! Patches around landmarks on three descriptors: intensity, squared gradient magnitude and local
 //! binary patterns (those of FaceTracker's patch experts, Saragih et al., IJCV 2011).
 
-use crate::faces::Picture;
 use posewise::align::{AlignModel, Shape, mirror};
 use posewise::image::{Crop, warp};
 use posewise::math::Similarity;
 use posewise::shape::{LANDMARKS, MIRROR};
+use posewise_train::faces::Picture;
 
 /// Descriptors.
 pub const KINDS: usize = 3;
@@ -20,7 +20,7 @@ const ZOOM: f32 = 1.5;
 const SIDE: usize = 128;
 
 /// Where a shape's crop lies, and which templates it needs.
-pub struct Seat {
+pub struct Placement {
     /// Index of the view; the same for both sides.
     pub view: usize,
     mirrored: bool,
@@ -29,9 +29,9 @@ pub struct Seat {
     to_crop: Similarity,
 }
 
-impl Seat {
+impl Placement {
     /// `None` for a shape without extent.
-    pub fn of(model: &AlignModel<'_>, shape: &Shape) -> Option<Seat> {
+    pub fn of(model: &AlignModel<'_>, shape: &Shape) -> Option<Placement> {
         let view = model.views().of(shape)?;
         let canonical = Similarity::fit(model.mean(), shape)?;
         let to_frame = Similarity {
@@ -39,7 +39,7 @@ impl Seat {
             b: canonical.b / ZOOM,
             ..canonical
         };
-        Some(Seat {
+        Some(Placement {
             view: view.index,
             mirrored: view.mirrored,
             to_crop: to_frame.inverse()?,
@@ -48,8 +48,8 @@ impl Seat {
     }
 
     /// The same place seen in a mirror.
-    pub fn flipped(self) -> Seat {
-        Seat {
+    pub fn flipped(self) -> Placement {
+        Placement {
             mirrored: !self.mirrored,
             ..self
         }
@@ -65,7 +65,7 @@ impl Seat {
         }
     }
 
-    /// Back from [`Seat::points`].
+    /// Back from [`Placement::points`].
     pub fn shape(&self, points: &Shape) -> Shape {
         let points = if self.mirrored {
             mirror(points)
@@ -95,19 +95,19 @@ impl Seat {
 pub struct Patches(Vec<u8>);
 
 impl Patches {
-    /// The crop at a seat.
-    pub fn cut(picture: &Picture, seat: &Seat) -> Patches {
+    /// The crop at a placement.
+    pub fn cut(picture: &Picture, placement: &Placement) -> Patches {
         let centre = (SIDE as f32 - 1.0) / 2.0;
-        let [tx, ty] = seat.to_frame.apply([-centre, -centre]);
+        let [tx, ty] = placement.to_frame.apply([-centre, -centre]);
         let from_corner = Similarity {
             tx,
             ty,
-            ..seat.to_frame
+            ..placement.to_frame
         };
         let mut crop = Crop::new();
         warp(&picture.frame(), &from_corner, SIDE, &mut crop);
         let mut luma = crop.luma().to_vec();
-        if seat.mirrored {
+        if placement.mirrored {
             luma.chunks_exact_mut(SIDE).for_each(<[u8]>::reverse);
         }
         Patches(luma)

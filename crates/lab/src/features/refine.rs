@@ -1,81 +1,12 @@
-//! A restricted Boltzmann machine with Gaussian visible units of deviation 1, learnt by contrastive
-//! divergence with one step; then its filters tuned for a regression by gradients.
+//! Tunes the filters of a stage for its regression, by gradients.
 
-use super::features::{Features, Filters, OUTPUTS, sigmoid};
-use crate::align::normal;
+use super::filters::{Filters, OUTPUTS, sigmoid};
+use super::local::Features;
 use faer::Mat;
 use ndarray::{Array1, Array2, Axis, s};
 use posewise::shape::LANDMARKS;
-use rand::Rng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
-
-/// How an RBM is trained.
-pub struct Options {
-    /// Passes over the rows.
-    pub epochs: usize,
-    /// Step along the mean gradient of a batch.
-    pub rate: f32,
-    /// Rows of a batch.
-    pub batch: usize,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Options {
-            epochs: 10,
-            rate: 0.005,
-            batch: 100,
-        }
-    }
-}
-
-/// Hidden units learnt from rows of visible ones.
-pub fn train(
-    rows: &Array2<f32>,
-    hidden: usize,
-    options: &Options,
-    rng: &mut ChaCha8Rng,
-) -> Filters {
-    let visible = rows.ncols();
-    let mut filters = Filters {
-        weights: Array2::from_shape_simple_fn((visible, hidden), || 0.01 * normal(rng)),
-        bias: Array1::zeros(hidden),
-    };
-    let mut mean = rows.mean_axis(Axis(0)).expect("there are rows");
-    let mut speed = Array2::<f32>::zeros((visible, hidden));
-    let mut order: Vec<usize> = (0..rows.nrows()).collect();
-    for epoch in 0..options.epochs {
-        let momentum = if epoch < 2 { 0.5 } else { 0.9 };
-        let rate = options.rate * (1.0 - epoch as f32 / options.epochs as f32);
-        order.shuffle(rng);
-        for batch in order.chunks_exact(options.batch) {
-            let v = rows.select(Axis(0), batch);
-            let h = filters.of(&v);
-            let drawn = h.mapv(|p| f32::from(rng.random_range(0.0..1.0) < p));
-            let v2 = drawn.dot(&filters.weights.t()) + &mean;
-            let h2 = filters.of(&v2);
-            let gain = rate / batch.len() as f32;
-            let gradient = v.t().dot(&h) - v2.t().dot(&h2);
-            speed = speed * momentum + gradient * gain - &filters.weights * (rate * 2e-4);
-            filters.weights += &speed;
-            filters.bias += &((&h - &h2).sum_axis(Axis(0)) * gain);
-            mean += &((&v - &v2).sum_axis(Axis(0)) * gain);
-        }
-    }
-    println!(
-        "    RBM: mean square {:.3}, left after reconstruction {:.3}",
-        rows.iter().map(|v| v * v).sum::<f32>() / rows.len() as f32,
-        left(rows, &filters, &mean)
-    );
-    filters
-}
-
-/// Mean square of what a reconstruction from the hidden units' probabilities leaves.
-fn left(rows: &Array2<f32>, filters: &Filters, mean: &Array1<f32>) -> f32 {
-    let rest = rows - &(filters.of(rows).dot(&filters.weights.t()) + mean);
-    rest.iter().map(|v| v * v).sum::<f32>() / rest.len() as f32
-}
 
 /// A sample to refine on: patches of its landmarks in rows, and where its landmarks should go.
 pub type Example = (Array2<f32>, Array1<f32>);
@@ -116,7 +47,7 @@ impl Tuned {
 
 /// Tunes filters and reduction by the squared error of the linear regression on top of them, which
 /// is tuned along with them from `weights` (the last row is the bias). Returns the mean squared
-/// error per output in the first and in the last pass.
+/// error per output in the first and in the last epoch.
 pub fn refine(
     features: &mut Features,
     weights: &Mat<f32>,
@@ -179,39 +110,4 @@ pub fn refine(
     };
     features.reduction = reduction.value;
     [errors[0], errors[epochs - 1]]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use rand::SeedableRng;
-
-    #[test]
-    fn learns_bars() {
-        const SIDE: usize = 6;
-        let mut rng = ChaCha8Rng::seed_from_u64(1);
-        let mut rows = Array2::from_elem((3000, SIDE * SIDE), 0.0f32);
-        for mut row in rows.rows_mut() {
-            let (at, upright) = (rng.random_range(0..SIDE), rng.random_bool(0.5));
-            for k in 0..SIDE {
-                row[if upright {
-                    k * SIDE + at
-                } else {
-                    at * SIDE + k
-                }] = 2.0;
-            }
-        }
-        let options = Options {
-            epochs: 30,
-            rate: 0.02,
-            batch: 50,
-        };
-        let filters = train(&rows, 24, &options, &mut rng);
-        let mean = rows.mean_axis(Axis(0)).unwrap();
-        let alone = (&rows - &mean).mapv(|v| v * v).mean().unwrap();
-        // The visible bias is not kept: the best one, given the filters.
-        let bias = (&rows - &filters.of(&rows).dot(&filters.weights.t())).mean_axis(Axis(0));
-        let rest = left(&rows, &filters, &bias.unwrap());
-        assert!(rest < 0.3 * alone, "{rest} of {alone}");
-    }
 }

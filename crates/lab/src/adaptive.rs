@@ -5,18 +5,18 @@
 //! share of its distance from the person's own model is added, and the areas under the ROC are
 //! printed for several shares and rates; share 0 is the verifier alone.
 
-use crate::fit::AlignedBlob;
-use crate::roc::area;
 use anyhow::{Context, Result, bail};
 use posewise::align::{Shape, Workspace};
 use posewise::image::{Frame, FrameLayout};
 use posewise::shape::LANDMARKS;
 use posewise::track::Model;
+use posewise_format::AlignedBytes;
+use posewise_metrics::auc;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// Settings of `posewise-train adaptive`.
+/// Settings of `posewise-lab adaptive`.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Args {
     /// Folder of clips, `NAME.mp4` each with its truth `NAME.csv`.
@@ -90,8 +90,8 @@ impl Local {
 /// Prints the areas.
 pub fn run(args: &Args) -> Result<()> {
     let bytes = std::fs::read(&args.model).with_context(|| args.model.display().to_string())?;
-    let bytes = AlignedBlob::new(&bytes);
-    let model = Model::load(bytes.bytes())?;
+    let bytes = AlignedBytes::new(&bytes);
+    let model = Model::load(&bytes)?;
     let list = std::fs::read_dir(&args.clips);
     let list = list.with_context(|| args.clips.display().to_string())?;
     let mut truths: Vec<PathBuf> = list.map(|f| Ok(f?.path())).collect::<Result<_>>()?;
@@ -110,8 +110,8 @@ pub fn run(args: &Args) -> Result<()> {
     println!("\n| share of the distance | rate 0.02 | 0.05 | 0.1 |\n|---|---|---|---|");
     for share in SHARES {
         let of = |k: usize| {
-            let score = |r: &Row| (r.logit - share * r.distance[k], r.seen);
-            area(rows.iter().map(score).collect())
+            let score = |r: &Row| (f64::from(r.logit - share * r.distance[k]), r.seen);
+            auc(&rows.iter().map(score).collect::<Vec<_>>()).unwrap_or(f64::NAN)
         };
         println!("| {share} | {:.3} | {:.3} | {:.3} |", of(0), of(1), of(2));
     }

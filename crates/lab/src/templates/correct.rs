@@ -1,12 +1,12 @@
 //! Moves landmarks to where the templates respond, alone or under a model of shapes.
 
-use super::descriptor::{Patches, Seat};
+use super::descriptor::{Patches, Placement};
 use super::svm::{Bank, REACH};
-use crate::align::mean_aligned;
-use crate::faces::{Face, Picture};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use posewise::align::{AlignModel, Shape};
 use posewise::shape::LANDMARKS;
+use posewise_train::align::mean_aligned;
+use posewise_train::faces::{Face, Picture};
 
 /// Modes of the shape model.
 const MODES: usize = 40;
@@ -81,7 +81,7 @@ impl ShapeModes {
 
 /// A way to correct.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ShapeRegression {
+pub enum Correction {
     /// Each landmark to the highest response near it.
     Peak,
     /// Each by the mean shift of its response map.
@@ -91,13 +91,13 @@ pub enum ShapeRegression {
     Regularised,
 }
 
-impl ShapeRegression {
+impl Correction {
     /// All, with their names.
-    pub fn all() -> [(&'static str, ShapeRegression); 3] {
+    pub fn all() -> [(&'static str, Correction); 3] {
         [
-            ("peak of the response", ShapeRegression::Peak),
-            ("mean shift", ShapeRegression::MeanShift),
-            ("regularised mean shift", ShapeRegression::Regularised),
+            ("peak of the response", Correction::Peak),
+            ("mean shift", Correction::MeanShift),
+            ("regularised mean shift", Correction::Regularised),
         ]
     }
 
@@ -110,33 +110,38 @@ impl ShapeRegression {
         strength: f32,
     ) {
         let rounds = match self {
-            ShapeRegression::Regularised => ROUNDS,
+            Correction::Regularised => ROUNDS,
             _ => 1,
         };
         for _ in 0..rounds {
-            let Some(seat) = Seat::of(model, shape) else {
+            let Some(placement) = Placement::of(model, shape) else {
                 return;
             };
-            let patches = Patches::cut(picture, &seat);
-            let mut points = seat.points(shape);
+            let patches = Patches::cut(picture, &placement);
+            let mut points = placement.points(shape);
             let (shifts, weights): (Vec<[f32; 2]>, Vec<f32>) = points
                 .iter()
                 .enumerate()
-                .map(|(k, p)| self.shift(bank, &seat, k, &patches, *p))
+                .map(|(k, p)| self.shift(bank, &placement, k, &patches, *p))
                 .unzip();
             let shifts = match self {
-                ShapeRegression::Regularised => {
-                    let units: Vec<[f32; 2]> =
-                        shifts.iter().map(|s| s.map(|v| v * Seat::unit())).collect();
+                Correction::Regularised => {
+                    let units: Vec<[f32; 2]> = shifts
+                        .iter()
+                        .map(|s| s.map(|v| v * Placement::unit()))
+                        .collect();
                     let moved = modes.project(&units, &weights);
-                    moved.iter().map(|s| s.map(|v| v / Seat::unit())).collect()
+                    moved
+                        .iter()
+                        .map(|s| s.map(|v| v / Placement::unit()))
+                        .collect()
                 }
                 _ => shifts,
             };
             for (p, s) in points.iter_mut().zip(&shifts) {
                 *p = [p[0] + strength * s[0], p[1] + strength * s[1]];
             }
-            *shape = seat.shape(&points);
+            *shape = placement.shape(&points);
         }
     }
 
@@ -144,7 +149,7 @@ impl ShapeRegression {
     fn shift(
         self,
         bank: &Bank,
-        seat: &Seat,
+        placement: &Placement,
         k: usize,
         patches: &Patches,
         p: [f32; 2],
@@ -156,14 +161,14 @@ impl ShapeRegression {
                 let [x, y] = [p[0].floor() + 0.5 + x as f32, p[1].floor() + 0.5 + y as f32];
                 let at = [x, y];
                 let off = [at[0] - p[0], at[1] - p[1]];
-                (off, bank.response(seat.view, k, patches, at))
+                (off, bank.response(placement.view, k, patches, at))
             })
             .collect();
         let peak = map.iter().max_by(|a, b| a.1.total_cmp(&b.1));
         let Some((best, height)) = peak.copied().filter(|(_, height)| *height > 0.0) else {
             return ([0.0; 2], 0.0);
         };
-        if self == ShapeRegression::Peak {
+        if self == Correction::Peak {
             return (best, height);
         }
         let mut sum = [0.0f32; 3];

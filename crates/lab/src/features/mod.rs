@@ -1,23 +1,29 @@
 //! Which local features a linear cascade should see: one table, all else equal.
 
 mod cascade;
-mod features;
+mod crop;
+mod filters;
+mod local;
 mod rbm;
+mod refine;
+mod regression;
 
-use crate::align::{Boxes, Jitter, StartShapes, mean_shape};
-use crate::faces::{self, Face};
 use anyhow::Result;
-use cascade::{Cascade, Links, Training};
-use features::Kind;
+use cascade::{Cascade, Training};
+use local::Kind;
+use posewise_metrics::BoxJitter;
+use posewise_train::align::{Boxes, StartShapes, mean_shape};
+use posewise_train::faces::{self, Face};
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
+use regression::Links;
 use std::collections::HashSet;
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// Settings of `posewise-train features`.
+/// Settings of `posewise-lab features`.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Args {
     /// The shared data.
@@ -39,12 +45,6 @@ pub struct Args {
     #[arg(long, default_value_t = 12_000)]
     pub renders: usize,
 }
-
-const JITTER: Jitter = Jitter {
-    shift: 0.05,
-    log_size: 0.08,
-    roll: 0.14,
-};
 
 /// What a row's cascade is trained on.
 struct Row<'a> {
@@ -151,7 +151,7 @@ impl<'a> Table<'a> {
         let began = Instant::now();
         println!("{}", row.name);
         let boxes = |count| Boxes {
-            jitter: JITTER,
+            jitter: BoxJitter::DETECTOR,
             count,
         };
         let starts = StartShapes::fit(row.faces, &mean_shape(row.faces), &[0.0, 0.4, 0.8]);

@@ -1,180 +1,31 @@
-//! Cascades of ridge regressions on local features, each stage trained on what the stages before
-//! it answer for people that they were not trained on.
+//! A small linear cascade: training and evaluation.
 
-use super::features::{Features, Kind, Look, OUTPUTS, principal};
-use super::rbm;
-use crate::align::{Accuracy, Boxes, StartShapes};
-use crate::align::{evaluate::nme, jittered_box, mean_shape, start_from_box};
-use crate::faces::Face;
-use crate::ridge;
-use faer::linalg::solvers::Solve;
-use faer::{Mat, Side};
+use super::crop::FaceCrop;
+use super::filters::principal;
+use super::local::{Features, Kind};
+use super::refine::{self, Example};
+use super::regression::{COORDINATES, INPUTS, Links, Normal, Set, best_ridge, sets, solve};
+use faer::Mat;
 use ndarray::Array1;
 use posewise::align::Shape;
 use posewise::math::Similarity;
-use posewise::shape::LANDMARKS;
+use posewise_train::align::evaluate::{Accuracy, Boxes, nme};
+use posewise_train::align::{StartShapes, jittered_box, mean_shape, start_from_box};
+use posewise_train::faces::Face;
+use posewise_train::ridge;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use std::ops::Range;
 
 /// Stages of a cascade.
 pub const STAGES: usize = 4;
+/// Folds of people for predictions on faces that were not trained on.
 const FOLDS: usize = 4;
+/// Modes of shape that predictions may use beside similarity.
 const SHAPE_MODES: usize = 60;
-const COORDINATES: usize = 2 * LANDMARKS;
-const INPUTS: usize = LANDMARKS * OUTPUTS;
-/// Weights of |w|² in the ridge, of which each stage takes the best on a fold.
-const RIDGES: [f32; 6] = [3e-3, 1e-2, 3e-2, 1e-1, 3e-1, 1.0];
-/// Looks that features are learnt from, and samples that they are refined on.
-const LOOKS: usize = 400;
+/// Crops that features are learnt from, and samples that they are refined on.
+const CROPS: usize = 400;
 const REFINED_ON: usize = 5000;
-
-/// What a landmark's displacement is predicted from.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Links {
-    /// All landmarks' features.
-    Global,
-    /// Its own features.
-    Own,
-    /// Its own and those of the landmarks that help most beside them, on a fold; so many in all.
-    Best(usize),
-}
-
-/// Sums over samples of products of features (a constant 1 among them) and displacements.
-pub struct Normal {
-    xx: Mat<f32>,
-    xy: Mat<f32>,
-    yy: Vec<f64>,
-    weight: f64,
-}
-
-/// Features that predict some of the outputs.
-type Set = (Vec<usize>, Range<usize>);
-
-impl Normal {
-    fn new(inputs: usize, outputs: usize) -> Normal {
-        Normal {
-            xx: Mat::zeros(inputs + 1, inputs + 1),
-            xy: Mat::zeros(inputs + 1, outputs),
-            yy: vec![0.0; outputs],
-            weight: 0.0,
-        }
-    }
-
-    fn merge(mut self, other: &Normal) -> Normal {
-        self.xx += &other.xx;
-        self.xy += &other.xy;
-        self.yy.iter_mut().zip(&other.yy).for_each(|(a, b)| *a += b);
-        self.weight += other.weight;
-        self
-    }
-
-    /// Adds samples: features, displacements, weight.
-    fn add(&mut self, samples: &[(&[f32], &[f32], f32)]) {
-        let inputs = self.xx.nrows() - 1;
-        let a = Mat::from_fn(inputs + 1, samples.len(), |i, n| {
-            let (x, _, w) = samples[n];
-            w.sqrt() * x.get(i).unwrap_or(&1.0)
-        });
-        let b = Mat::from_fn(samples.len(), self.yy.len(), |n, o| {
-            samples[n].1[o] * samples[n].2.sqrt()
-        });
-        ridge::accumulate(&mut self.xx, &mut self.xy, &a, &b);
-        for (_, y, w) in samples {
-            let squares = y.iter().map(|v| (v * v * w) as f64);
-            self.yy.iter_mut().zip(squares).for_each(|(s, v)| *s += v);
-            self.weight += *w as f64;
-        }
-    }
-
-    fn products(&self, inputs: &[usize]) -> Mat<f64> {
-        Mat::from_fn(inputs.len(), inputs.len(), |i, j| {
-            let (i, j) = (inputs[i], inputs[j]);
-            self.xx[(i.max(j), i.min(j))] as f64
-        })
-    }
-
-    /// Weights of one set that minimise mean squared error plus `ridge`·|w|², the bias last.
-    fn solve(&self, (inputs, outputs): &Set, ridge: f32) -> Mat<f64> {
-        let mut xx = self.products(inputs);
-        for i in 0..inputs.len() - 1 {
-            xx[(i, i)] += ridge as f64 * self.weight;
-        }
-        let xy = Mat::from_fn(inputs.len(), outputs.len(), |i, o| {
-            self.xy[(inputs[i], outputs.start + o)] as f64
-        });
-        xx.llt(Side::Lower).expect("a ridge is positive").solve(&xy)
-    }
-
-    /// Squared error of such weights, summed over the outputs, mean over the samples.
-    fn error(&self, (inputs, outputs): &Set, weights: &Mat<f64>) -> f64 {
-        let product = self.products(inputs) * weights;
-        let mut sum: f64 = self.yy[outputs.clone()].iter().sum();
-        for o in 0..outputs.len() {
-            for (i, input) in inputs.iter().enumerate() {
-                let xy = self.xy[(*input, outputs.start + o)] as f64;
-                sum += weights[(i, o)] * (product[(i, o)] - 2.0 * xy);
-            }
-        }
-        sum / self.weight
-    }
-}
-
-/// The features that predict each output.
-fn sets(links: Links, train: &Normal, held: &Normal) -> Vec<Set> {
-    let of = |landmarks: &[usize], j: usize| -> Set {
-        let inputs = landmarks
-            .iter()
-            .flat_map(|l| l * OUTPUTS..(l + 1) * OUTPUTS);
-        (inputs.chain([INPUTS]).collect(), 2 * j..2 * j + 2)
-    };
-    let each = (0..LANDMARKS).into_par_iter();
-    match links {
-        Links::Global => vec![((0..=INPUTS).collect(), 0..COORDINATES)],
-        Links::Own => each.map(|j| of(&[j], j)).collect(),
-        Links::Best(count) => each
-            .map(|j| {
-                let mut others: Vec<(f64, usize)> = (0..LANDMARKS)
-                    .filter(|i| *i != j)
-                    .map(|i| {
-                        let set = of(&[j, i], j);
-                        (held.error(&set, &train.solve(&set, RIDGES[1])), i)
-                    })
-                    .collect();
-                others.sort_by(|a, b| a.0.total_cmp(&b.0));
-                let best = others.iter().take(count - 1).map(|(_, i)| *i);
-                of(&[j].into_iter().chain(best).collect::<Vec<_>>(), j)
-            })
-            .collect(),
-    }
-}
-
-/// The weight of |w|² that leaves the smallest error on what was held out.
-fn best_ridge(sets: &[Set], train: &Normal, held: &Normal) -> f32 {
-    let error = |ridge: f32| -> f64 {
-        let each = sets.par_iter();
-        each.map(|set| held.error(set, &train.solve(set, ridge)))
-            .sum()
-    };
-    let errors = RIDGES.map(|ridge| (error(ridge), ridge));
-    let best = errors.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
-    best.expect("there are ridges").1
-}
-
-/// Weights of all sets in one matrix, its answers projected on `basis`.
-fn solve(normal: &Normal, sets: &[Set], ridge: f32, basis: &Mat<f32>) -> Mat<f32> {
-    let mut all = Mat::<f32>::zeros(INPUTS + 1, COORDINATES);
-    let solved: Vec<_> = sets.par_iter().map(|s| normal.solve(s, ridge)).collect();
-    for ((inputs, outputs), weights) in sets.iter().zip(&solved) {
-        for (o, output) in outputs.clone().enumerate() {
-            for (i, input) in inputs.iter().enumerate() {
-                all[(*input, output)] = weights[(i, o)] as f32;
-            }
-        }
-    }
-    (&all * basis) * basis.transpose()
-}
 
 /// One regression on features.
 struct Stage {
@@ -190,7 +41,7 @@ pub struct Training<'a> {
     samples: Vec<(usize, Shape)>,
     mean: Shape,
     starts: &'a StartShapes,
-    /// Directions that answers may take, in columns: similarity and shape modes.
+    /// Directions that predictions may take, in columns: similarity and shape modes.
     basis: Mat<f32>,
     seed: u64,
 }
@@ -228,8 +79,8 @@ impl<'a> Training<'a> {
         &self.faces[self.samples[sample].0]
     }
 
-    fn look(&self, sample: usize, step: f32) -> Look {
-        Look::at(self.face(sample), &self.mean, &self.samples[sample].1, step)
+    fn crop(&self, sample: usize, step: f32) -> FaceCrop {
+        FaceCrop::at(self.face(sample), &self.mean, &self.samples[sample].1, step)
     }
 
     /// Where the landmarks should go, in canonical units.
@@ -254,7 +105,7 @@ impl<'a> Training<'a> {
     fn normals(&self, features: &Features) -> (Vec<Vec<f32>>, Vec<Normal>) {
         let samples = (0..self.samples.len()).into_par_iter();
         let x: Vec<Vec<f32>> = samples
-            .map(|n| features.of(&self.look(n, features.step)))
+            .map(|n| features.of(&self.crop(n, features.step)))
             .collect();
         let y: Vec<Vec<f32>> = (0..x.len()).map(|n| self.target(n)).collect();
         let normals = (0..FOLDS).into_par_iter().map(|fold| {
@@ -272,15 +123,15 @@ impl<'a> Training<'a> {
         (x, normals)
     }
 
-    /// Trains one stage and moves the shapes by its out-of-fold answers.
+    /// Trains one stage and moves the shapes by its out-of-fold predictions.
     fn stage(&mut self, kind: Kind, links: Links, index: usize) -> Stage {
         let began = std::time::Instant::now();
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed ^ ((index as u64) << 32));
         let mut drawn = || rng.random_range(0..self.samples.len());
-        let looks: Vec<Look> = (0..LOOKS)
-            .map(|_| self.look(drawn(), kind.step(index)))
+        let crops: Vec<FaceCrop> = (0..CROPS)
+            .map(|_| self.crop(drawn(), kind.step(index)))
             .collect();
-        let mut features = Features::fit(kind, index, &looks, &mut rng);
+        let mut features = Features::fit(kind, index, &crops, &mut rng);
         let empty = || Normal::new(INPUTS, COORDINATES);
         let sum = |normals: &[Normal], but: usize| {
             let others = (0..FOLDS).filter(|f| *f != but);
@@ -294,16 +145,16 @@ impl<'a> Training<'a> {
             let chosen: Vec<usize> = (0..REFINED_ON.min(x.len()))
                 .map(|_| rng.random_range(0..x.len()))
                 .collect();
-            let examples: Vec<rbm::Example> = chosen
+            let examples: Vec<Example> = chosen
                 .into_par_iter()
                 .map(|n| {
-                    let look = self.look(n, features.step);
-                    (look.patches(), Array1::from(self.target(n)))
+                    let crop = self.crop(n, features.step);
+                    (crop.patches(), Array1::from(self.target(n)))
                 })
                 .collect();
-            let errors = rbm::refine(&mut features, &weights, 3, &examples, &mut rng);
+            let errors = refine::refine(&mut features, &weights, 3, &examples, &mut rng);
             println!("    refined: error {:.4} to {:.4}", errors[0], errors[1]);
-            features.rescale(&looks);
+            features.rescale(&crops);
             (x, normals) = self.normals(&features);
         }
         let train = sum(&normals, 0);
@@ -340,16 +191,16 @@ impl<'a> Training<'a> {
 /// The shape after one step.
 fn moved(mean: &Shape, shape: &Shape, weights: &Mat<f32>, x: &[f32]) -> Shape {
     let canonical = Similarity::fit(mean, shape).expect("a shape has extent");
-    let answer = ridge::outputs(weights, |column| {
+    let prediction = ridge::outputs(weights, |column| {
         column.iter().zip(x).map(|(w, x)| w * x).sum()
     });
     std::array::from_fn(|i| {
-        let [dx, dy] = canonical.apply_vector([answer[2 * i], answer[2 * i + 1]]);
+        let [dx, dy] = canonical.apply_vector([prediction[2 * i], prediction[2 * i + 1]]);
         [shape[i][0] + dx, shape[i][1] + dy]
     })
 }
 
-/// Starts on a face, as [`crate::align::evaluate`] draws them.
+/// Starts on a face, as [`posewise_train::align::evaluate`] draws them.
 fn starts_on(
     face: &Face,
     starts: &StartShapes,
@@ -420,7 +271,7 @@ pub struct Cascade<'a> {
 }
 
 impl<'a> Cascade<'a> {
-    /// Trains all stages; the last two look as `late` says.
+    /// Trains all stages; the last two use the links `late`.
     pub fn train(mut training: Training<'a>, kind: Kind, late: Links) -> Cascade<'a> {
         let stages = (0..STAGES)
             .map(|index| {
@@ -448,8 +299,8 @@ impl<'a> Cascade<'a> {
                 let starts = starts_on(face, self.starts, boxes, 7, index);
                 starts.into_iter().map(move |mut shape| {
                     for stage in &self.stages {
-                        let look = Look::at(face, &self.mean, &shape, stage.features.step);
-                        let x = stage.features.of(&look);
+                        let crop = FaceCrop::at(face, &self.mean, &shape, stage.features.step);
+                        let x = stage.features.of(&crop);
                         shape = moved(&self.mean, &shape, &stage.weights, &x);
                     }
                     (shape, nme(face, &shape, 0), nme(face, &shape, 17))
@@ -463,8 +314,9 @@ impl<'a> Cascade<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::align::Jitter;
-    use crate::faces::Picture;
+    use posewise::shape::LANDMARKS;
+    use posewise_metrics::BoxJitter;
+    use posewise_train::faces::Picture;
     use std::sync::Arc;
 
     /// A face of dark dots where its landmarks are.
@@ -500,7 +352,7 @@ mod tests {
         let mut rng = ChaCha8Rng::seed_from_u64(5);
         let faces: Vec<Face> = (0..60).map(|p| dots(p, &mut rng)).collect();
         let boxes = Boxes {
-            jitter: Jitter {
+            jitter: BoxJitter {
                 shift: 0.05,
                 log_size: 0.05,
                 roll: 0.05,

@@ -9,25 +9,25 @@ pub mod correct;
 pub mod descriptor;
 pub mod svm;
 
-use crate::align::evaluate::{nme, start_of};
-use crate::align::{Accuracy, Jitter, jittered_box, normal, start_from_box};
-use crate::detect::backgrounds;
-use crate::faces::{self, Face, Picture};
-use crate::fit::AlignedBlob;
-use crate::roc::area;
 use anyhow::{Context, Result};
-use correct::{ShapeModes, ShapeRegression};
-use descriptor::{Patches, Seat};
+use correct::{Correction, ShapeModes};
+use descriptor::{Patches, Placement};
 use posewise::align::{AlignModel, Shape, Workspace};
 use posewise::shape::LANDMARKS;
 use posewise::track::Model;
+use posewise_format::AlignedBytes;
+use posewise_metrics::{BoxJitter, auc};
+use posewise_train::align::evaluate::{nme, start_of};
+use posewise_train::align::{Accuracy, jittered_box, normal, start_from_box};
+use posewise_train::detect::backgrounds;
+use posewise_train::faces::{self, Face, Picture};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use std::path::PathBuf;
 use svm::Bank;
 
-/// Settings of `posewise-train templates`.
+/// Settings of `posewise-lab templates`.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Args {
     /// The shared data.
@@ -46,24 +46,17 @@ pub struct Args {
 
 /// Renders of each kind that are used.
 const RENDERS: usize = 6000;
-/// Errors of a detector's boxes.
-const JITTER: Jitter = Jitter {
-    shift: 0.05,
-    log_size: 0.08,
-    roll: 0.14,
-};
-
-/// One fit of the cascade, and what both kinds of experts say of it.
+/// One fit of the cascade, and the confidences of both kinds of classifiers.
 struct Fit {
     shape: Shape,
     /// By the model's classifiers.
-    learned: Says,
+    learned: Confidences,
     /// By the templates.
-    templates: Says,
+    templates: Confidences,
 }
 
-/// What is said of a fit.
-struct Says {
+/// Confidences of a fit.
+struct Confidences {
     face: f32,
     landmarks: [f32; LANDMARKS],
     seen: [f32; LANDMARKS],
@@ -72,8 +65,8 @@ struct Says {
 /// Trains the templates and prints what they do.
 pub fn run(args: &Args) -> Result<()> {
     let bytes = std::fs::read(&args.model).with_context(|| args.model.display().to_string())?;
-    let bytes = AlignedBlob::new(&bytes);
-    let model = Model::load(bytes.bytes())?;
+    let bytes = AlignedBytes::new(&bytes);
+    let model = Model::load(&bytes)?;
     let labels = args.data.join("faces68");
     let mut train = faces::photographs(&labels.join("train.csv"), &labels.join("train"))?;
     let modes = ShapeModes::fit(model.align.mean(), &train);
@@ -98,7 +91,7 @@ pub fn run(args: &Args) -> Result<()> {
     };
     let before: Vec<Shape> = fits.iter().map(|f| f.shape).collect();
     row("none: the cascade alone", "-", &before);
-    for (name, correction) in ShapeRegression::all() {
+    for (name, correction) in Correction::all() {
         for strength in [0.25f32, 0.5, 1.0] {
             let after: Vec<Shape> = dev
                 .par_iter()
@@ -118,7 +111,7 @@ pub fn run(args: &Args) -> Result<()> {
     println!("|---|---|---|");
     let far = self::fits(&model, &bank, &dev, 3.5, 12);
     let both = || fits.iter().chain(&far).zip(dev.iter().chain(&dev));
-    let right = |pick: fn(&Fit) -> &Says| {
+    let right = |pick: fn(&Fit) -> &Confidences| {
         let all = both().flat_map(|(fit, face)| {
             let limit = 0.1 * face.scale();
             (0..LANDMARKS).map(move |k| {
@@ -127,47 +120,42 @@ pub fn run(args: &Args) -> Result<()> {
                 (pick(fit).landmarks[k], near)
             })
         });
-        area(all.collect())
+        area(all)
     };
     let (learned, templates) = (right(|f| &f.learned), right(|f| &f.templates));
     println!("| landmark right or wrong (dev) | {learned:.3} | {templates:.3} |");
     let fresh = faces::rendered(&args.fresh, RENDERS)?;
     let seen_fits = self::fits(&model, &bank, &fresh, 1.0, 13);
-    let seen = |pick: fn(&Fit) -> &Says| {
+    let seen = |pick: fn(&Fit) -> &Confidences| {
         let kept = seen_fits.iter().zip(&fresh);
         let kept = kept.filter(|(fit, face)| nme(face, &fit.shape, 0) < 10.0);
         let all = kept.flat_map(|(fit, face)| {
             (17..LANDMARKS).map(move |k| (pick(fit).seen[k], face.visible[k]))
         });
-        area(all.collect())
+        area(all)
     };
     let (learned, templates) = (seen(|f| &f.learned), seen(|f| &f.templates));
     println!("| landmark seen or hidden (fresh renders) | {learned:.3} | {templates:.3} |");
-    let empty: Vec<Picture> = backgrounds::held_out(&args.data)?
-        .into_iter()
-        .map(Picture::from)
-        .collect();
+    let empty = backgrounds::held_out(&args.data)?;
     let nobody = on_empty(&model, &bank, &empty, 4 * dev.len());
-    let face = |pick: fn(&Fit) -> &Says| {
+    let face = |pick: fn(&Fit) -> &Confidences| {
         let faces = fits.iter().map(|f| (pick(f).face, true));
-        area(
-            faces
-                .chain(nobody.iter().map(|f| (pick(f).face, false)))
-                .collect(),
-        )
+        area(faces.chain(nobody.iter().map(|f| (pick(f).face, false))))
     };
     let (learned, templates) = (face(|f| &f.learned), face(|f| &f.templates));
     println!("| face or background (dev, held-out pictures) | {learned:.4} | {templates:.4} |");
     Ok(())
 }
 
+/// Area under the ROC; NaN when there is only one kind.
+fn area(pairs: impl Iterator<Item = (f32, bool)>) -> f64 {
+    let pairs: Vec<_> = pairs.map(|(v, truth)| (f64::from(v), truth)).collect();
+    auc(&pairs).unwrap_or(f64::NAN)
+}
+
 /// Runs the cascade on every face from a box as far off as a detector's, times `off`.
 fn fits(model: &Model<'_>, bank: &Bank, faces: &[Face], off: f32, seed: u64) -> Vec<Fit> {
-    let jitter = Jitter {
-        shift: JITTER.shift * off,
-        log_size: JITTER.log_size * off,
-        roll: JITTER.roll * off,
-    };
+    let jitter = BoxJitter::DETECTOR.times(off);
     let run = |work: &mut Box<Workspace>, (index, face): (usize, &Face)| {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(index as u64);
@@ -215,12 +203,12 @@ fn fit(
     let face = landmarks.iter().map(|p| p.max(1e-6).ln()).sum();
     Fit {
         shape,
-        learned: Says {
+        learned: Confidences {
             face: confidence.face,
             landmarks: confidence.landmarks,
             seen: confidence.visibility,
         },
-        templates: Says {
+        templates: Confidences {
             face,
             landmarks,
             seen: landmarks,
@@ -235,14 +223,14 @@ fn responses(
     picture: &Picture,
     shape: &Shape,
 ) -> [f32; LANDMARKS] {
-    let Some(seat) = Seat::of(align, shape) else {
+    let Some(placement) = Placement::of(align, shape) else {
         return [0.0; LANDMARKS];
     };
-    let patches = Patches::cut(picture, &seat);
-    let points = seat.points(shape);
+    let patches = Patches::cut(picture, &placement);
+    let points = placement.points(shape);
     let mut out = [0.0; LANDMARKS];
     for (k, p) in points.iter().enumerate() {
-        out[seat.landmark(k)] = bank.response(seat.view, k, &patches, *p);
+        out[placement.landmark(k)] = bank.response(placement.view, k, &patches, *p);
     }
     out
 }

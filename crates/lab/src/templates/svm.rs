@@ -1,11 +1,11 @@
 //! Linear SVM templates and their calibration.
 
-use super::descriptor::{KINDS, Patches, Seat, VALUES};
-use crate::faces::Face;
-use crate::score::platt;
+use super::descriptor::{KINDS, Patches, Placement, VALUES};
 use indicatif::{ProgressBar, ProgressStyle};
 use posewise::align::AlignModel;
 use posewise::shape::LANDMARKS;
+use posewise_train::faces::Face;
+use posewise_train::score::platt;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -79,25 +79,25 @@ impl Bank {
 
 /// The faces of a view; those towards the camera also in a mirror.
 fn examples(model: &AlignModel<'_>, faces: &[Face], view: usize) -> Vec<Example> {
-    let seats: Vec<(&Face, Seat)> = faces
+    let placements: Vec<(&Face, Placement)> = faces
         .iter()
-        .filter_map(|face| Some((face, Seat::of(model, &face.landmarks)?)))
-        .filter(|(_, seat)| seat.view == view)
+        .filter_map(|face| Some((face, Placement::of(model, &face.landmarks)?)))
+        .filter(|(_, placement)| placement.view == view)
         .collect();
-    let step = seats.len().div_ceil(FACES).max(1);
-    seats
+    let step = placements.len().div_ceil(FACES).max(1);
+    placements
         .into_par_iter()
         .step_by(step)
         .enumerate()
-        .map(|(n, (face, seat))| {
-            let seat = match view == 0 && n % 2 == 1 {
-                true => seat.flipped(),
-                false => seat,
+        .map(|(n, (face, placement))| {
+            let placement = match view == 0 && n % 2 == 1 {
+                true => placement.flipped(),
+                false => placement,
             };
             Example {
-                patches: Patches::cut(&face.picture, &seat),
-                points: seat.points(&face.landmarks),
-                seen: seat.marks(&face.visible),
+                patches: Patches::cut(&face.picture, &placement),
+                points: placement.points(&face.landmarks),
+                seen: placement.marks(&face.visible),
                 held: face.person % 5 == 4,
             }
         })

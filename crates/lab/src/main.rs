@@ -1,0 +1,35 @@
+//! `posewise-lab`: experiments that no model needs. They measure what was considered for the models
+//! and left out, or not yet taken in; docs/accuracy.md holds their figures.
+
+mod adaptive;
+mod features;
+mod templates;
+
+use anyhow::Result;
+use clap::{Parser, Subcommand};
+
+/// Experiments with posewise.
+#[derive(Parser)]
+#[command(version)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Compare kinds of local features in small linear cascades; prints a table.
+    Features(features::Args),
+    /// Measure pose-wise SVM templates on hand-made descriptors against a model's own verifier.
+    Templates(templates::Args),
+    /// Measure what appearance models of the tracked face, updated online, would add to the verifier.
+    Adaptive(adaptive::Args),
+}
+
+fn main() -> Result<()> {
+    match Cli::parse().command {
+        Command::Features(args) => features::run(&args),
+        Command::Templates(args) => templates::run(&args),
+        Command::Adaptive(args) => adaptive::run(&args),
+    }
+}

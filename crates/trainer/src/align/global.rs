@@ -1,0 +1,61 @@
+//! Trains the networks of the global stage (sections `ALGN` and `ENSM`).
+
+use super::mean::mean_shape;
+use super::quantise;
+use super::samples::{EXAMPLES, Sample};
+use super::starts::StartShapes;
+use super::train::{Draw, Faces, Options, Source, Trained, train};
+use crate::faces::Face;
+use crate::pack::SectionWriter;
+use anyhow::Result;
+use posewise::align::Shape;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use std::path::Path;
+
+/// Trains section `ALGN` on these faces; goes on from the checkpoint if there is one, else starts
+/// from what the network of another checkpoint has learnt.
+pub fn cascade(
+    faces: &[Face],
+    options: &Options,
+    checkpoint: &Path,
+    taught_by: Option<&Path>,
+) -> Result<SectionWriter> {
+    let mean = mean_shape(faces);
+    let starts = StartShapes::fit(faces, &mean, &options.turns);
+    let initial = taught_by.and_then(|path| Trained::read(path, &options.sizes));
+    let (trained, samples) = network(faces, &mean, options, checkpoint, initial)?;
+    quantise::face_section(&trained, &mean, &starts, options.passes, &samples)
+}
+
+/// Trains section `ENSM`, a second network for a global stage with this mean shape; goes on from the
+/// checkpoint if there is one.
+pub fn second(
+    faces: &[Face],
+    mean: &Shape,
+    options: &Options,
+    checkpoint: &Path,
+) -> Result<SectionWriter> {
+    let (trained, samples) = network(faces, mean, options, checkpoint, None)?;
+    quantise::second_section(&trained, &samples)
+}
+
+/// A network of the global stage, and samples as it meets them.
+fn network(
+    faces: &[Face],
+    mean: &Shape,
+    options: &Options,
+    checkpoint: &Path,
+    initial: Option<Trained>,
+) -> Result<(Trained, Vec<Sample>)> {
+    let source = Faces {
+        faces,
+        mean,
+        options,
+        draw: Draw::new(faces, options, |_| 1.0)?,
+    };
+    let trained = train(&source, options, checkpoint, initial.map(|t| t.parameters))?;
+    let rng = &mut ChaCha8Rng::seed_from_u64(options.seed ^ 2);
+    let samples = source.samples(EXAMPLES, rng);
+    Ok((trained, samples))
+}
