@@ -44,7 +44,8 @@ fn modules(source: &Path) -> BTreeMap<Module, PathBuf> {
     found
 }
 
-/// The paths of a file (`a::b::c`), also those of `a::{b, c}`, each with the inline module it is in.
+/// The paths of a file (`a::b::c`), also those of `a::{b, c}`, each with the inline module it is
+/// in.
 struct Paths {
     found: Vec<(Module, Vec<String>)>,
     /// What `use` items call the last name of a path.

@@ -1,6 +1,7 @@
 /* start.c - from power-on to main() on a Cortex-M4F: vectors, floating point, memory, arguments.
  * Files and printf go to the debugger (semihosting); on a product, leave that out.
- * Prints on standard error how much stack main() took, unless the program paints the stack itself. */
+ * Prints on standard error how much stack main() took, unless the program paints the stack
+ * itself. */
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>

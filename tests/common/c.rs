@@ -1,5 +1,5 @@
-//! Compiling C against the static library as it ships (`--profile dist`). It is built in a folder of
-//! its own under target/, so that the cargo that runs the tests and the one that they run do not
+//! Compiling C against the static library as it ships (`--profile dist`). It is built in its own
+//! folder under target/, so that the cargo that runs the tests and the one that they run do not
 //! wait for each other.
 
 use super::{Clip, root, scratch};

@@ -42,8 +42,8 @@ pub struct TrackerArgs {
     /// Narrowest face searched for [px]
     #[arg(long, value_name = "PX")]
     pub min_face: Option<u32>,
-    /// Work per frame while searching, about two for each window [default: 3000 for cameras, else the
-    /// whole frame]
+    /// Work per frame while searching, about two for each window [default: 3000 for cameras, else
+    /// the whole frame]
     #[arg(long, value_name = "N")]
     pub scan_budget: Option<u32>,
     /// Answer with the smoothed values (One-Euro filter)

@@ -4,10 +4,10 @@
 //! |---|---|---|
 //! | nothing | a shuffled picture | search with nobody remembered |
 //! | clip | its frames in order | a face found, tracking |
-//! | then six times: gone | a cut to another shuffled picture | loss, holding, search for the face that was lost |
+//! | then six times: gone | a cut to another shuffled picture | loss, coasting, search for it |
 //! | elsewhere | the clip, moved | the face found again |
 //! | jump | the clip, moved the other way | loss, the face found elsewhere while holding |
-//! | spoilt | the clip with half of its blocks shuffled | doubtful faces: refused, looked at again |
+//! | spoilt | the clip with half of its blocks shuffled | low confidence: rejected, retried |
 //!
 //! A shuffled picture is a frame cut into blocks in a random order: natural texture without a face.
 

@@ -33,8 +33,8 @@ pub struct Session<'m> {
 const WHOLE_FRAME: u32 = 10_000_000;
 
 impl<'m> Session<'m> {
-    /// A fresh tracker with these settings. Only a live camera's frames cannot wait: elsewhere every
-    /// frame is searched whole unless the settings say otherwise.
+    /// A new tracker with these settings. Only a live camera's frames cannot wait: elsewhere every
+    /// frame is searched completely unless the settings say otherwise.
     pub fn new(model: &'m Model<'m>, args: &TrackerArgs, live: bool) -> Result<Self> {
         if args.focal.is_some_and(|f| !(f.is_finite() && f > 0.0)) {
             bail!("--focal must be positive");

@@ -31,7 +31,8 @@ pub struct Args {
 const RATES: [f32; 3] = [0.02, 0.05, 0.1];
 /// Shares of the distance in the logit.
 const SHARES: [f32; 5] = [0.0, 0.5, 1.0, 2.0, 4.0];
-/// Only frames at least this sure teach, and of them only landmarks that are seen at least so surely.
+/// Only frames at least this sure teach, and of them only landmarks that are seen at least so
+/// surely.
 const TRUST: f32 = 0.9;
 const SEEN: f32 = 0.7;
 /// Variance that keeps the distance finite.

@@ -22,7 +22,8 @@ enum Command {
     Features(features::Args),
     /// Measure pose-wise SVM templates on hand-made descriptors against a model's own verifier.
     Templates(templates::Args),
-    /// Measure what appearance models of the tracked face, updated online, would add to the verifier.
+    /// Measure what appearance models of the tracked face, updated online, would add to the
+    /// verifier.
     Adaptive(adaptive::Args),
 }
 

@@ -3,8 +3,8 @@
 /// Bins of [`calibration_error`].
 const BINS: usize = 10;
 
-/// Expected calibration error: the mean over ten equal bins of the probability, weighted by the number
-/// of pairs in each, of |mean probability − share of truths|. `None` of none.
+/// Expected calibration error: the mean over ten equal bins of the probability, weighted by the
+/// number of pairs in each, of |mean probability − share of truths|. `None` of none.
 pub fn calibration_error(pairs: &[(f64, bool)]) -> Option<f64> {
     let mut bins = [0.0; BINS];
     for (p, truth) in pairs {

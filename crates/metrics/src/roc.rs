@@ -1,7 +1,7 @@
 //! Area under the receiver operating characteristic.
 
-/// How often a true value is larger than a false one; equal values count half. `None` when there are
-/// only true or only false values.
+/// How often a true value is larger than a false one; equal values count half. `None` when there
+/// are only true or only false values.
 pub fn auc(pairs: &[(f64, bool)]) -> Option<f64> {
     let mut sorted: Vec<&(f64, bool)> = pairs.iter().collect();
     sorted.sort_by(|a, b| a.0.total_cmp(&b.0));

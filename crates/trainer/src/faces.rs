@@ -56,9 +56,9 @@ impl Face {
         (a[0] - b[0]).hypot(a[1] - b[1])
     }
 
-    /// Size that an error is measured against \[px\]: the inter-ocular distance of a face that looks
-    /// into the camera, also where turning shortens it: never less than 0.42 of the root of the
-    /// landmarks' box area.
+    /// Size that an error is measured against \[px\]: the inter-ocular distance of a face that
+    /// looks into the camera, also where turning shortens it: never less than 0.42 of the root of
+    /// the landmarks' box area.
     pub fn scale(&self) -> f32 {
         let (mut low, mut high) = ([f32::MAX; 2], [f32::MIN; 2]);
         for [x, y] in self.landmarks {

@@ -23,8 +23,8 @@ enum Command {
     Sheet(render::sheet::Args),
     /// Measure whether the fine stages' lids tell real shut eyes from open ones.
     Eyes(single_eyes::Args),
-    /// Leave sections out of a model: ENSM (the global stage's second network), RFIN (fine stages, and with
-    /// them what SREG holds), SREG (the step after them) or INFO (the data sheet).
+    /// Leave sections out of a model: ENSM (the global stage's second network), RFIN (fine stages,
+    /// and with them what SREG holds), SREG (the step after them) or INFO (the data sheet).
     Trim {
         /// The model.
         model: PathBuf,

@@ -22,7 +22,8 @@ use std::time::Instant;
 
 /// Rendered profiles that the detector learns from beside the photographs, which have none.
 const PROFILES: usize = 400;
-/// Renders that stand in for photographs where there are none: with more of them the thresholds open.
+/// Renders that stand in for photographs where there are none: with more of them the thresholds
+/// open.
 const FRONTS: usize = 3000;
 /// Share of the renders' windows given up by the detector: more of them than of photographs' are
 /// dark or full of noise.

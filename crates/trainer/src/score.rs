@@ -2,8 +2,8 @@
 //!
 //! Positives and negatives come from running the finished cascade: from jittered boxes on the
 //! training faces (some of which fail), and on pictures without a face from random boxes and from
-//! places that the detector takes for one. Some are fitted again and again, as what is tracked is. One
-//! picture in three is as a poor camera shows it.
+//! places that the detector takes for one. Some are fitted again and again, as what is tracked is.
+//! One picture in three is as a poor camera shows it.
 
 use crate::align::cover::covered;
 use crate::align::evaluate::{mean_error, start_of};
@@ -279,7 +279,8 @@ fn on_faces(model: &AlignModel<'_>, faces: &[Face], seed: u64) -> Vec<Row> {
                     let right: Vec<bool> = right
                         .map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1]) <= limit)
                         .collect();
-                    // Hidden landmarks are guesses: hardly a face in profile would be right if they counted.
+                    // Hidden landmarks are guesses: hardly a face in profile would be right if they
+                    // counted.
                     let seen = (0..LANDMARKS).filter(|k| bare.visible[*k]);
                     let error = mean_error(bare, &shape, seen, bare.scale());
                     // Photographs say nothing of what turning hides.
@@ -402,8 +403,8 @@ fn on_alarms(
         .collect()
 }
 
-/// All that the detector takes for a face in a picture, searched in slices of a camera's work: what is
-/// met in one is told before it is complete, where larger boxes would show that it is none.
+/// All that the detector takes for a face in a picture, searched in slices of a camera's work: what
+/// is met in one is told before it is complete, where larger boxes would show that it is none.
 fn alarms(detector: &DetectorModel<'_>, frame: &Frame<'_>) -> Vec<Detection> {
     let (mut scan, mut all) = (Scan::new(), vec![]);
     let slice = Config::default().scan_budget;
@@ -468,8 +469,8 @@ fn linear<'a>(
     Ok((linear, scores))
 }
 
-/// Logistic fit of labels to score and a second input, if there is one, by Newton's method: slopes and
-/// offset. Without weights all count the same.
+/// Logistic fit of labels to score and a second input, if there is one, by Newton's method: slopes
+/// and offset. Without weights all count the same.
 pub fn platt(
     scores: &[f32],
     labels: &[bool],

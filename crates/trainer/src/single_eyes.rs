@@ -35,8 +35,8 @@ pub struct Args {
 /// Widths of an eye, and the height of its middle, in sides of the picture: where to begin.
 const WIDTHS: [f32; 4] = [0.4, 0.5, 0.6, 0.72];
 const MIDDLE: f32 = 0.54;
-/// Looks until the stages have settled, and how far the landmarks may still move in the last one, in
-/// widths of the eye.
+/// Looks until the stages have settled, and how far the landmarks may still move in the last one,
+/// in widths of the eye.
 const LOOKS: usize = 6;
 const SETTLED: f32 = 0.03;
 /// How wide an eye may be, and how far from where it was looked for, in sides.
@@ -116,7 +116,8 @@ pub fn run(args: &Args) -> Result<()> {
         ensure!(!found.is_empty(), "no eye was found in {name}");
         found.sort_by(f32::total_cmp);
         println!(
-            "{name}: {} of {} found (each also in the mirror), median gap of the lids {:.3} of the eye's width",
+            "{name}: {} of {} found (each also in the mirror), \
+             median gap of the lids {:.3} of the eye's width",
             found.len(),
             2 * paths.len(),
             found[found.len() / 2]

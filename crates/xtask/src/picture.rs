@@ -6,8 +6,8 @@ use anyhow::{Context, Result, ensure};
 
 use crate::root;
 
-/// Three of the six frames of `posewise demo`'s picture, side by side, larger, and in few colours so
-/// that the file stays small.
+/// Three of the six frames of `posewise demo`'s picture, side by side, larger, and in few colours,
+/// so that the file stays small.
 const FILTER: &str = "split=3[a][b][c]; \
     [a]crop=240:228:360:12,pad=242:228:0:0:white[x]; \
     [b]crop=240:228:360:252,pad=242:228:0:0:white[y]; \

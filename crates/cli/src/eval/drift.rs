@@ -54,7 +54,8 @@ pub fn run(args: &DriftArgs) -> Result<()> {
     let ratio = ratio.map(|(first, last)| last / first.max(1e-9));
     let cell = |v: Option<f64>| v.map_or("–".into(), |v| format!("{v:.3}"));
     output::print(&format!(
-        "{} frames, {} lost; mean angle error {}° in the first minute, {}° in the last, {} times that\n",
+        "{} frames, {} lost; mean angle error {}° in the first minute, {}° in the last, \
+         {} times that\n",
         all.frames,
         lost(&all),
         cell(first.mean_angle()),

@@ -1,9 +1,10 @@
 //! `posewise eval eyes`: do the lids follow the truth?
 //!
 //! Frames that count are those tracked with both true and reported yaw within ±45°; for the
-//! correlations those of them in which the openness of an eye is known. Closures are runs of at least
-//! 200 ms; missed is one of the truth in which fewer than half of the frames are closed for the tracker
-//! (unknown is not closed), invented one of the tracker's in which none is closing in truth.
+//! correlations those of them in which the openness of an eye is known. Closures are runs of at
+//! least 200 ms. A closure of the truth is missed when fewer than half of its frames are closed for
+//! the tracker (unknown is not closed); one of the tracker is invented when no eye is closing in
+//! truth.
 
 use std::fmt::Write as _;
 
@@ -84,7 +85,9 @@ impl Pairs {
             invented,
         } = closures;
         let text = format!(
-            "{frames} frames, eyes known in {known}, correlation of the eye aspect ratio {}, of eye_open {}, of eye_open with the true ratio {}; {truth} closures, {missed} missed, {invented} invented",
+            "{frames} frames, eyes known in {known}, correlation of the eye aspect ratio {}, \
+             of eye_open {}, of eye_open with the true ratio {}; \
+             {truth} closures, {missed} missed, {invented} invented",
             shown(ear),
             shown(blink),
             shown(open),

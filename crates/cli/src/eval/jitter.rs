@@ -3,8 +3,8 @@
 //! Per landmark the r.m.s. of the second difference (frame before, this, next) over all runs of
 //! tracked frames, scaled to an inter-ocular distance of 40 px; then the median over landmarks. The
 //! same of what is left when the similarity that the landmarks follow together is taken off each
-//! second difference: the face moves as a whole, a bad tracker's landmarks tremble each by itself.
-//! With the clip at hand also how much the landmarks would tremble if they moved just as the picture
+//! second difference: the face moves as a whole, a bad tracker's landmarks jitter each by itself.
+//! With the clip at hand also how much the landmarks would jitter if they moved just as the picture
 //! between brows and nose does: no tracker that does not lag behind the head is below that.
 
 use std::fmt::Write as _;
@@ -106,8 +106,8 @@ fn jitter(shapes: &[Option<Shape>]) -> [Option<f64>; 2] {
     [landmark_jitter(&all), landmark_jitter(&rest)]
 }
 
-/// Of landmarks that move from each frame to its neighbours as the picture does. The clip must have a
-/// frame for each shape.
+/// Of landmarks that move from each frame to its neighbours as the picture does. The clip must have
+/// a frame for each shape.
 fn of_picture(shapes: &[Option<Shape>], clip: &str) -> Result<Option<f64>> {
     let mut source = source::open(clip, FPS)?;
     let mut frames: Vec<Luma> = Vec::new();

@@ -8,8 +8,8 @@ use rand_chacha::ChaCha8Rng;
 
 /// Hidden units of the RBM.
 const HIDDEN: usize = 64;
-/// Distance and side of the histograms' cells by stage, in canonical units; what all kinds see is as
-/// wide as three cells.
+/// Distance and side of the histograms' cells by stage, in canonical units; what all kinds see is
+/// as wide as three cells.
 const CELLS: [(f32, f32); 4] = [(8.0, 13.0), (7.0, 13.0), (6.0, 11.0), (5.0, 9.0)];
 
 /// Kind of local features.

@@ -1,5 +1,5 @@
-//! Learns the cascade's last step (section `SREG`): ridge regression from where the stages before it
-//! end on the training faces to what they lack there.
+//! Learns the cascade's last step (section `SREG`): ridge regression from where the stages before
+//! it end on the training faces to what they lack there.
 
 use super::parts::ends;
 use super::train::LIDS;
@@ -29,8 +29,8 @@ struct Row {
 }
 
 /// Trains section `SREG` for a cascade, whose fine stages are the last so far. Mirrored rows make
-/// the map symmetric, whatever the faces are. An upper lid and the lower one below it move as one: the
-/// rest of a face does not tell how far its eyes are open.
+/// the map symmetric, whatever the faces are. An upper lid and the lower one below it move as one:
+/// the rest of a face does not tell how far its eyes are open.
 pub fn train(model: &AlignModel<'_>, faces: &[Face]) -> Result<SectionWriter> {
     let mut rows = vec![];
     for (face, ends) in faces.iter().zip(ends(model, faces)) {
@@ -91,8 +91,8 @@ impl Row {
     }
 }
 
-/// Coordinates × coordinates, and below them the bias, that minimise the weighted mean of what is left
-/// plus the ridge.
+/// Coordinates × coordinates, and below them the bias, that minimise the weighted mean of what is
+/// left plus the ridge.
 fn solve(rows: &[Row]) -> Result<Mat<f64>> {
     let total: f64 = rows.iter().map(|r| r.weight).sum();
     let root: Vec<f64> = rows.iter().map(|r| (r.weight / total).sqrt()).collect();

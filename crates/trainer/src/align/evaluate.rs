@@ -69,8 +69,8 @@ pub fn evaluate(
     })
 }
 
-/// The same for the global stage alone, before it was turned into integers, with the first so many of
-/// its answers.
+/// The same for the global stage alone, before it was turned into integers, with the first so many
+/// of its answers.
 pub fn evaluate_float(
     model: &AlignModel<'_>,
     trained: &Trained,

@@ -28,8 +28,8 @@ pub fn cascade(
     quantise::face_section(&trained, &mean, &starts, options.passes, &samples)
 }
 
-/// Trains section `ENSM`, a second network for a global stage with this mean shape; goes on from the
-/// checkpoint if there is one.
+/// Trains section `ENSM`, a second network for a global stage with this mean shape; goes on from
+/// the checkpoint if there is one.
 pub fn second(
     faces: &[Face],
     mean: &Shape,

@@ -1,5 +1,5 @@
-//! Answers of fewer dimensions than they were trained with: most of these hardly move a point, and each
-//! costs as many bytes as the answer reads features.
+//! Answers of fewer dimensions than they were trained with: most of these hardly move a point, and
+//! each costs as many bytes as the answer reads features.
 
 use super::graph::Scratch;
 use super::network::{Network, Sizes};
@@ -10,8 +10,8 @@ use nalgebra::{DMatrix, SymmetricEigen};
 /// Dimensions that are kept, unless the points have fewer coordinates.
 pub const MODES: usize = 24;
 
-/// The network with answers of fewer dimensions: the principal components of where each answer moves
-/// the points on these samples; what lies beside them stays at its mean.
+/// The network with answers of fewer dimensions: the principal components of where each answer
+/// moves the points on these samples; what lies beside them stays at its mean.
 pub fn requantize(trained: &Trained, samples: &[Sample]) -> Trained {
     let Trained {
         network,

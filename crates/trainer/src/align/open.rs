@@ -4,8 +4,8 @@ use anyhow::Result;
 use posewise::align::{AlignModel, EnsembleMember, Refiners};
 use posewise_format::{AlignedBytes, Blob, SectionWriter, blob};
 
-/// Opens a cascade that is being made: the sections of its global stage, and fine ones where there are
-/// some.
+/// Opens a cascade that is being made: the sections of its global stage, and fine ones where there
+/// are some.
 pub fn with_model<T>(
     sections: &[&SectionWriter],
     run: impl FnOnce(&AlignModel<'_>) -> Result<T>,

@@ -98,8 +98,8 @@ pub struct Training<'a> {
     pub global: [&'a SectionWriter; 2],
     /// Faces to train on.
     pub faces: &'a [Face],
-    /// Folder of real eyes seen alone ([`single_eyes`]); without it eyes and lids have a second round on
-    /// the same faces.
+    /// Folder of real eyes seen alone ([`single_eyes`]); without it eyes and lids have a second
+    /// round on the same faces.
     pub eyes: Option<&'a Path>,
     /// As of [`options`].
     pub options: &'a Options,
@@ -254,8 +254,8 @@ impl Start {
     }
 }
 
-/// Where the global stage ends on every face, from boxes as a detector gives them; at the label where
-/// it goes astray.
+/// Where the global stage ends on every face, from boxes as a detector gives them; at the label
+/// where it goes astray.
 fn starts(model: &AlignModel<'_>, faces: &[Face]) -> Vec<[Start; STARTS]> {
     let ends = ends(model, faces).into_iter();
     ends.zip(faces)

@@ -19,8 +19,8 @@ const INPUT_ZERO: f32 = 128.0;
 /// Share of example crops whose largest value of a map must fit its bytes.
 const COVERED: f32 = 0.98;
 
-/// Section `ALGN`, as [`AlignModel::open`] reads it; the samples show how large the maps' values grow
-/// and where answers move the points.
+/// Section `ALGN`, as [`AlignModel::open`] reads it; the samples show how large the maps' values
+/// grow and where answers move the points.
 pub fn face_section(
     trained: &Trained,
     mean: &Shape,

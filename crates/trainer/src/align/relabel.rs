@@ -1,5 +1,5 @@
-//! Labels that training can trust more than the annotator's: what a trained cascade answers, averaged
-//! over several looks at the same face and its mirror image.
+//! Labels that training can trust more than the annotator's: what a trained cascade answers,
+//! averaged over several looks at the same face and its mirror image.
 //!
 //! A photograph's own label and the cascade's answer err independently enough that their mean is
 //! closer to the truth than either; faces without labels get the cascade's answer, if its looks

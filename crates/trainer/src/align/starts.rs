@@ -69,7 +69,8 @@ fn index_of(turns: &[f32], turn: f32) -> usize {
 }
 
 /// The detector's box of a shape: centre, side (the larger of width and height) of the upright box
-/// after turning back by `roll`, and `roll` \[rad\], by which the most similar start shape is turned.
+/// after turning back by `roll`, and `roll` \[rad\], by which the most similar start shape is
+/// turned.
 pub fn face_box(views: &Views<'_>, shape: &Shape) -> ([f32; 2], f32, f32) {
     box_at(shape, views.of(shape).expect("a face has extent").roll)
 }

@@ -99,8 +99,8 @@ impl Options {
         }
     }
 
-    /// As these, for the global stage's second network: other numbers, better labels at once, turned heads
-    /// more often.
+    /// As these, for the global stage's second network: other numbers, better labels at once,
+    /// turned heads more often.
     pub fn second_network(self) -> Options {
         Options {
             seed: self.seed ^ 0x2ed,

@@ -13,16 +13,16 @@ use super::sample::{window, with_view};
 
 /// Windows on the grid around each face that must survive.
 const SURVIVORS: usize = 3;
-/// Share of these windows that may be lost, and the power of the share of the trees with which it grows
-/// up to that: few trees lose most of it, because what they reject costs least.
+/// Share of these windows that may be lost, and the power of the share of the trees with which it
+/// grows up to that: few trees lose most of it, because what they reject costs least.
 const LOSS: f32 = 0.01;
 const LATENESS: f32 = 0.2;
 /// How far below the faces' sums the thresholds lie, for people not seen in training.
 const MARGIN: f32 = 0.12;
 
-/// The cascade with thresholds as high as leaves faces their best windows on the scan's grid, all but
-/// a few (after Zhang and Viola's multiple-instance pruning, 2007). Of the windows a share is hopeless:
-/// what is known of them in the end would pass too much that is no face.
+/// The cascade with thresholds as high as leaves faces their best windows on the scan's grid, all
+/// but a few (after Zhang and Viola's multiple-instance pruning, 2007). Of the windows a share is
+/// hopeless: what is known of them in the end would pass too much that is no face.
 pub fn thresholds(cascade: &Cascade, faces: &[Face], hopeless: f32) -> Cascade {
     let flat = cascade.flat();
     let mut sums: Vec<Vec<i32>> = faces

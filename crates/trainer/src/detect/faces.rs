@@ -39,8 +39,8 @@ pub fn load(data: &Path) -> Result<Vec<Face>> {
         .collect()
 }
 
-/// Renders as faces with boxes: those whose eye line tells the roll and whose sides towards the camera
-/// are bare. Others would open the thresholds for what is no face.
+/// Renders as faces with boxes: those whose eye line tells the roll and whose sides towards the
+/// camera are bare. Others would open the thresholds for what is no face.
 pub fn fronts(renders: &[crate::faces::Face]) -> Vec<Face> {
     const MOST_YAW_DEG: f32 = 60.0;
     const BOTH_SIDES_DEG: f32 = 15.0;

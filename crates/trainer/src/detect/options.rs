@@ -12,9 +12,9 @@ pub const SIDE_Q8: i32 = 333;
 pub struct Options {
     /// Seed of every random choice.
     pub seed: u64,
-    /// Trees of the cascade, how many of them ship, and their depth. The last trees demand what only
-    /// a detector without a verifier behind it must; the thresholds of those before are set with
-    /// them there.
+    /// Trees of the cascade, how many of them ship, and their depth. The last trees demand what
+    /// only a detector without a verifier behind it must; the thresholds of those before are set
+    /// with them there.
     pub trees: usize,
     pub kept: usize,
     pub depth: usize,

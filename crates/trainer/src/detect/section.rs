@@ -9,8 +9,8 @@ use anyhow::Result;
 use std::path::Path;
 
 /// Trains everything on these faces and backgrounds, keeping intermediate results in `cache`, from
-/// which an interrupted run goes on. The cascade learns from the first `told` faces alone, the forest
-/// that refines its hits from all.
+/// which an interrupted run goes on. The cascade learns from the first `told` faces alone, the
+/// forest that refines its hits from all.
 ///
 /// # Errors
 /// When the cache cannot be written.

@@ -2,9 +2,10 @@
 //!
 //! Photographs label the jaw on the visible outline, which slides over the cheek as the head turns.
 //! As in landmark marching (Zhu et al., CVPR 2015), each jaw landmark gets a path of vertices that
-//! lead from it inwards; whichever of them is outermost in the image lies on the outline. On the side
-//! that turns towards the camera nothing is hidden: there the line is the lower jaw's edge below the
-//! ear, up to 22 mm behind the outline of the frontal view, and under the chin it is the lowest point.
+//! lead from it inwards; whichever of them is outermost in the image lies on the outline. On the
+//! side that turns towards the camera nothing is hidden: there the line is the lower jaw's edge
+//! below the ear, up to 22 mm behind the outline of the frontal view, and under the chin it is the
+//! lowest point.
 
 use glam::{Vec2, Vec3};
 use posewise::shape::{JAW, LANDMARKS};
@@ -65,9 +66,9 @@ pub fn at_place(line: &[Vec3], place: f32) -> Vec3 {
     line[before].lerp(line[before + 1], place - before as f32)
 }
 
-/// Vertices at even distances along the lower jaw's edge, down to the chin and up again; none for the
-/// five landmarks of the chin, which lie on it. `lines`: vertices along each side of the edge, the
-/// uppermost first; what lies above the first landmark is left out.
+/// Vertices at even distances along the lower jaw's edge, down to the chin and up again; none for
+/// the five landmarks of the chin, which lie on it. `lines`: vertices along each side of the edge,
+/// the uppermost first; what lies above the first landmark is left out.
 pub fn jaw_edge(
     mean: &[[f32; 3]],
     landmarks: &[u32; LANDMARKS],
@@ -97,8 +98,8 @@ pub fn jaw_edge(
 }
 
 /// Paths of up to [`PATH`] vertices for the 17 jaw landmarks; only vertices with `skin` are used.
-/// `edge`: the vertex of each on the lower jaw's edge ([`jaw_edge`]); where there is none the path goes
-/// on to the lowest point.
+/// `edge`: the vertex of each on the lower jaw's edge ([`jaw_edge`]); where there is none the path
+/// goes on to the lowest point.
 pub fn contour_paths(
     mean: &[[f32; 3]],
     triangles: &[[u32; 3]],

@@ -1,6 +1,6 @@
 //! Where landmarks of the 68-point convention (Sagonas et al., "300 Faces in-the-Wild Challenge",
-//! 2013) lie that the kit puts elsewhere. Its points are at even distances on the skin; people place
-//! them in pictures, mostly seen from the front.
+//! 2013) lie that the kit puts elsewhere. Its points are at even distances on the skin; people
+//! place them in pictures, mostly seen from the front.
 
 use super::morphable::Head;
 use posewise::shape::{LANDMARKS, MIRROR};
@@ -15,7 +15,8 @@ const TIP_MM: f32 = 2.1;
 const UNDER_NOSE_MM: f32 = 1.2;
 const UNDER_WING_MM: f32 = 1.8;
 
-/// Lines that points slide along: downwards, and of the image's left side from outside to the middle.
+/// Lines that points slide along: downwards, and of the image's left side from outside to the
+/// middle.
 const BRIDGE: [usize; 4] = [27, 28, 29, 30];
 const BROW: [usize; 5] = [17, 18, 19, 20, 21];
 const UPPER_LIP: [usize; 4] = [48, 49, 50, 51];
@@ -24,11 +25,11 @@ const UPPER_INNER: [usize; 3] = [60, 61, 62];
 const LOWER_INNER: [usize; 3] = [60, 67, 66];
 
 impl Head {
-    /// From each landmark's vertex to where the convention has it \[mm, head frame\]: brows, bridge of
-    /// the nose and lower lip evenly in the frontal view; the tip of the nose where it stands out
-    /// furthest, the points under the nose on its edge; the peaks of the bow as far apart as people's,
-    /// and half way between them and the corners; the inner points of the lips in line with the outer
-    /// ones above and below. The others stay.
+    /// From each landmark's vertex to where the convention has it \[mm, head frame\]: brows, bridge
+    /// of the nose and lower lip evenly in the frontal view; the tip of the nose where it stands
+    /// out furthest, the points under the nose on its edge; the peaks of the bow as far apart as
+    /// people's, and half way between them and the corners; the inner points of the lips in line
+    /// with the outer ones above and below. The others stay.
     pub fn conventional_offsets_mm(&self) -> Vec<[f32; 3]> {
         let at = |i: usize| self.mean[self.landmarks[i] as usize];
         let mut moved: [[f32; 3]; LANDMARKS] = std::array::from_fn(at);

@@ -25,11 +25,12 @@ pub struct Head {
     pub expressions: Vec<Expression>,
     /// Vertex of each iBUG landmark.
     pub landmarks: [u32; LANDMARKS],
-    /// Per jaw landmark 0–16: the landmark itself, what lies behind or below it, and vertices marching
-    /// inwards over the cheek. Whichever is outermost in the image is on the visible contour.
+    /// Per jaw landmark 0–16: the landmark itself, what lies behind or below it, and vertices
+    /// marching inwards over the cheek. Whichever is outermost in the image is on the visible
+    /// contour.
     pub jaw: [Vec<u32>; JAW],
-    /// Per jaw landmark 0–16 the vertex on the lower jaw's edge, from below one ear to the other; none at
-    /// the chin, which lies on it.
+    /// Per jaw landmark 0–16 the vertex on the lower jaw's edge, from below one ear to the other;
+    /// none at the chin, which lies on it.
     pub jaw_edge: [Option<u32>; JAW],
     /// Number into `part_names` for each vertex.
     pub vertex_part: Vec<u8>,

@@ -129,7 +129,8 @@ fn next_record(file: &mut impl Read) -> Result<Option<Vec<u8>>> {
     Ok(fill(&mut body)?.then_some(body))
 }
 
-/// Whole records in a cache of this seed and spec and the length they take; none if it is another's.
+/// Whole records in a cache of this seed and spec and the length they take; none if it is
+/// another's.
 fn present(path: &Path, wanted: &[u8]) -> Result<(u64, u64)> {
     let Ok(file) = File::open(path) else {
         return Ok((0, 0));

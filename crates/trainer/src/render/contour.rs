@@ -1,11 +1,11 @@
 //! The 68 points of a posed head: projections of the fixed vertices, whether each is seen, and
 //! the 2D points in the photographs' convention, where the jaw follows the visible outline.
 //!
-//! As in landmark marching (Zhu et al., CVPR 2015) each jaw point has a path over the cheek; of
-//! the path's points the one that lies outermost in the image is on the outline. The paths begin on the
-//! lower jaw's edge, where the outline runs on the side that turns towards the camera, and reach below
-//! the chin's vertices, which lie on its front. Along the outline the points are at even distances, on
-//! each side of the chin.
+//! As in landmark marching (Zhu et al., CVPR 2015) each jaw point has a path over the cheek; of the
+//! path's points the one that lies outermost in the image is on the outline. The paths begin on the
+//! lower jaw's edge, where the outline runs on the side that turns towards the camera, and reach
+//! below the chin's vertices, which lie on its front. Along the outline the points are at even
+//! distances, on each side of the chin.
 
 use super::draw::{Drawn, Posed, SUPER, View};
 use super::mesh::{Material, Mesh};
@@ -109,9 +109,9 @@ impl Landmarker {
         landmarker
     }
 
-    /// Lets the points beside the cheeks slide level: what annotators put beside an eye, a nose or a
-    /// mouth stays beside it however the head turns. Their heights are those of even distances in the
-    /// frontal view.
+    /// Lets the points beside the cheeks slide level: what annotators put beside an eye, a nose or
+    /// a mouth stays beside it however the head turns. Their heights are those of even distances in
+    /// the frontal view.
     pub fn levelled(mut self, mesh: &Mesh) -> Landmarker {
         let outline = self.frontal_outline(mesh).map(|p| p.extend(0.0));
         let edge = |i: usize| mesh.jaw_edge[i].map(|v| mesh.mean[v as usize]);
@@ -209,8 +209,8 @@ impl Landmarker {
     }
 }
 
-/// Places along the jaw's line, in numbers of its points, that lie at even distances on each side of
-/// the chin.
+/// Places along the jaw's line, in numbers of its points, that lie at even distances on each side
+/// of the chin.
 fn places_by_side(line: &[Vec2; JAW]) -> [f32; JAW] {
     const CHIN: usize = JAW / 2;
     let line = line.map(|p| p.extend(0.0));

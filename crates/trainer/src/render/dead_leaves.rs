@@ -1,6 +1,6 @@
-//! Made-up scenes: things of all sizes, one before the other, as in the dead-leaves model of natural
-//! pictures (Lee, Mumford and Huang, "Occlusion models for natural images", 2001), with shade,
-//! patterns and rows of the same thing. In linear light.
+//! Made-up scenes: things of all sizes, one before the other, as in the dead-leaves model of
+//! natural pictures (Lee, Mumford and Huang, "Occlusion models for natural images", 2001), with
+//! shade, patterns and rows of the same thing. In linear light.
 
 use super::background::procedural;
 use super::noise::{fractal, noise, smoothstep};

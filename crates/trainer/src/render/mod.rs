@@ -2,7 +2,8 @@
 //! expressions and under conditions that photographs lack, with exact landmarks.
 //!
 //! ```text
-//! head ─► mesh ─┬─► expression, identity ─► draw (raster, light, texture, props) ─► effects ─► Sample
+//! head ─► mesh ─┬─► expression, identity ─► draw (raster, light, texture, props) ─► effects ─►
+//! Sample
 //!               ├─► people (skin, photo)       over a background
 //!               └─► contour: the 68 points in the photographs' convention
 //! ```

@@ -19,8 +19,8 @@ pub struct Programs {
 }
 
 impl Programs {
-    /// Builds the programs, and copies them and the model to the folder, so that they stay what they
-    /// are while the source is worked on.
+    /// Builds the programs, and copies them and the model to the folder, so that they do not change
+    /// while the source is worked on.
     pub fn build(root: &Path, model: &Path, scratch: PathBuf) -> Result<Self> {
         let names = ["posewise", "posewise-train"];
         let mut cargo = Command::new("cargo");
