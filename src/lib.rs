@@ -1,56 +1,125 @@
-//! posewise: one camera frame in; 6-DoF head pose, 68 landmarks and facial animation out.
+//! Head pose, 68 facial landmarks and ARKit animation weights from camera frames.
 //!
-//! No heap, no threads, no OS, no clock: the caller owns every byte, and each step's work is
-//! bounded. The rooms, in the order in which a frame passes through them:
+//! The library uses no heap, no threads, no operating system and no clock. The caller owns all
+//! memory, and the work of each step is bounded.
 //!
-//! | layer | room | what happens there |
+//! A [`Tracker`] follows one face. Each [`Tracker::step`] takes a checked [`Model`], one camera
+//! [`Frame`] and its timestamp, and returns a [`TrackResult`]:
+//!
+//! ```
+//! use posewise::{Config, Frame, FrameLayout, Model, State, Tracker};
+//!
+//! # fn main() -> Result<(), Box<dyn core::error::Error>> {
+//! let model = Model::load(posewise::DEFAULT_MODEL)?;
+//! let mut tracker = Box::new(Tracker::new(&Config::default())?);
+//!
+//! // One frame of 8-bit luma; this one shows no face.
+//! let pixels = [128; 320 * 240];
+//! let frame = Frame::new(&FrameLayout::grey(320, 240), &pixels)?;
+//! let timestamp_us = 33_333;
+//!
+//! let result = tracker.step(&model, &frame, timestamp_us)?;
+//! if result.state == State::Tracking {
+//!     println!("yaw {:.1} deg, pitch {:.1} deg", result.yaw_deg, result.pitch_deg);
+//!     println!("tip of the nose at {:?}", result.landmarks[30]);
+//! }
+//! # assert_eq!(result.state, State::Searching);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! `examples/` has two whole programs: one reads a picture, the other a video.
+//!
+//! # Models
+//!
+//! `DEFAULT_MODEL` is embedded by the feature `default-model`. Another model is embedded with
+//! [`Aligned`], or read from a file into an `AlignedBytes` (feature `alloc`): a model must start at
+//! a multiple of 64 bytes.
+//!
+//! # Modules
+//!
+//! Only the items below are the stable interface. The modules are public with the feature
+//! `unstable-internals`; what they contain may change in any release, patch releases included.
+//! A module uses only modules of lower layers.
+//!
+//! | layer | module | content |
 //! |---|---|---|
-//! | 0 | [`math`] | fixed-point helpers, similarity transforms, rotations, small solvers |
-//! | 1 | [`image`] | frame views over the caller's bytes, luma, the warp into a canonical crop |
-//! | 2 | [`network`] | learned local features of a crop |
-//! | 2 | [`shape`] | the 3D face, projection, POSIT, the bounded pose fit |
-//! | 3 | [`detect`] | the multi-view face scan, time-sliced |
-//! | 3 | [`align`] | the cascade on learned features: crop → 68 landmarks |
-//! | 3 | [`verifier`] | is it a face, which landmarks are right: calibrated probabilities |
-//! | 3 | [`keyframe`] | faces as they were once, to find a lost one again by |
-//! | 4 | [`track`] | Searching / Tracking / Coasting: what lives across frames |
+//! | 0 | `math` | fixed-point helpers, similarity transforms, rotations, small solvers |
+//! | 1 | `image` | frame views over the caller's bytes, luma, warps into a small crop |
+//! | 2 | `network` | integer convolutional networks |
+//! | 2 | `shape` | the 3D face, projection, POSIT, the bounded pose fit |
+//! | 3 | `detect` | the multi-view face detector, whose scan is split over steps |
+//! | 3 | `align` | the cascade: from a crop to 68 landmarks |
+//! | 3 | `verifier` | calibrated probabilities of the face and of each landmark |
+//! | 3 | `keyframe` | past views of the tracked face, by which it is re-acquired |
+//! | 4 | `track` | the state machine Searching, Tracking, Coasting |
 //! | 5 | `ffi` | the C ABI |
 //!
-//! ```no_run
-//! # fn frame() -> posewise::image::Frame<'static> { unimplemented!() }
-//! use posewise::track::{Config, Model, Tracker};
-//! let model = Model::load(posewise::DEFAULT_MODEL).expect("the embedded model is valid");
-//! let mut tracker = Tracker::new(&Config::default()).expect("the defaults are valid");
-//! let result = tracker.step(&model, &frame(), 33_333).expect("time goes forward");
-//! println!("{:?} yaw {:.1}", result.state, result.yaw_deg);
-//! ```
+//! The model file is read by the crate `posewise-format`.
 #![no_std]
 #![deny(missing_docs)]
 #![deny(unsafe_code)]
+// Some internals are used by the training and developer programs only.
+#![cfg_attr(not(feature = "unstable-internals"), allow(dead_code, unused_imports))]
 
+#[cfg(feature = "unstable-internals")]
 pub mod align;
+#[cfg(not(feature = "unstable-internals"))]
+mod align;
+#[cfg(feature = "unstable-internals")]
 pub mod detect;
+#[cfg(not(feature = "unstable-internals"))]
+mod detect;
+#[cfg(feature = "unstable-internals")]
 pub mod image;
-#[cfg(feature = "keyframes")]
+#[cfg(not(feature = "unstable-internals"))]
+mod image;
+#[cfg(all(feature = "keyframes", feature = "unstable-internals"))]
 pub mod keyframe;
+#[cfg(all(feature = "keyframes", not(feature = "unstable-internals")))]
+mod keyframe;
+#[cfg(feature = "unstable-internals")]
 pub mod math;
+#[cfg(not(feature = "unstable-internals"))]
+mod math;
+#[cfg(feature = "unstable-internals")]
 pub mod network;
+#[cfg(not(feature = "unstable-internals"))]
+mod network;
+#[cfg(feature = "unstable-internals")]
 pub mod shape;
+#[cfg(not(feature = "unstable-internals"))]
+mod shape;
+#[cfg(feature = "unstable-internals")]
 pub mod track;
+#[cfg(not(feature = "unstable-internals"))]
+mod track;
+#[cfg(feature = "unstable-internals")]
 pub mod verifier;
+#[cfg(not(feature = "unstable-internals"))]
+mod verifier;
 
-pub use posewise_format as model;
-
-#[cfg(any(feature = "ffi", test))]
+#[cfg(feature = "ffi")]
 pub mod ffi;
 
+pub use image::{Frame, FrameError, FrameLayout, MAX_SIDE, PixelFormat, Rotation};
+pub use posewise_format::{Aligned, ModelError};
+pub use shape::{ANIMATION_NAMES, ANIMATIONS, Intrinsics, LANDMARKS};
+pub use track::{Config, ConfigError, Landmark, Loss, Model, Smoothing};
+pub use track::{State, StepError, TrackResult, Tracker};
+
+#[doc(hidden)]
+pub use posewise_format as model;
+#[cfg(feature = "alloc")]
+pub use posewise_format::AlignedBytes;
+
 #[cfg(feature = "default-model")]
-static DEFAULT: &model::Aligned<[u8]> = &model::Aligned(*include_bytes!(concat!(
+static DEFAULT: &Aligned<[u8]> = &Aligned(*include_bytes!(concat!(
     env!("OUT_DIR"),
     "/default.posewise"
 )));
 
-/// The model that ships with the crate (`models/default.posewise`, without the sections that this
-/// build does not read), 64-byte aligned.
+/// The model that ships with the crate: models/default.posewise, without the sections that this
+/// build does not read.
 #[cfg(feature = "default-model")]
 pub static DEFAULT_MODEL: &[u8] = &DEFAULT.0;

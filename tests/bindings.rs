@@ -5,8 +5,7 @@ mod common;
 
 use common::c::{STRICT, arguments, cc, clip, library, require, succeed};
 use common::{root, scratch};
-use posewise::image::{Frame, FrameLayout};
-use posewise::track::{Config, Model, Tracker};
+use posewise::{Config, Frame, FrameLayout, Model, Tracker};
 use std::path::PathBuf;
 use std::process::Command;
 

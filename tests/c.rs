@@ -1,9 +1,6 @@
 //! The static library and the header as C and C++ programs meet them.
 
 mod common;
-#[path = "../src/ffi/types.rs"]
-#[allow(dead_code, missing_docs, non_camel_case_types)]
-mod types;
 
 use common::c::{
     STRICT, arguments, cc, clip, cxx, example, exists, library, program, require, succeed,
@@ -58,7 +55,7 @@ fn cpp_wrapper_does_what_the_header_says() {
 
 #[test]
 fn layouts_agree() {
-    use types::*;
+    use posewise::ffi::types::*;
     let mut rust = String::new();
     macro_rules! layout {
         ($name:ident: $($field:ident)+) => {
@@ -147,11 +144,11 @@ fn y4m(program: &Path, arguments: &[&Path], video: &[u8]) -> Output {
 
 #[test]
 fn example_answers_as_the_rust_api() {
-    use posewise::image::{Frame, FrameLayout};
+    use posewise::{Frame, FrameLayout};
     let bytes = posewise::DEFAULT_MODEL;
-    let model = posewise::track::Model::load(bytes).expect("the default model is valid");
-    let config = posewise::track::Config::default();
-    let mut tracker = Box::new(posewise::track::Tracker::new(&config).expect("defaults"));
+    let model = posewise::Model::load(bytes).expect("the default model is valid");
+    let config = posewise::Config::default();
+    let mut tracker = Box::new(posewise::Tracker::new(&config).expect("defaults"));
     let clip = clip();
     let path = root().join("models/default.posewise");
     let output = y4m(example(), &[&path], &clip.y4m);

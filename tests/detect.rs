@@ -3,7 +3,7 @@
 use posewise::detect::{
     Detection, DetectorModel, GRID, Scan, ScanOutcome, Sizes, TAG, local_search,
 };
-use posewise::image::{Frame, FrameLayout, Rotation};
+use posewise::{Frame, FrameLayout, Rotation};
 use posewise_format::{AlignedBytes, Blob, ModelError, SectionWriter, blob};
 
 fn with_model<T>(
@@ -142,10 +142,8 @@ fn rolls_mirrored_ensembles_and_frame_layouts() {
     });
     let pixels = image(90.0, 70.0, 48.0, 0.0);
     let plain = Frame::new(&layout(), &pixels).unwrap();
-    let mirror = FrameLayout {
-        mirrored: true,
-        ..layout()
-    };
+    let mut mirror = layout();
+    mirror.mirrored = true;
     let mirror = Frame::new(&mirror, &pixels).unwrap();
     with_model(upright.clone(), |model| {
         assert_eq!(first_candidate(&model.unwrap(), &mirror, 1000), None);
@@ -160,10 +158,8 @@ fn rolls_mirrored_ensembles_and_frame_layouts() {
         assert!((a.size / b.size - 1.0).abs() < 0.005, "{a:?} {b:?}");
         assert!((a.score / b.score - 1.0).abs() < 0.02, "{a:?} {b:?}");
     });
-    let half = FrameLayout {
-        rotation: Rotation::Half,
-        ..layout()
-    };
+    let mut half = layout();
+    half.rotation = Rotation::Half;
     let reversed: Vec<u8> = pixels.iter().rev().copied().collect();
     let half = Frame::new(&half, &reversed).unwrap();
     with_model(upright.clone(), |model| {

@@ -1,15 +1,11 @@
 //! Replays the inputs of the fuzz targets (`fuzz/seeds.tar.gz`) without a fuzzer.
 
 mod common;
-// The C ABI is no part of the library as tests link it.
-#[allow(dead_code)]
-#[path = "../src/ffi/mod.rs"]
-mod ffi;
 #[path = "../fuzz/src/targets/mod.rs"]
 mod targets;
 
-// What `ffi` finds in the crate that it belongs to.
-use posewise::{DEFAULT_MODEL, image, model, shape, track};
+// Where the targets find it.
+use posewise::ffi;
 
 use flate2::read::GzDecoder;
 use std::fs::File;

@@ -4,8 +4,7 @@
 mod common;
 
 use common::root;
-use posewise::image::{Frame, FrameLayout};
-use posewise::track::{Config, Model, State, TrackResult, Tracker};
+use posewise::{Config, Frame, FrameLayout, Model, State, TrackResult, Tracker};
 
 /// FNV-1a, 64 bits.
 struct Hash(u64);
@@ -23,7 +22,6 @@ impl Hash {
     }
 
     fn result(&mut self, result: &TrackResult) {
-        // Every field by name: a new one does not compile until it is hashed.
         let TrackResult {
             state,
             timestamp_us,
@@ -43,6 +41,7 @@ impl Hash {
             landmarks,
             points_mm,
             animation,
+            ..
         } = result;
         self.bytes(&[*state as u8, *loss as u8]);
         self.bytes(&timestamp_us.to_le_bytes());
@@ -61,6 +60,16 @@ impl Hash {
             .chain(animation)
             .for_each(|value| self.float(*value));
     }
+}
+
+/// A field that is added to the result must be hashed above too.
+#[test]
+fn every_field_is_hashed() {
+    let printed = format!("{:#?}", TrackResult::EMPTY);
+    let is_field = |line: &&str| line.starts_with("    ") && line.contains(": ");
+    let is_inner = |line: &&str| line.starts_with("     ");
+    let fields = printed.lines().filter(is_field);
+    assert_eq!(fields.filter(|line| !is_inner(line)).count(), 18);
 }
 
 #[test]

@@ -1,9 +1,5 @@
 //! `include/posewise.h` is up to date with `src/ffi`, and its version is that of Cargo.toml.
 
-#[path = "../src/ffi/types.rs"]
-#[allow(dead_code, missing_docs, non_camel_case_types)]
-mod types;
-
 use std::fmt::Write;
 use std::path::Path;
 
@@ -125,7 +121,7 @@ fn version_is_that_of_the_crate() {
         | part(env!("CARGO_PKG_VERSION_MINOR")) << 8
         | part(env!("CARGO_PKG_VERSION_PATCH"));
     assert_eq!(
-        types::POSEWISE_VERSION,
+        posewise::ffi::types::POSEWISE_VERSION,
         version,
         "POSEWISE_VERSION, Cargo.toml"
     );
@@ -153,7 +149,7 @@ fn every_exported_function_is_declared() {
 #[test]
 fn documented_defaults_are_the_defaults() {
     let header = std::fs::read_to_string(root().join("include/posewise.h")).expect("posewise.h");
-    let config = posewise::track::Config::default();
+    let config = posewise::Config::default();
     for (field, value) in [
         ("min_face_px", config.min_face_px),
         ("scan_budget", config.scan_budget),

@@ -3,8 +3,7 @@
 
 mod common;
 
-use posewise::image::{Frame, FrameLayout};
-use posewise::track::{Config, Model, State, Tracker};
+use posewise::{Config, Frame, FrameLayout, Model, State, Tracker};
 
 /// A frame of the demo clip, shifted \[px\]; pixels from outside repeat the edge.
 fn shifted(luma: &[u8], width: usize, height: usize, (dx, dy): (i32, i32)) -> Vec<u8> {

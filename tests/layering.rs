@@ -1,34 +1,32 @@
-//! The rooms of `src/` use only rooms of lower layers, and the crate keeps its promises on `std`,
-//! `unsafe` and documentation.
+//! The modules of `src/` use only modules of lower layers, and the crate keeps its promises on
+//! `std`, `unsafe` and documentation.
 
 mod common;
 
 use common::root;
 use std::path::{Path, PathBuf};
 
-/// Room, layer as the table in `src/lib.rs` prints it, rank. A room may use rooms of lower rank;
-/// `monitor` shares a layer with `track`, which it reads.
-const ROOMS: [(&str, &str, u32); 12] = [
-    ("math", "0", 0),
-    ("time", "0", 0),
-    ("image", "1", 1),
-    ("network", "2", 2),
-    ("shape", "2", 2),
-    ("detect", "3", 3),
-    ("align", "3", 3),
-    ("verifier", "3", 3),
-    ("keyframe", "3", 3),
-    ("track", "4", 4),
-    ("monitor", "4", 5),
-    ("ffi", "5", 6),
+/// Modules and their layers, as the table in `src/lib.rs` has them. A module may use modules of
+/// lower layers.
+const MODULES: [(&str, u32); 10] = [
+    ("math", 0),
+    ("image", 1),
+    ("network", 2),
+    ("shape", 2),
+    ("detect", 3),
+    ("align", 3),
+    ("verifier", 3),
+    ("keyframe", 3),
+    ("track", 4),
+    ("ffi", 5),
 ];
 
 /// Where `unsafe` may be written: the C ABI, SIMD kernels.
 const UNSAFE: [&str; 2] = ["src/ffi/", "src/network/kernel/"];
 
-fn rank(room: &str) -> Option<u32> {
-    let known = ROOMS.iter().find(|(name, _, _)| *name == room);
-    known.map(|(_, _, rank)| *rank)
+fn layer(module: &str) -> Option<u32> {
+    let known = MODULES.iter().find(|(name, _)| *name == module);
+    known.map(|(_, layer)| *layer)
 }
 
 fn rust_files(folder: &Path) -> Vec<PathBuf> {
@@ -103,8 +101,8 @@ fn segments(code: &str, prefix: &str) -> Vec<String> {
     found
 }
 
-/// The room that a file below `src/` belongs to; `None` for `lib.rs`.
-fn room(path: &Path) -> Option<String> {
+/// The module that a file below `src/` belongs to; `None` for `lib.rs`.
+fn module(path: &Path) -> Option<String> {
     let inside = path.strip_prefix(root().join("src")).expect("below src/");
     let first = inside.components().next().expect("a name").as_os_str();
     let name = first.to_str().expect("UTF-8").trim_end_matches(".rs");
@@ -112,28 +110,28 @@ fn room(path: &Path) -> Option<String> {
 }
 
 #[test]
-fn rooms_use_lower_layers_only() {
+fn modules_use_lower_layers_only() {
     let mut wrong = Vec::new();
     for path in rust_files(&root().join("src")) {
-        let Some(own) = room(&path) else { continue };
-        let own_rank = rank(&own).unwrap_or_else(|| panic!("{own} is not a room of the table"));
+        let Some(own) = module(&path) else { continue };
+        let own_layer = layer(&own).unwrap_or_else(|| panic!("{own} is not in the table"));
         let code = code(&path);
         for other in segments(&code, "crate::") {
             // A capitalised or unknown name is an item of lib.rs itself.
-            if other != own && rank(&other).is_some_and(|rank| rank >= own_rank) {
+            if other != own && layer(&other).is_some_and(|layer| layer >= own_layer) {
                 wrong.push(format!("{} uses crate::{other}", path.display()));
             }
         }
-        // `super` must not be a way around: it stays inside the room.
+        // `super` must not be a way around: it stays inside the module.
         if path.ends_with("mod.rs") && path.parent() == Some(&root().join("src").join(&own)) {
             for other in segments(&code, "super::") {
-                if other != own && rank(&other).is_some() {
+                if other != own && layer(&other).is_some() {
                     wrong.push(format!("{} uses super::{other}", path.display()));
                 }
             }
         }
         for other in segments(&code, "super::super::") {
-            if rank(&other).is_some() {
+            if layer(&other).is_some() {
                 wrong.push(format!("{} uses super::super::{other}", path.display()));
             }
         }
@@ -148,20 +146,19 @@ fn the_table_in_lib_rs_is_this_one() {
     let mut documented = Vec::new();
     for row in rows.filter(|row| row.starts_with(|c: char| c.is_ascii_digit())) {
         let mut cells = row.split('|').map(str::trim);
-        let layer = cells.next().expect("a layer");
-        let name = cells.next().expect("a room").trim_matches(['[', ']', '`']);
-        let known = ROOMS.iter().find(|(room, _, _)| *room == name);
-        assert_eq!(known.map(|(_, l, _)| *l), Some(layer), "layer of {name}");
+        let stated = cells.next().and_then(|cell| cell.parse().ok());
+        let name = cells.next().expect("a module").trim_matches('`');
+        assert_eq!(layer(name), stated, "layer of {name}");
         documented.push(name.to_string());
     }
     documented.sort();
     let mut present: Vec<_> = rust_files(&root().join("src"))
         .iter()
-        .filter_map(|p| room(p))
+        .filter_map(|p| module(p))
         .collect();
     present.dedup();
     present.sort();
-    assert_eq!(documented, present, "rooms in the table, rooms in src/");
+    assert_eq!(documented, present, "modules in the table, modules in src/");
 }
 
 #[test]

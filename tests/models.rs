@@ -3,8 +3,7 @@
 mod common;
 
 use common::root;
-use posewise::image::{Frame, FrameLayout};
-use posewise::track::{Config, Model, State, Tracker};
+use posewise::{Config, Frame, FrameLayout, Model, State, Tracker};
 use posewise_format::{AlignedBytes, Blob, SectionWriter, blob};
 
 /// Frames of the demo clip, at most `most`, in which a face is tracked.

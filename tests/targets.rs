@@ -4,9 +4,6 @@
 //! Skipped where compilers or emulators are missing, unless `POSEWISE_REQUIRE_TARGETS` is set.
 
 mod common;
-#[path = "../src/ffi/types.rs"]
-#[allow(dead_code, missing_docs, non_camel_case_types)]
-mod types;
 
 use common::c::{STRICT, cc, cxx, exists, library, require, succeed};
 use common::{root, scratch};
@@ -126,7 +123,7 @@ fn stack_and_memory_are_bounded_here() {
     }
     let (need, stated) = (
         figure(&replay, "tracker"),
-        types::POSEWISE_MEMORY_SIZE as usize,
+        posewise::ffi::types::POSEWISE_MEMORY_SIZE as usize,
     );
     assert!(need <= stated);
     common::check_documented("tracker, 64-bit machine", need, 0.03);

@@ -4,8 +4,7 @@
 mod common;
 
 use common::{Clip, demo};
-use posewise::image::{Frame, FrameLayout};
-use posewise::track::{Config, Loss, Model, State, TrackResult, Tracker};
+use posewise::{Config, Frame, FrameLayout, Loss, Model, State, TrackResult, Tracker};
 
 const WIDTH: usize = 640;
 const HEIGHT: usize = 360;
@@ -134,10 +133,9 @@ const LARGE: Pasted = Pasted {
 
 /// The whole frame is searched at once.
 fn patient() -> Config {
-    Config {
-        scan_budget: 1_000_000,
-        ..Config::default()
-    }
+    let mut config = Config::default();
+    config.scan_budget = 1_000_000;
+    config
 }
 
 #[test]

@@ -6,7 +6,7 @@
 //! A window is evaluated by soft cascades of boosted trees whose nodes compare two pixels (Markuš
 //! et al., "Object detection with pixel intensity comparisons organized in decision trees", 2013).
 //! The [`GRID`] of pixels to compare is scaled and rotated with the window, so there is no pyramid,
-//! no integral image and no copy of the frame. Overlapping hits are merged ([`cluster`]); a small
+//! no integral image and no copy of the frame. Overlapping hits are merged (`cluster`); a small
 //! regression forest on the same comparisons then moves the merged window onto the face
 //! ([`refine`]).
 //!

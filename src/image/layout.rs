@@ -21,6 +21,7 @@ pub enum Rotation {
 
 /// Where the pixels lie in the caller's bytes.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub struct FrameLayout {
     /// Pixel format.
     pub format: PixelFormat,
@@ -38,21 +39,27 @@ pub struct FrameLayout {
 }
 
 impl FrameLayout {
-    /// An upright grey image without padding between rows.
-    pub fn grey(width: u32, height: u32) -> Self {
+    /// An upright picture without padding between rows.
+    pub fn new(format: PixelFormat, width: u32, height: u32) -> Self {
         FrameLayout {
-            format: PixelFormat::Grey,
+            format,
             width,
             height,
-            stride: width,
+            stride: width.saturating_mul(format.pixel_bytes() as u32),
             rotation: Rotation::None,
             mirrored: false,
         }
+    }
+
+    /// An upright grey image without padding between rows.
+    pub fn grey(width: u32, height: u32) -> Self {
+        FrameLayout::new(PixelFormat::Grey, width, height)
     }
 }
 
 /// Why bytes are not a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum FrameError {
     /// Width or height is 0 or above [`MAX_SIDE`].
     Size,

@@ -5,6 +5,7 @@ use glam::{Mat3, Vec3};
 
 /// A pinhole camera without distortion \[px\].
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Intrinsics {
     /// Focal length along x, > 0.
     pub fx: f32,
@@ -23,6 +24,11 @@ pub(super) const NEAREST_MM: f32 = 20.0;
 pub(super) const FARTHEST_MM: f32 = 100_000.0;
 
 impl Intrinsics {
+    /// Focal lengths and principal point \[px\].
+    pub const fn new(fx: f32, fy: f32, cx: f32, cy: f32) -> Self {
+        Intrinsics { fx, fy, cx, cy }
+    }
+
     /// The default camera of a frame of this size \[px\]: a horizontal field of view of 60°, the
     /// principal point at the image centre.
     pub fn of_frame(width: i32, height: i32) -> Self {
@@ -44,6 +50,7 @@ impl Intrinsics {
 
     /// Image position \[px\] of a point in the camera frame \[mm\].
     #[inline]
+    #[cfg_attr(not(feature = "unstable-internals"), doc(hidden))]
     pub fn project(&self, point_mm: Vec3) -> [f32; 2] {
         let z = point_mm.z.max(NEAREST_MM);
         [

@@ -5,6 +5,7 @@ use crate::shape::Intrinsics;
 
 /// A tracker's settings.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Config {
     /// The camera; `None` for a 60° horizontal field of view.
     pub intrinsics: Option<Intrinsics>,
@@ -53,6 +54,7 @@ impl Config {
 
 /// Why settings are refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum ConfigError {
     /// A focal length is not positive and finite, or the principal point is not finite.
     Intrinsics,

@@ -11,18 +11,18 @@ use crate::verifier::Verifier;
 pub struct Model<'m> {
     blob: Blob<'m>,
     /// The face detector.
-    pub detector: DetectorModel<'m>,
+    pub(crate) detector: DetectorModel<'m>,
     /// The cascade.
-    pub align: AlignModel<'m>,
+    pub(crate) align: AlignModel<'m>,
     /// Face and landmark probabilities.
-    pub verifier: Verifier<'m>,
+    pub(crate) verifier: Verifier<'m>,
     /// The 3D face.
-    pub face: FaceModel<'m>,
+    pub(crate) face: FaceModel<'m>,
 }
 
 impl<'m> Model<'m> {
     /// Checks the whole blob: header, checksum, table and the content of every section that this
-    /// build reads. `bytes` must start at a multiple of [`crate::model::ALIGN`].
+    /// build reads. `bytes` must start at a multiple of 64 bytes; see [`Aligned`](crate::Aligned).
     ///
     /// # Errors
     /// The first thing found wrong.
@@ -37,9 +37,33 @@ impl<'m> Model<'m> {
             face: FaceModel::open(blob.section(&FACE_TAG)?)?,
         })
     }
+}
 
+/// The parts of a model, for programs that run them one by one.
+#[cfg(feature = "unstable-internals")]
+impl<'m> Model<'m> {
     /// The blob that the model was read from.
     pub fn blob(&self) -> &Blob<'m> {
         &self.blob
+    }
+
+    /// The face detector.
+    pub fn detector(&self) -> &DetectorModel<'m> {
+        &self.detector
+    }
+
+    /// The cascade.
+    pub fn align(&self) -> &AlignModel<'m> {
+        &self.align
+    }
+
+    /// Face and landmark probabilities.
+    pub fn verifier(&self) -> &Verifier<'m> {
+        &self.verifier
+    }
+
+    /// The 3D face.
+    pub fn face(&self) -> &FaceModel<'m> {
+        &self.face
     }
 }

@@ -16,6 +16,7 @@ pub enum State {
 
 /// Why a face was lost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Loss {
     /// It is tracked, or there was none yet.
     #[default]
@@ -30,6 +31,7 @@ pub enum Loss {
 
 /// One landmark in the image.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Landmark {
     /// Image position \[px\]; estimated from the rest where the landmark is hidden.
     pub x: f32,
@@ -56,6 +58,7 @@ impl Landmark {
 
 /// The answer to one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct TrackResult {
     /// What the tracker is doing.
     pub state: State,

@@ -20,6 +20,7 @@ const FACE_MM: f32 = 150.0;
 
 /// How strongly answers are smoothed.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Smoothing {
     /// Cutoff for a face that does not move \[Hz\]: lower is steadier.
     pub cutoff_hz: f32,

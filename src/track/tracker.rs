@@ -86,6 +86,7 @@ enum Recollected {
 
 /// Why a frame was not taken; the tracker is then as before the call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum StepError {
     /// The timestamp is not after that of the frame before.
     Time,
@@ -199,6 +200,7 @@ impl Tracker {
     ///
     /// # Errors
     /// [`StepError`]; the tracker is then unchanged.
+    #[cfg(feature = "unstable-internals")]
     pub fn step_at(
         &mut self,
         model: &Model<'_>,

@@ -440,11 +440,9 @@ mod tests {
                 roll_deg,
             });
             let rotation = Quat::from_mat3(&Mat3::from_cols_array(&rotation.to_cols_array()));
-            openface_angles(&TrackResult {
-                rotation: rotation.to_array(),
-                ..Default::default()
-            })
-            .map(|a| a.to_degrees().round() as i32)
+            let mut result = TrackResult::default();
+            result.rotation = rotation.to_array();
+            openface_angles(&result).map(|a| a.to_degrees().round() as i32)
         };
         assert_eq!(angles(30., 0., 0.), [0, -30, 0], "nose to the image right");
         assert_eq!(angles(0., 20., 0.), [-20, 0, 0], "nose up");

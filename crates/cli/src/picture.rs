@@ -34,11 +34,7 @@ pub struct Picture {
 impl Picture {
     /// An upright RGB picture at time 0.
     pub fn from_rgb(image: RgbImage) -> Self {
-        let layout = FrameLayout {
-            format: PixelFormat::Rgb24,
-            stride: 3 * image.width(),
-            ..FrameLayout::grey(image.width(), image.height())
-        };
+        let layout = FrameLayout::new(PixelFormat::Rgb24, image.width(), image.height());
         Picture {
             layout,
             data: image.into_raw(),
@@ -82,11 +78,9 @@ impl Picture {
             RgbImage::from_raw(width, height, self.data.clone())
                 .ok_or_else(|| anyhow!("the picture's bytes end before its last row"))?
         } else {
-            let plain = FrameLayout {
-                rotation: Rotation::None,
-                mirrored: false,
-                ..self.layout
-            };
+            let mut plain = self.layout;
+            plain.rotation = Rotation::None;
+            plain.mirrored = false;
             let frame = Frame::new(&plain, &self.data).map_err(|e| anyhow!("{e}"))?;
             RgbImage::from_fn(width, height, |x, y| {
                 let luma = frame.luma(x as i32, y as i32);
@@ -164,12 +158,11 @@ mod tests {
             Rotation::Cw270,
         ] {
             for mirrored in [false, true] {
+                let mut layout = FrameLayout::grey(3, 2);
+                layout.rotation = rotation;
+                layout.mirrored = mirrored;
                 let picture = Picture {
-                    layout: FrameLayout {
-                        rotation,
-                        mirrored,
-                        ..FrameLayout::grey(3, 2)
-                    },
+                    layout,
                     data: vec![0, 10, 20, 30, 40, 50],
                     chroma: Chroma::None,
                     full_range: true,

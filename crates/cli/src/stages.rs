@@ -28,20 +28,20 @@ pub fn time(model: &Model<'_>, frames: &[GrayImage]) -> Result<Vec<Part>> {
         "align, tracking",
         median(|| {
             let mut shape = shape;
-            black_box(model.align.run(&frame, 1, &mut shape, &mut work));
+            black_box(model.align().run(&frame, 1, &mut shape, &mut work));
         }),
     )];
     parts.push((
         "global stage (part of align)",
         median(|| {
             let mut shape = shape;
-            black_box(model.align.iterate(&frame, &mut shape, &mut work));
+            black_box(model.align().iterate(&frame, &mut shape, &mut work));
         }),
     ));
     parts.push((
         "judge",
         median(|| {
-            black_box(model.verifier.evaluate(work.features(), work.view()));
+            black_box(model.verifier().evaluate(work.features(), work.view()));
         }),
     ));
     parts.push(("fit, tracking", time_fit(model, &frame, &shape)?));
@@ -74,11 +74,11 @@ fn time_fit(model: &Model<'_>, frame: &Frame<'_>, shape: &Shape) -> Result<u64> 
     };
     let identity: Identity = [0.0; MAX_IDENTITIES];
     let options = FitOptions::default();
-    let first = fit(&model.face, &camera, &observed, None, &identity, &options);
+    let first = fit(model.face(), &camera, &observed, None, &identity, &options);
     let start = first.context("no pose explains the landmarks")?.state;
     Ok(median(|| {
         black_box(fit(
-            &model.face,
+            model.face(),
             &camera,
             &observed,
             Some(&start),
@@ -93,7 +93,7 @@ fn time_scan(model: &Model<'_>, frame: &Frame<'_>) -> u64 {
     let mut scan = Scan::new();
     median(|| {
         let sizes = Sizes::from(config.min_face_px as i32);
-        black_box(scan.advance(&model.detector, frame, sizes, config.scan_budget));
+        black_box(scan.advance(model.detector(), frame, sizes, config.scan_budget));
     })
 }
 

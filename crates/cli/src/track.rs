@@ -62,15 +62,11 @@ impl<'m> Session<'m> {
 
     /// The camera that the tracker assumes for the current frame.
     pub fn intrinsics(&self) -> Intrinsics {
-        let default = Intrinsics::of_frame(self.size.0, self.size.1);
-        match self.focal {
-            Some(f) => Intrinsics {
-                fx: f,
-                fy: f,
-                ..default
-            },
-            None => default,
+        let mut camera = Intrinsics::of_frame(self.size.0, self.size.1);
+        if let Some(focal) = self.focal {
+            (camera.fx, camera.fy) = (focal, focal);
         }
+        camera
     }
 
     /// One frame.

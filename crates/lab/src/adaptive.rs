@@ -124,20 +124,20 @@ fn follow(model: &Model<'_>, truth: &Path, rows: &mut Vec<Row>) -> Result<()> {
     let truths = read_truth(truth)?;
     let mut video = Video::open(&truth.with_extension("mp4"))?;
     let mut work = Box::new(Workspace::new());
-    let views = model.align.signed_views();
+    let views = model.align().signed_views();
     let mut locals: [Vec<Local>; RATES.len()] =
         std::array::from_fn(|_| vec![Local::default(); views * LANDMARKS]);
     let mut shape: Option<Shape> = None;
     for truth in &truths {
         let Some(frame) = video.next()? else { break };
         let mut fitted = shape.unwrap_or(truth.shape);
-        let ran = model.align.run(&frame, 1, &mut fitted, &mut work);
-        let confidence = model.verifier.evaluate(work.features(), work.view());
+        let ran = model.align().run(&frame, 1, &mut fitted, &mut work);
+        let confidence = model.verifier().evaluate(work.features(), work.view());
         shape = (ran && confidence.face > 0.1).then_some(fitted);
         if !ran || truth.in_frame < 0.5 || confidence.face < 0.1 {
             continue;
         }
-        let n = model.align.features();
+        let n = model.align().features();
         for (k, features) in work.features().chunks_exact(n).enumerate() {
             let at = work.view() * LANDMARKS + k;
             let p = confidence.visibility[k].clamp(1e-4, 1.0 - 1e-4);

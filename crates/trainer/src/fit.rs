@@ -114,12 +114,8 @@ impl PhotoFit {
 }
 
 fn camera([width, height]: [u32; 2], focal_px: f32) -> Intrinsics {
-    Intrinsics {
-        fx: focal_px,
-        fy: focal_px,
-        cx: (width as f32 - 1.0) / 2.0,
-        cy: (height as f32 - 1.0) / 2.0,
-    }
+    let centre = |side: u32| (side as f32 - 1.0) / 2.0;
+    Intrinsics::new(focal_px, focal_px, centre(width), centre(height))
 }
 
 /// One picture while it is being fitted.

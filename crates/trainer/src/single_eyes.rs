@@ -111,7 +111,7 @@ pub fn run(args: &Args) -> Result<()> {
     let mut value = json!({});
     for (name, open) in [("open", true), ("closed", false)] {
         let paths = pictures(&args.eyes.join(name), true)?;
-        let found = looks(&model.align, &paths)?;
+        let found = looks(model.align(), &paths)?;
         let mut found: Vec<f32> = found.iter().map(|(_, eye)| gap(eye)).collect();
         ensure!(!found.is_empty(), "no eye was found in {name}");
         found.sort_by(f32::total_cmp);

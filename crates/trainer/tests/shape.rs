@@ -23,12 +23,7 @@ fn face() -> FaceModel<'static> {
     open(&Blob::open(&MODEL).unwrap()).unwrap()
 }
 
-const CAMERA: Intrinsics = Intrinsics {
-    fx: 550.0,
-    fy: 550.0,
-    cx: 319.5,
-    cy: 239.5,
-};
+const CAMERA: Intrinsics = Intrinsics::new(550.0, 550.0, 319.5, 239.5);
 const NOBODY: Identity = [0.0; MAX_IDENTITIES];
 const ALL: [f32; LANDMARKS] = [1.0; LANDMARKS];
 
@@ -216,10 +211,8 @@ fn hopeless_input_gives_no_fit() {
     assert!(attempt(&good, &[f32::NAN; LANDMARKS], &CAMERA).is_none());
     assert!(attempt(&[[f32::NAN; 2]; LANDMARKS], &ALL, &CAMERA).is_none());
     assert!(attempt(&[[5.0; 2]; LANDMARKS], &ALL, &CAMERA).is_none());
-    let bad = Intrinsics {
-        fx: f32::NAN,
-        ..CAMERA
-    };
+    let mut bad = CAMERA;
+    bad.fx = f32::NAN;
     assert!(attempt(&good, &ALL, &bad).is_none());
     // Far outside every picture: whatever comes back is finite.
     let wild = good.map(|[x, y]| [x * 1e18, -y * 1e18]);

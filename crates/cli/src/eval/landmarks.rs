@@ -49,11 +49,9 @@ pub fn run(args: &LandmarksArgs) -> Result<()> {
     }
     let file = ModelFile::read(args.model.as_deref())?;
     let model = file.model()?;
-    let config = Config {
-        min_face_px: args.min_face,
-        scan_budget: SCAN_BUDGET,
-        ..Config::default()
-    };
+    let mut config = Config::default();
+    config.min_face_px = args.min_face;
+    config.scan_budget = SCAN_BUDGET;
     Tracker::new(&config).map_err(|e| anyhow!("{e}"))?;
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(args.threads)

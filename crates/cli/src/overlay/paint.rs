@@ -169,30 +169,25 @@ fn label(image: &mut RgbImage, frame: u64, result: &TrackResult) {
 #[cfg(test)]
 pub mod tests {
     use super::*;
-    use posewise::track::Landmark;
 
     /// A made-up face: landmarks on a half cylinder, looking into the camera.
     pub fn fake_face(camera: &Intrinsics) -> TrackResult {
-        let mut result = TrackResult {
-            state: State::Tracking,
-            confidence: 0.9,
-            rotation: [0.0, 0.0, 0.0, 1.0],
-            translation_mm: [0.0, 0.0, 600.0],
-            face_box: [100.0, 80.0, 120.0, 120.0],
-            ..Default::default()
-        };
+        let mut result = TrackResult::default();
+        result.state = State::Tracking;
+        result.confidence = 0.9;
+        result.rotation = [0.0, 0.0, 0.0, 1.0];
+        result.translation_mm = [0.0, 0.0, 600.0];
+        result.face_box = [100.0, 80.0, 120.0, 120.0];
         for i in 0..68 {
             let angle = i as f32 * 2.4;
             let radius = 9.0 * (i as f32).sqrt();
             let p = Vec3::new(radius * angle.cos(), radius * angle.sin(), 560.0);
             result.points_mm[i] = p.to_array();
             let [x, y] = project(camera, p).unwrap();
-            result.landmarks[i] = Landmark {
-                x,
-                y,
-                confidence: i as f32 / 67.0,
-                visibility: 1.0,
-            };
+            let landmark = &mut result.landmarks[i];
+            (landmark.x, landmark.y) = (x, y);
+            landmark.confidence = i as f32 / 67.0;
+            landmark.visibility = 1.0;
         }
         result
     }

@@ -114,13 +114,11 @@ mod linux {
             PixelFormat::Yu12 => Chroma::Planar { across: 2, down: 2 },
             _ => Chroma::None,
         };
+        let mut layout = FrameLayout::new(format, width, height);
+        // The driver's bytesperline is not passed through; it follows from the length.
+        layout.stride = frame.len() as u32 / rows.max(1);
         Ok(Picture {
-            layout: FrameLayout {
-                format,
-                // The driver's bytesperline is not handed through, but the length tells it.
-                stride: frame.len() as u32 / rows.max(1),
-                ..FrameLayout::grey(width, height)
-            },
+            layout,
             data: frame.to_vec(),
             chroma,
             full_range: false,

@@ -138,10 +138,7 @@ impl Source for Y4mSource {
         let timestamp = timestamp_us(self.index, self.rate.0, self.rate.1);
         self.index += 1;
         Ok(Some(Picture {
-            layout: FrameLayout {
-                format: PixelFormat::Yu12,
-                ..FrameLayout::grey(width as u32, height as u32)
-            },
+            layout: FrameLayout::new(PixelFormat::Yu12, width as u32, height as u32),
             data,
             chroma: self.chroma,
             full_range: self.full_range,

@@ -69,10 +69,10 @@ pub fn run(args: &Args) -> Result<()> {
     let model = Model::load(&bytes)?;
     let labels = args.data.join("faces68");
     let mut train = faces::photographs(&labels.join("train.csv"), &labels.join("train"))?;
-    let modes = ShapeModes::fit(model.align.mean(), &train);
+    let modes = ShapeModes::fit(model.align().mean(), &train);
     train.extend(faces::rendered(&args.renders, RENDERS)?);
     println!("templates: {} faces to train on", train.len());
-    let bank = Bank::train(&model.align, &train);
+    let bank = Bank::train(model.align(), &train);
     let dev = faces::photographs(&labels.join("dev.csv"), &labels.join("dev"))?;
 
     println!("\n| correction | strength | NME68 | median | NME51 | failures % |");
@@ -98,7 +98,7 @@ pub fn run(args: &Args) -> Result<()> {
                 .zip(&before)
                 .map(|(face, shape)| {
                     let mut shape = *shape;
-                    let context = (&model.align, &bank, &modes);
+                    let context = (model.align(), &bank, &modes);
                     correction.apply(context, &face.picture, &mut shape, strength);
                     shape
                 })
@@ -159,9 +159,9 @@ fn fits(model: &Model<'_>, bank: &Bank, faces: &[Face], off: f32, seed: u64) -> 
     let run = |work: &mut Box<Workspace>, (index, face): (usize, &Face)| {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(index as u64);
-        let views = model.align.views();
+        let views = model.align().views();
         let (at, size, roll) = jittered_box(&views, &face.landmarks, &jitter, &mut rng);
-        let start = start_of(&model.align, face.turn());
+        let start = start_of(model.align(), face.turn());
         let shape = start_from_box(&start, at, size, roll);
         fit(model, bank, &face.picture, shape, work)
     };
@@ -179,7 +179,7 @@ fn on_empty(model: &Model<'_>, bank: &Bank, empty: &[Picture], count: usize) -> 
         let [w, h] = picture.size.map(|s| s as f32);
         let size = rng.random_range(40.0..0.9 * w.min(h));
         let at = [rng.random_range(0.0..w), rng.random_range(0.0..h)];
-        let start = start_of(&model.align, rng.random_range(-1.0..1.0));
+        let start = start_of(model.align(), rng.random_range(-1.0..1.0));
         let shape = start_from_box(&start, at, size, 0.3 * normal(&mut rng));
         fit(model, bank, picture, shape, work)
     };
@@ -195,9 +195,9 @@ fn fit(
     mut shape: Shape,
     work: &mut Workspace,
 ) -> Fit {
-    let align = &model.align;
+    let align = model.align();
     align.run(&picture.frame(), align.iterations(), &mut shape, work);
-    let confidence = model.verifier.evaluate(work.features(), work.view());
+    let confidence = model.verifier().evaluate(work.features(), work.view());
     // Templates know how well a place looks, and that is all they know of what is seen.
     let landmarks = responses(align, bank, picture, &shape);
     let face = landmarks.iter().map(|p| p.max(1e-6).ln()).sum();

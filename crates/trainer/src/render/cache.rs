@@ -104,12 +104,7 @@ fn decode(body: &[u8]) -> Result<Sample> {
             roll_deg: tail[2],
         },
         position: Vec3::from_slice(&tail[3..]),
-        camera: Intrinsics {
-            fx: tail[6],
-            fy: tail[7],
-            cx: tail[8],
-            cy: tail[9],
-        },
+        camera: Intrinsics::new(tail[6], tail[7], tail[8], tail[9]),
         animation: std::array::from_fn(|i| tail[10 + i]),
         person,
     })

@@ -36,12 +36,7 @@ impl View {
         View {
             width: 1,
             height: 1,
-            camera: Intrinsics {
-                fx: 1.0,
-                fy: 1.0,
-                cx: 0.0,
-                cy: 0.0,
-            },
+            camera: Intrinsics::new(1.0, 1.0, 0.0, 0.0),
         }
     }
 

@@ -297,12 +297,7 @@ impl Renderer {
         let view = View {
             width: side as usize,
             height: side as usize,
-            camera: Intrinsics {
-                fx: focal,
-                fy: focal,
-                cx: centre.x,
-                cy: centre.y,
-            },
+            camera: Intrinsics::new(focal, focal, centre.x, centre.y),
         };
         (view, face_px)
     }
