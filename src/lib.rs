@@ -108,8 +108,6 @@ pub use shape::{ANIMATION_NAMES, ANIMATIONS, Intrinsics, LANDMARKS};
 pub use track::{Config, ConfigError, Landmark, Loss, Model, Smoothing};
 pub use track::{State, StepError, TrackResult, Tracker};
 
-#[doc(hidden)]
-pub use posewise_format as model;
 #[cfg(feature = "alloc")]
 pub use posewise_format::AlignedBytes;
 

@@ -7,9 +7,9 @@ use super::regressor::{Memory, Regressor};
 use super::{Shape, Views, place};
 use crate::image::{Crop, Frame, warp};
 use crate::math::Similarity;
-use crate::model::{Blob, ModelError};
 use crate::network::MAX_FEATURES;
 use crate::shape::LANDMARKS;
+use posewise_format::{Blob, ModelError};
 
 /// Capacity: views of a model, mirror images not counted.
 pub const MAX_VIEWS: usize = 4;

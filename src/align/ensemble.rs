@@ -5,8 +5,8 @@
 use super::regressor::{Memory, Regressor};
 use super::{Shape, mirror};
 use crate::image::Crop;
-use crate::model::{Blob, ModelError, Section};
 use crate::shape::LANDMARKS;
+use posewise_format::{Blob, ModelError, Section};
 
 /// A checked view of section `ENSM`; empty where the model lacks it.
 ///

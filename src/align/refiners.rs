@@ -12,8 +12,8 @@ use super::regressor::{Memory, Regressor};
 use super::shape_regression::ShapeRegression;
 use crate::image::{Crop, Frame, warp};
 use crate::math::Similarity;
-use crate::model::{Blob, ModelError, Section};
 use crate::shape::{LANDMARKS, MIRROR};
+use posewise_format::{Blob, ModelError, Section};
 
 /// Capacity: refiners of a model.
 pub const MAX_REFINERS: usize = 3;

@@ -1,9 +1,9 @@
 //! A convolutional network with regression heads: from a crop to points in it.
 
 use crate::image::{CROP_MAX, Crop};
-use crate::model::{ModelError, Section};
 use crate::network::{Activations, MAX_FEATURES, Map, Network};
 use crate::shape::LANDMARKS;
+use posewise_format::{ModelError, Section};
 
 /// Capacity: rank of a head.
 pub const MAX_RANK: usize = 96;

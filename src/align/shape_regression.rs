@@ -6,8 +6,8 @@
 
 use super::Shape;
 use crate::math::Similarity;
-use crate::model::{Blob, ModelError};
 use crate::shape::LANDMARKS;
+use posewise_format::{Blob, ModelError};
 
 /// Number of coordinates of a shape.
 const COORDINATES: usize = 2 * LANDMARKS;

@@ -6,7 +6,7 @@
 //! false positives of equally many trees.
 
 use super::grid::{GRID, Pixel};
-use crate::model::{ModelError, Section};
+use posewise_format::{ModelError, Section};
 
 /// Deepest trees that a model may have.
 pub(super) const DEPTH_MAX: usize = 8;

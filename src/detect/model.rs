@@ -12,7 +12,7 @@
 //! ```
 
 use super::forest::Forest;
-use crate::model::{ModelError, Section, Tag};
+use posewise_format::{ModelError, Section, Tag};
 
 /// The section's tag.
 pub const TAG: Tag = *b"DTCT";

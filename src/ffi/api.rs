@@ -16,7 +16,7 @@ use core::ffi::{c_char, c_void};
 
 const _: () = assert!(POSEWISE_LANDMARKS as usize == LANDMARKS);
 const _: () = assert!(POSEWISE_ANIMATIONS as usize == ANIMATIONS);
-const _: () = assert!(POSEWISE_ALIGN as usize == crate::model::ALIGN);
+const _: () = assert!(POSEWISE_ALIGN as usize == posewise_format::ALIGN);
 
 /// POSEWISE_VERSION of the linked library.
 #[unsafe(no_mangle)]

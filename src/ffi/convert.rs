@@ -3,10 +3,10 @@
 use super::memory;
 use super::types::*;
 use crate::image::{Frame, FrameLayout, PixelFormat, Rotation};
-use crate::model::ModelError;
 use crate::shape::{Intrinsics, LANDMARKS};
 use crate::track::{Config, Loss, Model, Smoothing, State, TrackResult};
 use core::ffi::c_void;
+use posewise_format::ModelError;
 
 /// The bytes of a model; `POSEWISE_E_ARG` or `POSEWISE_E_MODEL_TRUNCATED`.
 ///

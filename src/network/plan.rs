@@ -1,7 +1,7 @@
 //! The network of a model: its nodes, read and checked.
 
 use crate::image::CROP_MAX;
-use crate::model::{ModelError, Section};
+use posewise_format::{ModelError, Section};
 
 /// Capacity: nodes of a network.
 pub const MAX_NODES: usize = 20;

@@ -3,8 +3,8 @@
 
 use super::{ANIMATIONS, Animation, Identity, LANDMARKS, MAX_IDENTITIES, Pose};
 use crate::math::head_angles;
-use crate::model::{ModelError, Section, Tag};
 use glam::Vec3;
+use posewise_format::{ModelError, Section, Tag};
 
 /// Name of the section.
 pub const FACE_TAG: Tag = *b"FACE";

@@ -2,9 +2,9 @@
 
 use crate::align::{AlignModel, EnsembleMember, Refiners};
 use crate::detect::{self, DetectorModel};
-use crate::model::{Blob, ModelError};
 use crate::shape::{FACE_TAG, FaceModel};
 use crate::verifier::Verifier;
+use posewise_format::{Blob, ModelError};
 
 /// A checked model: views into the blob's bytes. Many trackers can share one.
 #[derive(Clone, Debug)]

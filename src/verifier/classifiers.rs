@@ -9,8 +9,8 @@
 
 use super::Confidence;
 use crate::math::sigmoid;
-use crate::model::{Blob, ModelError};
 use crate::shape::LANDMARKS;
+use posewise_format::{Blob, ModelError};
 
 /// A checked view of section `VRFY`.
 #[derive(Clone, Copy, Debug)]

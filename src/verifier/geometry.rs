@@ -5,9 +5,9 @@
 //! These confidences are not probabilities.
 
 use super::Confidence;
-use crate::model::{Blob, ModelError};
 use crate::shape::{FaceFit, Intrinsics, LANDMARKS};
 use core::marker::PhantomData;
+use posewise_format::{Blob, ModelError};
 
 /// Distance of the landmarks from the 3D face (root mean square, over the distance between the
 /// outer eye corners) at which the confidence is 0. Most faces stay below half of this; most

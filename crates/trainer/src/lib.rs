@@ -8,7 +8,6 @@ pub mod faces;
 pub mod fit;
 pub mod head;
 pub mod labels;
-pub mod pack;
 pub mod picture;
 pub mod pipeline;
 pub mod render;

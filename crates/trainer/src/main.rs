@@ -2,7 +2,8 @@
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
-use posewise_train::{demo_clip, pack, pipeline, render, single_eyes};
+use posewise_format::Tag;
+use posewise_train::{demo_clip, pipeline, render, single_eyes};
 use std::path::PathBuf;
 
 /// Trains the models of posewise.
@@ -31,8 +32,8 @@ enum Command {
         /// Where the smaller one goes.
         out: PathBuf,
         /// A section's tag; repeat for several.
-        #[arg(long, required = true)]
-        without: Vec<String>,
+        #[arg(long, required = true, value_parser = tag)]
+        without: Vec<Tag>,
     },
     /// Render the clip that `posewise demo` tracks.
     DemoClip {
@@ -43,6 +44,11 @@ enum Command {
         #[arg(long, default_value = "tests/data")]
         out: PathBuf,
     },
+}
+
+fn tag(text: &str) -> Result<Tag, &'static str> {
+    let tag = text.as_bytes().try_into();
+    tag.map_err(|_| "a tag has four characters")
 }
 
 fn main() -> Result<()> {
@@ -57,7 +63,8 @@ fn main() -> Result<()> {
             without,
         } => {
             let bytes = std::fs::read(&model)?;
-            Ok(std::fs::write(&out, pack::trimmed(&bytes, &without)?)?)
+            let smaller = posewise_format::without(&bytes, &without)?;
+            Ok(std::fs::write(&out, smaller)?)
         }
         Command::DemoClip { facekit, out } => demo_clip::write(&facekit, &out),
     }

@@ -4,12 +4,12 @@
 use super::parts::ends;
 use super::train::LIDS;
 use crate::faces::Face;
-use crate::pack::SectionWriter;
 use anyhow::{Result, anyhow};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use posewise::align::{AlignModel, Shape, ShapeRegression, deviation, mirror};
 use posewise::shape::LANDMARKS;
+use posewise_format::SectionWriter;
 
 /// Weight of a render that is seen whole over that of a photograph: the labels of the two lie apart
 /// by more than the step corrects, and it is photographs that users have.

@@ -6,10 +6,10 @@ use super::network::{Head, Network};
 use super::samples::Sample;
 use super::starts::StartShapes;
 use super::train::Trained;
-use crate::pack::SectionWriter;
 use anyhow::{Result, ensure};
 use posewise::align::{AlignModel, EnsembleMember, SHAPE_INDEXED, Shape};
 use posewise::network::{ARENA, OP_ADD, OP_CONV, OP_DEPTHWISE, OP_INPUT, OP_LATERAL, OP_LINEAR};
+use posewise_format::SectionWriter;
 
 /// Outputs whose weights lie together.
 const BLOCK: usize = 8;

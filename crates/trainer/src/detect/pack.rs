@@ -6,7 +6,7 @@ use super::boost::Node;
 use super::cascade::Cascade;
 use super::options::SIDE_Q8;
 use super::refine::Forest;
-use crate::pack::SectionWriter;
+use posewise_format::SectionWriter;
 
 /// Size from pass to pass, 1/1.2, and window to window, 0.12 of the size \[1/256\]: the jitter that
 /// the trees were trained for covers half a step each way.

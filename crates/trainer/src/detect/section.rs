@@ -3,9 +3,9 @@
 use super::faces::Face;
 use super::options::Options;
 use super::{calibrate, pack, refine, training};
-use crate::pack::SectionWriter;
 use crate::picture::Picture;
 use anyhow::Result;
+use posewise_format::SectionWriter;
 use std::path::Path;
 
 /// Trains everything on these faces and backgrounds, keeping intermediate results in `cache`, from
