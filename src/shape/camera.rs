@@ -152,7 +152,8 @@ impl Pose {
     }
 }
 
-/// Rodrigues' formula: rotation vector \[rad\] → rotation matrix.
+/// Rodrigues' formula: rotation vector \[rad\] → rotation matrix. Not glam's: its sine and cosine
+/// are the platform's where another crate of the program enables glam's `std`.
 fn exponential(vector: Vec3) -> Mat3 {
     let angle_squared = vector.length_squared();
     let angle = libm::sqrtf(angle_squared);
@@ -176,14 +177,9 @@ fn exponential(vector: Vec3) -> Mat3 {
 
 /// Orthonormalises the columns by Gram–Schmidt.
 pub(super) fn orthonormal(m: Mat3) -> Mat3 {
-    let x = normal(m.x_axis);
-    let y = normal(m.y_axis - x * x.dot(m.y_axis));
+    let x = m.x_axis.normalize();
+    let y = (m.y_axis - x * x.dot(m.y_axis)).normalize();
     Mat3::from_cols(x, y, x.cross(y))
-}
-
-/// Unit vector; `libm`'s root, because glam's differs between machines.
-fn normal(v: Vec3) -> Vec3 {
-    v * (1.0 / libm::sqrtf(v.length_squared()))
 }
 
 #[cfg(test)]

@@ -1,33 +1,48 @@
-//! The bounded fit of pose and animation to landmarks.
+//! The bounded fit of pose and animation to landmarks: Levenberg–Marquardt with a robust loss.
 
 use super::face::FIXED_CONTOUR;
-use super::linear::{System, UNKNOWNS};
+use super::linear::{Residuals, System, UNKNOWNS};
 use super::posit::{mirrored, posit};
 use super::step::stepped;
 use super::{ANIMATIONS, Animation, Contour, FaceModel, Identity, Intrinsics, LANDMARKS};
 use super::{MAX_IDENTITIES, Observed, Pose, Shape};
 use crate::math::solve_spd;
 use glam::{Mat3, Vec3};
+use nalgebra::{Cholesky, Matrix6};
 
-/// Fewest landmarks that a pose is fitted to.
+/// Least number of landmarks for a fit: POSIT needs four, the rest makes outliers visible.
 const MIN_LANDMARKS: usize = 8;
 
 /// First landmark that is not on the jaw.
 const INNER: usize = 17;
 
-/// One face at one moment.
+/// Damping of Levenberg–Marquardt at the start, and its least value.
+const DAMPING_START: f32 = 1e-3;
+const DAMPING_MIN: f32 = 1e-6;
+/// Factor on the damping after a step that reduces the cost.
+const DAMPING_SUCCESS: f32 = 0.2;
+/// Factor after a step that increases the cost.
+const DAMPING_FAILURE: f32 = 20.0;
+/// Factor when the system cannot be solved.
+const DAMPING_SINGULAR: f32 = 30.0;
+/// The fit has converged when a step reduces the cost by less than this share of it.
+const CONVERGED: f32 = 1e-3;
+/// The fit stops when a step increases the cost by less than this share of it.
+const STALLED: f32 = 1e-4;
+
+/// Pose, animation and identity of a face in one frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FaceState {
-    /// Where the head is.
+    /// Pose of the head.
     pub pose: Pose,
     /// Weights of [`super::ANIMATION_NAMES`], 0..1.
     pub animation: Animation,
-    /// Identity weights in standard deviations.
+    /// Identity weights \[standard deviations\].
     pub identity: Identity,
 }
 
 impl FaceState {
-    /// At the camera, at rest, the mean person. All zero.
+    /// All zero; not a valid pose.
     pub const EMPTY: FaceState = FaceState {
         pose: Pose {
             rotation: Mat3::ZERO,
@@ -41,9 +56,9 @@ impl FaceState {
 /// Bounds of the fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FitOptions {
-    /// Linearisations per start, at most; 1 to 20.
+    /// Most linearisations per initial state, 1 to 20.
     pub iterations: usize,
-    /// Factor on the weight of landmarks that the head itself hides at the starting pose.
+    /// Factor on the weight of landmarks that the head itself hides at the initial pose.
     pub hidden_weight: f32,
 }
 
@@ -59,33 +74,33 @@ impl Default for FitOptions {
 /// A fitted face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FaceFit {
-    /// Pose, animation and the identity that was used.
+    /// Pose, animation and the given identity.
     pub state: FaceState,
-    /// The 68 landmarks as fixed vertices, camera frame \[mm\].
+    /// The 68 landmarks as fixed points of the head, camera frame \[mm\].
     pub points_mm: [Vec3; LANDMARKS],
     /// The landmarks in the image, the jaw on the visible contour \[px\].
     pub image_px: [[f32; 2]; LANDMARKS],
     /// Which landmarks the head itself does not hide.
     pub visible: [bool; LANDMARKS],
-    /// The points that stand for the jaw landmarks in the image.
+    /// The points that represent the jaw landmarks in the image.
     pub contour: Contour,
     /// Root of the weighted mean squared distance to the observed landmarks \[px\].
     pub rms_px: f32,
-    /// Mean robust cost per landmark; the measure by which starts are compared.
+    /// Mean robust cost per landmark, by which fits from several initial states are compared.
     pub cost: f32,
-    /// Covariance of the pose, animation marginalised: turn \[rad\] about the camera's axes, then
-    /// shift \[mm\].
+    /// Covariance of the pose, animation marginalised: rotation vector about the camera's axes
+    /// \[rad\], then translation \[mm\].
     pub covariance: [[f32; 6]; 6],
 }
 
 /// Fits pose and animation of a person to observed landmarks under perspective.
 ///
 /// Levenberg–Marquardt with analytic derivatives, a Cauchy loss, a Gaussian prior on animation
-/// weights and bounds 0..1 on them. Starts from `start`, or without one from POSIT and its mirrored
-/// twin, of which the better fit is taken. Work is bounded by `options.iterations`.
+/// weights, and bounds 0..1 on them. Starts from `start`; without one, from the pose of POSIT and
+/// from its mirrored pose, of which the better fit is taken. `options.iterations` bounds the work.
 ///
-/// `None` when there are too few usable landmarks, the numbers are not finite, or no pose before
-/// the camera explains them.
+/// `None` when there are fewer than eight usable landmarks, the camera or the result is not finite,
+/// or no pose in front of the camera fits the landmarks.
 #[inline(never)]
 pub fn fit(
     face: &FaceModel<'_>,
@@ -98,28 +113,28 @@ pub fn fit(
     if !camera.is_valid() {
         return None;
     }
-    let task = Task {
+    let fit = Fit {
         face,
         camera,
         observed,
         neutral: &face.neutral(identity),
         options,
     };
-    let mut at = Point::NOWHERE;
+    let mut at = Point::EMPTY;
     match start {
         Some(start) => {
             let start = FaceState {
                 identity: *identity,
                 ..*start
             };
-            let settled = task.descend(&start, &mut at);
-            if settled { task.finish(&mut at) } else { None }
+            let fitted = fit.descend(&start, &mut at);
+            if fitted { fit.finish(&mut at) } else { None }
         }
-        None => task.search(identity, &mut at),
+        None => fit.search(identity, &mut at),
     }
 }
 
-/// POSIT on the landmarks that are the same vertices from every side.
+/// POSIT on the landmarks that are fixed points of the head: all but those of the jaw.
 fn start_pose(camera: &Intrinsics, observed: &Observed<'_>, neutral: &Shape) -> Option<Pose> {
     let points = neutral
         .landmarks()
@@ -128,9 +143,9 @@ fn start_pose(camera: &Intrinsics, observed: &Observed<'_>, neutral: &Shape) -> 
         .zip(observed.weights);
     let usable = points
         .skip(INNER)
-        .map(|((point, seen), weight)| (*point, *seen, *weight))
-        .filter(|(_, seen, weight)| {
-            *weight > 0.0 && weight.is_finite() && seen.iter().all(|v| v.is_finite())
+        .map(|((point, position), weight)| (*point, *position, *weight))
+        .filter(|(_, position, weight)| {
+            *weight > 0.0 && weight.is_finite() && position.iter().all(|v| v.is_finite())
         });
     if usable.clone().count() < MIN_LANDMARKS {
         return None;
@@ -138,17 +153,17 @@ fn start_pose(camera: &Intrinsics, observed: &Observed<'_>, neutral: &Shape) -> 
     posit(camera, usable)
 }
 
-/// A linearisation and where it was made.
+/// A state and the linearisation at it.
 struct Point {
     state: FaceState,
-    /// Trust in each landmark from this start.
+    /// Weight of each landmark, less where the head hides it at the initial pose.
     weights: [f32; LANDMARKS],
     contour: Contour,
     system: System,
 }
 
 impl Point {
-    const NOWHERE: Point = Point {
+    const EMPTY: Point = Point {
         state: FaceState::EMPTY,
         weights: [0.0; LANDMARKS],
         contour: FIXED_CONTOUR,
@@ -156,9 +171,9 @@ impl Point {
     };
 }
 
-/// What is fitted to what. Its functions are kept apart, not inlined, so that their working memory
-/// on the stack is not added up.
-struct Task<'a> {
+/// The inputs of a fit. Its functions are not inlined, so that their working memory on the stack
+/// does not add up.
+struct Fit<'a> {
     face: &'a FaceModel<'a>,
     camera: &'a Intrinsics,
     observed: &'a Observed<'a>,
@@ -166,8 +181,8 @@ struct Task<'a> {
     options: &'a FitOptions,
 }
 
-impl Task<'_> {
-    /// The better end of POSIT's pose and its mirrored twin.
+impl Fit<'_> {
+    /// The better fit from POSIT's pose and from its mirrored pose.
     #[inline(never)]
     fn search(&self, identity: &Identity, at: &mut Point) -> Option<FaceFit> {
         let pose = start_pose(self.camera, self.observed, self.neutral)?;
@@ -177,8 +192,8 @@ impl Task<'_> {
                 animation: [0.0; ANIMATIONS],
                 identity: *identity,
             };
-            let settled = self.descend(&start, at);
-            settled.then_some((at.state, at.weights, at.system.mean_cost()))
+            let fitted = self.descend(&start, at);
+            fitted.then_some((at.state, at.weights, at.system.mean_cost()))
         });
         let swap = match (&first, &second) {
             (Some((.., a)), Some((.., b))) => b < a,
@@ -189,10 +204,10 @@ impl Task<'_> {
         } else {
             (&first, &second)
         };
-        // Only the last linearisation is in memory, so that of an end is made again.
+        // Memory holds only the last linearisation: it is computed again.
         for (state, weights, _) in [better, other].into_iter().flatten() {
             at.weights = *weights;
-            self.go_to(state, at);
+            self.linearise_at(state, at);
             let fitted = self.finish(at);
             if fitted.is_some() {
                 return fitted;
@@ -201,55 +216,57 @@ impl Task<'_> {
         None
     }
 
+    /// Moves `at` to a state; its weights are those to use.
     #[inline(never)]
-    fn go_to(&self, state: &FaceState, at: &mut Point) {
+    fn linearise_at(&self, state: &FaceState, at: &mut Point) {
         let mut shape = *self.neutral;
         at.contour = self.pose(state, &mut shape);
         self.linearise(state, &shape, at);
     }
 
-    /// Descends from a start; false when there is nothing to descend on.
+    /// Minimises the cost from an initial state; false when the pose is not valid or too few
+    /// landmarks are usable.
     #[inline(never)]
     fn descend(&self, start: &FaceState, at: &mut Point) -> bool {
         if !start.pose.is_valid() {
             return false;
         }
-        at.weights = self.trust(&start.pose);
+        at.weights = self.weights_at(&start.pose);
         let mut shape = *self.neutral;
         at.contour = self.pose(start, &mut shape);
         self.linearise(start, &shape, at);
         if at.system.count < MIN_LANDMARKS || !at.system.cost.is_finite() {
             return false;
         }
-        let mut damping = 1e-3f32;
+        let mut damping = DAMPING_START;
         for _ in 1..self.options.iterations.clamp(1, 20) {
             let Some(state) = stepped(&at.state, &at.system, damping) else {
-                damping *= 30.0;
+                damping *= DAMPING_SINGULAR;
                 continue;
             };
             let contour = self.pose(&state, &mut shape);
             let observed = &self.weighted(&at.weights);
-            let cost = System::cost_of(self.face, self.camera, observed, &state, &shape, &contour);
+            let cost = System::cost_of(&self.residuals(observed, &state, &shape, &contour));
             let gain = at.system.cost - cost;
             if gain > 0.0 {
-                let settled = gain < 1e-3 * at.system.cost;
+                let converged = gain < CONVERGED * at.system.cost;
                 at.contour = contour;
                 self.linearise(&state, &shape, at);
-                damping = (damping * 0.2).max(1e-6);
-                if settled {
+                damping = (damping * DAMPING_SUCCESS).max(DAMPING_MIN);
+                if converged {
                     break;
                 }
-            } else if gain > -1e-4 * at.system.cost {
+            } else if gain > -STALLED * at.system.cost {
                 break;
             } else {
-                damping *= 20.0;
+                damping *= DAMPING_FAILURE;
             }
         }
         true
     }
 
-    /// The observed weights, less where the head hides the landmark.
-    fn trust(&self, pose: &Pose) -> [f32; LANDMARKS] {
+    /// The observed weights, reduced where the head hides the landmark at this pose.
+    fn weights_at(&self, pose: &Pose) -> [f32; LANDMARKS] {
         let mut weights = *self.observed.weights;
         let visible = self.face.visibility(pose);
         for (w, visible) in weights.iter_mut().zip(visible).skip(INNER) {
@@ -269,22 +286,39 @@ impl Task<'_> {
         }
     }
 
-    /// Evaluates the shape of a state, and which of its points stand for the jaw.
+    fn residuals<'b>(
+        &'b self,
+        observed: &'b Observed<'b>,
+        state: &'b FaceState,
+        shape: &'b Shape,
+        contour: &'b Contour,
+    ) -> Residuals<'b> {
+        Residuals {
+            face: self.face,
+            camera: self.camera,
+            observed,
+            state,
+            shape,
+            contour,
+        }
+    }
+
+    /// Evaluates the shape of a state, and which of its points represent the jaw.
     fn pose(&self, state: &FaceState, shape: &mut Shape) -> Contour {
         shape.clone_from(self.neutral);
         self.face.animate(shape, &state.animation);
         shape.contour(self.face, &state.pose)
     }
 
-    /// Moves `at` to a state of known shape; its weights and contour are those to use.
+    /// Moves `at` to a state whose shape is known; its weights and contour are those to use.
     fn linearise(&self, state: &FaceState, shape: &Shape, at: &mut Point) {
         at.state = *state;
         let observed = &self.weighted(&at.weights);
         at.system
-            .set(self.face, self.camera, observed, state, shape, &at.contour);
+            .set(&self.residuals(observed, state, shape, &at.contour));
     }
 
-    /// The answer at a point, whose system is used up.
+    /// The result at a point, whose system is overwritten; `None` when its matrix is singular.
     #[inline(never)]
     fn finish(&self, at: &mut Point) -> Option<FaceFit> {
         let (state, system) = (&at.state, &mut at.system);
@@ -311,40 +345,20 @@ impl Task<'_> {
     }
 }
 
-/// Covariance of the last six unknowns: the inverse of the Schur complement, which is the last
-/// block of Cholesky's factor, which the matrix is overwritten by.
+/// Covariance of the last six unknowns: `variance` times the inverse of the Schur complement of the
+/// others, whose Cholesky factor is the last block of the whole factor. The matrix is overwritten.
 fn pose_covariance(
-    factor: &mut [[f32; UNKNOWNS]; UNKNOWNS],
+    matrix: &mut [[f32; UNKNOWNS]; UNKNOWNS],
     variance: f32,
 ) -> Option<[[f32; 6]; 6]> {
-    if !solve_spd(factor, &mut [0.0; UNKNOWNS]) {
+    if !solve_spd(matrix, &mut [0.0; UNKNOWNS]) {
         return None;
     }
-    let mut block = [[0.0f32; 6]; 6];
-    for (to, from) in block.iter_mut().zip(factor.iter().skip(ANIMATIONS)) {
-        to.iter_mut()
-            .zip(from.iter().skip(ANIMATIONS))
-            .for_each(|(t, f)| *t = *f);
+    let mut factor = Matrix6::zeros();
+    let rows = matrix.iter().skip(ANIMATIONS);
+    for (mut to, from) in factor.row_iter_mut().zip(rows) {
+        let entries = to.iter_mut().zip(from.iter().skip(ANIMATIONS));
+        entries.for_each(|(t, f)| *t = *f);
     }
-    // L·Lᵀ of the block, then its inverse column by column.
-    let mut complement = [[0.0f32; 6]; 6];
-    for (i, row) in complement.iter_mut().enumerate() {
-        for (j, out) in row.iter_mut().enumerate() {
-            let both = block.iter().enumerate().filter(|(k, _)| *k == i || *k == j);
-            let rows = |n: usize| both.clone().find(|(k, _)| *k == n).map(|(_, r)| *r);
-            let (a, b) = (rows(i).unwrap_or_default(), rows(j).unwrap_or_default());
-            *out = a.iter().zip(b).take(i.min(j) + 1).map(|(a, b)| a * b).sum();
-        }
-    }
-    let mut covariance = [[0.0f32; 6]; 6];
-    for (i, column) in covariance.iter_mut().enumerate() {
-        column
-            .iter_mut()
-            .enumerate()
-            .for_each(|(k, c)| *c = if k == i { variance } else { 0.0 });
-        if !solve_spd(&mut complement.clone(), column) {
-            return None;
-        }
-    }
-    Some(covariance)
+    Some((Cholesky::pack_dirty(factor).inverse() * variance).into())
 }

@@ -1,22 +1,28 @@
-//! Who it is: identity weights out of many frames.
+//! Estimation of identity weights from many frames: normal equations that are summed over time.
 
-use super::linear::{Observed, System, UNKNOWNS, gradients, rows};
+use super::linear::{Observed, Residuals, System, UNKNOWNS, gradients};
 use super::{FaceFit, FaceModel, Identity, Intrinsics, MAX_IDENTITIES};
 use crate::math::solve_spd;
 
-/// Weight to give a video frame: neighbouring frames repeat each other's errors.
+/// Weight of a video frame: below 1, because the errors of neighbouring frames are correlated.
 pub const FRAME_WEIGHT: f32 = 0.2;
 
-/// Sum of weights kept; beyond it older frames fade.
+/// Bound on the sum of weights; beyond it, older frames decay exponentially.
 const MEMORY: f32 = 2.4;
 
-/// Running normal equations of the identity weights under the prior N(0, 1). Plain data.
+/// Largest identity weight \[standard deviations\].
+const MAX_WEIGHT: f32 = 3.0;
+
+/// Running normal equations of the identity weights, under the prior N(0, 1). Plain data.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IdentityEstimator {
     matrix: [[f32; MAX_IDENTITIES]; MAX_IDENTITIES],
     rhs: Identity,
+    /// Frames that were added.
     frames: u32,
+    /// Sum of their weights after decay.
     information: f32,
+    /// Bound on `information`.
     memory: f32,
 }
 
@@ -27,12 +33,12 @@ impl Default for IdentityEstimator {
 }
 
 impl IdentityEstimator {
-    /// Knows nobody; a video's worth of memory.
+    /// An estimator without frames, with the memory for a video.
     pub const fn new() -> Self {
         Self::with_memory(MEMORY)
     }
 
-    /// Knows nobody; frames fade once their weights add up to more than `memory`.
+    /// An estimator without frames; they decay once the sum of their weights exceeds `memory`.
     pub const fn with_memory(memory: f32) -> Self {
         IdentityEstimator {
             matrix: [[0.0; MAX_IDENTITIES]; MAX_IDENTITIES],
@@ -43,13 +49,13 @@ impl IdentityEstimator {
         }
     }
 
-    /// Frames that were added.
+    /// Number of frames that were added.
     pub fn frames(&self) -> u32 {
         self.frames
     }
 
-    /// Adds what a fitted frame says about the identity, its pose and animation marginalised.
-    /// A frame whose system cannot be solved is left out. `weight` is 1 for an independent picture,
+    /// Adds the normal equations of a fitted frame, with pose and animation marginalised. A frame
+    /// whose system cannot be solved is ignored. `weight` is 1 for an independent image and
     /// [`FRAME_WEIGHT`] for a video frame.
     #[inline(never)]
     pub fn add(
@@ -64,31 +70,30 @@ impl IdentityEstimator {
         let mut shape = face.neutral(&state.identity);
         face.animate(&mut shape, &state.animation);
         let mut system = System::EMPTY;
-        system.set(face, camera, observed, state, &shape, &fit.contour);
-        let mut frame = Frame::new();
-        rows(
+        let residuals = Residuals {
             face,
             camera,
             observed,
             state,
-            &shape,
-            &fit.contour,
-            |_, row| {
-                let gradients = gradients(face, &row);
-                for ((by_head, g), residual) in row.by_head.iter().zip(&gradients).zip(row.residual)
-                {
-                    let mut identity = [0.0; MAX_IDENTITIES];
-                    for (o, mode) in identity.iter_mut().zip(face.identity_modes(row.point)) {
-                        *o = by_head.dot(mode);
-                    }
-                    frame.add(&identity, g, row.weight, residual);
+            shape: &shape,
+            contour: &fit.contour,
+        };
+        system.set(&residuals);
+        let mut frame = Frame::new();
+        residuals.rows(|row| {
+            let gradients = gradients(face, &row);
+            for ((by_head, g), residual) in row.by_head.iter().zip(&gradients).zip(row.residual) {
+                let mut identity = [0.0; MAX_IDENTITIES];
+                for (o, mode) in identity.iter_mut().zip(face.identity_modes(row.point)) {
+                    *o = by_head.dot(mode);
                 }
-            },
-        );
+                frame.add(&identity, g, row.weight, residual);
+            }
+        });
         if !frame.eliminate(&mut system) {
             return;
         }
-        // Absolute target: the step's equations moved to the weights that they were made at.
+        // The equations are those of a step from `state.identity`: shift them to absolute weights.
         for (rhs, row) in frame.rhs.iter_mut().zip(&frame.matrix) {
             *rhs += row
                 .iter()
@@ -121,7 +126,7 @@ impl IdentityEstimator {
         self.frames = self.frames.saturating_add(1);
     }
 
-    /// The most probable identity so far; zeros when nothing is known.
+    /// The most probable identity so far; zeros without frames.
     #[inline(never)]
     pub fn estimate(&self) -> Identity {
         let mut matrix = self.matrix;
@@ -136,7 +141,7 @@ impl IdentityEstimator {
         }
         weights.map(|w| {
             if w.is_finite() {
-                w.clamp(-3.0, 3.0)
+                w.clamp(-MAX_WEIGHT, MAX_WEIGHT)
             } else {
                 0.0
             }
@@ -144,7 +149,7 @@ impl IdentityEstimator {
     }
 }
 
-/// One frame's normal equations: identity block, and its coupling to the other unknowns.
+/// One frame's normal equations: the identity block, and its coupling to pose and animation.
 struct Frame {
     matrix: [[f32; MAX_IDENTITIES]; MAX_IDENTITIES],
     coupling: [[f32; UNKNOWNS]; MAX_IDENTITIES],
@@ -174,8 +179,8 @@ impl Frame {
         }
     }
 
-    /// Schur complement: leaves what the frame says once pose and animation are free.
-    /// The system is solved in place.
+    /// Marginalises pose and animation (Schur complement). The system is solved in place; false
+    /// when it is singular.
     fn eliminate(&mut self, system: &mut System) -> bool {
         let (factor, reduced) = (&mut system.matrix, &mut system.rhs);
         if !solve_spd(factor, reduced) {

@@ -1,16 +1,18 @@
-//! Linearised landmark residuals and their normal equations.
+//! Whitened landmark residuals, their derivatives, and the normal equations of one linearisation.
 
 use super::face::contour_directions;
 use super::{ANIMATIONS, Contour, FaceModel, FaceState, Intrinsics, LANDMARKS, Shape};
 use glam::{Mat3, Vec3};
 
-/// Unknowns of the fit: animation weights, then turn \[rad\], then shift \[mm\].
+/// Unknowns of the fit: animation weights, then a rotation vector \[rad\], then a translation
+/// \[mm\].
 pub(super) const UNKNOWNS: usize = ANIMATIONS + 6;
 
-/// How much less a jaw landmark's place along the contour says than its place across it.
+/// Factor on the inverse deviation of a jaw landmark along the contour: its position along the
+/// contour is less certain than across it.
 const ALONG_CONTOUR: f32 = 0.35;
 
-/// Cauchy's scale: residuals of this many standard deviations count half.
+/// Scale of the Cauchy loss \[standard deviations\]: a residual of this size has half the weight.
 const CAUCHY: f32 = 3.0;
 
 /// Observed landmarks.
@@ -18,19 +20,19 @@ const CAUCHY: f32 = 3.0;
 pub struct Observed<'a> {
     /// Image positions, iBUG 68, the jaw on the visible contour \[px\].
     pub points: &'a [[f32; 2]; LANDMARKS],
-    /// Trust in each, 0 (ignored) to 1.
+    /// Weight of each, 0 (ignored) to 1.
     pub weights: &'a [f32; LANDMARKS],
 }
 
 /// One landmark's residual, whitened: 1 is one standard deviation.
 pub(super) struct Row {
-    /// Number of the point of the shape that stands for the landmark.
+    /// Index of the point of the shape that represents the landmark.
     pub point: usize,
     /// Weight after the robust loss.
     pub weight: f32,
-    /// Observed minus predicted along two directions at right angles.
+    /// Observed minus predicted along two orthogonal directions.
     pub residual: [f32; 2],
-    /// Derivative of the prediction by the point in the camera frame, per direction.
+    /// Derivatives of the prediction by the point in the camera frame, per direction \[1/mm\].
     pub by_camera: [Vec3; 2],
     /// The same by the point in the head frame.
     pub by_head: [Vec3; 2],
@@ -38,46 +40,69 @@ pub(super) struct Row {
     pub arm: Vec3,
     /// Distance of prediction and observation \[px\].
     pub distance_px: f32,
-    /// Contribution to the cost.
+    /// Contribution to the robust cost.
     pub cost: f32,
 }
 
-/// Calls `each` with the row of every landmark that has a weight and a finite position.
-pub(super) fn rows(
-    face: &FaceModel<'_>,
-    camera: &Intrinsics,
-    observed: &Observed<'_>,
-    state: &FaceState,
-    shape: &Shape,
-    contour: &Contour,
-    mut each: impl FnMut(usize, Row),
-) {
-    let pose = &state.pose;
-    let directions = contour_directions(face, pose);
-    let to_head: Mat3 = pose.rotation.transpose();
-    let pixels_per_mm = camera.fx.min(camera.fy) / pose.translation_mm.z.max(1.0);
-    let observations = observed
-        .points
-        .iter()
-        .zip(observed.weights)
-        .zip(face.noise_mm());
-    for (landmark, ((seen, weight), noise_mm)) in observations.enumerate() {
-        if !(*weight > 0.0 && weight.is_finite() && seen.iter().all(|v| v.is_finite())) {
-            continue;
+/// What the residuals depend on.
+#[derive(Clone, Copy)]
+pub(super) struct Residuals<'a> {
+    pub face: &'a FaceModel<'a>,
+    pub camera: &'a Intrinsics,
+    pub observed: &'a Observed<'a>,
+    pub state: &'a FaceState,
+    /// The face of `state`, head frame.
+    pub shape: &'a Shape,
+    pub contour: &'a Contour,
+}
+
+/// A landmark as observed.
+struct Sighting {
+    landmark: usize,
+    position_px: [f32; 2],
+    weight: f32,
+    /// Its standard deviation on the face.
+    noise_mm: f32,
+}
+
+impl Residuals<'_> {
+    /// Calls `each` with the row of every landmark that has a weight and a finite position.
+    pub(super) fn rows(&self, mut each: impl FnMut(Row)) {
+        let directions = contour_directions(self.face, &self.state.pose);
+        let observed = self.observed.points.iter().zip(self.observed.weights);
+        let observed = observed.zip(self.face.noise_mm()).enumerate();
+        for (landmark, ((position, weight), noise_mm)) in observed {
+            if !(*weight > 0.0 && weight.is_finite() && position.iter().all(|v| v.is_finite())) {
+                continue;
+            }
+            let sighting = Sighting {
+                landmark,
+                position_px: *position,
+                weight: *weight,
+                noise_mm: *noise_mm,
+            };
+            each(self.row(&sighting, directions.get(landmark)));
         }
-        let point = Shape::image_point(landmark, contour);
-        let arm = pose.rotation * shape.at(point);
+    }
+
+    /// The row of one landmark; `outward` is the normal of the contour for a landmark on the jaw.
+    fn row(&self, sighting: &Sighting, outward: Option<&[f32; 2]>) -> Row {
+        let pose = &self.state.pose;
+        let to_head: Mat3 = pose.rotation.transpose();
+        let pixels_per_mm = self.camera.fx.min(self.camera.fy) / pose.translation_mm.z.max(1.0);
+        let point = Shape::image_point(sighting.landmark, self.contour);
+        let arm = pose.rotation * self.shape.at(point);
         let at = arm + pose.translation_mm;
-        let [px, py] = camera.project(at);
-        let [gx, gy] = camera.project_gradient(at);
-        let (dx, dy) = (seen[0] - px, seen[1] - py);
+        let [px, py] = self.camera.project(at);
+        let [gx, gy] = self.camera.project_gradient(at);
+        let [x, y] = sighting.position_px;
+        let (dx, dy) = (x - px, y - py);
         // Whitening: across and along the contour for the jaw, x and y for the rest.
-        let across = directions.get(landmark).copied().unwrap_or([1.0, 0.0]);
-        let scale = 1.0 / (noise_mm * pixels_per_mm).max(1e-3);
-        let along = if landmark < directions.len() {
-            scale * ALONG_CONTOUR
-        } else {
-            scale
+        let across = outward.copied().unwrap_or([1.0, 0.0]);
+        let scale = 1.0 / (sighting.noise_mm * pixels_per_mm).max(1e-3);
+        let along = match outward {
+            Some(_) => scale * ALONG_CONTOUR,
+            None => scale,
         };
         let residual = [
             scale * (across[0] * dx + across[1] * dy),
@@ -89,19 +114,16 @@ pub(super) fn rows(
         ];
         let squared = residual[0] * residual[0] + residual[1] * residual[1];
         let ratio = squared / (CAUCHY * CAUCHY);
-        each(
-            landmark,
-            Row {
-                point,
-                weight: weight / (1.0 + ratio),
-                residual,
-                by_camera,
-                by_head: by_camera.map(|row| to_head * row),
-                arm,
-                distance_px: libm::sqrtf(dx * dx + dy * dy),
-                cost: weight * CAUCHY * CAUCHY * libm::logf(1.0 + ratio),
-            },
-        );
+        Row {
+            point,
+            weight: sighting.weight / (1.0 + ratio),
+            residual,
+            by_camera,
+            by_head: by_camera.map(|row| to_head * row),
+            arm,
+            distance_px: libm::sqrtf(dx * dx + dy * dy),
+            cost: sighting.weight * CAUCHY * CAUCHY * libm::logf(1.0 + ratio),
+        }
     }
 }
 
@@ -116,23 +138,24 @@ pub(super) fn gradients(face: &FaceModel<'_>, row: &Row) -> [[f32; UNKNOWNS]; 2]
         *b = row.by_head[1].dot(mode);
     }
     for (pose, by_camera) in [first_pose, second_pose].into_iter().zip(row.by_camera) {
-        // A turn ω moves the point by ω × arm.
-        let turn = row.arm.cross(by_camera).to_array();
-        let both = turn.into_iter().chain(by_camera.to_array());
+        // A rotation vector ω moves the point by ω × arm.
+        let by_rotation = row.arm.cross(by_camera).to_array();
+        let both = by_rotation.into_iter().chain(by_camera.to_array());
         pose.iter_mut().zip(both).for_each(|(o, v)| *o = v);
     }
     out
 }
 
-/// Normal equations of one linearisation: `matrix · step = rhs`.
+/// Normal equations of one linearisation, `matrix · step = rhs`, and sums over the landmarks.
 pub(super) struct System {
+    /// Symmetric; only the lower triangle is complete.
     pub matrix: [[f32; UNKNOWNS]; UNKNOWNS],
     pub rhs: [f32; UNKNOWNS],
     /// Robust cost of the residuals and of the animation prior.
     pub cost: f32,
     /// Σ weight · distance² \[px²\].
     pub squares_px: f32,
-    /// Σ weight · residual², in variances.
+    /// Σ weight · residual² \[variances\].
     pub squares: f32,
     /// Σ weight.
     pub weight: f32,
@@ -141,7 +164,7 @@ pub(super) struct System {
 }
 
 impl System {
-    /// Of nothing, all zero.
+    /// The system of no landmarks, all zero.
     pub const EMPTY: System = System {
         matrix: [[0.0; UNKNOWNS]; UNKNOWNS],
         rhs: [0.0; UNKNOWNS],
@@ -152,39 +175,21 @@ impl System {
         count: 0,
     };
 
-    /// Becomes the system at a state; in place, for small stacks.
+    /// Becomes the system of these residuals; in place, for small stacks.
     #[inline(never)]
-    pub fn set(
-        &mut self,
-        face: &FaceModel<'_>,
-        camera: &Intrinsics,
-        observed: &Observed<'_>,
-        state: &FaceState,
-        shape: &Shape,
-        contour: &Contour,
-    ) {
+    pub fn set(&mut self, residuals: &Residuals<'_>) {
         *self = Self::EMPTY;
-        rows(face, camera, observed, state, shape, contour, |_, row| {
-            self.add(face, &row)
-        });
-        self.add_prior(face, state);
+        residuals.rows(|row| self.add(residuals.face, &row));
+        self.add_prior(residuals.face, residuals.state);
     }
 
-    /// The cost alone, bit for bit that of the system at the state.
+    /// The cost alone, with the same bits as that of the system.
     #[inline(never)]
-    pub fn cost_of(
-        face: &FaceModel<'_>,
-        camera: &Intrinsics,
-        observed: &Observed<'_>,
-        state: &FaceState,
-        shape: &Shape,
-        contour: &Contour,
-    ) -> f32 {
+    pub fn cost_of(residuals: &Residuals<'_>) -> f32 {
         let mut cost = 0.0;
-        rows(face, camera, observed, state, shape, contour, |_, row| {
-            cost += row.cost
-        });
-        for (w, sigma) in state.animation.iter().zip(face.animation_sigma()) {
+        residuals.rows(|row| cost += row.cost);
+        let sigmas = residuals.face.animation_sigma();
+        for (w, sigma) in residuals.state.animation.iter().zip(sigmas) {
             cost += 1.0 / (sigma * sigma) * w * w;
         }
         cost
@@ -202,7 +207,7 @@ impl System {
             {
                 let a = row.weight * a;
                 *rhs += a * residual;
-                // Whole vectors of four cover the lower triangle, which is all that is read.
+                // The lower triangle, rounded up to whole SIMD vectors of four.
                 let lower = sums.iter_mut().zip(g).take((i | 3) + 1);
                 lower.for_each(|(s, b)| *s += a * b);
             }
@@ -214,7 +219,7 @@ impl System {
         self.count += 1;
     }
 
-    /// Animation weights are drawn from N(0, σ²).
+    /// Adds the prior N(0, σ²) of the animation weights.
     fn add_prior(&mut self, face: &FaceModel<'_>, state: &FaceState) {
         let rows = self.matrix.iter_mut().zip(&mut self.rhs).enumerate();
         for ((i, (row, rhs)), (w, sigma)) in

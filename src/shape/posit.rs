@@ -1,102 +1,93 @@
-//! POSIT: pose from points without a start (DeMenthon and Davis, IJCV 1995).
+//! POSIT: pose from points without an initial pose (DeMenthon and Davis, IJCV 1995).
 
 use super::camera::orthonormal;
 use super::{Intrinsics, Pose};
-use crate::math::solve_spd;
 use glam::{Mat3, Vec3};
+use nalgebra::{Cholesky, Matrix4, Vector4};
 
-/// Rounds of the perspective correction; it settles in a few for a face at arm's length.
-const ROUNDS: usize = 12;
-
+/// Most iterations of the perspective correction; a face at arm's length converges in a few.
+const ITERATIONS: usize = 12;
+/// Squared change of the perspective correction at which it has converged.
+const CONVERGED: f32 = 1e-14;
 /// Length that model coordinates are divided by, so that the 4×4 system is well scaled \[mm\].
 const UNIT_MM: f32 = 50.0;
+/// Least pivot of the 4×4 system relative to its trace: below it the points are (almost) in a
+/// plane.
+const LEAST_PIVOT: f32 = 1e-4;
 
-/// Pose of points `(head [mm], image [px], weight)`; needs four that are not in one plane.
+/// The pose of points `(head [mm], image [px], weight)`; needs four that are not in one plane.
 ///
-/// In the homogeneous form of SoftPOSIT (David et al. 2004): with u = (x − cx)/fx and
+/// In the homogeneous form of SoftPOSIT (David et al., IJCV 2004): with u = (x − cx)/fx and
 /// ε = r3·P/Tz, solve u(1 + ε) = s(r1·P + Tx) in least squares for s·(r1, Tx), likewise for y,
-/// then renew ε.
+/// then update ε.
 ///
-/// `None` when the points are degenerate or the pose ends behind the camera.
+/// `None` when the points are degenerate or the pose is behind the camera.
 pub fn posit(
     camera: &Intrinsics,
     points: impl Iterator<Item = (Vec3, [f32; 2], f32)> + Clone,
 ) -> Option<Pose> {
-    let mut normal = [[0.0f32; 4]; 4];
-    for (p, _, weight) in points.clone() {
-        let row = homogeneous(p);
-        for (sums, a) in normal.iter_mut().zip(row) {
-            sums.iter_mut()
-                .zip(row)
-                .for_each(|(s, b)| *s += weight * a * b);
-        }
-    }
-    // A plane leaves (almost) nothing in the direction of its normal; refuse instead of guessing.
-    let trace: f32 = normal
-        .iter()
-        .enumerate()
-        .map(|(i, r)| r.get(i).unwrap_or(&0.0))
-        .sum();
-    let mut factor = normal;
-    let solvable = solve_spd(&mut factor, &mut [0.0; 4]);
-    let weakest = factor.iter().enumerate().filter_map(|(i, row)| row.get(i));
-    let weakest = weakest.fold(f32::INFINITY, |m, d| m.min(d * d));
-    if !(solvable && weakest > 1e-4 * trace) {
-        return None;
-    }
-    // Rows r3/Tz of the perspective correction: none at first (scaled orthography).
-    let mut depth = Vec3::ZERO;
+    let factor = normal_equations(points.clone().map(|(p, _, weight)| (p, weight)))?;
+    // r3/Tz of the perspective correction: none at first (scaled orthography).
+    let mut correction = Vec3::ZERO;
     let mut pose = None;
-    for _ in 0..ROUNDS {
-        let (mut qx, mut qy) = ([0.0f32; 4], [0.0f32; 4]);
+    for _ in 0..ITERATIONS {
+        let (mut qx, mut qy) = (Vector4::zeros(), Vector4::zeros());
         for (p, [x, y], weight) in points.clone() {
-            let scale = weight * (1.0 + depth.dot(p));
-            let u = scale * (x - camera.cx) / camera.fx;
-            let v = scale * (y - camera.cy) / camera.fy;
-            for ((qx, qy), a) in qx.iter_mut().zip(&mut qy).zip(homogeneous(p)) {
-                *qx += u * a;
-                *qy += v * a;
-            }
+            let scale = weight * (1.0 + correction.dot(p));
+            let row = homogeneous(p);
+            qx += row * (scale * (x - camera.cx) / camera.fx);
+            qy += row * (scale * (y - camera.cy) / camera.fy);
         }
-        if !(solve_spd(&mut normal.clone(), &mut qx) && solve_spd(&mut normal.clone(), &mut qy)) {
-            return None;
-        }
-        let found = pose_of(qx, qy)?;
-        let rotation = found.rotation.transpose();
-        let next = rotation.z_axis / found.translation_mm.z;
-        let settled = (next - depth).length_squared() < 1e-14;
-        depth = next;
+        factor.solve_mut(&mut qx);
+        factor.solve_mut(&mut qy);
+        let found = pose_of(qx.into(), qy.into())?;
+        let next = found.rotation.transpose().z_axis / found.translation_mm.z;
+        let converged = (next - correction).length_squared() < CONVERGED;
+        correction = next;
         pose = Some(found);
-        if settled {
+        if converged {
             break;
         }
     }
     pose
 }
 
-fn homogeneous(p: Vec3) -> [f32; 4] {
-    [p.x / UNIT_MM, p.y / UNIT_MM, p.z / UNIT_MM, 1.0]
+/// The factor of Σ weight·p·pᵀ over homogeneous points; `None` when they are (almost) in a plane.
+fn normal_equations(
+    points: impl Iterator<Item = (Vec3, f32)>,
+) -> Option<Cholesky<f32, nalgebra::U4>> {
+    let mut normal = Matrix4::zeros();
+    for (p, weight) in points {
+        let row = homogeneous(p);
+        normal.ger(weight, &row, &row, 1.0);
+    }
+    let factor = Cholesky::new(normal)?;
+    let pivots = factor.l_dirty().diagonal();
+    let weakest = pivots.iter().fold(f32::INFINITY, |m, d| m.min(d * d));
+    (weakest > LEAST_PIVOT * normal.trace()).then_some(factor)
 }
 
-/// Rotation and translation from the two scaled rows.
+/// Homogeneous coordinates of a point, in units of [`UNIT_MM`].
+fn homogeneous(p: Vec3) -> Vector4<f32> {
+    Vector4::new(p.x / UNIT_MM, p.y / UNIT_MM, p.z / UNIT_MM, 1.0)
+}
+
+/// Rotation and translation from the two scaled rows s·(r1, Tx) and s·(r2, Ty).
 fn pose_of(qx: [f32; 4], qy: [f32; 4]) -> Option<Pose> {
     let (r1, r2) = (
         Vec3::new(qx[0], qx[1], qx[2]) / UNIT_MM,
         Vec3::new(qy[0], qy[1], qy[2]) / UNIT_MM,
     );
-    let (n1, n2) = (
-        libm::sqrtf(r1.length_squared()),
-        libm::sqrtf(r2.length_squared()),
-    );
+    let (n1, n2) = (r1.length(), r2.length());
     let scale = libm::sqrtf(n1 * n2);
     if !(scale.is_finite() && n1 > 1e-9 && n2 > 1e-9) {
         return None;
     }
     let (r1, r2) = (r1 / n1, r2 / n2);
-    // The rows are not quite at right angles: turn both by half of what is missing.
+    // The rows are not exactly orthogonal: rotate both by half of the missing angle.
     let (sum, difference) = (r1 + r2, r1 - r2);
-    let half = |v: Vec3| v / libm::sqrtf(v.length_squared()).max(1e-9);
-    let (sum, difference) = (half(sum), half(difference));
+    let unit = |v: Vec3| v / v.length().max(1e-9);
+    let (sum, difference) = (unit(sum), unit(difference));
     let (r1, r2) = (sum + difference, sum - difference);
     let rotation = orthonormal(Mat3::from_cols(r1, r2, r1.cross(r2))).transpose();
     let pose = Pose {
@@ -106,21 +97,21 @@ fn pose_of(qx: [f32; 4], qy: [f32; 4]) -> Option<Pose> {
     pose.is_valid().then_some(pose)
 }
 
-/// The other pose that looks almost the same under weak perspective: for a flat object, the one
-/// whose normal is mirrored at the line of sight (Oberkampf, DeMenthon and Davis 1996).
+/// The second pose with almost the same image under weak perspective: for a flat object, the one
+/// whose normal is mirrored at the line of sight (Oberkampf, DeMenthon and Davis, CVIU 1996).
 pub(super) fn mirrored(pose: &Pose) -> Pose {
     let sight = {
         let t = pose.translation_mm;
-        t / libm::sqrtf(t.length_squared()).max(1e-6)
+        t / t.length().max(1e-6)
     };
-    // Half a turn about the line of sight mirrors the face's normal; half a turn about the normal
-    // puts the face's axes back. Together they are a plain turn of the head.
-    let turn_about = |axis: Vec3| {
+    // A rotation by 180° about the line of sight mirrors the normal; one about the normal restores
+    // the axes of the face.
+    let half_turn = |axis: Vec3| {
         let columns = [Vec3::X, Vec3::Y, Vec3::Z].map(|e| axis * (2.0 * axis.dot(e)) - e);
         Mat3::from_cols(columns[0], columns[1], columns[2])
     };
     Pose {
-        rotation: orthonormal(turn_about(sight) * pose.rotation * turn_about(Vec3::Z)),
+        rotation: orthonormal(half_turn(sight) * pose.rotation * half_turn(Vec3::Z)),
         ..*pose
     }
 }
@@ -175,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn degenerate_points_are_refused() {
+    fn degenerate_points_are_rejected() {
         let camera = Intrinsics::of_frame(640, 480);
         let flat = POINTS.map(|[x, y, _]| (Vec3::new(x, y, 0.0), [x, y], 1.0));
         assert!(posit(&camera, flat.into_iter()).is_none());
@@ -187,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn mirroring_swaps_the_turn() {
+    fn mirroring_negates_yaw_and_pitch() {
         let angles = HeadAngles {
             yaw_deg: 20.0,
             pitch_deg: 10.0,

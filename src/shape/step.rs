@@ -1,29 +1,33 @@
-//! One Levenberg–Marquardt step of the fit, within bounds.
+//! One Levenberg–Marquardt step of the fit, within bounds (Marquardt 1963, with his scaling of the
+//! damping by the diagonal).
 
 use super::FaceState;
 use super::linear::{System, UNKNOWNS};
 use crate::math::solve_spd;
 use glam::Vec3;
 
-/// Longest shift of one step, as a share of the distance from the camera.
-const MAX_SHIFT: f32 = 0.3;
-/// Longest turn of one step \[rad\].
-const MAX_TURN: f32 = 0.6;
+/// Longest translation of one step, relative to the distance from the camera.
+const MAX_TRANSLATION: f32 = 0.3;
+/// Largest rotation of one step \[rad\].
+const MAX_ROTATION: f32 = 0.6;
+/// Added to the diagonal, so that unknowns without any residual keep the matrix positive definite.
+const DIAGONAL_OFFSET: f32 = 1e-6;
 
-/// One damped step, or `None` when the system cannot be solved or the pose leaves all bounds.
+/// The state after one damped step; `None` when the system cannot be solved or the pose is not
+/// valid.
 #[inline(never)]
 pub(super) fn stepped(from: &FaceState, system: &System, damping: f32) -> Option<FaceState> {
     let mut matrix = system.matrix;
     let mut step = system.rhs;
     for (i, row) in matrix.iter_mut().enumerate() {
         if let Some(diagonal) = row.get_mut(i) {
-            *diagonal += *diagonal * damping + 1e-6;
+            *diagonal += *diagonal * damping + DIAGONAL_OFFSET;
         }
     }
-    // Weights at a bound that the descent would cross stay there.
+    // Weights at a bound that the gradient points beyond stay there.
     for (i, w) in from.animation.iter().enumerate() {
-        let push = system.rhs.get(i).copied().unwrap_or(0.0);
-        if (*w <= 0.0 && push < 0.0) || (*w >= 1.0 && push > 0.0) {
+        let descent = system.rhs.get(i).copied().unwrap_or(0.0);
+        if (*w <= 0.0 && descent < 0.0) || (*w >= 1.0 && descent > 0.0) {
             fix(&mut matrix, &mut step, i);
         }
     }
@@ -36,13 +40,13 @@ pub(super) fn stepped(from: &FaceState, system: &System, damping: f32) -> Option
     }
     let [.., rx, ry, rz, tx, ty, tz] = step;
     let depth = state.pose.translation_mm.z;
-    let turn = shortened(Vec3::new(rx, ry, rz), MAX_TURN);
-    let shift = shortened(Vec3::new(tx, ty, tz), MAX_SHIFT * depth);
-    state.pose = state.pose.moved(turn, shift);
+    let rotation = shortened(Vec3::new(rx, ry, rz), MAX_ROTATION);
+    let translation = shortened(Vec3::new(tx, ty, tz), MAX_TRANSLATION * depth);
+    state.pose = state.pose.moved(rotation, translation);
     state.pose.is_valid().then_some(state)
 }
 
-/// Takes one unknown out of a system.
+/// Removes one unknown from a system: its step becomes 0.
 fn fix(matrix: &mut [[f32; UNKNOWNS]; UNKNOWNS], rhs: &mut [f32; UNKNOWNS], unknown: usize) {
     for (i, (row, r)) in matrix.iter_mut().zip(rhs).enumerate() {
         if i == unknown {
@@ -55,8 +59,9 @@ fn fix(matrix: &mut [[f32; UNKNOWNS]; UNKNOWNS], rhs: &mut [f32; UNKNOWNS], unkn
     }
 }
 
+/// The vector, at most `longest` long.
 fn shortened(v: Vec3, longest: f32) -> Vec3 {
-    let length = libm::sqrtf(v.length_squared());
+    let length = v.length();
     if length > longest {
         v * (longest / length)
     } else {
