@@ -4,7 +4,7 @@ mod common;
 #[path = "../fuzz/src/targets/mod.rs"]
 mod targets;
 
-// Where the targets find it.
+// The targets use `crate::ffi`.
 use posewise::ffi;
 
 use flate2::read::GzDecoder;
@@ -46,17 +46,17 @@ fn calls() {
     replay("calls", targets::calls::run);
 }
 
-/// Calls on pictures without a face: all of the unsafe code, and nothing that takes Miri minutes.
+/// Calls on images without a face: all of the unsafe code, fast enough for Miri.
 #[test]
 fn calls_without_a_face() {
     targets::calls::run(include_bytes!("data/calls-without-a-face"));
 }
 
-/// Were it refused, or blind, most of the inputs would test nothing.
+/// The other tests need a tiny model that is accepted and detects faces.
 #[test]
 fn tiny_model_tracks() {
-    let pictures = [0x00, 0x10, 0x20, 0x30].map(|mode| targets::model::tracked(&[mode]));
-    println!("{pictures:?}");
-    assert!(pictures.iter().all(Option::is_some));
-    assert!(pictures.iter().flatten().any(|tracked| *tracked > 2));
+    let images = [0x00, 0x10, 0x20, 0x30].map(|mode| targets::model::tracked(&[mode]));
+    println!("{images:?}");
+    assert!(images.iter().all(Option::is_some));
+    assert!(images.iter().flatten().any(|tracked| *tracked > 2));
 }

@@ -1,5 +1,5 @@
-//! The fuzz targets of posewise. What they do lies in [`targets`], which `tests/fuzz.rs` includes
-//! too, to replay the inputs in `seeds.tar.gz`.
+//! The fuzz targets of posewise. `tests/fuzz.rs` includes [`targets`] too, to replay the inputs in
+//! `seeds.tar.gz`.
 
 pub use posewise::ffi;
 

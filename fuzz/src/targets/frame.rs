@@ -1,28 +1,28 @@
-//! Frames: every field of `posewise_frame`, over memory that ends where it says. A frame is refused
-//! exactly when a rule of `posewise.h` is broken; else its result is that of the same picture as
+//! Frames: every field of `posewise_frame`, over memory of the stated length. A frame is rejected if
+//! and only if it violates a rule of `posewise.h`; else the result is that of the same image as
 //! plain grey.
 //!
 //! ```text
-//! u8 format        0..18: one of those known; above: the next four bytes
+//! u8 format        0..18: a known one; above: the next four bytes
 //! u16 width, u16 height (u8 each unless bit 0 of the shape is set)
 //! u8 shape         see below
-//! u8 rotation      0..=3: that many quarter turns; above: itself, in degrees
-//! u8 flags, u8 reserved, u8 size of the struct less its real size
+//! u8 rotation      0..=3: multiples of 90 degrees; above: the value in degrees
+//! u8 flags, u8 reserved, u8 size of the struct minus its real size
 //! the rest: pixels, repeated
 //! ```
 
-use super::answer::Tracker;
 use super::input::Input;
 use super::memory::Exact;
+use super::outputs::Tracker;
 use super::tiny;
 use crate::ffi::types::*;
 
-/// The longest memory that a frame is given.
+/// Longest memory of a frame \[bytes\].
 const LONGEST: usize = 1 << 20;
-/// The largest picture that is compared with plain grey [px].
+/// Largest image that is compared with plain grey \[px\].
 const COMPARED: usize = 1 << 14;
 
-/// Format, bytes per pixel, bytes that hold the luma.
+/// Format, bytes per pixel, position of the luma.
 const FORMATS: [(u32, usize, Luma); 18] = [
     (POSEWISE_FMT_GREY, 1, Luma::Byte(0)),
     (POSEWISE_FMT_Y10, 2, Luma::Word(2)),
@@ -47,7 +47,7 @@ const FORMATS: [(u32, usize, Luma); 18] = [
 #[derive(Clone, Copy)]
 enum Luma {
     Byte(usize),
-    /// Shifted right by so many bits.
+    /// A little-endian word, shifted right by so many bits.
     Word(u32),
     Rgb(usize, usize, usize),
 }
@@ -76,124 +76,170 @@ const FRAME: usize = size_of::<posewise_frame>();
 
 pub fn run(data: &[u8]) {
     let mut input = Input::new(data);
-    let index = input.u8() as usize;
-    let known = FORMATS.get(index % 24);
-    let format = known.map_or_else(|| input.u32(), |f| f.0);
-    let shape = input.u8();
-    let has = |bit: u8| shape & bit != 0;
-    let mut side = || match has(WIDE) {
-        true => input.u16() as u32,
-        false => input.u8() as u32,
-    };
-    let (width, height) = (side(), side());
-    let known = FORMATS.iter().find(|f| f.0 == format);
-    let pixel = known.map_or(1, |f| f.1);
-    let row = width as u64 * pixel as u64;
-    let stride = match (has(OTHER_STRIDE), has(PADDED)) {
-        (true, _) => input.u32(),
-        (false, true) => row as u32 + input.u8() as u32,
-        (false, false) => row as u32,
-    };
-    let needed = (stride as u64 * (height as u64).saturating_sub(1) + row) as usize;
-    let data_len = match (has(OTHER_LEN), has(SHORT)) {
-        (true, _) => input.u64() as usize,
-        (false, true) => needed.wrapping_sub(1 + input.u8() as usize),
-        (false, false) => needed,
-    };
-    let quarter = input.u8() as u32;
-    let rotation_deg = if quarter < 4 { quarter * 90 } else { quarter };
-    let (flags, reserved) = (input.u8() as u32, input.u8() as u32);
-    let struct_size = FRAME as u32 + input.u8() as u32;
-    let tail = if has(TAIL) { input.u8() } else { 0 };
-
-    let sound = known.is_some()
-        && !has(NO_DATA)
-        && (1..=16_384).contains(&width)
-        && (1..=16_384).contains(&height)
-        && stride as u64 >= row
-        && data_len >= needed
-        && data_len <= isize::MAX as usize
-        && rotation_deg.is_multiple_of(90)
-        && rotation_deg < 360
-        && flags & !POSEWISE_FRAME_MIRRORED == 0
-        && reserved == 0
-        && (tail == 0 || struct_size as usize == FRAME);
-    if sound && data_len > LONGEST {
+    let case = Case::read(&mut input);
+    if case.valid && case.data_len > LONGEST {
         return; // more memory than there is
     }
     let pixels = input.rest();
-    let mut memory = Exact::new(data_len.clamp(1, LONGEST), 1, 0);
+    let mut memory = Exact::new(case.data_len.clamp(1, LONGEST), 1, 0);
     for (i, byte) in memory.get_mut().iter_mut().enumerate() {
         *byte = pixels.get(i % pixels.len().max(1)).copied().unwrap_or(7);
     }
     let before = memory.get().to_vec();
-    let frame = posewise_frame {
-        struct_size,
-        format,
-        timestamp_us: 1,
-        width,
-        height,
-        stride,
-        rotation_deg,
-        flags,
-        reserved,
-        data_len,
-        data: if has(NO_DATA) {
-            std::ptr::null()
-        } else {
-            memory.ptr()
-        },
-    };
-    // A newer caller's frame has a tail.
-    let given = Exact::new(struct_size as usize, 8, tail);
-    // SAFETY: at least as long as the struct.
-    unsafe { given.ptr().cast::<posewise_frame>().write(frame) };
-    let view = Picture {
-        width: width as usize,
-        height: height as usize,
-        stride: stride as usize,
-        pixel,
-        luma: known.map_or(Luma::Byte(0), |f| f.2),
-        quarter: rotation_deg as usize / 90,
-        mirrored: flags == POSEWISE_FRAME_MIRRORED,
-    };
-    let same = (sound && view.width * view.height <= COMPARED).then(|| view.upright(&before));
-    let turned = view.quarter % 2 == 1;
-    let (width, height) = if turned {
-        (height, width)
-    } else {
-        (width, height)
-    };
+    case.check(&memory);
+    assert!(memory.get() == before, "the frame was written to");
+}
 
-    let mut tracker = new_tracker();
-    let mut plain = new_tracker();
-    for step in 1..=3 {
-        // SAFETY: as above.
-        unsafe { (*given.ptr().cast::<posewise_frame>()).timestamp_us = step };
-        // SAFETY: a frame whose memory is as long as it says, or one that must not be read.
-        let answer = unsafe { tracker.step(given.ptr().cast()) };
-        assert_eq!(answer.is_ok(), sound, "{frame:?}");
-        let (Ok(answer), Some(same)) = (answer, &same) else {
-            continue;
+/// The fields of a frame, and whether they obey the rules of the header.
+struct Case {
+    format: u32,
+    width: u32,
+    height: u32,
+    stride: u32,
+    data_len: usize,
+    rotation_deg: u32,
+    flags: u32,
+    reserved: u32,
+    struct_size: u32,
+    /// Value of the bytes beyond the known fields.
+    tail: u8,
+    no_data: bool,
+    valid: bool,
+}
+
+impl Case {
+    fn read(input: &mut Input<'_>) -> Case {
+        let index = input.u8() as usize;
+        let known = FORMATS.get(index % 24);
+        let format = known.map_or_else(|| input.u32(), |f| f.0);
+        let shape = input.u8();
+        let has = |bit: u8| shape & bit != 0;
+        let mut side = || match has(WIDE) {
+            true => input.u16() as u32,
+            false => input.u8() as u32,
         };
-        let grey = posewise_frame {
-            struct_size: FRAME as u32,
-            format: POSEWISE_FMT_GREY,
-            timestamp_us: step,
+        let (width, height) = (side(), side());
+        let known = FORMATS.iter().find(|f| f.0 == format);
+        let row = width as u64 * known.map_or(1, |f| f.1) as u64;
+        let stride = match (has(OTHER_STRIDE), has(PADDED)) {
+            (true, _) => input.u32(),
+            (false, true) => row as u32 + input.u8() as u32,
+            (false, false) => row as u32,
+        };
+        let needed = (stride as u64 * (height as u64).saturating_sub(1) + row) as usize;
+        let data_len = match (has(OTHER_LEN), has(SHORT)) {
+            (true, _) => input.u64() as usize,
+            (false, true) => needed.wrapping_sub(1 + input.u8() as usize),
+            (false, false) => needed,
+        };
+        let quarter = input.u8() as u32;
+        let mut case = Case {
+            format,
             width,
             height,
-            stride: width,
-            rotation_deg: 0,
-            flags: 0,
-            reserved: 0,
-            data_len: same.get().len(),
-            data: same.ptr(),
+            stride,
+            data_len,
+            rotation_deg: if quarter < 4 { quarter * 90 } else { quarter },
+            flags: input.u8() as u32,
+            reserved: input.u8() as u32,
+            struct_size: FRAME as u32 + input.u8() as u32,
+            tail: if has(TAIL) { input.u8() } else { 0 },
+            no_data: has(NO_DATA),
+            valid: known.is_some() && stride as u64 >= row && data_len >= needed,
         };
-        // SAFETY: a whole frame.
-        let expected = unsafe { plain.step(&grey) };
-        assert!(expected == Ok(answer), "{frame:?}");
+        case.valid &= case.obeys_ranges();
+        case
     }
-    assert!(memory.get() == before, "the frame was written to");
+
+    /// Whether each field by itself has a value that the header allows.
+    fn obeys_ranges(&self) -> bool {
+        !self.no_data
+            && (1..=16_384).contains(&self.width)
+            && (1..=16_384).contains(&self.height)
+            && self.data_len <= isize::MAX as usize
+            && self.rotation_deg.is_multiple_of(90)
+            && self.rotation_deg < 360
+            && self.flags & !POSEWISE_FRAME_MIRRORED == 0
+            && self.reserved == 0
+            && (self.tail == 0 || self.struct_size as usize == FRAME)
+    }
+
+    fn frame(&self, memory: &Exact) -> posewise_frame {
+        posewise_frame {
+            struct_size: self.struct_size,
+            format: self.format,
+            timestamp_us: 1,
+            width: self.width,
+            height: self.height,
+            stride: self.stride,
+            rotation_deg: self.rotation_deg,
+            flags: self.flags,
+            reserved: self.reserved,
+            data_len: self.data_len,
+            data: match self.no_data {
+                true => std::ptr::null(),
+                false => memory.ptr(),
+            },
+        }
+    }
+
+    /// The image as plain grey, where the frame is valid and small enough.
+    fn upright(&self, memory: &Exact) -> Option<Exact> {
+        let format = FORMATS.iter().find(|f| f.0 == self.format);
+        let image = Image {
+            width: self.width as usize,
+            height: self.height as usize,
+            stride: self.stride as usize,
+            pixel: format.map_or(1, |f| f.1),
+            luma: format.map_or(Luma::Byte(0), |f| f.2),
+            quarter: self.rotation_deg as usize / 90,
+            mirrored: self.flags == POSEWISE_FRAME_MIRRORED,
+        };
+        let small = self.valid && image.width * image.height <= COMPARED;
+        small.then(|| image.upright(memory.get()))
+    }
+
+    /// Some steps over the frame, compared with the same steps over the image as plain grey.
+    fn check(&self, memory: &Exact) {
+        let frame = self.frame(memory);
+        // The frame of a newer caller is longer.
+        let given = Exact::new(self.struct_size as usize, 8, self.tail);
+        // SAFETY: at least as long as the struct.
+        unsafe { given.ptr().cast::<posewise_frame>().write(frame) };
+        let upright = self.upright(memory);
+        let (width, height) = match (self.rotation_deg / 90) % 2 {
+            1 => (self.height, self.width),
+            _ => (self.width, self.height),
+        };
+        let mut tracker = new_tracker();
+        let mut reference = new_tracker();
+        for step in 1..=3 {
+            // SAFETY: as above.
+            unsafe { (*given.ptr().cast::<posewise_frame>()).timestamp_us = step };
+            // SAFETY: a frame whose memory is as long as stated, or one that must not be read.
+            let outputs = unsafe { tracker.step(given.ptr().cast()) };
+            assert_eq!(outputs.is_ok(), self.valid, "{frame:?}");
+            let (Ok(outputs), Some(grey)) = (outputs, &upright) else {
+                continue;
+            };
+            let grey = posewise_frame {
+                struct_size: FRAME as u32,
+                format: POSEWISE_FMT_GREY,
+                timestamp_us: step,
+                width,
+                height,
+                stride: width,
+                rotation_deg: 0,
+                flags: 0,
+                reserved: 0,
+                data_len: grey.get().len(),
+                data: grey.ptr(),
+            };
+            // SAFETY: a whole frame.
+            let expected = unsafe { reference.step(&grey) };
+            assert!(expected == Ok(outputs), "{frame:?}");
+        }
+    }
 }
 
 fn new_tracker() -> Tracker {
@@ -202,11 +248,11 @@ fn new_tracker() -> Tracker {
         min_face_px: 24,
         ..Default::default()
     };
-    Tracker::new(tiny::model(), Some(&config), 0).expect("a good model")
+    Tracker::new(tiny::model(), Some(&config), 0).expect("a valid model")
 }
 
-/// How a picture lies in memory.
-struct Picture {
+/// Layout of an image in memory.
+struct Image {
     width: usize,
     height: usize,
     stride: usize,
@@ -216,8 +262,8 @@ struct Picture {
     mirrored: bool,
 }
 
-impl Picture {
-    /// The picture as plain grey: mirroring is undone, then it is turned clockwise.
+impl Image {
+    /// The image as plain grey: mirroring is undone, then it is rotated clockwise.
     fn upright(&self, data: &[u8]) -> Exact {
         let (w, h) = (self.width, self.height);
         let unmirrored = |x: usize, y: usize| {

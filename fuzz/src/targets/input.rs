@@ -1,6 +1,6 @@
-//! Reading a fuzzer's bytes as numbers; behind the end, everything is 0.
+//! Reads a fuzzer's bytes as numbers; beyond the end, all are 0.
 
-/// The bytes that are still to be read.
+/// The bytes that are not read yet.
 pub struct Input<'a>(&'a [u8]);
 
 impl<'a> Input<'a> {
@@ -12,7 +12,7 @@ impl<'a> Input<'a> {
         self.0.is_empty()
     }
 
-    /// All that is left.
+    /// The remaining bytes.
     pub fn rest(self) -> &'a [u8] {
         self.0
     }
@@ -47,7 +47,7 @@ impl<'a> Input<'a> {
     }
 }
 
-/// The next of a sequence that looks random (the constants are those of Numerical Recipes).
+/// The next byte of a linear congruential generator (constants of Numerical Recipes).
 pub fn scramble(seed: &mut u32) -> u8 {
     *seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
     (*seed >> 24) as u8

@@ -1,8 +1,8 @@
-//! Memory such as a caller has: exactly as long as it claims to be, and with guards around it.
+//! A caller's memory: exactly as long as stated, or between guards.
 
 use std::alloc::{Layout, alloc, dealloc};
 
-/// A block of the heap, to the byte: a sanitizer sees every access beyond either end.
+/// A heap block of exact length: a sanitizer detects every access beyond either end.
 pub struct Exact {
     start: *mut u8,
     layout: Layout,
@@ -59,7 +59,7 @@ impl Drop for Exact {
 const GUARD: usize = 256;
 const GUARD_BYTE: u8 = 0x5C;
 
-/// Memory at a multiple of 64 between guards that nobody may write.
+/// Memory aligned to 64 bytes, between guards that must stay unchanged.
 pub struct Guarded(Exact);
 
 impl Guarded {

@@ -1,12 +1,12 @@
-//! What each fuzz target does with its input: a function of the input's bytes alone, which panics
-//! where the library breaks a promise of `posewise.h`.
+//! The fuzz targets: each is a function of its input alone that panics where the library violates the
+//! contract of `posewise.h`.
 //!
-//! The file that includes this module has the C ABI as `crate::ffi`.
+//! The including crate provides the C ABI as `crate::ffi`.
 
-pub mod answer;
 pub mod calls;
 pub mod frame;
 pub mod input;
 pub mod memory;
 pub mod model;
+pub mod outputs;
 pub mod tiny;

@@ -1,19 +1,19 @@
-//! Models: arbitrary bytes, and good models that were changed. One that is not refused must be
-//! harmless.
+//! Models: arbitrary bytes, and valid models with changes. Every model that is accepted must be safe
+//! to use.
 //!
 //! ```text
-//! u8 mode   bit 0: the other bytes are the model; else they change a good one
-//!           bit 1: the checksum is left as it is; else it is made right
-//!           bit 2: the length that the model states is left as it is
-//!           bit 3: the good model is the default model; else the tiny one
-//!           bits 4..: what the pictures show
+//! u8 mode   bit 0: the other bytes are the model; else they change a valid one
+//!           bit 1: the checksum is left unchanged; else it is corrected
+//!           bit 2: the length that the model states is left unchanged; else it is corrected
+//!           bit 3: the valid model is the default model; else the tiny one
+//!           bits 4..: content of the images
 //! then changes: u8 bits 0..=1 kind, 2..=4 count, 5.. section (header and table come last);
-//!               u16 place in it; what is written there
+//!               u16 offset in it; the new content
 //! ```
 
-use super::answer::Tracker;
 use super::input::{Input, scramble};
 use super::memory::Exact;
+use super::outputs::Tracker;
 use super::tiny;
 use crate::ffi::{api::*, types::*};
 use posewise_format::{ALIGN, HEADER_LEN};
@@ -23,7 +23,7 @@ const KEEP_CHECKSUM: u8 = 2;
 const KEEP_LENGTH: u8 = 4;
 const TRAINED: u8 = 8;
 
-/// Numbers at which checks go wrong.
+/// Numbers at the limits of checks.
 const EDGES: [u32; 16] = [
     0,
     1,
@@ -50,7 +50,7 @@ pub fn run(data: &[u8]) {
     tracked(data);
 }
 
-/// Frames in which a face was tracked; nothing when the model was refused.
+/// Number of frames in which a face was tracked; `None` when the model was rejected.
 pub fn tracked(data: &[u8]) -> Option<usize> {
     let mut input = Input::new(data);
     let mode = input.u8();
@@ -84,8 +84,8 @@ pub fn tracked(data: &[u8]) -> Option<usize> {
             assert_eq!(status, POSEWISE_OK);
             Some(track(&mut tracker, mode >> 4))
         }
-        Err(refused) => {
-            assert_eq!(status, refused);
+        Err(rejected) => {
+            assert_eq!(status, rejected);
             None
         }
     };
@@ -93,7 +93,7 @@ pub fn tracked(data: &[u8]) -> Option<usize> {
     frames
 }
 
-/// Start and length of a section, or of what lies before the first one.
+/// Start and length of a section, or of header and table.
 fn section(blob: &[u8], index: usize) -> (usize, usize) {
     let word = |at: usize| {
         let bytes = blob.get(at..at + 4).unwrap_or(&[0; 4]);
@@ -138,7 +138,7 @@ fn change(blob: &mut Vec<u8>, input: &mut Input<'_>) {
             }
         }
         _ if count == 8 => blob.truncate(at.max(1)),
-        // Far places, for sections of more than 64 KB.
+        // Offsets beyond 64 KB, for long sections.
         _ => {
             let at = start + (at - start + (count << 16)) % len.max(1);
             blob[at] = input.u8();
@@ -146,15 +146,15 @@ fn change(blob: &mut Vec<u8>, input: &mut Input<'_>) {
     }
 }
 
-/// A few steps over pictures that differ a little; how many end tracking.
-fn track(tracker: &mut Tracker, picture: u8) -> usize {
+/// A few steps over images that differ slightly; returns the number that end in state tracking.
+fn track(tracker: &mut Tracker, content: u8) -> usize {
     let mut tracked = 0;
     let mut data = Exact::new(WIDTH * HEIGHT, 1, 0);
-    let mut seed = picture as u32;
+    let mut seed = content as u32;
     for step in 0..5 {
         for (i, luma) in data.get_mut().iter_mut().enumerate() {
             let (x, y) = (i % WIDTH, i / WIDTH);
-            *luma = match picture & 3 {
+            *luma = match content & 3 {
                 0 => (x * 4 + y + step) as u8,
                 1 => scramble(&mut seed),
                 2 => (x ^ y) as u8 * 3 + step as u8,
@@ -175,8 +175,8 @@ fn track(tracker: &mut Tracker, picture: u8) -> usize {
             data: data.ptr(),
         };
         // SAFETY: a whole frame.
-        let answer = unsafe { tracker.step(&frame) };
-        tracked += usize::from(answer.expect("a good frame").is_tracking());
+        let outputs = unsafe { tracker.step(&frame) };
+        tracked += usize::from(outputs.expect("a valid frame").is_tracking());
     }
     tracked
 }

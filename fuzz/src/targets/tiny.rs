@@ -1,5 +1,5 @@
-//! A model of 40 KB that finds faces nearly everywhere: with it, every part of a step runs on any
-//! picture, and a hundred times as often as with a model that was trained.
+//! A model of 40 KB that detects faces almost everywhere: every stage of a step runs on any image, a
+//! hundred times as often as with a trained model.
 
 use super::memory::Exact;
 use posewise::align::{GLOBAL, SHAPE_INDEXED};
@@ -9,12 +9,12 @@ use posewise::shape::{ANIMATIONS, JAW, LANDMARKS, VIEW_BYTES};
 use posewise_format::{ALIGN, HEADER_LEN, SectionWriter, Tag, Value, blob, reseal};
 use std::sync::OnceLock;
 
-/// Sections in the order in which they lie in the model.
+/// Number of sections of the model.
 pub const SECTIONS: usize = 7;
 
 const SIDE: usize = 16;
 const CHANNELS: usize = 8;
-const MODES: usize = 2;
+const RANK: usize = 2;
 
 static MODEL: OnceLock<(Exact, Vec<u8>)> = OnceLock::new();
 
@@ -37,16 +37,16 @@ fn build() -> Vec<u8> {
         face(),
         detector(),
         cascade(),
-        second(),
-        parts(),
-        correction(),
+        ensemble_member(),
+        refiners(),
+        shape_regression(),
         verifier(),
     ];
     assert_eq!(sections.len(), SECTIONS);
     blob(&sections.map(|w| w.0))
 }
 
-/// Makes the checksum right, and the length if asked for.
+/// Corrects the checksum, and the stated length where `length` is set.
 pub fn repair(blob: &mut [u8], length: bool) {
     let len = blob.len() as u32;
     if length && blob.len() >= HEADER_LEN {
@@ -80,7 +80,7 @@ impl Writer {
     }
 }
 
-/// Numbers in −`reach`..=`reach` without a pattern.
+/// Pseudo-random numbers in −`reach`..=`reach`.
 fn noise(index: usize, reach: i32) -> i32 {
     (index as u32 + 1).wrapping_mul(2_654_435_761) as i32 % (reach + 1)
 }
@@ -124,7 +124,7 @@ fn face() -> Writer {
     w
 }
 
-/// A pixel of the grid that trees look at.
+/// A pixel of the trees' sampling grid.
 fn pixel(column: usize, row: usize) -> i16 {
     (row * GRID + column) as i16
 }
@@ -138,14 +138,14 @@ fn detector() -> Writer {
     w.u32(2);
     w.array(&[0i16, 3000]);
     w.u32(1); // one ensemble
-    w.u32(1); // mirrored too
+    w.u32(1); // mirrored images too
     w.u32(1); // depth
     w.u32(1); // trees
     w.array(&[pixel(10, 20), pixel(29, 21)]);
     w.array(&[3u8]);
     w.array(&[-50i16, 300]);
     w.array(&[0i32]);
-    w.u32(1); // one refining round
+    w.u32(1); // one round of box refinement
     w.u32(1);
     w.u32(1);
     w.array(&[pixel(20, 12), pixel(20, 27)]);
@@ -157,35 +157,35 @@ fn detector() -> Writer {
 fn cascade() -> Writer {
     let mut w = Writer::new(b"ALGN");
     w.u32(2); // views
-    w.u32(2); // passes
+    w.u32(2); // iterations
     let mean = points().map(|[x, y, _]| [x, y]);
-    let turned = points().map(|[x, y, z]| [0.8 * x - 0.6 * z, y]);
+    let rotated = points().map(|[x, y, z]| [0.8 * x - 0.6 * z, y]);
     w.array(mean.as_flattened());
-    w.array([mean, turned].as_flattened().as_flattened());
+    w.array([mean, rotated].as_flattened().as_flattened());
     w.array(&[0.0, 1.0]);
     regressor(&mut w, LANDMARKS, &[GLOBAL, SHAPE_INDEXED]);
     w
 }
 
-fn second() -> Writer {
+fn ensemble_member() -> Writer {
     let mut w = Writer::new(b"ENSM");
     regressor(&mut w, LANDMARKS, &[GLOBAL, SHAPE_INDEXED]);
     w
 }
 
-fn parts() -> Writer {
+fn refiners() -> Writer {
     let mut w = Writer::new(b"RFIN");
     w.u32(2);
-    for (twin, landmarks) in [(1, 36..42), (0, 48..68)] {
+    for (mirrored, landmarks) in [(1, 36..42), (0, 48..68)] {
         w.u32(landmarks.len());
-        w.u32(twin);
+        w.u32(mirrored);
         w.array(&landmarks.clone().collect::<Vec<u32>>());
         regressor(&mut w, landmarks.len(), &[GLOBAL | SHAPE_INDEXED]);
     }
     w
 }
 
-fn correction() -> Writer {
+fn shape_regression() -> Writer {
     let mut w = Writer::new(b"SREG");
     w.i8s((2 * LANDMARKS).pow(2), |i| noise(i, 20));
     w.array(&[1e-4; 2 * LANDMARKS]);
@@ -193,22 +193,22 @@ fn correction() -> Writer {
     w
 }
 
-/// A network of two layers, and answers that read these maps.
-fn regressor(w: &mut Writer, points: usize, reads: &[u32]) {
+/// A network of two layers, and one head for each of these sources.
+fn regressor(w: &mut Writer, points: usize, sources: &[u32]) {
     w.u32(SIDE);
     w.f32(0.08); // crop px per unit
     w.u32(1); // fine map
-    w.u32(2); // last map
-    w.u32(reads.len());
-    w.u32(MODES);
+    w.u32(2); // coarse map
+    w.u32(sources.len());
+    w.u32(RANK);
     let fine_at = SIDE * SIDE;
     let coarse_at = fine_at + (SIDE / 2) * (SIDE / 2) * CHANNELS;
     w.u32(3);
-    //  op, kernel, stride, input, other, channels, at, zero, before, after
+    //  op, kernel, stride, input, other, channels, at, zero_point, pre_shift, post_shift
     for value in [OP_INPUT as usize, 1, 1, 0, 0, 1, 0, 0, 0, 1] {
         w.u32(value);
     }
-    (0..3).for_each(|_| w.array::<u8>(&[])); // no weights, biases, factors
+    (0..3).for_each(|_| w.array::<u8>(&[])); // no weights, biases, multipliers
     for (input, at, columns) in [(0, fine_at, 10), (1, coarse_at, 9 * CHANNELS)] {
         for value in [OP_CONV as usize, 3, 2, input, 0, CHANNELS, at, 128, 0, 14] {
             w.u32(value);
@@ -217,15 +217,15 @@ fn regressor(w: &mut Writer, points: usize, reads: &[u32]) {
         w.array(&[900i32; CHANNELS]);
         w.array(&[600i32; CHANNELS]);
     }
-    for reads in reads {
-        let whole = (SIDE / 4) * (SIDE / 4) * CHANNELS * usize::from(reads & GLOBAL != 0);
-        let local = points * CHANNELS * usize::from(reads & SHAPE_INDEXED != 0);
-        w.u32(*reads as usize);
-        w.i8s(MODES * (whole + local), |i| noise(i, 20));
-        w.array(&[1e-3; MODES]);
-        w.array(&[0.0; MODES]);
-        w.i8s(MODES * 2 * points, |i| noise(i, 100));
-        w.array(&[1e-3; MODES]);
+    for sources in sources {
+        let whole = (SIDE / 4) * (SIDE / 4) * CHANNELS * usize::from(sources & GLOBAL != 0);
+        let local = points * CHANNELS * usize::from(sources & SHAPE_INDEXED != 0);
+        w.u32(*sources as usize);
+        w.i8s(RANK * (whole + local), |i| noise(i, 20));
+        w.array(&[1e-3; RANK]);
+        w.array(&[0.0; RANK]);
+        w.i8s(RANK * 2 * points, |i| noise(i, 100));
+        w.array(&[1e-3; RANK]);
         w.array(&vec![0.0; 2 * points]);
     }
 }
@@ -233,7 +233,7 @@ fn regressor(w: &mut Writer, points: usize, reads: &[u32]) {
 fn verifier() -> Writer {
     let mut w = Writer::new(b"VRFY");
     w.u32(CHANNELS);
-    let views = 3; // ahead, and turned to either side
+    let views = 3; // frontal, and yaw to either side
     w.u32(views);
     for _ in 0..views {
         w.f32(1e-3);

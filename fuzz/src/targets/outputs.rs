@@ -1,4 +1,4 @@
-//! A tracker in guarded memory, and everything that it tells after a step, checked.
+//! A tracker in guarded memory, and all its outputs after a step, checked.
 
 use super::memory::{Exact, Guarded};
 use crate::ffi::{api::*, types::*};
@@ -6,7 +6,7 @@ use std::mem::size_of;
 
 /// Result, landmarks and animation weights, byte by byte.
 #[derive(Clone, PartialEq, Eq)]
-pub struct Answer(Vec<u8>);
+pub struct Outputs(Vec<u8>);
 
 const RESULT: usize = size_of::<posewise_result>();
 const LANDMARK: usize = size_of::<posewise_landmark>();
@@ -19,9 +19,9 @@ fn words(bytes: &[u8]) -> impl Iterator<Item = u32> + '_ {
     words.iter().map(|b| u32::from_le_bytes(*b))
 }
 
-impl Answer {
-    /// What a tracker that just answered `result` (its bytes) tells.
-    pub fn of(tracker: *const posewise_tracker, result: &[u8]) -> Answer {
+impl Outputs {
+    /// The outputs of a tracker whose last step wrote the bytes `result`.
+    pub fn of(tracker: *const posewise_tracker, result: &[u8]) -> Outputs {
         let landmarks = Guarded::new(LANDMARKS * LANDMARK, 0x77);
         let weights = Guarded::new(ANIMATIONS * 4, 0x77);
         // SAFETY: the memory is as long as the capacities say.
@@ -33,9 +33,9 @@ impl Answer {
         }
         landmarks.check();
         weights.check();
-        let answer = Answer([&result[..RESULT], landmarks.get(), weights.get()].concat());
-        answer.check();
-        answer
+        let outputs = Outputs([&result[..RESULT], landmarks.get(), weights.get()].concat());
+        outputs.check();
+        outputs
     }
 
     pub fn bytes(&self) -> &[u8] {
@@ -63,10 +63,10 @@ impl Answer {
         unsafe { self.0.as_ptr().cast::<posewise_result>().read_unaligned() }
     }
 
-    /// What the header promises of every answer.
+    /// Checks what the header states of every result.
     fn check(&self) {
         let r = self.result();
-        // All fields by name, also those of a later header.
+        // The text has all fields, those of a later header too.
         let text = format!("{r:?}");
         let finite = words(&self.0[RESULT..]).all(|w| f32::from_bits(w).is_finite());
         assert!(
@@ -116,14 +116,14 @@ impl Answer {
     }
 }
 
-/// A tracker of its own.
+/// A tracker in memory of its own.
 pub struct Tracker {
     memory: Guarded,
     out: Guarded,
 }
 
 impl Tracker {
-    /// In memory full of `fill`; or why not, when the memory must be untouched.
+    /// A tracker in memory that was filled with `fill`; or the status, with the memory untouched.
     pub fn new(
         model: &Exact,
         config: Option<&posewise_config>,
@@ -150,16 +150,19 @@ impl Tracker {
         Ok(Tracker { memory, out })
     }
 
-    /// One step, whose output is untouched if it fails.
+    /// One step. Checks that a failed step leaves its output untouched.
     ///
     /// # Safety
     /// `frame` is NULL or as `posewise.h` describes it.
-    pub unsafe fn step(&mut self, frame: *const posewise_frame) -> Result<Answer, posewise_status> {
+    pub unsafe fn step(
+        &mut self,
+        frame: *const posewise_frame,
+    ) -> Result<Outputs, posewise_status> {
         let tracker = self.memory.ptr().cast();
         let size = RESULT as u32;
         self.out.get_mut().fill(0x77);
         self.out.get_mut()[..4].copy_from_slice(&size.to_ne_bytes());
-        // SAFETY: the caller's promise.
+        // SAFETY: the caller's contract.
         let status = unsafe { posewise_step(tracker, frame, self.out.ptr().cast()) };
         self.memory.check();
         self.out.check();
@@ -168,6 +171,6 @@ impl Tracker {
             assert!(self.out.get()[4..].iter().all(|b| *b == 0x77));
             return Err(status);
         }
-        Ok(Answer::of(tracker, self.out.get()))
+        Ok(Outputs::of(tracker, self.out.get()))
     }
 }

@@ -1,0 +1,132 @@
+//! Arguments that may be wrong, and whether they are.
+
+use crate::ffi::types::*;
+use crate::targets::input::Input;
+use crate::targets::memory::Exact;
+
+/// Longest struct that the library accepts \[bytes\].
+const LONGEST_STRUCT: u32 = 4096;
+/// Below every size that a struct ever had \[bytes\].
+const FIRST: u32 = 32;
+pub(super) const CONFIG: u32 = size_of::<posewise_config>() as u32;
+pub(super) const FRAME: u32 = size_of::<posewise_frame>() as u32;
+pub(super) const RESULT: u32 = size_of::<posewise_result>() as u32;
+
+/// A pointer that may be wrong: to the memory, NULL, or off by one.
+pub(super) fn spoilt(pointer: *mut u8, how: u8) -> *mut u8 {
+    match how & 7 {
+        6 => std::ptr::null_mut(),
+        7 => pointer.wrapping_add(1),
+        _ => pointer,
+    }
+}
+
+/// Whether [`spoilt`] leaves a pointer right.
+pub(super) fn is_good(how: u8) -> bool {
+    how & 7 < 6
+}
+
+/// The size that a struct states: mostly the right one.
+pub(super) fn stated(input: &mut Input<'_>, own: u32) -> u32 {
+    match input.u8() {
+        0..192 => own,
+        192..208 => own + 16,
+        208..224 => FIRST - 4,
+        224..232 => LONGEST_STRUCT,
+        232..240 => LONGEST_STRUCT + 1,
+        240..248 => 0,
+        // Sizes of older headers are valid: not used here.
+        _ => match input.u32() {
+            FIRST.. => own + 4,
+            shorter => shorter,
+        },
+    }
+}
+
+/// Whether the library accepts this size of a struct of `own` bytes.
+pub(super) fn is_size(size: u32, own: u32) -> bool {
+    (own..=LONGEST_STRUCT).contains(&size)
+}
+
+/// A struct in memory of its stated size, followed by bytes of `tail`. Where the size is invalid, only
+/// the size itself is in memory.
+pub(super) fn lay_out<T: Copy>(value: T, size: u32, tail: u8) -> Exact {
+    let own = size_of::<T>();
+    let mut memory = match is_size(size, own as u32) {
+        true => Exact::new(size as usize, 8, tail),
+        false => Exact::new(4, 8, 0),
+    };
+    if memory.get().len() >= own {
+        // SAFETY: as long as the struct, as just checked.
+        unsafe { memory.ptr().cast::<T>().write(value) };
+    }
+    memory.get_mut()[..4].copy_from_slice(&size.to_ne_bytes());
+    memory
+}
+
+/// A float, often an extreme one.
+fn number(input: &mut Input<'_>) -> f32 {
+    match input.u8() {
+        0 => 0.0,
+        1 => f32::NAN,
+        2 => f32::INFINITY,
+        3 => f32::MAX,
+        4 => f32::MIN_POSITIVE,
+        5 => -1.0,
+        6 => f32::from_bits(1),
+        7 => input.f32(),
+        other => other as f32 * 4.0,
+    }
+}
+
+/// A camera, and whether it is valid.
+pub(super) fn intrinsics(input: &mut Input<'_>) -> (posewise_intrinsics, bool) {
+    let mut next = || number(input);
+    let [fx, fy, cx, cy] = [next(), next(), next(), next()];
+    let all = [fx, fy, cx, cy];
+    let default = all.iter().all(|v| *v == 0.0);
+    let valid = all.iter().all(|v| v.is_finite()) && fx > 0.0 && fy > 0.0;
+    (posewise_intrinsics { fx, fy, cx, cy }, default || valid)
+}
+
+/// Settings in memory, and whether they are valid.
+pub(super) fn config(input: &mut Input<'_>) -> (Exact, bool) {
+    let struct_size = stated(input, CONFIG);
+    let bits = input.u8();
+    let flags = (bits == 255) as u32;
+    let (min_face_px, scan_budget) = match bits & 3 {
+        0 => (0, 0),
+        1 => (24, 100 + input.u16() as u32 % 8000),
+        2 => (input.u16() as u32, input.u16() as u32 % 8000),
+        _ => (4096, 10_000_001),
+    };
+    let (intrinsics, camera) = match bits & 4 {
+        0 => (posewise_intrinsics::default(), true),
+        _ => intrinsics(input),
+    };
+    let (smoothing_hz, smoothing_beta) = match bits & 0xF0 {
+        0x10 => (0.01, 1000.0),
+        0x20 => (2.5, 0.0),
+        0x30 => (f32::NAN, 1.0),
+        0x40 => (1.0, -1.0),
+        _ => (0.0, 0.0),
+    };
+    let tail = (bits & 8) / 8;
+    let valid = is_size(struct_size, CONFIG)
+        && flags == 0
+        && (min_face_px == 0 || (24..=4096).contains(&min_face_px))
+        && (scan_budget == 0 || (100..=10_000_000).contains(&scan_budget))
+        && camera
+        && !matches!(bits & 0xF0, 0x30 | 0x40)
+        && (tail == 0 || struct_size == CONFIG);
+    let config = posewise_config {
+        struct_size,
+        flags,
+        min_face_px,
+        scan_budget,
+        intrinsics,
+        smoothing_hz,
+        smoothing_beta,
+    };
+    (lay_out(config, struct_size, tail), valid)
+}
