@@ -1,4 +1,4 @@
-// head_pose.cpp - the C++ wrapper: tracks 8-bit grey frames from standard input.
+// head_pose.cpp - uses the C++ wrapper: tracks 8-bit grey frames from standard input.
 //
 //     ffmpeg -v error -i face.mp4 -f rawvideo -pix_fmt gray - | ./head_pose WIDTH HEIGHT [FPS]
 #include "posewise.hpp"
@@ -17,7 +17,7 @@ int main(int argc, char **argv) {
     }
     posewise::Tracker tracker(posewise::Model::built_in());
     if (!tracker) {
-        std::fprintf(stderr, "head_pose: %s\n", tracker.why());
+        std::fprintf(stderr, "head_pose: %s\n", tracker.message());
         return 1;
     }
     std::vector<std::uint8_t> pixels(width * height);

@@ -1,4 +1,5 @@
-/* mjpg.h - one frame of motion JPEG to grey, by libjpeg(-turbo) where WITH_JPEG is defined. */
+/* mjpg.h - decodes a frame of motion JPEG to grey. With WITH_JPEG defined, uses libjpeg or
+ * libjpeg-turbo; else every frame fails. */
 #ifndef MJPG_H
 #define MJPG_H
 #include <stddef.h>
@@ -8,7 +9,7 @@
 #include <setjmp.h>
 #include <stdio.h>
 
-#include <jpeglib.h> /* wants stdio.h before it */
+#include <jpeglib.h> /* needs stdio.h before it */
 
 struct jpeg_errors {
     struct jpeg_error_mgr manager;
@@ -23,7 +24,7 @@ static void jpeg_silent(j_common_ptr info) {
     (void)info;
 }
 
-/* Grey pixels of one JPEG picture, of which only luma is decoded; 0 if it is broken. */
+/* Decodes the luma of a JPEG image of this size; 0 if it is corrupt or of another size. */
 static int mjpg_decode(const uint8_t *bytes, size_t len, uint8_t *grey, uint32_t width,
                        uint32_t height) {
     struct jpeg_decompress_struct jpeg;
@@ -55,7 +56,7 @@ static int mjpg_decode(const uint8_t *bytes, size_t len, uint8_t *grey, uint32_t
 static int mjpg_decode(const uint8_t *bytes, size_t len, uint8_t *grey, uint32_t width,
                        uint32_t height) {
     (void)bytes, (void)len, (void)grey, (void)width, (void)height;
-    return 0; /* MJPG was not asked for */
+    return 0; /* compiled without MJPG */
 }
 #endif
 

@@ -1,9 +1,9 @@
-/* v4l2.c - tracks the face in front of a Linux camera and prints one line per frame.
+/* v4l2.c - tracks the face in the images of a Linux camera and prints one line per frame.
  *
- *     ./v4l2 [DEVICE [FRAMES [FORMAT]]]      /dev/video0, until Ctrl-C, the best it has
+ *     ./v4l2 [DEVICE [FRAMES [FORMAT]]]      default: /dev/video0, until Ctrl-C, any format
  *
  * FORMAT is GREY, NV12, YUYV or, compiled with -DWITH_JPEG and linked with -ljpeg, MJPG. C99 and
- * Linux; every UVC camera has YUYV or MJPG. Frames are read where the driver puts them (mmap). */
+ * Linux; every UVC camera has YUYV or MJPG. Frames are read in the driver's buffers (mmap). */
 #define _DEFAULT_SOURCE
 #include "posewise.h"
 
@@ -27,7 +27,7 @@
 #define BUFFERS 4
 #define TIMEOUT_MS 5000
 
-/* From the least work to the most. */
+/* In order of decoding work. */
 static const uint32_t formats[] = {
     V4L2_PIX_FMT_GREY, V4L2_PIX_FMT_NV12, V4L2_PIX_FMT_YUYV,
 #ifdef WITH_JPEG
@@ -52,13 +52,13 @@ static void stop(int signal) {
     stopped = 1;
 }
 
-/* Tells what the system said; -1. */
+/* Prints the system's error message; returns -1. */
 static int fail(const char *what) {
     fprintf(stderr, "v4l2: %s: %s\n", what, strerror(errno));
     return -1;
 }
 
-/* ioctl() that a signal does not end, unless it is the one to stop. */
+/* ioctl() that is repeated after a signal, unless the program is to stop. */
 static int control(int fd, unsigned long request, void *argument) {
     int result;
     do
@@ -71,7 +71,7 @@ static uint32_t fourcc_of(const char *word) {
     return strlen(word) == 4 ? v4l2_fourcc(word[0], word[1], word[2], word[3]) : 1;
 }
 
-/* Sets the first format that the camera takes: drivers answer with another one rather than fail. */
+/* Sets the first format that the camera accepts. Instead of failing, drivers may set another one. */
 static int negotiate(camera *c, uint32_t only) {
     size_t i;
     for (i = 0; i < sizeof formats / sizeof *formats; i++) {
@@ -116,7 +116,7 @@ static int start(camera *c, const char *device, uint32_t only) {
     if ((can.device_caps & V4L2_CAP_VIDEO_CAPTURE) == 0 ||
         (can.device_caps & V4L2_CAP_STREAMING) == 0) {
         errno = ENOTSUP;
-        return fail(device); /* many cameras have a second node, for metadata */
+        return fail(device); /* many cameras have a second device node for metadata */
     }
     if (negotiate(c, only) < 0)
         return -1;
@@ -144,7 +144,7 @@ static int start(camera *c, const char *device, uint32_t only) {
     return control(c->fd, VIDIOC_STREAMON, &type) < 0 ? fail("cannot start") : 0;
 }
 
-/* Waits for a filled buffer: 1; 0 after Ctrl-C; -1 when the camera is gone. */
+/* Waits for a filled buffer: returns 1; 0 after Ctrl-C; -1 on an error of the camera. */
 static int wait_frame(camera *c, struct v4l2_buffer *b) {
     while (!stopped) {
         struct pollfd p = {.fd = c->fd, .events = POLLIN};
@@ -181,8 +181,8 @@ static void finish(camera *c) {
     close(c->fd);
 }
 
-/* When the frame was taken [us]: the driver's word, or now if it has none. */
-static int64_t taken_us(const struct v4l2_buffer *b) {
+/* Capture time of the frame [us]: the driver's timestamp, or the current time without one. */
+static int64_t capture_time_us(const struct v4l2_buffer *b) {
     struct timespec now;
     if ((b->flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) != V4L2_BUF_FLAG_TIMESTAMP_UNKNOWN)
         return (int64_t)b->timestamp.tv_sec * 1000000 + b->timestamp.tv_usec;
@@ -203,14 +203,14 @@ static void print_line(unsigned long index, const posewise_frame *f, const posew
     fflush(stdout);
 }
 
-/* One filled buffer: 1 when it gave an answer, 0 when the frame is of no use, -1 on a bug. */
-static int follow(const camera *c, const struct v4l2_buffer *b, uint8_t *grey,
-                  posewise_tracker *tracker, posewise_frame *f, posewise_result *r) {
+/* Processes a filled buffer: returns 1 with a result, 0 for an unusable frame, -1 on an error. */
+static int process(const camera *c, const struct v4l2_buffer *b, uint8_t *grey,
+                   posewise_tracker *tracker, posewise_frame *f, posewise_result *r) {
     const uint8_t *bytes = c->buffers[b->index].start;
     posewise_status status;
     if ((b->flags & V4L2_BUF_FLAG_ERROR) != 0)
         return 0;
-    f->timestamp_us = taken_us(b);
+    f->timestamp_us = capture_time_us(b);
     f->data = bytes;
     f->data_len = b->bytesused;
     if (c->pix.pixelformat == V4L2_PIX_FMT_MJPEG) {
@@ -223,7 +223,7 @@ static int follow(const camera *c, const struct v4l2_buffer *b, uint8_t *grey,
     if (status == POSEWISE_OK)
         return 1;
     fprintf(stderr, "v4l2: %s\n", posewise_strerror(status));
-    /* A short buffer or a clock that stands still costs a frame; anything else is wrong here. */
+    /* A short buffer or a repeated timestamp costs a frame; other errors are bugs of this program. */
     return status == POSEWISE_E_FRAME || status == POSEWISE_E_TIME ? 0 : -1;
 }
 
@@ -250,12 +250,12 @@ int main(int argc, char **argv) {
         return 1;
     }
     memset(&on_signal, 0, sizeof on_signal);
-    on_signal.sa_handler = stop; /* without SA_RESTART: a waiting call returns */
+    on_signal.sa_handler = stop; /* without SA_RESTART, a blocking call returns */
     sigaction(SIGINT, &on_signal, NULL);
     sigaction(SIGTERM, &on_signal, NULL);
 
     if (start(&c, argc > 1 ? argv[1] : "/dev/video0", argc > 3 ? fourcc_of(argv[3]) : 0) == 0) {
-        /* The V4L2 codes are posewise's, and JPEG is decoded to grey. */
+        /* posewise uses the codes of V4L2; JPEG is decoded to grey. */
         const int jpeg = c.pix.pixelformat == V4L2_PIX_FMT_MJPEG;
         frame.format = jpeg ? POSEWISE_FMT_GREY : c.pix.pixelformat;
         frame.width = c.pix.width;
@@ -266,11 +266,11 @@ int main(int argc, char **argv) {
         fprintf(stderr, "v4l2: %.4s %ux%u\n", (const char *)&c.pix.pixelformat, frame.width,
                 frame.height);
         while ((got = wait_frame(&c, &b)) > 0) {
-            const int answered = follow(&c, &b, grey, tracker, &frame, &result);
-            if (answered > 0)
+            const int processed = process(&c, &b, grey, tracker, &frame, &result);
+            if (processed > 0)
                 print_line(index++, &frame, &result);
-            if (answered < 0 || queue(&c, b.index) < 0) {
-                got = answered < 0 ? -1 : fail("the camera is gone");
+            if (processed < 0 || queue(&c, b.index) < 0) {
+                got = processed < 0 ? -1 : fail("the camera is gone");
                 break;
             }
             if (frames != 0 && index == frames)

@@ -17,7 +17,7 @@ typedef struct {
 } video;
 
 static void *aligned_alloc_or_exit(size_t len) {
-    /* C99 has no aligned_alloc; this program never frees, so the start may be forgotten. */
+    /* C99 has no aligned_alloc. This program frees nothing, so it drops the start of the block. */
     char *memory = malloc(len + POSEWISE_ALIGN);
     if (memory == NULL) {
         fprintf(stderr, "y4m: out of memory\n");
@@ -45,7 +45,7 @@ static void *read_file(const char *path, size_t *len) {
     return bytes;
 }
 
-/* Bytes of a frame in this colour space ("420jpeg", "mono", ...); 0 if it is not an 8-bit one. */
+/* Bytes of a frame in this colour space ("420jpeg", "mono", ...); 0 if it is not supported. */
 static size_t frame_len(const char *colour, size_t width, size_t height) {
     const size_t luma = width * height;
     const size_t half_width = (width + 1) / 2, half_height = (height + 1) / 2;
@@ -63,7 +63,7 @@ static size_t frame_len(const char *colour, size_t width, size_t height) {
     return 0;
 }
 
-/* Reads "YUV4MPEG2 W640 H480 F30:1 C420jpeg ..."; 0 if that is not there. */
+/* Reads "YUV4MPEG2 W640 H480 F30:1 C420jpeg ..."; 0 if the header is invalid. */
 static int read_header(FILE *in, video *v) {
     char line[512], colour[32] = "420";
     char *word;
@@ -83,13 +83,13 @@ static int read_header(FILE *in, video *v) {
     }
     if (v->width < 1 || v->width > 16384 || v->height < 1 || v->height > 16384)
         return 0;
-    if (v->fps_num == 0 || v->fps_den == 0) /* "0:0" is y4m for unknown */
+    if (v->fps_num == 0 || v->fps_den == 0) /* "0:0" means unknown */
         v->fps_num = 30, v->fps_den = 1;
     v->frame_len = frame_len(colour, v->width, v->height);
     return v->frame_len != 0;
 }
 
-/* Reads "FRAME ...\n" and the pixels: 1, or 0 at the end, or -1 if the video is cut or corrupt. */
+/* Reads "FRAME ...\n" and the pixels: 1; 0 at the end; -1 if the video is truncated or corrupt. */
 static int read_frame(FILE *in, const video *v, uint8_t *pixels) {
     char line[512];
     if (fgets(line, sizeof line, in) == NULL)
@@ -112,7 +112,7 @@ static void print_header(void) {
 static void print_row(unsigned long frame, const posewise_result *r, const posewise_landmark *l) {
     static const char *const states[] = {"searching", "tracking", "coasting"};
     unsigned i;
-    /* Nine digits bring the very same float back. */
+    /* Nine digits represent a float exactly. */
     printf("%lu,%lld,%s,%.9g,%.9g,%.9g", frame, (long long)r->timestamp_us, states[r->state % 3],
            (double)r->yaw_deg, (double)r->pitch_deg, (double)r->roll_deg);
     printf(",%.9g,%.9g,%.9g,%.9g", (double)r->translation_mm[0], (double)r->translation_mm[1],
@@ -150,7 +150,7 @@ int main(int argc, char **argv) {
         return 1;
     }
     pixels = aligned_alloc_or_exit(v.frame_len);
-    frame.format = POSEWISE_FMT_GREY; /* planar: luma comes first, the rest is not passed */
+    frame.format = POSEWISE_FMT_GREY; /* planar: luma comes first, chroma is not passed */
     frame.width = v.width;
     frame.height = v.height;
     frame.stride = v.width;
@@ -169,7 +169,7 @@ int main(int argc, char **argv) {
         print_row(index++, &result, landmarks);
     }
     if (got < 0) {
-        fprintf(stderr, "y4m: the video is cut or corrupt at frame %lu\n", index);
+        fprintf(stderr, "y4m: the video is truncated or corrupt at frame %lu\n", index);
         return 1;
     }
     if (index == 0) {

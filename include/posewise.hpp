@@ -1,7 +1,7 @@
 // posewise.hpp - posewise.h for C++17: a tracker that owns its memory and borrows its model.
 //
-// Header only; no exceptions needed, none thrown: what can fail returns a posewise_status, and a
-// tracker that could not be built is false. Units, ranges and frames are those of posewise.h.
+// Header only. Throws no exceptions: functions that can fail return a posewise_status, and a tracker
+// whose creation failed converts to false. Units, ranges and frames are those of posewise.h.
 #ifndef POSEWISE_HPP
 #define POSEWISE_HPP
 
@@ -20,7 +20,7 @@ namespace posewise {
 using Landmarks = std::array<posewise_landmark, POSEWISE_LANDMARKS>;
 using Animation = std::array<float, POSEWISE_ANIMATIONS>;
 
-// Structs with struct_size set and all else at its default.
+// Structs with struct_size set and all other fields 0, their defaults.
 inline posewise_config config() {
     posewise_config c{};
     c.struct_size = sizeof c;
@@ -39,7 +39,7 @@ inline posewise_result result() {
     return r;
 }
 
-// A grey picture without padding between rows.
+// A grey image without padding between rows.
 inline posewise_frame grey(const std::uint8_t *data, std::uint32_t width, std::uint32_t height,
                            std::int64_t timestamp_us) {
     posewise_frame f = frame();
@@ -58,7 +58,7 @@ struct Model {
     const void *data = nullptr;
     std::size_t size = 0;
 
-    // The one built into the library; empty if there is none.
+    // The model built into the library; empty if there is none.
     static Model built_in() {
         Model m;
         m.data = posewise_default_model(&m.size);
@@ -68,7 +68,7 @@ struct Model {
     posewise_status check() const { return posewise_model_check(data, size); }
 };
 
-// One face before one camera. Movable; copy() gives a second tracker that goes on independently.
+// Tracks one face of one camera. Movable; copy() gives a second, independent tracker.
 class Tracker {
 public:
     // No tracker.
@@ -93,10 +93,10 @@ public:
         return *this;
     }
 
-    // Whether there is a tracker; if not, status() and why() tell what was wrong.
+    // Whether there is a tracker; if not, status() and message() give the error.
     explicit operator bool() const { return tracker_ != nullptr; }
     posewise_status status() const { return status_; }
-    const char *why() const { return posewise_strerror(status_); }
+    const char *message() const { return posewise_strerror(status_); }
 
     posewise_status step(const posewise_frame &frame, posewise_result &out) {
         return posewise_step(tracker_, &frame, &out);
@@ -110,7 +110,7 @@ public:
         return posewise_animation(tracker_, out.data(), out.size());
     }
 
-    // The last answer again, smoothed over time.
+    // The last result, smoothed over time.
     posewise_status smoothed(posewise_result &out) const {
         return posewise_smoothed(tracker_, &out);
     }
@@ -144,7 +144,7 @@ public:
         return other;
     }
 
-    // For calls that this class does not have.
+    // For functions of posewise.h that this class lacks.
     posewise_tracker *get() const { return tracker_; }
 
 private:

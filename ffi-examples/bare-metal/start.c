@@ -1,7 +1,6 @@
-/* start.c - from power-on to main() on a Cortex-M4F: vectors, floating point, memory, arguments.
- * Files and printf go to the debugger (semihosting); on a product, leave that out.
- * Prints on standard error how much stack main() took, unless the program paints the stack
- * itself. */
+/* start.c - start-up code for a Cortex-M4F: vectors, floating point, memory, arguments of main().
+ * Files and printf go to the debugger (semihosting), which a product does not need.
+ * Prints the peak stack of main() on standard error, unless the program paints the stack itself. */
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,7 +12,7 @@ extern void initialise_monitor_handles(void);
 int main(int argc, char **argv);
 void reset(void);
 
-/* The words of the command line that the debugger holds. */
+/* Gets the words of the debugger's command line. */
 static int arguments(char **words, int capacity) {
     static char line[256];
     struct {
@@ -40,7 +39,7 @@ static void paint_stack(void) {
         *at++ = PAINT;
 }
 
-static void tell_stack(void) {
+static void print_stack(void) {
     const uint32_t *deepest = stack_limit;
     while (*deepest == PAINT)
         deepest++;
@@ -51,14 +50,14 @@ static void tell_stack(void) {
 void reset(void) {
     static char *words[8];
     int status;
-    *(volatile uint32_t *)0xE000ED88 |= 0xFu << 20; /* CPACR: switch floating point on */
+    *(volatile uint32_t *)0xE000ED88 |= 0xFu << 20; /* CPACR: enable the floating-point unit */
     __asm__ volatile("dsb\nisb" ::: "memory");
     memcpy(data_start, data_load, (size_t)((char *)data_end - (char *)data_start));
     memset(bss_start, 0, (size_t)((char *)bss_end - (char *)bss_start));
     initialise_monitor_handles();
     paint_stack();
     status = main(arguments(words, 8), words);
-    tell_stack();
+    print_stack();
     exit(status);
 }
 

@@ -26,11 +26,11 @@ public final class TrackFile {
                         + " " + tracker.landmarks[61]);
             }
         } catch (EOFException end) {
-            // All frames are done.
+            // End of the file.
         }
         try {
             tracker.step(luma, width + 1, height, width, 0, false, Long.MAX_VALUE);
-            throw new AssertionError("a stride shorter than a row was taken");
+            throw new AssertionError("a stride shorter than a row was accepted");
         } catch (IllegalArgumentException expected) {
             System.err.println(expected.getMessage());
         }

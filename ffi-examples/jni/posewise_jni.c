@@ -1,19 +1,18 @@
-/* posewise_jni.c - what dev/posewise/Tracker.java calls. Allocates nothing. */
+/* posewise_jni.c - native functions of dev/posewise/Tracker.java. Allocates nothing. */
 #include "posewise.h"
 
 #include <jni.h>
 
 #define NATIVE(type, name) JNIEXPORT type JNICALL Java_dev_posewise_Tracker_##name
 
-/* The aligned part of the Java object's buffer; NULL if it is not a direct one. */
+/* The aligned part of the Java object's buffer; NULL if the buffer is not direct or too short. */
 static posewise_tracker *tracker_in(JNIEnv *env, jobject memory) {
     uint8_t *start = (*env)->GetDirectBufferAddress(env, memory);
-    uintptr_t past;
     if (start == NULL || (*env)->GetDirectBufferCapacity(env, memory) <
                              (jlong)(POSEWISE_MEMORY_SIZE + POSEWISE_ALIGN))
         return NULL;
-    past = (uintptr_t)start % POSEWISE_ALIGN;
-    return (posewise_tracker *)(void *)(start + (POSEWISE_ALIGN - past));
+    start += POSEWISE_ALIGN - (uintptr_t)start % POSEWISE_ALIGN;
+    return (posewise_tracker *)(void *)start;
 }
 
 NATIVE(jint, memorySize)(JNIEnv *env, jclass class) {
@@ -45,7 +44,7 @@ NATIVE(jint, step)
     (void)class;
     f.format = POSEWISE_FMT_GREY;
     f.timestamp_us = timestamp_us;
-    /* A negative number becomes one that is too large, and is refused. */
+    /* A negative number becomes one that is too large, which the library rejects. */
     f.width = (uint32_t)width;
     f.height = (uint32_t)height;
     f.stride = (uint32_t)stride;

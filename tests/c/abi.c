@@ -1,5 +1,5 @@
-/* abi.c - sizes and offsets of every struct, the same for every compiler and machine but for the
- * width of a pointer. Compiles, or does not. */
+/* abi.c - checks sizes and offsets of every struct at compile time. They depend on the width of a
+ * pointer only, not on compiler or machine. */
 #include "posewise.h"
 
 #define HOLDS(name, condition) typedef char name[(condition) ? 1 : -1]

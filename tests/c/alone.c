@@ -1,4 +1,4 @@
-/* alone.c - the header compiles by itself, twice, as C99 and as C++11, without padding. */
+/* alone.c - the header compiles by itself and when included twice, as C99 and as C++11. */
 #include "posewise.h"
 #include "posewise.h"
 

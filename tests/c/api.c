@@ -1,5 +1,6 @@
-/* api.c MODEL FRAMES WIDTH HEIGHT - every function with everything that can be wrong with a call.
- * Compiled as C99, also with sanitizers. Prints each check that fails; silent success. */
+/* api.c MODEL FRAMES WIDTH HEIGHT - calls every function with all kinds of invalid arguments.
+ * Compiled as C99, also with sanitizers. Prints each check that fails, nothing on success.
+ * Longer than other files: a list of tests that do not depend on each other. */
 #define _POSIX_C_SOURCE 200112L /* posix_memalign */
 #include "check.h"
 
@@ -9,14 +10,14 @@
 static guarded model;
 static clip frames;
 
-/* All that a tracker tells after a step. */
+/* All outputs of a step. */
 typedef struct {
     posewise_result result;
     posewise_landmark landmarks[POSEWISE_LANDMARKS];
     float animation[POSEWISE_ANIMATIONS];
-} answer;
+} outputs;
 
-/* The smoothed answer is one to the same frame. */
+/* The smoothed result belongs to the same frame. */
 static void smoothed(const posewise_tracker *t, const posewise_result *raw) {
     posewise_result r = {.struct_size = sizeof r};
     posewise_landmark l[POSEWISE_LANDMARKS];
@@ -34,8 +35,8 @@ static void smoothed(const posewise_tracker *t, const posewise_result *raw) {
         CHECK(w[i] >= 0 && w[i] <= 1);
 }
 
-/* Each output lies between guards of its own. */
-static posewise_status step(posewise_tracker *t, const posewise_frame *f, answer *a) {
+/* A step whose outputs have guards on both sides. */
+static posewise_status step(posewise_tracker *t, const posewise_frame *f, outputs *a) {
     guarded result = guarded_new(sizeof a->result, 0x77);
     guarded landmarks = guarded_new(sizeof a->landmarks, 0x77);
     guarded animation = guarded_new(sizeof a->animation, 0x77);
@@ -63,7 +64,7 @@ static posewise_status step(posewise_tracker *t, const posewise_frame *f, answer
     return status;
 }
 
-/* Aligned memory that ends where it says: sanitizers and valgrind see what is read beyond it. */
+/* Aligned memory of exact length: sanitizers and valgrind detect reads beyond it. */
 static void *exact_new(const void *content, size_t len) {
     void *start;
     if (posix_memalign(&start, POSEWISE_ALIGN, len) != 0)
@@ -121,8 +122,8 @@ static void test_default_model(void) {
     }
 }
 
-/* posewise_memory_size() refuses the settings, and so does posewise_init(). */
-static void config_refused(const posewise_config *config) {
+/* posewise_memory_size() and posewise_init() reject the settings. */
+static void config_rejected(const posewise_config *config) {
     guarded memory = tracker_memory(0xA5);
     posewise_tracker *t = (posewise_tracker *)(void *)&failures;
     CHECK(posewise_memory_size(config) == 0);
@@ -160,39 +161,39 @@ static void test_config(void) {
     for (i = 0; i < sizeof sizes / sizeof *sizes; i++) {
         c = zero;
         c.struct_size = sizes[i];
-        config_refused(&c);
+        config_rejected(&c);
     }
-    config_refused((const posewise_config *)(const void *)((const char *)&later + 2));
-    c = zero, c.flags = 1, config_refused(&c);
-    c = zero, c.min_face_px = 23, config_refused(&c);
-    c = zero, c.min_face_px = 4097, config_refused(&c);
-    c = zero, c.scan_budget = 99, config_refused(&c);
-    c = zero, c.scan_budget = 10000001, config_refused(&c);
-    c = zero, c.smoothing_hz = 0.001f, config_refused(&c);
-    c = zero, c.smoothing_hz = NAN, config_refused(&c);
-    c = zero, c.smoothing_beta = -1, config_refused(&c);
-    c = zero, c.smoothing_beta = INFINITY, config_refused(&c);
+    config_rejected((const posewise_config *)(const void *)((const char *)&later + 2));
+    c = zero, c.flags = 1, config_rejected(&c);
+    c = zero, c.min_face_px = 23, config_rejected(&c);
+    c = zero, c.min_face_px = 4097, config_rejected(&c);
+    c = zero, c.scan_budget = 99, config_rejected(&c);
+    c = zero, c.scan_budget = 10000001, config_rejected(&c);
+    c = zero, c.smoothing_hz = 0.001f, config_rejected(&c);
+    c = zero, c.smoothing_hz = NAN, config_rejected(&c);
+    c = zero, c.smoothing_beta = -1, config_rejected(&c);
+    c = zero, c.smoothing_beta = INFINITY, config_rejected(&c);
     for (i = 0; i < sizeof wrong_focal / sizeof *wrong_focal; i++) {
-        c = zero, c.intrinsics.fx = wrong_focal[i], c.intrinsics.fy = 500, config_refused(&c);
-        c = zero, c.intrinsics.fy = wrong_focal[i], c.intrinsics.fx = 500, config_refused(&c);
+        c = zero, c.intrinsics.fx = wrong_focal[i], c.intrinsics.fy = 500, config_rejected(&c);
+        c = zero, c.intrinsics.fy = wrong_focal[i], c.intrinsics.fx = 500, config_rejected(&c);
     }
-    c = zero, c.intrinsics.fx = 500, config_refused(&c);
-    c = zero, c.intrinsics.fx = c.intrinsics.fy = 500, c.intrinsics.cx = NAN, config_refused(&c);
+    c = zero, c.intrinsics.fx = 500, config_rejected(&c);
+    c = zero, c.intrinsics.fx = c.intrinsics.fy = 500, c.intrinsics.cx = NAN, config_rejected(&c);
     c = zero, c.intrinsics.fx = c.intrinsics.fy = 500, c.intrinsics.cy = INFINITY;
-    config_refused(&c);
-    c = zero, c.intrinsics.cx = 320, config_refused(&c);
+    config_rejected(&c);
+    c = zero, c.intrinsics.cx = 320, config_rejected(&c);
     memset(&later, 0, sizeof later);
     later.known.struct_size = sizeof later;
     CHECK(posewise_memory_size(&later.known) > 0);
     later.unknown[1] = 1;
-    config_refused(&later.known);
+    config_rejected(&later.known);
     memset(later.unknown, 0xFF, sizeof later.unknown);
     CHECK_STATUS(posewise_config_default(&later.known), POSEWISE_OK);
     CHECK(later.known.struct_size == sizeof later);
     CHECK(later.unknown[0] == 0 && later.unknown[1] == 0);
 }
 
-static void model_refused(const void *bytes, size_t len, posewise_status expected) {
+static void model_rejected(const void *bytes, size_t len, posewise_status expected) {
     guarded memory = tracker_memory(0xA5);
     posewise_tracker *t = NULL;
     CHECK_STATUS(posewise_model_check(bytes, len), expected);
@@ -208,27 +209,28 @@ static void test_model(void) {
     size_t i;
     memcpy(copy.start, model.start, model.len);
     CHECK_STATUS(posewise_model_check(model.start, model.len), POSEWISE_OK);
-    CHECK_STATUS(posewise_model_check(copy.start, model.len + 1), POSEWISE_OK); /* longer */
-    model_refused(NULL, model.len, POSEWISE_E_ARG);
-    model_refused(NULL, 0, POSEWISE_E_ARG);
-    model_refused(model.start, SIZE_MAX, POSEWISE_E_MODEL_TRUNCATED);
-    model_refused(model.start, 0, POSEWISE_E_MODEL_TRUNCATED);
+    /* A longer buffer. */
+    CHECK_STATUS(posewise_model_check(copy.start, model.len + 1), POSEWISE_OK);
+    model_rejected(NULL, model.len, POSEWISE_E_ARG);
+    model_rejected(NULL, 0, POSEWISE_E_ARG);
+    model_rejected(model.start, SIZE_MAX, POSEWISE_E_MODEL_TRUNCATED);
+    model_rejected(model.start, 0, POSEWISE_E_MODEL_TRUNCATED);
     memmove(copy.start + 1, copy.start, model.len);
-    model_refused(copy.start + 1, model.len, POSEWISE_E_MODEL_ALIGN);
+    model_rejected(copy.start + 1, model.len, POSEWISE_E_MODEL_ALIGN);
     memcpy(copy.start, model.start, model.len);
     for (i = 0; i < 64; i++)
-        model_refused(model.start, i, POSEWISE_E_MODEL_TRUNCATED);
+        model_rejected(model.start, i, POSEWISE_E_MODEL_TRUNCATED);
     for (i = 64; i < model.len; i += stride)
-        model_refused(model.start, i, POSEWISE_E_MODEL_TRUNCATED);
-    model_refused(model.start, model.len - 1, POSEWISE_E_MODEL_TRUNCATED);
+        model_rejected(model.start, i, POSEWISE_E_MODEL_TRUNCATED);
+    model_rejected(model.start, model.len - 1, POSEWISE_E_MODEL_TRUNCATED);
     for (i = 0; i < 8; i++) {
         copy.start[i] ^= 0x20;
-        model_refused(copy.start, model.len, POSEWISE_E_MODEL_MAGIC);
+        model_rejected(copy.start, model.len, POSEWISE_E_MODEL_MAGIC);
         copy.start[i] ^= 0x20;
     }
     for (i = 8; i < 12; i++) {
         copy.start[i] ^= 0x40;
-        model_refused(copy.start, model.len, POSEWISE_E_MODEL_VERSION);
+        model_rejected(copy.start, model.len, POSEWISE_E_MODEL_VERSION);
         copy.start[i] ^= 0x40;
     }
     /* Single bits: each is found, wherever it is. */
@@ -261,7 +263,7 @@ static void test_init(void) {
                      POSEWISE_E_MEMORY);
     CHECK_STATUS(posewise_init(&t, memory.start, need - 1, model.start, model.len, NULL),
                  POSEWISE_E_MEMORY);
-    /* A tracker upon its own model. */
+    /* The tracker would overwrite its model. */
     CHECK_STATUS(posewise_init(&t, model.start, need, model.start, model.len, NULL),
                  POSEWISE_E_ARG);
     CHECK_STATUS(posewise_init(&t, memory.start, need, memory.start + 64, need - 64, NULL),
@@ -273,10 +275,10 @@ static void test_init(void) {
     guarded_free(memory);
 }
 
-/* Every function on something that is no tracker. */
+/* Every function with a pointer that is not to a tracker. */
 static void no_tracker(posewise_tracker *t) {
     const posewise_frame f = clip_frame(&frames, 0);
-    answer a, before;
+    outputs a, before;
     memset(&a, 0x77, sizeof a);
     a.result.struct_size = sizeof a.result;
     before = a;
@@ -310,8 +312,8 @@ static void test_wrong_order(void) {
     guarded_free(memory);
 }
 
-/* What a tracker says before its first step and after a reset. */
-static void nothing_seen(posewise_tracker *t) {
+/* The outputs of a tracker before its first step and after a reset are zero. */
+static void expect_empty(posewise_tracker *t) {
     posewise_landmark l[POSEWISE_LANDMARKS];
     float w[POSEWISE_ANIMATIONS];
     memset(l, 0x33, sizeof l);
@@ -328,44 +330,44 @@ static void nothing_seen(posewise_tracker *t) {
     CHECK(filled((uint8_t *)w, sizeof w, 0));
 }
 
-/* Calls that come early, late or twice. */
+/* Calls in unusual order. */
 static void test_any_order(void) {
     guarded memory = tracker_memory(0xFF), other = tracker_memory(0x00);
-    posewise_tracker *t = init(memory, NULL), *calm = init(other, NULL), *refused = NULL;
+    posewise_tracker *t = init(memory, NULL), *reference = init(other, NULL), *rejected = NULL;
     const posewise_config wrong = {.struct_size = sizeof wrong, .flags = 1};
     posewise_frame f;
-    answer a, b;
+    outputs a, b;
     size_t i, round;
-    nothing_seen(t);
+    expect_empty(t);
     CHECK_STATUS(posewise_forget_identity(t), POSEWISE_OK);
     CHECK_STATUS(posewise_reset(t), POSEWISE_OK);
     CHECK_STATUS(posewise_reset(t), POSEWISE_OK);
-    nothing_seen(t);
+    expect_empty(t);
     for (round = 0; round < 2; round++) {
         for (i = 0; i < frames.count && i < 10; i++) {
             f = clip_frame(&frames, i);
             CHECK_STATUS(step(t, &f, &a), POSEWISE_OK);
             if (round == 0)
-                CHECK_STATUS(step(calm, &f, &b), POSEWISE_OK);
-            /* An init that fails leaves the tracker at work that lies there. */
-            CHECK_STATUS(posewise_init(&refused, memory.start, memory.len, model.start, model.len,
+                CHECK_STATUS(step(reference, &f, &b), POSEWISE_OK);
+            /* An init that fails leaves the tracker in that memory unchanged. */
+            CHECK_STATUS(posewise_init(&rejected, memory.start, memory.len, model.start, model.len,
                                        &wrong),
                          POSEWISE_E_ARG);
-            CHECK_STATUS(posewise_init(&refused, memory.start, memory.len, model.start,
+            CHECK_STATUS(posewise_init(&rejected, memory.start, memory.len, model.start,
                                        model.len - 1, NULL),
                          POSEWISE_E_MODEL_TRUNCATED);
         }
-        CHECK(refused == NULL);
+        CHECK(rejected == NULL);
         CHECK(memcmp(&a, &b, sizeof a) == 0);
-        /* An init that succeeds is a new tracker in the same memory. */
+        /* An init that succeeds creates a new tracker in the same memory. */
         t = init(memory, NULL);
-        nothing_seen(t);
+        expect_empty(t);
     }
     guarded_free(memory);
     guarded_free(other);
 }
 
-/* All of the caller's memory ends where it says. */
+/* All of the caller's memory has exactly the stated length. */
 static void test_past_the_end(void) {
     const size_t need = posewise_memory_size(NULL), image = (size_t)frames.width * frames.height;
     static const uint32_t sizes[] = {0, 4, 39, 4097, UINT32_MAX};
@@ -403,7 +405,7 @@ static void test_past_the_end(void) {
         CHECK_STATUS(posewise_animation(t, w, POSEWISE_ANIMATIONS), POSEWISE_OK);
         CHECK_STATUS(posewise_animation(t, w + POSEWISE_ANIMATIONS - 1, 1), POSEWISE_OK);
     }
-    /* Of a struct whose size is wrong, nothing but that is there. */
+    /* Of a struct whose size is invalid, only the size is in memory. */
     *f = clip_frame(&frames, frames.count);
     for (i = 0; i < sizeof sizes / sizeof *sizes; i++) {
         *head = sizes[i];
@@ -447,7 +449,7 @@ static void test_step_pointers(void) {
     CHECK_STATUS(posewise_step(t, &f, &r), POSEWISE_E_ARG);
     r.struct_size = 0;
     CHECK_STATUS(posewise_step(t, &f, &r), POSEWISE_E_ARG);
-    /* A newer caller's result: the tail that we do not know comes back as 0. */
+    /* A newer caller's result: the unknown tail is returned as 0. */
     memset(&later, 0xEE, sizeof later);
     later.known.struct_size = sizeof later;
     CHECK_STATUS(posewise_step(t, &f, &later.known), POSEWISE_OK);
@@ -462,7 +464,7 @@ static void test_outputs(void) {
     const posewise_frame f = clip_frame(&frames, 0);
     posewise_landmark l[POSEWISE_LANDMARKS + 4];
     float w[POSEWISE_ANIMATIONS + 4];
-    answer a;
+    outputs a;
     size_t i;
     CHECK_STATUS(step(t, &f, &a), POSEWISE_OK);
     CHECK_STATUS(posewise_landmarks(t, NULL, 68), POSEWISE_E_ARG);
@@ -492,9 +494,9 @@ static void test_outputs(void) {
     guarded_free(memory);
 }
 
-/* A step that must fail leaves tracker and output alone. */
+/* A step that must fail leaves tracker and output unchanged. */
 static void frame_refused(posewise_tracker *t, const posewise_frame *f, posewise_status expected) {
-    answer a, before;
+    outputs a, before;
     memset(&before, 0x77, sizeof before);
     before.result.struct_size = sizeof before.result;
     CHECK_STATUS(step(t, f, &a), expected);
@@ -531,17 +533,17 @@ static void bad_frames(posewise_tracker *t, const posewise_frame *good) {
 
 static void test_bad_frames_change_nothing(void) {
     guarded left = tracker_memory(0), right = tracker_memory(0);
-    posewise_tracker *disturbed = init(left, NULL), *calm = init(right, NULL);
+    posewise_tracker *disturbed = init(left, NULL), *reference = init(right, NULL);
     posewise_intrinsics nan_camera = {NAN, 500, 0, 0};
     posewise_frame f;
-    answer a, b;
+    outputs a, b;
     size_t i;
     for (i = 0; i < frames.count && i < 20; i++) {
         f = clip_frame(&frames, i);
         bad_frames(disturbed, &f);
         CHECK_STATUS(posewise_set_intrinsics(disturbed, &nan_camera), POSEWISE_E_ARG);
         CHECK_STATUS(step(disturbed, &f, &a), POSEWISE_OK);
-        CHECK_STATUS(step(calm, &f, &b), POSEWISE_OK);
+        CHECK_STATUS(step(reference, &f, &b), POSEWISE_OK);
         CHECK(memcmp(&a, &b, sizeof a) == 0);
         frame_refused(disturbed, &f, POSEWISE_E_TIME);
         f.timestamp_us -= 1000;
@@ -567,10 +569,10 @@ static void test_formats(void) {
     guarded memory = tracker_memory(0);
     posewise_tracker *t = init(memory, NULL);
     posewise_frame f = clip_frame(&frames, 0);
-    answer a;
+    outputs a;
     size_t i;
     for (i = 0; i < sizeof formats / sizeof *formats; i++) {
-        /* Memory that ends with the last row: a read beyond it is the sanitizer's to find. */
+        /* Memory that ends with the last row: a sanitizer detects a read beyond it. */
         const size_t len = (size_t)formats[i].bytes * 40 + 39 * 200;
         uint8_t *data = malloc(len);
         uint32_t turn;
@@ -601,7 +603,7 @@ static void test_extreme_times(void) {
     guarded memory = tracker_memory(0);
     posewise_tracker *t = init(memory, NULL);
     posewise_frame f = clip_frame(&frames, 0);
-    answer a;
+    outputs a;
     size_t i, round;
     for (round = 0; round < 2; round++) {
         for (i = 0; i < sizeof times / sizeof *times; i++) {
@@ -636,13 +638,13 @@ static void test_intrinsics(void) {
     guarded_free(memory);
 }
 
-/* A camera of twice the focal length sees the same picture from twice as far. */
+/* With twice the focal length, the same image means twice the distance. */
 static void test_zoom(void) {
     guarded memory = tracker_memory(0);
     posewise_tracker *t = init(memory, NULL);
     posewise_intrinsics camera = {400, 400, 160, 120};
     posewise_frame f;
-    answer a, zoomed;
+    outputs a, zoomed;
     size_t i;
     memset(&a, 0, sizeof a);
     CHECK_STATUS(posewise_set_intrinsics(t, &camera), POSEWISE_OK);
@@ -662,14 +664,14 @@ static void test_zoom(void) {
     guarded_free(memory);
 }
 
-/* The face goes on being tracked, the head's shape starts anew. */
+/* Tracking continues, and the shape of the head is estimated anew. */
 static void test_forget_person(void) {
     guarded kept = tracker_memory(0), forgot = tracker_memory(0);
     posewise_tracker *a = init(kept, NULL), *b = init(forgot, NULL);
     const size_t when = frames.count / 2;
-    answer of_a, of_b;
+    outputs of_a, of_b;
     size_t i, differ = 0;
-    CHECK_STATUS(posewise_forget_identity(b), POSEWISE_OK); /* of nobody: no effect */
+    CHECK_STATUS(posewise_forget_identity(b), POSEWISE_OK); /* no face yet: no effect */
     for (i = 0; i < frames.count; i++) {
         const posewise_frame f = clip_frame(&frames, i);
         CHECK_STATUS(step(a, &f, &of_a), POSEWISE_OK);
@@ -687,20 +689,20 @@ static void test_forget_person(void) {
     guarded_free(forgot);
 }
 
-/* Memory full of zeros or ones, a reset, a copy elsewhere: the same answers bit for bit. */
-static void test_same_answers(void) {
+/* Memory full of zeros or ones, a reset, a copied tracker: the same results bit for bit. */
+static void test_same_results(void) {
     guarded zeros = tracker_memory(0x00), ones = tracker_memory(0xFF), moved = tracker_memory(0xA5);
     posewise_tracker *a = init(zeros, NULL), *b = init(ones, NULL), *c;
-    answer *answers = calloc(frames.count, sizeof *answers), again;
+    outputs *results = calloc(frames.count, sizeof *results), again;
     posewise_frame f;
     size_t i, tracked = 0;
-    if (answers == NULL)
+    if (results == NULL)
         exit(2);
     for (i = 0; i < frames.count; i++) {
         f = clip_frame(&frames, i);
-        CHECK_STATUS(step(a, &f, &answers[i]), POSEWISE_OK);
+        CHECK_STATUS(step(a, &f, &results[i]), POSEWISE_OK);
         CHECK_STATUS(step(b, &f, &again), POSEWISE_OK);
-        CHECK(memcmp(&again, &answers[i], sizeof again) == 0);
+        CHECK(memcmp(&again, &results[i], sizeof again) == 0);
         tracked += again.result.state == POSEWISE_TRACKING;
         CHECK((again.result.landmark_count == 0) == (again.result.state == POSEWISE_SEARCHING));
     }
@@ -708,7 +710,7 @@ static void test_same_answers(void) {
     for (i = 0; i < frames.count / 2; i++) {
         f = clip_frame(&frames, i);
         CHECK_STATUS(step(b, &f, &again), POSEWISE_OK);
-        CHECK(memcmp(&again, &answers[i], sizeof again) == 0);
+        CHECK(memcmp(&again, &results[i], sizeof again) == 0);
     }
     memcpy(moved.start, ones.start, posewise_memory_size(NULL));
     memset(ones.start, 0xDD, ones.len);
@@ -716,10 +718,10 @@ static void test_same_answers(void) {
     for (; i < frames.count; i++) {
         f = clip_frame(&frames, i);
         CHECK_STATUS(step(c, &f, &again), POSEWISE_OK);
-        CHECK(memcmp(&again, &answers[i], sizeof again) == 0);
+        CHECK(memcmp(&again, &results[i], sizeof again) == 0);
     }
     printf("# %zu frames, %zu tracked\n", frames.count, tracked);
-    free(answers);
+    free(results);
     guarded_free(zeros);
     guarded_free(ones);
     guarded_free(moved);
@@ -749,7 +751,7 @@ int main(int argc, char **argv) {
     test_intrinsics();
     test_zoom();
     test_forget_person();
-    test_same_answers();
+    test_same_results();
     CHECK(memcmp(model.start, before.start, model.len) == 0);
     CHECK(memcmp(frames.bytes.start, frames_before.start, frames.bytes.len) == 0);
     guarded_free(before);

@@ -1,4 +1,4 @@
-/* What the C tests share: checks that name their line, guarded memory, the frames to run on. */
+/* Shared by the C tests: checks that print their line, guarded memory, test frames. */
 #ifndef CHECK_H
 #define CHECK_H
 #include "posewise.h"
@@ -54,7 +54,7 @@ static int filled(const uint8_t *bytes, size_t len, uint8_t with) {
     return 1;
 }
 
-/* Checks the guards and gives the memory back. */
+/* Checks the guards and frees the memory. */
 static void guarded_free(guarded g) {
     const size_t before = (size_t)(g.start - g.raw);
     CHECK(filled(g.raw, before, 0x5C));
@@ -79,7 +79,7 @@ static guarded guarded_file(const char *path) {
     return g;
 }
 
-/* The frames that a test runs on: grey, one after the other, without padding. */
+/* Test frames: grey, one after the other, without padding. */
 typedef struct {
     guarded bytes;
     uint32_t width, height;

@@ -1,5 +1,5 @@
-/* feed.c DEVICE CLIP.y4m - shows a grey 320x240 clip on a V4L2 output, over and over, until killed:
- * each pixel 4x3 times, so that 1280x720 scaled to 4:3 is the picture again. Linux. */
+/* feed.c DEVICE CLIP.y4m - plays a grey 320x240 clip in a loop on a V4L2 output, until killed. Each
+ * pixel is repeated 4x3 times: 1280x720 scaled to 4:3 is the original image. Linux. */
 #define _DEFAULT_SOURCE
 #include <fcntl.h>
 #include <linux/videodev2.h>
@@ -20,13 +20,13 @@ static int fail(const char *what) {
     return 1;
 }
 
-/* The clip's next picture; from the start again at its end. */
+/* Draws the clip's next frame; after the last one, the first. */
 static int draw(FILE *clip, uint8_t *out) {
     static uint8_t in[HEIGHT][WIDTH];
     char line[128];
     size_t x, y;
     if (fgets(line, sizeof line, clip) == NULL) {
-        rewind(clip); /* the clip's own head, then the first frame's */
+        rewind(clip); /* the header of the clip, then that of the frame */
         if (fgets(line, sizeof line, clip) == NULL || fgets(line, sizeof line, clip) == NULL)
             return -1;
     }

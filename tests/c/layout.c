@@ -1,4 +1,4 @@
-/* layout.c - prints size and offsets of every struct, for comparison with Rust's. */
+/* layout.c - prints size and offsets of every struct, to be compared with those in Rust. */
 #include "posewise.h"
 
 #include <stdio.h>

@@ -1,5 +1,5 @@
-/* mjpg.c JPEG FRAMES WIDTH HEIGHT - the decoder of the camera example on one picture: its result
- * is near the first of the frames; cut or spoilt pictures do no harm. Compiled with sanitizers. */
+/* mjpg.c JPEG FRAMES WIDTH HEIGHT - tests the decoder of the camera example. The decoded image is
+ * close to the first frame; truncated and corrupt images do not crash. Compiled with sanitizers. */
 #include "check.h"
 
 #include "../../ffi-examples/mjpg.h"

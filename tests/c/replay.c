@@ -1,6 +1,6 @@
-/* replay.c VIDEO.y4m FRAMES - prints one line with a hash of every byte of every result for the
- * video's first frames. The line is the same on every machine. Standard error gets what the build
- * takes: model, tracker, and the deepest stack of posewise_init and of posewise_step.
+/* replay.c VIDEO.y4m FRAMES - prints a hash of all bytes of all results for the video's first
+ * frames. The line is the same on every machine. Standard error gets the sizes of model and tracker
+ * and the peak stack of posewise_init and posewise_step [bytes].
  * C99 with GCC's attributes; reads 8-bit mono y4m. */
 #include "posewise.h"
 #include "stack.h"
@@ -18,7 +18,7 @@ static void hash_bytes(const void *bytes, size_t len) {
         hash = (hash ^ *at++) * 0x100000001B3u;
 }
 
-/* Small enough for a board: the frames are the largest. */
+/* Static memory, small enough for a microcontroller board: the frames are the largest. */
 static uint8_t memory[POSEWISE_MEMORY_SIZE + POSEWISE_ALIGN];
 static uint8_t pixels[640 * 480], last[640 * 480];
 static posewise_landmark landmarks[POSEWISE_LANDMARKS];
@@ -76,7 +76,7 @@ int main(int argc, char **argv) {
     frame.data = pixels;
     while (count < strtol(argv[2], NULL, 10) && fgets(line, sizeof line, video) != NULL) {
         if (fread(pixels, 1, len, video) != len)
-            return fail("the video is cut");
+            return fail("the video is truncated");
         frame.timestamp_us = count * INT64_C(50000);
         status = step(tracker, &frame, &result);
         if (status == POSEWISE_OK)

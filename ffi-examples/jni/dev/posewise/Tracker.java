@@ -3,22 +3,22 @@ package dev.posewise;
 import java.nio.ByteBuffer;
 
 /**
- * One face in one camera's frames. Units, signs and landmark order are those of posewise.h.
+ * Tracks one face of one camera. Units, signs and landmark order are those of posewise.h.
  *
- * <p>Its memory is a direct buffer that this object holds: nothing needs closing. One thread at a
- * time uses a tracker.
+ * <p>The memory is a direct buffer of this object: nothing needs closing. One thread at a time may
+ * use a tracker.
  */
 public final class Tracker {
     public static final int LANDMARKS = 68;
 
     /** Values of {@link #state}. */
-    public static final int SEARCHING = 0, TRACKING = 1, HOLDING = 2;
+    public static final int SEARCHING = 0, TRACKING = 1, COASTING = 2;
 
     public int state;
     public float confidence;
     public float yawDeg, pitchDeg, rollDeg;
     public final float[] translationMm = new float[3];
-    /** x and y in turns. */
+    /** x0, y0, x1, y1, … [px]. */
     public final float[] landmarks = new float[2 * LANDMARKS];
 
     private final ByteBuffer memory = ByteBuffer.allocateDirect(memorySize());
@@ -33,12 +33,12 @@ public final class Tracker {
     }
 
     /**
-     * One frame in; the result is in the fields. On Android, pass plane 0 of a YUV_420_888 image,
-     * its row stride, and its timestamp / 1000.
+     * Processes one frame; the result is in the fields. On Android, pass plane 0 of a YUV_420_888
+     * image with its row stride, and its timestamp / 1000.
      *
      * @param luma direct buffer of 8-bit luma, read from its start
-     * @param rotationDeg clockwise turn that makes the picture upright: 0, 90, 180, 270
-     * @param timestampUs when it was taken; must increase
+     * @param rotationDeg clockwise rotation that makes the image upright: 0, 90, 180, 270
+     * @param timestampUs capture time [us]; must increase
      */
     public void step(ByteBuffer luma, int width, int height, int stride, int rotationDeg,
             boolean mirrored, long timestampUs) {
@@ -54,7 +54,7 @@ public final class Tracker {
         confidence = pose[6];
     }
 
-    /** Forgets the face, the person and the clock. */
+    /** Forgets the face, its identity and the last timestamp. */
     public void reset() {
         check(reset(memory));
     }
