@@ -112,91 +112,147 @@ pub(crate) fn dot(features: &[u8], weights: &[i8]) -> i32 {
 mod tests {
     use super::*;
 
-    fn noise(k: usize) -> i16 {
-        ((k * 7919 + 13) % 511) as i16 - 255
+    /// Columns of a tile: an even number that is no multiple of a vector.
+    const COLUMNS: usize = 26;
+    /// Rounds of each test; every third one has extreme numbers only.
+    const ROUNDS: u32 = 600;
+
+    /// Marsaglia's xorshift generator, 32 bits.
+    struct Numbers {
+        state: u32,
+        extreme: bool,
     }
 
-    fn bytes(k: usize) -> [u8; BLOCK] {
-        core::array::from_fn(|i| noise(k * BLOCK + i).unsigned_abs() as u8)
+    impl Numbers {
+        fn new(round: u32) -> Self {
+            Numbers {
+                state: round.wrapping_mul(2_654_435_761) | 1,
+                extreme: round % 3 == 2,
+            }
+        }
+
+        /// A number in `least..=most`, in extreme rounds one of both.
+        fn within(&mut self, least: i32, most: i32) -> i32 {
+            self.state ^= self.state << 13;
+            self.state ^= self.state >> 17;
+            self.state ^= self.state << 5;
+            let span = most.abs_diff(least);
+            match (self.extreme, self.state & 1) {
+                (true, 0) => least,
+                (true, _) => most,
+                (false, _) => least.wrapping_add_unsigned(self.state % span.saturating_add(1)),
+            }
+        }
+
+        fn bytes(&mut self) -> [u8; BLOCK] {
+            core::array::from_fn(|_| self.within(0, 255) as u8)
+        }
     }
 
-    const BIAS: [i32; BLOCK] = [0, 1000, -1000, 30_000, -200_000, 7, 123_456, -8];
-    const MULTIPLIER: [i32; BLOCK] = [32_767, 1, 0, 12_345, 20_000, 30_000, 999, -400];
+    /// What a checked model may hold (plan.rs).
+    struct Constants {
+        bias: [i32; BLOCK],
+        multiplier: [i32; BLOCK],
+    }
 
-    fn scales() -> impl Iterator<Item = Scale<'static>> {
-        let shifts = [(0, 1), (4, 14), (6, 18), (12, 30)];
-        shifts.into_iter().flat_map(|(pre_shift, post_shift)| {
-            [0, 128].map(|zero_point| Scale {
-                bias: &BIAS,
-                multiplier: &MULTIPLIER,
-                pre_shift,
-                post_shift,
-                zero_point,
-            })
-        })
+    impl Constants {
+        fn new(numbers: &mut Numbers) -> Self {
+            let (bias, multiplier) = ((1 << 28) - 1, (1 << 15) - 1);
+            Constants {
+                bias: core::array::from_fn(|_| numbers.within(-bias, bias)),
+                multiplier: core::array::from_fn(|_| numbers.within(-multiplier, multiplier)),
+            }
+        }
+
+        fn scale(&self, numbers: &mut Numbers) -> Scale<'_> {
+            Scale {
+                bias: &self.bias,
+                multiplier: &self.multiplier,
+                pre_shift: numbers.within(0, 24) as u32,
+                post_shift: numbers.within(1, 30) as u32,
+                zero_point: 128 * numbers.within(0, 1),
+            }
+        }
     }
 
     #[test]
-    fn convolutions_agree() {
-        let columns: [[i16; 26]; TILE] =
-            core::array::from_fn(|p| core::array::from_fn(|k| noise(k + 100 * p)));
-        let columns = columns.each_ref().map(|c| &c[..]);
-        let weights: [i16; 26 * BLOCK] = core::array::from_fn(|k| noise(k + 7) / 2);
-        let lateral: [[u8; BLOCK]; TILE] = core::array::from_fn(bytes);
-        for scale in scales() {
-            for lateral in [lateral, [NO_LATERAL; TILE]] {
-                let lateral = lateral.each_ref();
-                let tile = Tile { columns, lateral };
-                assert_eq!(
-                    conv2d(&tile, &weights, &scale),
-                    portable::conv2d(&tile, &weights, &scale)
-                );
-            }
+    fn convolutions_agree_with_the_portable_code() {
+        for round in 0..ROUNDS {
+            let n = &mut Numbers::new(round);
+            let columns: [[i16; COLUMNS]; TILE] =
+                core::array::from_fn(|_| core::array::from_fn(|_| n.within(-255, 255) as i16));
+            let weights: [i16; COLUMNS * BLOCK] =
+                core::array::from_fn(|_| n.within(-128, 127) as i16);
+            let lateral: [[u8; BLOCK]; TILE] = core::array::from_fn(|_| n.bytes());
+            let constants = Constants::new(n);
+            let tile = Tile {
+                columns: columns.each_ref().map(|c| &c[..]),
+                lateral: lateral.each_ref(),
+            };
+            let scale = constants.scale(n);
+            let expected = portable::conv2d(&tile, &weights, &scale);
+            assert_eq!(conv2d(&tile, &weights, &scale), expected, "round {round}");
         }
-        // One case against plain arithmetic.
-        let plain = Scale {
+    }
+
+    #[test]
+    fn a_convolution_is_the_sum_of_products() {
+        let n = &mut Numbers::new(0);
+        let columns: [[i16; COLUMNS]; TILE] =
+            core::array::from_fn(|_| core::array::from_fn(|_| n.within(-255, 255) as i16));
+        let weights: [i16; COLUMNS * BLOCK] = core::array::from_fn(|_| n.within(-128, 127) as i16);
+        let scale = Scale {
             bias: &[0; BLOCK],
             multiplier: &[1 << 10; BLOCK],
             pre_shift: 4,
             post_shift: 16,
             zero_point: 128,
         };
-        let lateral = [&NO_LATERAL; TILE];
-        let out = conv2d(&Tile { columns, lateral }, &weights, &plain);
-        let sum = |p: usize| -> i32 {
-            let one = |k: usize| columns[p][k] as i32 * weights[k / 2 * 16 + k % 2] as i32;
-            (0..26).map(one).sum()
+        let tile = Tile {
+            columns: columns.each_ref().map(|c| &c[..]),
+            lateral: [&NO_LATERAL; TILE],
         };
-        for (p, out) in out.iter().enumerate() {
-            let want = (((sum(p) >> 4) * 1024 + (1 << 15)) >> 16) + 128;
-            assert_eq!(out[0] as i32, want.clamp(0, 255));
+        for (out, columns) in conv2d(&tile, &weights, &scale).iter().zip(columns) {
+            for (channel, out) in out.iter().enumerate() {
+                let product = |(k, c): (usize, &i16)| {
+                    i32::from(*c) * i32::from(weights[k / 2 * 16 + 2 * channel + k % 2])
+                };
+                let sum: i32 = columns.iter().enumerate().map(product).sum();
+                let expected = (((sum >> 4) * 1024 + (1 << 15)) >> 16) + 128;
+                assert_eq!(i32::from(*out), expected.clamp(0, 255));
+            }
         }
     }
 
     #[test]
-    fn products_agree() {
-        let features: [u8; 16 * 3 + 5] = core::array::from_fn(|k| noise(k).unsigned_abs() as u8);
-        let weights: [i8; 16 * 3 + 5] = core::array::from_fn(|k| (noise(k + 3) / 2) as i8);
-        let pairs = features.iter().zip(weights);
-        let sum: i32 = pairs.map(|(f, w)| i32::from(*f) * i32::from(w)).sum();
-        assert_eq!(dot(&features, &weights), sum);
-        let (blocks, rows) = (features.as_chunks().0, weights.as_chunks().0);
-        let whole = portable::dot(blocks, rows);
-        assert_eq!(whole, dot(&features[..48], &weights[..48]));
+    fn depthwise_convolutions_agree_with_the_portable_code() {
+        for round in 0..ROUNDS {
+            let n = &mut Numbers::new(round);
+            let taps: [[[u8; BLOCK]; 2]; TAP_PAIRS] =
+                core::array::from_fn(|_| [n.bytes(), n.bytes()]);
+            let taps = taps.each_ref().map(|pair| pair.each_ref());
+            let weights: TapWeights =
+                core::array::from_fn(|_| core::array::from_fn(|_| n.within(-128, 127) as i16));
+            let constants = Constants::new(n);
+            let scale = constants.scale(n);
+            let expected = portable::depthwise3x3(&taps, &weights, &scale);
+            let out = depthwise3x3(&taps, &weights, &scale);
+            assert_eq!(out, expected, "round {round}");
+        }
     }
 
     #[test]
-    fn windows_agree() {
-        let taps: [[[u8; BLOCK]; 2]; TAP_PAIRS] =
-            core::array::from_fn(|k| [bytes(2 * k), bytes(2 * k + 50)]);
-        let taps = taps.each_ref().map(|pair| pair.each_ref());
-        let weights: TapWeights =
-            core::array::from_fn(|k| core::array::from_fn(|i| noise(k * 16 + i) / 2));
-        for scale in scales() {
-            assert_eq!(
-                depthwise3x3(&taps, &weights, &scale),
-                portable::depthwise3x3(&taps, &weights, &scale)
-            );
+    fn dot_products_are_sums_of_products() {
+        for round in 0..ROUNDS {
+            let n = &mut Numbers::new(round);
+            let features: [u8; 16 * 3 + 5] = core::array::from_fn(|_| n.within(0, 255) as u8);
+            let weights: [i8; 16 * 3 + 5] = core::array::from_fn(|_| n.within(-128, 127) as i8);
+            let pairs = features.iter().zip(weights);
+            let sum: i32 = pairs.map(|(f, w)| i32::from(*f) * i32::from(w)).sum();
+            assert_eq!(dot(&features, &weights), sum, "round {round}");
+            let (blocks, rows) = (features.as_chunks().0, weights.as_chunks().0);
+            let whole = portable::dot(blocks, rows);
+            assert_eq!(whole, dot(&features[..48], &weights[..48]), "round {round}");
         }
     }
 }
