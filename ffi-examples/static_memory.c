@@ -1,7 +1,7 @@
 /* static_memory.c - a tracker in static memory, without heap, files or an operating system.
  *
- * Needs a library that was built with a model, and of the C library only memcpy, memset, memmove and
- * memcmp. On a board, call process() for each camera frame. */
+ * Needs a library that was built with a model, and of the C library only memcpy, memset, memmove
+ * and memcmp. On a board, call process() for each camera frame. */
 #include "posewise.h"
 
 /* C99 cannot align a variable: reserve POSEWISE_ALIGN bytes more and round the address up. */

@@ -71,7 +71,7 @@ static uint32_t fourcc_of(const char *word) {
     return strlen(word) == 4 ? v4l2_fourcc(word[0], word[1], word[2], word[3]) : 1;
 }
 
-/* Sets the first format that the camera accepts. Instead of failing, drivers may set another one. */
+/* Sets the first format that the camera accepts; drivers may set another one instead of failing. */
 static int negotiate(camera *c, uint32_t only) {
     size_t i;
     for (i = 0; i < sizeof formats / sizeof *formats; i++) {
@@ -223,7 +223,7 @@ static int process(const camera *c, const struct v4l2_buffer *b, uint8_t *grey,
     if (status == POSEWISE_OK)
         return 1;
     fprintf(stderr, "v4l2: %s\n", posewise_strerror(status));
-    /* A short buffer or a repeated timestamp costs a frame; other errors are bugs of this program. */
+    /* A short buffer or a repeated timestamp costs a frame; other errors are bugs. */
     return status == POSEWISE_E_FRAME || status == POSEWISE_E_TIME ? 0 : -1;
 }
 

@@ -1,7 +1,8 @@
 // posewise.hpp - posewise.h for C++17: a tracker that owns its memory and borrows its model.
 //
-// Header only. Throws no exceptions: functions that can fail return a posewise_status, and a tracker
-// whose creation failed converts to false. Units, ranges and frames are those of posewise.h.
+// Header only. Throws no exceptions: functions that can fail return a posewise_status, and a
+// tracker whose creation failed converts to false. Units, ranges and frames are those of
+// posewise.h.
 #ifndef POSEWISE_HPP
 #define POSEWISE_HPP
 

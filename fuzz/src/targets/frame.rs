@@ -1,5 +1,5 @@
-//! Frames: every field of `posewise_frame`, over memory of the stated length. A frame is rejected if
-//! and only if it violates a rule of `posewise.h`; else the result is that of the same image as
+//! Frames: every field of `posewise_frame`, over memory of the stated length. A frame is rejected
+//! if and only if it violates a rule of `posewise.h`; else the result is that of the same image as
 //! plain grey.
 //!
 //! ```text

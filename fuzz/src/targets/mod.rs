@@ -1,5 +1,5 @@
-//! The fuzz targets: each is a function of its input alone that panics where the library violates the
-//! contract of `posewise.h`.
+//! The fuzz targets: each is a function of its input alone that panics where the library violates
+//! the contract of `posewise.h`.
 //!
 //! The including crate provides the C ABI as `crate::ffi`.
 

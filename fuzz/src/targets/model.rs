@@ -1,5 +1,5 @@
-//! Models: arbitrary bytes, and valid models with changes. Every model that is accepted must be safe
-//! to use.
+//! Models: arbitrary bytes, and valid models with changes. Every model that is accepted must be
+//! safe to use.
 //!
 //! ```text
 //! u8 mode   bit 0: the other bytes are the model; else they change a valid one

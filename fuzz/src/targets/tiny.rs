@@ -1,5 +1,5 @@
-//! A model of 40 KB that detects faces almost everywhere: every stage of a step runs on any image, a
-//! hundred times as often as with a trained model.
+//! A model of 40 KB that detects faces almost everywhere: every stage of a step runs on any image,
+//! a hundred times as often as with a trained model.
 
 use super::memory::Exact;
 use posewise::align::{GLOBAL, SHAPE_INDEXED};

@@ -48,8 +48,8 @@ pub(super) fn is_size(size: u32, own: u32) -> bool {
     (own..=LONGEST_STRUCT).contains(&size)
 }
 
-/// A struct in memory of its stated size, followed by bytes of `tail`. Where the size is invalid, only
-/// the size itself is in memory.
+/// A struct in memory of its stated size, followed by bytes of `tail`. Where the size is invalid,
+/// only the size itself is in memory.
 pub(super) fn lay_out<T: Copy>(value: T, size: u32, tail: u8) -> Exact {
     let own = size_of::<T>();
     let mut memory = match is_size(size, own as u32) {

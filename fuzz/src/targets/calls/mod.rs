@@ -1,6 +1,7 @@
-//! Sequences of calls with valid and invalid arguments on three trackers that share a model. A shadow
-//! state of each tracker gives the expected status of every call; a call that fails must change
-//! nothing. The sequence runs twice, on memory filled with different bytes, and must give the same.
+//! Sequences of calls with valid and invalid arguments on three trackers that share a model. A
+//! shadow state of each tracker gives the expected status of every call; a call that fails must
+//! change nothing. The sequence runs twice, on memory filled with different bytes, and must give
+//! the same.
 //!
 //! ```text
 //! u8 fill of the memory, then calls: u8 function, u8 tracker and wrong pointers, arguments
@@ -118,8 +119,8 @@ impl World {
         self.slots[slot].memory.get().to_vec()
     }
 
-    /// Whether the tracker's bytes are those of a snapshot. They include padding, whose reading Miri
-    /// rejects.
+    /// Whether the tracker's bytes are those of a snapshot. They include padding, whose reading
+    /// Miri rejects.
     fn is_as(&self, slot: usize, before: &[u8]) -> bool {
         cfg!(miri) || self.slots[slot].memory.get() == before
     }
