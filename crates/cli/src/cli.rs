@@ -46,7 +46,7 @@ pub struct TrackerArgs {
     /// the whole frame]
     #[arg(long, value_name = "N")]
     pub scan_budget: Option<u32>,
-    /// Answer with the smoothed values (One-Euro filter)
+    /// Write the smoothed values (One-Euro filter)
     #[arg(long)]
     pub smooth: bool,
     /// Its cutoff for a face that does not move [Hz]
@@ -108,9 +108,9 @@ pub enum EvalCommand {
     Pose(ClipsArgs),
     /// Lids and closures against per-frame truth
     Eyes(ClipsArgs),
-    /// How much the landmarks of a tracked clip tremble
+    /// The jitter of the landmarks of a tracked clip
     Jitter(JitterArgs),
-    /// How soon a face that was gone and is back elsewhere is tracked again
+    /// How soon a lost face is tracked again elsewhere
     Recovery(RecoveryArgs),
     /// Frames tracked in pictures without people
     Faceless(FacelessArgs),

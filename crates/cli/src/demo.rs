@@ -95,7 +95,7 @@ fn report(
 ) -> String {
     let is = |state: State| frames.iter().filter(|(_, r)| r.state == state).count();
     let share = |n: usize| 100.0 * n as f64 / frames.len().max(1) as f64;
-    let (tracked, held) = (is(State::Tracking), is(State::Coasting));
+    let (tracked, coasted) = (is(State::Tracking), is(State::Coasting));
     let longest = step_ms.iter().copied().fold(0.0, f64::max);
     let mut out = String::new();
     let mut line = |name: &str, value: String| {
@@ -107,7 +107,7 @@ fn report(
         line("frames", format!("{} of {w}×{h} px", frames.len()));
     }
     line("tracked", format!("{tracked} ({:.1} %)", share(tracked)));
-    line("held", format!("{held} ({:.1} %)", share(held)));
+    line("coasted", format!("{coasted} ({:.1} %)", share(coasted)));
     if let Some([yaw, pitch, roll]) = errors.angles {
         line(
             "angle error",

@@ -100,14 +100,14 @@ pub struct Counts {
     /// Frames fitted.
     pub tracked: u64,
     /// Frames bridged with the last fit.
-    pub held: u64,
+    pub coasted: u64,
 }
 
 impl Counts {
     fn add(&mut self, state: State) {
         self.frames += 1;
         self.tracked += u64::from(state == State::Tracking);
-        self.held += u64::from(state == State::Coasting);
+        self.coasted += u64::from(state == State::Coasting);
     }
 
     /// Share of a count among all frames \[%\].
@@ -282,12 +282,12 @@ fn progress_bar(source: &dyn Source, quiet: bool) -> ProgressBar {
 fn summary(counts: &Counts, busy: Duration) -> String {
     let mean_ms = busy.as_secs_f64() * 1e3 / counts.frames.max(1) as f64;
     format!(
-        "frames   {}\ntracked  {} ({:.1} %)\nheld     {} ({:.1} %)\nstep     {:.3} ms on average\n",
+        "frames   {}\ntracked  {} ({:.1} %)\ncoasted  {} ({:.1} %)\nstep     {:.3} ms on average\n",
         counts.frames,
         counts.tracked,
         counts.percent(counts.tracked),
-        counts.held,
-        counts.percent(counts.held),
+        counts.coasted,
+        counts.percent(counts.coasted),
         mean_ms
     )
 }

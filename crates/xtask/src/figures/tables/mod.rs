@@ -62,7 +62,7 @@ fn word(value: &Value, key: &str) -> Result<String> {
 /// `docs/accuracy.md`.
 pub fn accuracy(models: &[Model]) -> Result<String> {
     let mut page = include_str!("../accuracy.md").to_string();
-    let tables: [(&str, Render); 17] = [
+    let tables: [(&str, Render); 18] = [
         ("photographs", photographs::photographs),
         ("parts", photographs::parts),
         ("calibration", photographs::calibration),
@@ -76,6 +76,7 @@ pub fn accuracy(models: &[Model]) -> Result<String> {
         ("webcams", clips::webcams),
         ("smoothed", clips::smoothed),
         ("recovery", search::recovery),
+        ("first-search", search::first_search),
         ("fast", search::fast),
         ("faceless", search::faceless),
         ("departure", search::departure),

@@ -40,6 +40,26 @@ pub fn recovery(models: &[Model]) -> Result<String> {
     Ok(table(&header, &rows))
 }
 
+pub fn first_search(models: &[Model]) -> Result<String> {
+    let at = |m: &Model, key: &str| m.at(&format!("/first_lock/{key}"));
+    side_by_side(
+        models,
+        "first searches",
+        &[
+            ("found within 90 frames", &|m| {
+                let (found, all) = (at(m, "found")?, at(m, "searches")?);
+                Ok(format!("{} of {}", found.count(), all.count()))
+            }),
+            ("frames until tracked, median", &|m| {
+                Ok(at(m, "median_frames")?.count())
+            }),
+            ("frames until tracked, worst", &|m| {
+                Ok(at(m, "worst_frames")?.count())
+            }),
+        ],
+    )
+}
+
 pub fn fast(models: &[Model]) -> Result<String> {
     let first = models.first().context("no models")?;
     let mut rows = vec![];
