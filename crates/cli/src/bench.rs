@@ -1,7 +1,7 @@
 //! `posewise bench`: what a step costs, on one thread.
 //!
-//! The tracker is shown the clip, and the clip cut, moved, shuffled and spoilt, which makes it lose
-//! and find a face ([`crate::scenes`]), so that the worst-case step is among those timed
+//! The tracker gets the clip, also cut, moved, shuffled and damaged, so that it loses and finds the
+//! face in every way ([`crate::scenes`]) and the worst-case step is among those timed
 //! ([`crate::steps`]).
 
 use std::fmt::Write as _;

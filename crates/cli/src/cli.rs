@@ -106,15 +106,15 @@ pub enum EvalCommand {
     Landmarks(LandmarksArgs),
     /// Head pose and landmarks against per-frame truth
     Pose(ClipsArgs),
-    /// Lids and closures against per-frame truth
+    /// Eye openness and closures against per-frame truth
     Eyes(ClipsArgs),
-    /// The jitter of the landmarks of a tracked clip
+    /// Jitter of the landmarks of a tracked clip
     Jitter(JitterArgs),
-    /// How soon a lost face is tracked again elsewhere
+    /// Frames until a face that disappeared is tracked again elsewhere
     Recovery(RecoveryArgs),
     /// Frames tracked in pictures without people
     Faceless(FacelessArgs),
-    /// Whether angles get worse over many minutes
+    /// Angle errors over many minutes
     Drift(DriftArgs),
 }
 

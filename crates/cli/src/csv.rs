@@ -16,7 +16,7 @@ use posewise::track::{State, TrackResult};
 pub struct Row<'a> {
     /// Number of the frame, from 1 as in OpenFace.
     pub frame: u64,
-    /// The tracker's answer.
+    /// The tracker's result.
     pub result: &'a TrackResult,
 }
 

@@ -1,13 +1,13 @@
-//! What `posewise bench` shows to a tracker: everything that makes a step dear, in a fixed order.
+//! The frames of `posewise bench`: everything that makes a step expensive, in a fixed order.
 //!
 //! | part | of it | visits |
 //! |---|---|---|
-//! | nothing | a shuffled picture | search with nobody remembered |
-//! | clip | its frames in order | a face found, tracking |
-//! | then six times: gone | a cut to another shuffled picture | loss, coasting, search for it |
-//! | elsewhere | the clip, moved | the face found again |
-//! | jump | the clip, moved the other way | loss, the face found elsewhere while holding |
-//! | spoilt | the clip with half of its blocks shuffled | low confidence: rejected, retried |
+//! | empty | a shuffled picture | search without keyframes |
+//! | clip | its frames in order | acquisition, tracking |
+//! | then six times: gone | a cut to another shuffled picture | loss, coasting, search |
+//! | moved | the clip, moved | the face is reacquired |
+//! | jump | the clip, moved the other way | loss, the face is found while coasting |
+//! | damaged | the clip, half of its blocks shuffled | low confidence: rejections, retries |
 //!
 //! A shuffled picture is a frame cut into blocks in a random order: natural texture without a face.
 
@@ -18,23 +18,23 @@ use crate::random::Random;
 
 /// Side of the shuffled blocks \[px\].
 const BLOCK: u32 = 16;
-/// How often the face goes.
+/// How often the face disappears.
 const ROUNDS: usize = 6;
-/// Steps of a shuffled picture: half a second of holding and a whole search after it.
+/// Steps of a shuffled picture: half a second of coasting and a whole search after it.
 const GONE: usize = 45;
 /// Steps of each part with a face.
 const PART: usize = 20;
 const SEED: u64 = 1;
 
-/// What one step sees.
+/// The frame of one step.
 #[derive(Clone, Copy, Debug)]
 enum Scene {
     Frame { at: usize, right: i32, down: i32 },
     Shuffled { at: usize },
-    Spoilt { at: usize, by: usize },
+    Damaged { at: usize, by: usize },
 }
 
-/// The clip, what was made of it, and the order.
+/// The clip, the pictures made from it, and their order.
 pub struct Scenes<'c> {
     frames: &'c [GrayImage],
     shuffled: Vec<GrayImage>,
@@ -65,7 +65,7 @@ impl<'c> Scenes<'c> {
             order.extend([Scene::Shuffled { at: round }; GONE]);
             order.extend((0..PART).map(|i| frame(start + i, by)));
             order.extend((PART..2 * PART).map(|i| frame(start + i, (-by.0, -by.1))));
-            order.extend((0..PART).map(|i| Scene::Spoilt {
+            order.extend((0..PART).map(|i| Scene::Damaged {
                 at: (start + i) % n,
                 by: round,
             }));
@@ -82,12 +82,12 @@ impl<'c> Scenes<'c> {
         &self.shuffled
     }
 
-    /// The pictures of all steps, each made when it is its turn.
+    /// The pictures of all steps, each made on demand.
     pub fn pictures(&self) -> impl Iterator<Item = GrayImage> {
         self.order.iter().map(|scene| match *scene {
             Scene::Frame { at, right, down } => moved(&self.frames[at], right, down),
             Scene::Shuffled { at } => moved(&self.shuffled[at], 0, 0),
-            Scene::Spoilt { at, by } => spoil(&self.frames[at], &self.shuffled[by]),
+            Scene::Damaged { at, by } => damage(&self.frames[at], &self.shuffled[by]),
         })
     }
 }
@@ -107,7 +107,7 @@ fn shuffle(frame: &GrayImage, random: &mut Random) -> GrayImage {
 }
 
 /// Every other block, as on a chess board, of the other picture.
-fn spoil(frame: &GrayImage, other: &GrayImage) -> GrayImage {
+fn damage(frame: &GrayImage, other: &GrayImage) -> GrayImage {
     GrayImage::from_fn(frame.width(), frame.height(), |x, y| {
         let other_one = (x / BLOCK + y / BLOCK) % 2 == 1;
         *if other_one { other } else { frame }.get_pixel(x, y)

@@ -1,4 +1,4 @@
-//! What the parts of a step cost: each room's work on one frame of the clip, on its own.
+//! Time of the parts of a step: each module's work on one frame of the clip, by itself.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -39,13 +39,13 @@ pub fn time(model: &Model<'_>, frames: &[GrayImage]) -> Result<Vec<Part>> {
         }),
     ));
     parts.push((
-        "judge",
+        "verifier",
         median(|| {
             black_box(model.verifier().evaluate(work.features(), work.view()));
         }),
     ));
     parts.push(("fit, tracking", time_fit(model, &frame, &shape)?));
-    parts.push(("detector slice", time_scan(model, &frame)));
+    parts.push(("scan, one budget", time_scan(model, &frame)));
     Ok(parts)
 }
 

@@ -1,9 +1,9 @@
 //! Times of steps by what the tracker did in them, without the noise of the machine.
 //!
-//! A tracker does the same work on the same frames. All steps are taken several times, each time
-//! by a fresh tracker, and a step's time is the shortest of these: what an interrupt or another
-//! process adds to one run is dropped, what the step itself needs is not. There are five runs, and
-//! more as long as they make the dearest step cheaper by more than a hundredth.
+//! A tracker does the same work on the same frames. All steps run several times, each time with a
+//! fresh tracker, and a step's time is the shortest of these: what an interrupt or another process
+//! adds to one run is dropped, what the step itself needs is not. There are five runs, and more as
+//! long as they lower the time of the worst-case step by more than 1 %.
 
 use std::time::Instant;
 
@@ -14,9 +14,9 @@ use serde_json::{Value, json};
 use crate::picture::Picture;
 use crate::scenes::Scenes;
 
-/// How often all steps are taken at least, and at most.
+/// Least and greatest number of runs over all steps.
 const RUNS: (usize, usize) = (5, 20);
-/// So many runs must not have made the dearest step cheaper before it is believed.
+/// Runs without a lower worst-case step after which its time is accepted.
 const QUIET_RUNS: usize = 2;
 /// Time between frames \[µs\].
 pub const STEP_US: i64 = 33_333;
@@ -84,7 +84,7 @@ impl Steps {
     /// Adds another run.
     fn join(&mut self, again: &[Step]) -> Result<()> {
         let same = self.steps.iter().map(|s| s.0).eq(again.iter().map(|s| s.0));
-        ensure!(same, "the same frames gave other answers the second time");
+        ensure!(same, "a second run on the same frames gave other results");
         for (step, other) in self.steps.iter_mut().zip(again) {
             step.1 = step.1.min(other.1);
         }
@@ -100,7 +100,7 @@ impl Steps {
         Times(ns)
     }
 
-    /// The dearest step.
+    /// The worst-case step.
     pub fn worst(&self) -> Option<Step> {
         self.steps.iter().max_by_key(|s| s.1).copied()
     }

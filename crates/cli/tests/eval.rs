@@ -166,14 +166,14 @@ fn nobody_is_tracked_in_pictures_without_people() {
     assert_eq!(json["pictures"].as_u64(), Some(1), "the held-out fifth");
     assert_eq!(json["frames"].as_u64(), Some(25));
     assert_eq!(json["tracked"].as_u64(), Some(0));
-    assert!(json["remembered"].is_null());
+    assert!(json["tracked_before"].is_null());
     let after = ["--every", "3", "--offset", "0", "--after", DEMO[0]];
     let json = json_of(&[&common[..], &more, &after].concat());
     assert_eq!(json["frames"].as_u64(), Some(50));
     assert_eq!(json["tracked"].as_u64(), Some(0));
-    assert_eq!(json["remembered"].as_u64(), Some(2));
-    let spoilt = dir.path().join("backgrounds/0.jpg");
-    std::fs::write(spoilt, "none").unwrap();
+    assert_eq!(json["tracked_before"].as_u64(), Some(2));
+    let damaged = dir.path().join("backgrounds/0.jpg");
+    std::fs::write(damaged, "none").unwrap();
     let all = [&common[..], &more, &["--every", "1"]].concat();
     fails_with(&all, Vec::new(), &["cannot decode picture", "0.jpg"]);
     fails_with(
@@ -223,7 +223,7 @@ fn jitter_beside_the_picture_s_own_motion() {
     let json = json_of(&[&jitter[..], &["--clip", clip]].concat());
     let number = |key: &str| json["clips"][0][key].as_f64().unwrap();
     assert!(number("rest_px") < number("jitter_px"));
-    // The head is rigid there, so landmarks that tremble little follow the picture.
+    // The head is rigid there, so landmarks with little jitter follow the picture.
     let ratio = number("picture_px") / number("jitter_px");
     assert!((0.3..1.5).contains(&ratio), "{json:#}");
     assert!(json_of(&jitter)["clips"][0]["picture_px"].is_null());

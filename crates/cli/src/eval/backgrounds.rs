@@ -1,8 +1,8 @@
-//! Pictures without people, those that training never saw unless told otherwise.
+//! Pictures without people, by default those that training never used.
 //!
 //! Training takes the usable pictures of such a folder in the order of their names and leaves out
-//! each fifth (index 4, 9, 14 …). A tracker that learnt from a picture that it shows no face says
-//! little when it finds none there, so the default here is that fifth.
+//! each fifth (index 4, 9, 14 …). The default here is that fifth, because a picture that was a
+//! negative in training says little.
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};

@@ -1,9 +1,9 @@
-//! `posewise eval faceless`: is anything tracked where nobody is?
+//! `posewise eval faceless`: false tracks in pictures without a face.
 //!
 //! Every picture is panned: a window of three quarters of its width (the whole width of an upright
 //! picture), scaled to 480×360, moves from the upper left to the lower right in 25 frames, at 25
-//! frames per second; all pictures for one tracker. With `--after` 60 frames of a clip come before
-//! each, so that the tracker has just lost somebody whom it remembers.
+//! frames per second. One tracker gets all pictures. With `--after`, 60 frames of a clip come before
+//! each, so that the tracker has just lost a face of which it has keyframes.
 
 use std::fmt::Write as _;
 
@@ -43,24 +43,24 @@ pub fn run(args: &FacelessArgs) -> Result<()> {
     let model = file.model()?;
     let mut show = Show::new(&model, &args.tracker, false, FPS)?;
     let mut tracks = Vec::new();
-    let (mut remembered, mut faces_shown) = (0, 0);
+    let (mut tracked_before, mut faces_shown) = (0, 0);
     let mut seed = 0;
-    let mut seen = |frame: GrayImage| {
+    let mut shown = |frame: GrayImage| {
         seed += 1;
         camera::through(&args.camera, frame, seed)
     };
     for path in &paths {
         let mut state = State::Searching;
         for _ in 0..if faces.is_empty() { 0 } else { AFTER } {
-            let frame = seen(faces[back_and_forth(faces_shown, faces.len())].clone());
+            let frame = shown(faces[back_and_forth(faces_shown, faces.len())].clone());
             state = show.frame(&frame)?.state;
             faces_shown += 1;
         }
-        remembered += usize::from(state == State::Tracking);
+        tracked_before += usize::from(state == State::Tracking);
         let picture = scaled(&backgrounds::open(path)?);
         let mut tracked = 0;
         for k in 0..PAN {
-            let frame = seen(window(&picture, FRAME, k as f64 / (PAN - 1) as f64));
+            let frame = shown(window(&picture, FRAME, k as f64 / (PAN - 1) as f64));
             tracked += usize::from(show.frame(&frame)?.state == State::Tracking);
         }
         tracks.push(tracked);
@@ -80,7 +80,7 @@ pub fn run(args: &FacelessArgs) -> Result<()> {
     if let Some(clip) = &args.after {
         writeln!(
             out,
-            "before {remembered} of {} pictures the face of {clip} was tracked",
+            "before {tracked_before} of {} pictures the face of {clip} was tracked",
             paths.len()
         )?;
     }
@@ -89,10 +89,10 @@ pub fn run(args: &FacelessArgs) -> Result<()> {
     }
     output::print(&out)?;
     if let Some(path) = &args.json {
-        let remembered = args.after.as_ref().map(|_| remembered);
+        let tracked_before = args.after.as_ref().map(|_| tracked_before);
         let wrong: serde_json::Map<_, _> = wrong.into_iter().map(|(n, k)| (n, json!(k))).collect();
         let value = json!({"pictures": paths.len(), "frames": frames, "tracked": tracked,
-            "remembered": remembered, "tracked_in": wrong});
+            "tracked_before": tracked_before, "tracked_in": wrong});
         output::write_json(path, &value)?;
     }
     Ok(())

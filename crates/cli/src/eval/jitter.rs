@@ -1,11 +1,11 @@
 //! `posewise eval jitter`: how much the landmarks jitter.
 //!
 //! Per landmark the r.m.s. of the second difference (frame before, this, next) over all runs of
-//! tracked frames, scaled to an inter-ocular distance of 40 px; then the median over landmarks. The
-//! same of what is left when the similarity that the landmarks follow together is taken off each
-//! second difference: the face moves as a whole, a bad tracker's landmarks jitter each by itself.
-//! With the clip at hand also how much the landmarks would jitter if they moved just as the picture
-//! between brows and nose does: no tracker that does not lag behind the head is below that.
+//! tracked frames, scaled to an inter-ocular distance of 40 px; then the median over landmarks. A
+//! second figure is without the motion that all landmarks share (a similarity per second
+//! difference): a head moves as a whole, noise moves each landmark by itself. With the clip, a third
+//! figure is the jitter of landmarks that move exactly as the picture between brows and nose does: a
+//! tracker that does not lag behind the head cannot be below it.
 
 use std::fmt::Write as _;
 
@@ -137,8 +137,8 @@ fn as_in_picture([a, b, c]: [&Shape; 3], frames: [&Luma; 3], scale: f64) -> Opti
     let [before, here, after]: [Vec<[f32; 2]>; 3] = [rigid(a), rigid(b), rigid(c)];
     let patch = around(&here);
     let to = |there: &[[f32; 2]], frame: &Luma| -> Option<Shape> {
-        let guess = Similarity::fit(&here, there)?;
-        let motion = register(frames[1], frame, &patch, guess)?;
+        let initial = Similarity::fit(&here, there)?;
+        let motion = register(frames[1], frame, &patch, initial)?;
         Some(b.map(|p| motion.apply(p.map(|v| v as f32)).map(f64::from)))
     };
     let (a, c) = (to(&before, frames[0])?, to(&after, frames[2])?);

@@ -28,7 +28,7 @@ pub const PARTS: [(&str, usize, usize); 5] = [
     ("mouth", 48, 68),
 ];
 
-/// How far the head is turned, told from the labels alone.
+/// How far the head is turned, estimated from the labels alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum YawBand {
     /// Asymmetry below 0.25.
@@ -59,8 +59,8 @@ pub struct Outcome {
     /// Where the found landmarks lie on average beside the labelled ones, along the labelled eye
     /// line and down across it, over the inter-ocular distance.
     pub shift: Option<[f64; 2]>,
-    /// What the tracker thought of that, if anybody asked.
-    pub trust: Option<Trust>,
+    /// The confidences of that fit, where they are wanted.
+    pub confidence: Option<FitConfidence>,
     /// The face's size that confidences refer to, over the inter-ocular distance: 1 towards the
     /// camera, more where turning shortens that distance.
     scale: f64,
@@ -68,7 +68,7 @@ pub struct Outcome {
 
 /// Probabilities that came with a fit.
 #[derive(Clone, Debug)]
-pub struct Trust {
+pub struct FitConfidence {
     /// That the landmarks are right on average.
     pub face: f64,
     /// That each landmark is right.
@@ -83,7 +83,7 @@ impl Outcome {
             band: yaw_band(label),
             errors: same.map(|f| errors(label, f)),
             shift: same.map(|f| shift(label, f)),
-            trust: None,
+            confidence: None,
             scale: scale(label),
         }
     }
@@ -91,15 +91,15 @@ impl Outcome {
     /// The face's probability and whether it was right.
     fn face(&self) -> Option<(f64, bool)> {
         let right = self.nme(0, 68).is_some_and(|e| e < RIGHT * self.scale);
-        Some((self.trust.as_ref()?.face, right))
+        Some((self.confidence.as_ref()?.face, right))
     }
 
     /// The landmarks' probabilities and whether each was right.
     fn landmarks(&self) -> Vec<(f64, bool)> {
-        let (Some(trust), Some(errors)) = (&self.trust, &self.errors) else {
+        let (Some(confidence), Some(errors)) = (&self.confidence, &self.errors) else {
             return vec![];
         };
-        let pairs = trust.landmarks.iter().zip(errors);
+        let pairs = confidence.landmarks.iter().zip(errors);
         pairs.map(|(p, e)| (*p, *e <= RIGHT * self.scale)).collect()
     }
 

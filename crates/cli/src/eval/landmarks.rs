@@ -17,7 +17,7 @@ use serde_json::{Map, Value, json};
 
 use super::camera;
 use super::landmark_metrics::{
-    Outcome, PARTS, Points, Summary, Trust, YawBand, eye_line, summarize,
+    FitConfidence, Outcome, PARTS, Points, Summary, YawBand, eye_line, summarize,
 };
 use super::table::Table;
 use super::turned::Turn;
@@ -72,9 +72,9 @@ pub fn run(args: &LandmarksArgs) -> Result<()> {
                     (args.start == Start::Box).then(|| turned_box(&label.points, &turn, args.roll));
                 let found = fit_still(&model, &config, picture, start, args.steps)
                     .with_context(|| label.image.clone())?;
-                let (points, trust) = found.unzip();
+                let (points, confidence) = found.unzip();
                 let mut outcome = Outcome::new(&turn.points(&label.points), points.as_ref());
-                outcome.trust = trust;
+                outcome.confidence = confidence;
                 Ok(outcome)
             })
             .collect::<Result<_>>()
@@ -117,7 +117,7 @@ fn fit_still(
     mut picture: Picture,
     mut start: Option<Detection>,
     more_steps: u32,
-) -> Result<Option<(Points, Trust)>> {
+) -> Result<Option<(Points, FitConfidence)>> {
     let mut tracker = Box::new(Tracker::new(config).map_err(|e| anyhow!("{e}"))?);
     let mut found = None;
     let mut left = MAX_SEARCH_STEPS;
@@ -136,11 +136,11 @@ fn fit_still(
                 left = more_steps;
             }
             let points = result.landmarks.map(|l| [f64::from(l.x), f64::from(l.y)]);
-            let trust = Trust {
+            let confidence = FitConfidence {
                 face: f64::from(result.confidence),
                 landmarks: result.landmarks.map(|l| f64::from(l.confidence)),
             };
-            found = Some((points, trust));
+            found = Some((points, confidence));
         }
     }
     Ok(found)

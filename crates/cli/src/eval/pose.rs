@@ -112,10 +112,10 @@ fn read_tracked(table: &Table) -> Result<HashMap<i64, Option<Tracked>>> {
     let translation = [column("pose_Tx")?, column("pose_Ty")?, column("pose_Tz")?];
     let (xs, ys) = (table.columns68("x_")?, table.columns68("y_")?);
     // Other trackers' tables have neither.
-    let trust = table
+    let confidence = table
         .columns68("vis_")
         .and_then(|vis| Ok([vis, table.columns68("c_")?]));
-    let trust = trust.ok();
+    let confidence = confidence.ok();
     (0..table.len())
         .map(|row| {
             let number = |column: usize| table.number(row, column);
@@ -127,7 +127,7 @@ fn read_tracked(table: &Table) -> Result<HashMap<i64, Option<Tracked>>> {
                 angles: [0.0; 3],
                 translation: [0.0; 3],
                 points: [[0.0; 2]; 68],
-                trust: None,
+                confidence: None,
             };
             for i in 0..3 {
                 tracked.angles[i] = number(angles[i])?;
@@ -136,12 +136,12 @@ fn read_tracked(table: &Table) -> Result<HashMap<i64, Option<Tracked>>> {
             for (i, p) in tracked.points.iter_mut().enumerate() {
                 *p = [number(xs[i])?, number(ys[i])?];
             }
-            if let Some(columns) = trust {
+            if let Some(columns) = confidence {
                 let mut values = [[0.0; 2]; 68];
                 for (i, value) in values.iter_mut().enumerate() {
                     *value = [number(columns[0][i])?, number(columns[1][i])?];
                 }
-                tracked.trust = Some(values);
+                tracked.confidence = Some(values);
             }
             Ok((frame, Some(tracked)))
         })

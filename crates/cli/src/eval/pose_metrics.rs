@@ -36,7 +36,7 @@ pub struct Truth {
     pub points: [[f64; 2]; 68],
     /// Landmarks that are neither hidden by the head nor covered.
     pub visible: [bool; 68],
-    /// Whether something covers at least half of the landmarks; `None` if the truth does not tell.
+    /// Whether something covers at least half of the landmarks; `None` if the truth has no such columns.
     pub covered: Option<bool>,
 }
 
@@ -49,18 +49,18 @@ pub struct Tracked {
     pub translation: [f64; 3],
     /// Landmarks \[px\].
     pub points: [[f64; 2]; 68],
-    /// Probabilities that each landmark is seen and that it is right, if the tracker tells them.
-    pub trust: Option<[[f64; 2]; 68]>,
+    /// Probabilities that each landmark is visible and that it is right, if the CSV has them.
+    pub confidence: Option<[[f64; 2]; 68]>,
 }
 
 impl Tracked {
-    /// A step's answer; `None` unless the face was fitted on that frame. Without probabilities.
+    /// A step's result without probabilities; `None` unless the face was fitted on that frame.
     pub fn of(result: &TrackResult) -> Option<Self> {
         (result.state == State::Tracking).then(|| Tracked {
             angles: [result.yaw_deg, result.pitch_deg, result.roll_deg].map(f64::from),
             translation: result.translation_mm.map(f64::from),
             points: result.landmarks.map(|l| [l.x, l.y].map(f64::from)),
-            trust: None,
+            confidence: None,
         })
     }
 }
@@ -115,9 +115,9 @@ fn errors(truth: &Truth, tracked: &Tracked) -> Errors {
         depth: d[2].abs(),
         landmarks: landmark_error(truth, tracked),
         flipped: true_yaw.abs() >= PROFILE_YAW_DEG && true_yaw.signum() != yaw.signum(),
-        seen: tracked.trust.map_or(vec![], |trust| {
+        seen: tracked.confidence.map_or(vec![], |confidence| {
             (17..68)
-                .map(|i| trust[i].map(|p| (p, truth.visible[i])))
+                .map(|i| confidence[i].map(|p| (p, truth.visible[i])))
                 .collect()
         }),
     }
@@ -158,8 +158,8 @@ pub struct Summary {
     pub sign_flips: usize,
     /// Frames without a face in the picture that were tracked.
     pub false_tracks: usize,
-    /// How well visibility and confidence tell inner landmarks that are seen from those that are
-    /// not: areas under the ROC.
+    /// How well visibility and confidence separate visible inner landmarks from hidden ones: areas
+    /// under the ROC.
     pub seen_auc: [Option<f64>; 2],
 }
 
@@ -210,12 +210,12 @@ pub fn summarize_band(outcomes: &[FrameOutcome], from: f64, to: f64) -> Summary 
 }
 
 /// Sums up the frames in which at least half of the landmarks are covered, or the others; `None`
-/// when no truth tells.
+/// when no truth has these columns.
 pub fn summarize_covered(outcomes: &[FrameOutcome], covered: bool) -> Option<Summary> {
-    let told = outcomes.iter().filter(|o| o.covered.is_some());
-    let mut told = told.peekable();
-    told.peek()?;
-    Some(summarize(told.filter(|o| o.covered == Some(covered))))
+    let known = outcomes.iter().filter(|o| o.covered.is_some());
+    let mut known = known.peekable();
+    known.peek()?;
+    Some(summarize(known.filter(|o| o.covered == Some(covered))))
 }
 
 impl Summary {
@@ -281,7 +281,7 @@ mod tests {
             angles: std::array::from_fn(|i| truth.angles[i] + angles[i]),
             translation: [3.0, 0.0, 604.0],
             points: truth.points,
-            trust: None,
+            confidence: None,
         }
     }
 

@@ -1,12 +1,11 @@
-//! `posewise eval recovery`: how soon is a face tracked again that was gone and is back elsewhere?
+//! `posewise eval recovery`: frames until a face that disappeared is tracked again elsewhere.
 //!
-//! Each clip is cut into pieces of some frames. Its tracker first sees one piece, which does not
-//! count: now there is somebody to lose. Then, again and again, a second of a picture without
-//! people, and a piece from another time of the clip, moved by up to a quarter of the width and an
-//! eighth of the height, edges repeated. The person is the one before; half of the pieces are
-//! mirrored, which makes somebody else of an asymmetric face, unless they are to stay as they are.
-//! And once more with a tracker that forgets everything before each picture without people: how
-//! soon is a face found that was never seen?
+//! Each clip is cut into pieces of some frames. Its tracker first gets one piece, which does not
+//! count, so that there is a face to lose. Then follow, several times, one second of a picture
+//! without people and a piece from another time of the clip, moved by up to a quarter of the width
+//! and an eighth of the height, with repeated edges. The person is the same; half of the pieces are
+//! mirrored, which changes the identity of an asymmetric face, unless `--no-mirror` is set. A last
+//! run resets the tracker before each picture without people: frames until a new face is found.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;

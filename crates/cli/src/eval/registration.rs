@@ -46,10 +46,10 @@ pub struct Patch {
     pub reach: [f32; 2],
 }
 
-/// Where the patch of one picture is in another, searched from a first guess; `None` where it shows
-/// too little to tell.
-pub fn register(from: &Luma, to: &Luma, patch: &Patch, guess: Similarity) -> Option<Similarity> {
-    let mut motion = guess;
+/// Where the patch of one picture is in another, searched from an initial motion; `None` where
+/// it shows too little texture.
+pub fn register(from: &Luma, to: &Luma, patch: &Patch, initial: Similarity) -> Option<Similarity> {
+    let mut motion = initial;
     let [cx, cy] = patch.centre;
     for _ in 0..ROUNDS {
         let mut normal = SMatrix::<f64, 6, 6>::zeros();

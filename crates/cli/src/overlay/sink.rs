@@ -17,7 +17,7 @@ pub struct Overlay {
 }
 
 enum Sink {
-    /// Opened when the first picture tells the size.
+    /// Opened when the first picture gives the size.
     Later(Kind),
     Folder(u64),
     Y4m(BufWriter<File>),

@@ -132,7 +132,7 @@ fn file_url(path: &Path) -> std::ffi::OsString {
     url
 }
 
-/// Frames as the container states them, for the progress bar; `None` if ffprobe cannot tell.
+/// Frames as the container states them, for the progress bar; `None` if ffprobe does not know.
 fn frame_count(path: &Path) -> Option<u64> {
     let out = Command::new("ffprobe")
         .args(["-v", "error", "-select_streams", "v:0", "-show_entries"])

@@ -15,7 +15,7 @@ const MAX_HEADER: usize = 1000;
 
 type Reader = std::io::Chain<Cursor<Vec<u8>>, Counting>;
 
-/// Counts bytes, so that an end inside a frame is told from an end after one: the decoder reports
+/// Counts bytes, so that an end inside a frame is distinguished from an end after one: the decoder reports
 /// both as end of file.
 struct Counting {
     inner: Box<dyn Read>,
@@ -92,14 +92,14 @@ impl Y4mSource {
         })
     }
 
-    /// Tells the length of an uncompressed file, for the progress bar.
+    /// Sets the length of an uncompressed file, for the progress bar.
     pub fn with_file_len(mut self, len: Option<u64>) -> Self {
         // "FRAME\n" precedes each frame.
         self.total = len.map(|len| len / (self.frame_len + 6));
         self
     }
 
-    /// Tells the number of frames, for the progress bar.
+    /// Sets the number of frames, for the progress bar.
     pub fn with_total(mut self, total: Option<u64>) -> Self {
         self.total = total;
         self
