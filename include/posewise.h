@@ -266,8 +266,8 @@ posewise_status posewise_landmarks(const posewise_tracker *tracker,
                                    posewise_landmark *out,
                                    size_t capacity);
 
-// Writes the first min(capacity, POSEWISE_ANIMATIONS) animation weights of the last step, 0..1; all
-// zero while searching.
+// Writes the first min(capacity, POSEWISE_ANIMATIONS) animation weights of the last step, 0..1;
+// all zero while searching.
 posewise_status posewise_animation(const posewise_tracker *tracker,
                                    float *out,
                                    size_t capacity);

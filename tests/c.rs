@@ -201,7 +201,7 @@ fn example_explains_bad_input() {
         (&model, b"", "not an 8-bit y4m video"),
         (&model, b"YUV4MPEG2 W0 H4\n", "not an 8-bit y4m video"),
         (&model, b"YUV4MPEG2 W4 H4 F30:1\n", "no frames"),
-        (&model, &video[..video.len() - 1], "cut or corrupt"),
+        (&model, &video[..video.len() - 1], "truncated or corrupt"),
     ];
     for (model, video, expected) in cases {
         let output = y4m(example(), &[model], video);
