@@ -1,20 +1,35 @@
-//! A tracker's settings and their bounds.
+//! A tracker's settings, their defaults and ranges.
 
-use super::Smoothing;
+use super::ConfigError;
 use crate::shape::Intrinsics;
+use core::ops::RangeInclusive;
 
-/// A tracker's settings.
+/// Range of [`Config::min_face_px`] \[px\]; as all ranges here it is chosen.
+pub(super) const MIN_FACE_PX: RangeInclusive<u32> = 24..=4096;
+/// Range of [`Config::scan_budget`] \[units\].
+pub(super) const SCAN_BUDGET: RangeInclusive<u32> = 100..=10_000_000;
+/// Range of [`Smoothing::cutoff_hz`] \[Hz\].
+pub(super) const CUTOFF_HZ: RangeInclusive<f32> = 0.01..=100.0;
+/// Range of [`Smoothing::beta`].
+pub(super) const BETA: RangeInclusive<f32> = 0.0..=1000.0;
+
+/// A tracker's settings. Start from the defaults:
+///
+/// ```
+/// use posewise::Config;
+/// let config = Config::default().with_min_face_px(80).with_scan_budget(1500);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Config {
-    /// The camera; `None` for a 60° horizontal field of view.
+    /// The camera; `None` for a 60° horizontal field of view. Default: `None`.
     pub intrinsics: Option<Intrinsics>,
-    /// Narrowest face searched for \[px\], 24 to 4096.
+    /// Narrowest face that is searched for \[px\], 24 to 4096. Default: 40.
     pub min_face_px: u32,
     /// Work per step while searching, in units of the detector (a window is about two), 100 to 10
-    /// million.
+    /// million. Default: 3000, which takes about as long as a tracking step.
     pub scan_budget: u32,
-    /// Of [`crate::track::Tracker::smoothed`]: a cutoff of 0.01 to 100 Hz, a beta of 0 to 1000.
+    /// The filter of [`crate::Tracker::smoothed`].
     pub smoothing: Smoothing,
 }
 
@@ -30,6 +45,35 @@ impl Default for Config {
 }
 
 impl Config {
+    /// With another [`Config::intrinsics`].
+    pub fn with_intrinsics(self, intrinsics: impl Into<Option<Intrinsics>>) -> Self {
+        Config {
+            intrinsics: intrinsics.into(),
+            ..self
+        }
+    }
+
+    /// With another [`Config::min_face_px`].
+    pub fn with_min_face_px(self, min_face_px: u32) -> Self {
+        Config {
+            min_face_px,
+            ..self
+        }
+    }
+
+    /// With another [`Config::scan_budget`].
+    pub fn with_scan_budget(self, scan_budget: u32) -> Self {
+        Config {
+            scan_budget,
+            ..self
+        }
+    }
+
+    /// With another [`Config::smoothing`].
+    pub fn with_smoothing(self, smoothing: Smoothing) -> Self {
+        Config { smoothing, ..self }
+    }
+
     /// Whether every setting is in range.
     ///
     /// # Errors
@@ -38,43 +82,41 @@ impl Config {
         if self.intrinsics.is_some_and(|camera| !camera.is_valid()) {
             return Err(ConfigError::Intrinsics);
         }
-        if !(24..=4096).contains(&self.min_face_px) {
+        if !MIN_FACE_PX.contains(&self.min_face_px) {
             return Err(ConfigError::MinFace);
         }
-        if !(100..=10_000_000).contains(&self.scan_budget) {
+        if !SCAN_BUDGET.contains(&self.scan_budget) {
             return Err(ConfigError::ScanBudget);
         }
         let Smoothing { cutoff_hz, beta } = self.smoothing;
-        if !(0.01..=100.0).contains(&cutoff_hz) || !(0.0..=1000.0).contains(&beta) {
+        if !CUTOFF_HZ.contains(&cutoff_hz) || !BETA.contains(&beta) {
             return Err(ConfigError::Smoothing);
         }
         Ok(())
     }
 }
 
-/// Why settings are refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// How strongly results are smoothed.
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum ConfigError {
-    /// A focal length is not positive and finite, or the principal point is not finite.
-    Intrinsics,
-    /// `min_face_px` is out of range.
-    MinFace,
-    /// `scan_budget` is out of range.
-    ScanBudget,
-    /// `smoothing` is out of range.
-    Smoothing,
+pub struct Smoothing {
+    /// Cutoff for a face that does not move \[Hz\], 0.01 to 100: lower gives less jitter. Default:
+    /// 1.
+    pub cutoff_hz: f32,
+    /// How much the cutoff rises with speed \[Hz per unit of speed\], 0 to 1000: higher gives less
+    /// delay. Default: 12.
+    pub beta: f32,
 }
 
-impl core::fmt::Display for ConfigError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str(match self {
-            ConfigError::Intrinsics => "focal lengths must be positive and intrinsics finite",
-            ConfigError::MinFace => "min_face_px must lie in 24..=4096",
-            ConfigError::Smoothing => "smoothing must lie in 0.01..=100 Hz, its beta in 0..=1000",
-            ConfigError::ScanBudget => "scan_budget must lie in 100..=10000000",
-        })
+impl Smoothing {
+    /// A filter with this cutoff \[Hz\] and beta.
+    pub const fn new(cutoff_hz: f32, beta: f32) -> Self {
+        Smoothing { cutoff_hz, beta }
     }
 }
 
-impl core::error::Error for ConfigError {}
+impl Default for Smoothing {
+    fn default() -> Self {
+        Smoothing::new(1.0, 12.0)
+    }
+}

@@ -1,18 +1,35 @@
-//! What lives across frames: the state machine Searching / Tracking / Coasting.
+//! What is kept from frame to frame: the state machine Searching / Tracking / Coasting.
+//!
+//! A frame goes through these files:
+//!
+//! - `tracker` holds the API and the state machine; `step` its input, outcome and work budget.
+//! - `scan`, `reacquire` and `motion` propose where the face may be: by the detector, by keyframes,
+//!   by the last frames.
+//! - `candidate` aligns and verifies a proposal; `accept` fits the 3D face; `target` and
+//!   `appearance` hold what is known of the tracked face; `output` writes the result; `one_euro`
+//!   smooths it.
+//! - `policy` holds every threshold, timeout and work cost.
 
-mod answer;
+mod accept;
+mod appearance;
+mod candidate;
 mod config;
+mod error;
+mod geometry;
 mod model;
 mod motion;
-mod place;
+mod one_euro;
+mod output;
+mod policy;
+mod reacquire;
 mod result;
-mod search;
-mod smooth;
-mod subject;
+mod scan;
+mod step;
+mod target;
 mod tracker;
 
-pub use config::{Config, ConfigError};
+pub use config::{Config, Smoothing};
+pub use error::{ConfigError, StepError};
 pub use model::Model;
 pub use result::{Landmark, Loss, State, TrackResult};
-pub use smooth::Smoothing;
-pub use tracker::{StepError, Tracker};
+pub use tracker::Tracker;

@@ -1,11 +1,11 @@
-//! What a step answers.
+//! The result of a step.
 
 use crate::shape::{ANIMATIONS, LANDMARKS};
 
-/// What the tracker is doing.
+/// What the tracker is doing. Complete: a program must handle each of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum State {
-    /// No face; everything in the result below `timestamp_us` is zero.
+    /// No face; all fields of the result but `timestamp_us` and `loss` are zero.
     #[default]
     Searching,
     /// Fitted on this frame.
@@ -21,9 +21,9 @@ pub enum Loss {
     /// It is tracked, or there was none yet.
     #[default]
     None,
-    /// What was found no longer looked like a face with landmarks where they should be.
+    /// The confidence fell too low: no face, or landmarks that are wrong.
     LowConfidence,
-    /// Its middle left the frame.
+    /// The centre of its box left the frame.
     LeftFrame,
     /// No head pose explains the landmarks.
     NoPose,
@@ -33,16 +33,17 @@ pub enum Loss {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Landmark {
-    /// Image position \[px\]; estimated from the rest where the landmark is hidden.
+    /// Image position, to the right \[px of the upright frame\]; estimated from the rest where the
+    /// landmark is hidden.
     pub x: f32,
-    /// Image position \[px\].
+    /// Image position, downwards \[px of the upright frame\].
     pub y: f32,
     /// Calibrated probability that the landmark lies within a tenth of the inter-ocular distance
-    /// of the truth, 0..1. The distance is that between the outer eye corners (36, 45) of a face
-    /// that looks into the camera: turning the head does not shorten it.
+    /// of the truth, 0..1. That distance is the one between the outer eye corners (36, 45) of a
+    /// frontal face: turning the head does not shorten it.
     pub confidence: f32,
-    /// Calibrated probability that nothing hides it from the camera, neither the head itself nor
-    /// anything before it, 0..1.
+    /// Calibrated probability that neither the head itself nor anything in front of it hides it
+    /// from the camera, 0..1.
     pub visibility: f32,
 }
 
@@ -56,21 +57,21 @@ impl Landmark {
     };
 }
 
-/// The answer to one frame.
+/// The result of one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct TrackResult {
     /// What the tracker is doing.
     pub state: State,
-    /// Timestamp of the frame that this answers \[µs\].
+    /// Timestamp of the frame \[µs\].
     pub timestamp_us: i64,
     /// Time since the frame that the fit belongs to \[µs\]; 0 when Tracking.
     pub age_us: i64,
-    /// Calibrated probability that this is a face and that the landmarks are right, 0..1: their mean
-    /// error is below a tenth of the inter-ocular distance (as [`Landmark::confidence`] has it).
-    /// Without the feature `experts` no probability but how well the 3D face fits.
+    /// Calibrated probability that this is a face and that the landmarks are right, 0..1: their
+    /// mean error is below a tenth of the inter-ocular distance (see [`Landmark::confidence`]).
+    /// Without the feature `verifier` no probability: how well the 3D face fits, 0..1.
     pub confidence: f32,
-    /// Axis-aligned box of the landmarks: x, y, width, height \[px\].
+    /// Axis-aligned box of the landmarks: x, y, width, height \[px of the upright frame\].
     pub face_box: [f32; 4],
     /// Head-to-camera rotation as a unit quaternion x, y, z, w.
     pub rotation: [f32; 4],
@@ -82,17 +83,17 @@ pub struct TrackResult {
     pub roll_deg: f32,
     /// The head's origin (midway between the eye centres) in the camera frame \[mm\].
     pub translation_mm: [f32; 3],
-    /// Openness of the subject's left and right eye: 0 shut, 1 open, −1 unknown, which is an eye that is
-    /// hidden or moves by more than 0.6 of its width in 1/30 s.
+    /// Openness of the face's own left and right eye: 0 shut, 1 open, −1 unknown. Unknown is an eye
+    /// that is hidden or moves by more than 0.6 of its width in 1/30 s.
     pub eye_open: [f32; 2],
-    /// Why the face was lost that is now held or searched for.
+    /// Why the target was lost; [`Loss::None`] while it is tracked.
     pub loss: Loss,
     /// Mean visibility of the landmarks, 0..1.
     pub visible_share: f32,
-    /// Standard deviations of the rotation, about the camera's x, y and z axes \[deg\]; of this fit
-    /// alone, from the spread of its landmarks around the 3D face.
+    /// Standard deviations of the rotation, about the camera's x, y and z axes \[deg\]: from the
+    /// residuals of this frame's landmarks.
     pub rotation_sigma_deg: [f32; 3],
-    /// Standard deviations of `translation_mm` \[mm\], likewise.
+    /// Standard deviations of `translation_mm`, camera frame \[mm\], likewise.
     pub translation_sigma_mm: [f32; 3],
     /// iBUG 68 landmarks; the jaw (0–16) follows the visible contour.
     pub landmarks: [Landmark; LANDMARKS],

@@ -1,122 +1,55 @@
-//! One step: frame in, result out; and the state machine around it.
+//! The tracker: its API and its state machine.
 //!
-//! Searching runs a slice of the detector's sweeps; a face found there is aligned and judged at
-//! once. Tracking runs the cascade once from the shape that the last frames predict. A fit in more
-//! doubt than the face may bear makes the tracker Coasting: the last answer is repeated, the detector
-//! looks around it and elsewhere, and after `HOLD_US` the search starts anew. It starts at once where the
-//! face never was sure, which is then spurned for a while.
+//! | state | what a step does | next state if no face is accepted |
+//! |---|---|---|
+//! | Searching | keyframes of a lost target, then the scan | Searching |
+//! | Tracking | alignment at the predicted place; on loss keyframes | Coasting or Searching |
+//! | Coasting | keyframes, then a local search or the scan | Coasting or Searching |
 //!
-//! Keyframes are kept of sure frames while Tracking, at most one a step and none that brings nothing
-//! new. With the step that loses the face and with each one after it one window of the frame is
-//! compared with them, at the expense of the detector's slice; what is found goes the way of a
-//! detection. They outlive a loss and a stranger, for the person may come back: a stranger's
-//! keyframes take the places of those that were of use longest ago.
+//! If a face is accepted, the next state is Tracking. Coasting is for a target that was trusted,
+//! until its last fit is `COAST_US` old.
+//!
+//! Every attempt at a face ends with an [`Outcome`]; [`Outcome::Accept`] has written the result.
+//! All thresholds, timeouts and work costs are in `policy.rs`.
+//!
+//! Stack: functions of this module that are `#[inline(never)]` hold whole shapes or fits. Kept
+//! apart, their frames are not on the stack at the same time.
 
 use core::mem::MaybeUninit;
 
-use super::answer::write;
-use super::config::{Config, ConfigError};
-use super::motion::steadied;
-use super::place::{overlaps, place_of, start_in};
-use super::search::{Lost, Search, Slice};
-use super::smooth::{Smoother, Smoothing};
-use super::subject::{ACCEPT, STAY, Subject, TRUST, Whose};
-use super::{Loss, Model, State, TrackResult};
-use crate::align::{Shape, Workspace};
-use crate::detect::{Detection, Sizes, local_search};
+use super::candidate::{PendingRetry, Suppressed};
+use super::geometry::{detection_of, is_in_frame};
+use super::one_euro::Smoother;
+use super::policy::{
+    ACCEPT_CONFIDENCE, COAST_US, LOCAL_SEARCH_PERIOD, LOCAL_SEARCH_UNITS, NO_LONGER_NOISY, NOISY,
+    TRUST_CONFIDENCE,
+};
+use super::reacquire::Reacquirer;
+use super::scan::{LastSeen, ScanPlan, Scanner};
+use super::step::{Outcome, Step, WorkBudget};
+use super::target::{Origin, Target};
+use super::{Config, ConfigError, Loss, Model, Smoothing, State, StepError, TrackResult};
+use crate::align::Workspace;
+use crate::detect::{Detection, local_search};
 use crate::image::{Frame, noise_share};
-#[cfg(feature = "keyframes")]
-use crate::keyframe::{Keyframes, Observation, Query};
-#[cfg(feature = "keyframes")]
-use crate::math::HeadAngles;
-use crate::shape::{FRAME_WEIGHT, FitOptions, Intrinsics, MAX_IDENTITIES, Observed, fit};
-use crate::verifier::Confidence;
-#[cfg(not(feature = "verifier"))]
-use crate::verifier::geometric_confidence;
+use crate::shape::Intrinsics;
 
-/// What the sweep meets becomes the tracked face from this probability on at first sight, from [`ACCEPT`]
-/// on at second sight: of what looks like a face by chance hardly anything still does once the cascade has
-/// gone on.
-const AT_FIRST_SIGHT: f32 = 0.9;
-/// Share of noise in a frame's luma from which it is box_filtered, and below which no longer.
-const NOISY: f32 = 0.2;
-const LESS_NOISY: f32 = 0.15;
-/// How long the last answer is held \[µs\].
-const HOLD_US: i64 = 500_000;
-/// Work of one search around a lost face, in the detector's units.
-const NEAR_BUDGET: u32 = 1500;
-
-/// What aligning and judging a candidate costs, in the detector's units (measured with
-/// `posewise bench`: align plus fit over detector slice).
-const ACQUIRE_UNITS: u32 = 4500;
-/// What a second look costs, likewise.
-const SECOND_LOOK_UNITS: u32 = 2500;
-
-/// What a look for keyframes costs, likewise.
-const RECOLLECT_UNITS: u32 = 2200;
-
-/// One look at a candidate.
-struct Look {
-    /// Passes of the cascade.
-    iterations: usize,
-    whose: Whose,
-    /// Probability from which it is taken.
-    least: f32,
-}
-
-impl Look {
-    /// At what was looked at before, which needs a pass more.
-    fn again(whose: Whose) -> Look {
-        Look {
-            iterations: 1,
-            whose,
-            least: ACCEPT,
-        }
-    }
-}
-
-/// What a look for keyframes ended with.
-#[cfg_attr(not(feature = "keyframes"), allow(dead_code))]
-enum Recollected {
-    /// Nobody is there, or nobody that is known; what it cost to see that, in the detector's units.
-    Nobody(u32),
-    /// A face, which is tracked now.
-    Found,
-}
-
-/// Why a frame was not taken; the tracker is then as before the call.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum StepError {
-    /// The timestamp is not after that of the frame before.
-    Time,
-}
-
-impl core::fmt::Display for StepError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str("the timestamp is not after that of the frame before")
-    }
-}
-
-impl core::error::Error for StepError {}
-
-/// All state of one tracked face. Plain data: a copy of it goes on independently.
+/// All state of one tracked face. Plain data: a copy of it is an independent tracker.
 #[derive(Clone)]
 pub struct Tracker {
-    config: Config,
-    result: TrackResult,
+    pub(super) config: Config,
+    pub(super) result: TrackResult,
     smoother: Smoother,
     last_timestamp_us: Option<i64>,
-    /// Whether the last frame was box_filtered.
-    noisy: bool,
-    search: Search,
-    /// Counts looks for keyframes since a face was tracked.
-    looks: u32,
+    /// Whether the last frame was box-filtered.
+    is_noisy: bool,
+    pub(super) scanner: Scanner,
+    pub(super) retry: PendingRetry,
+    pub(super) suppressed: Suppressed,
+    pub(super) reacquirer: Reacquirer,
     /// Meaningful unless Searching.
-    subject: Subject,
-    work: Workspace,
-    #[cfg(feature = "keyframes")]
-    keyframes: Keyframes,
+    pub(super) target: Target,
+    pub(super) work: Workspace,
 }
 
 impl Tracker {
@@ -135,13 +68,13 @@ impl Tracker {
         result: TrackResult::EMPTY,
         smoother: Smoother::EMPTY,
         last_timestamp_us: None,
-        noisy: false,
-        search: Search::EMPTY,
-        looks: 0,
-        subject: Subject::EMPTY,
+        is_noisy: false,
+        scanner: Scanner::EMPTY,
+        retry: PendingRetry::NONE,
+        suppressed: Suppressed::NONE,
+        reacquirer: Reacquirer::EMPTY,
+        target: Target::EMPTY,
         work: Workspace::new(),
-        #[cfg(feature = "keyframes")]
-        keyframes: Keyframes::EMPTY,
     };
 
     /// A tracker that has seen nothing.
@@ -170,8 +103,8 @@ impl Tracker {
         Ok(tracker)
     }
 
-    /// One frame in, one answer out; bounded work. Timestamps \[µs\] of any monotonic clock must
-    /// increase from step to step.
+    /// Takes one frame and returns its result. Work is bounded. Timestamps \[µs\] of any monotonic
+    /// clock must increase from step to step.
     ///
     /// # Errors
     /// [`StepError`]; the tracker is then unchanged.
@@ -181,22 +114,18 @@ impl Tracker {
         frame: &Frame<'_>,
         timestamp_us: i64,
     ) -> Result<&TrackResult, StepError> {
-        self.tick(timestamp_us)?;
-        let frame = &self.see(frame);
-        match self.result.state {
-            State::Tracking => match self.track(model, frame, timestamp_us) {
-                None => self.remember(model, frame),
-                Some(loss) => self.slip(model, frame, timestamp_us, loss),
-            },
-            State::Coasting => self.hold(model, frame, timestamp_us),
-            State::Searching => self.search(model, frame, timestamp_us),
-        }
+        self.advance_clock(timestamp_us)?;
+        let step = &Step {
+            model,
+            frame: &self.filtered(frame),
+            now_us: timestamp_us,
+        };
+        self.advance(step);
         self.smoother.follow(&self.result, &self.config.smoothing);
         Ok(&self.result)
     }
 
-    /// Starts from a face that the caller has found, as if the detector had: one step of
-    /// [`Tracker::step`] without the search.
+    /// As [`Tracker::step`], at a face that the caller has found, without any search.
     ///
     /// # Errors
     /// [`StepError`]; the tracker is then unchanged.
@@ -208,45 +137,27 @@ impl Tracker {
         timestamp_us: i64,
         face: &Detection,
     ) -> Result<&TrackResult, StepError> {
-        self.tick(timestamp_us)?;
-        let frame = &self.see(frame);
-        if !self.acquire(model, frame, timestamp_us, face, Whose::Stranger, ACCEPT) {
-            self.lose(timestamp_us);
+        self.advance_clock(timestamp_us)?;
+        let step = &Step {
+            model,
+            frame: &self.filtered(frame),
+            now_us: timestamp_us,
+        };
+        let outcome = self.attempt_detection(step, face, Origin::NewFace, ACCEPT_CONFIDENCE);
+        if !outcome.is_accept() {
+            self.clear_result(timestamp_us);
         }
         self.smoother.follow(&self.result, &self.config.smoothing);
         Ok(&self.result)
     }
 
-    /// The frame as it is looked at: box_filtered where there is much noise in it.
-    fn see<'f>(&mut self, frame: &Frame<'f>) -> Frame<'f> {
-        // What is just noisy enough is not to be seen now one way, now the other.
-        let enough = if self.noisy { LESS_NOISY } else { NOISY };
-        self.noisy = noise_share(frame) >= enough;
-        match self.noisy {
-            true => frame.box_filtered(),
-            false => *frame,
-        }
-    }
-
-    /// Moves the clock on; refuses to move it back.
-    fn tick(&mut self, timestamp_us: i64) -> Result<(), StepError> {
-        if self
-            .last_timestamp_us
-            .is_some_and(|last| timestamp_us <= last)
-        {
-            return Err(StepError::Time);
-        }
-        self.last_timestamp_us = Some(timestamp_us);
-        Ok(())
-    }
-
-    /// The answer to the last step.
+    /// The result of the last step.
     pub fn result(&self) -> &TrackResult {
         &self.result
     }
 
-    /// The answer to the last step, smoothed over time by a One-Euro filter: landmarks and points,
-    /// pose, openness of the eyes and animation weights. The rest is as in
+    /// The result of the last step with these fields smoothed over time by a One-Euro filter:
+    /// landmarks and points, pose, openness of the eyes and animation weights. The rest is as in
     /// [`Tracker::result`].
     pub fn smoothed(&self) -> &TrackResult {
         self.smoother.result()
@@ -257,24 +168,23 @@ impl Tracker {
         &self.config
     }
 
-    /// Forgets the face and the clock; settings stay.
+    /// Forgets the target, its identity and the clock; settings stay.
     pub fn reset(&mut self) {
         self.result = TrackResult::default();
         self.smoother = Smoother::EMPTY;
         self.last_timestamp_us = None;
-        self.noisy = false;
-        self.search.reset();
-        self.looks = 0;
-        #[cfg(feature = "keyframes")]
-        self.keyframes.clear();
+        self.is_noisy = false;
+        self.scanner.reset();
+        self.retry.clear();
+        self.suppressed = Suppressed::NONE;
+        self.reacquirer.reset();
     }
 
-    /// Forgets whose face it is, as when somebody else takes the seat: the identity is learnt anew
-    /// from the next trusted frames. The face goes on being tracked.
+    /// Forgets the identity, as when somebody else takes the seat: it is estimated anew from the
+    /// next trusted frames. The face goes on being tracked.
     pub fn forget_identity(&mut self) {
-        self.subject.forget_identity();
-        #[cfg(feature = "keyframes")]
-        self.keyframes.clear();
+        self.target.forget_identity();
+        self.reacquirer.forget();
     }
 
     /// Changes the camera from the next step on.
@@ -291,366 +201,169 @@ impl Tracker {
         Ok(())
     }
 
-    /// One slice of a sweep: over all sizes, or over those that are likeliest, which takes a few
-    /// frames.
-    fn search(&mut self, model: &Model<'_>, frame: &Frame<'_>, now: i64) {
-        self.search.next_turn();
-        let likely = self.search.likely_sizes(&self.config, frame, now);
-        let looked = self.search.recollects(&self.config, RECOLLECT_UNITS, now);
-        let spent = match looked.then(|| self.recollect(model, frame, now, self.search.lost)) {
-            Some(Recollected::Found) => return,
-            Some(Recollected::Nobody(spent)) => spent,
-            None => 0,
+    // --- The state machine -----------------------------------------------------------------------
+
+    /// One step of the state machine.
+    fn advance(&mut self, step: &Step<'_>) {
+        let state = self.result.state;
+        let outcome = match state {
+            State::Searching => self.search(step),
+            State::Tracking => self.track(step),
+            State::Coasting => self.coast(step),
         };
-        if !self.sweep(model, frame, now, likely, spent) {
-            self.lose(now);
+        match (state, outcome) {
+            (_, Outcome::Accept) => {}
+            (State::Searching, _) => self.clear_result(step.now_us),
+            (State::Tracking, Outcome::Reject(loss)) => self.on_loss(step, loss),
+            (State::Tracking | State::Coasting, _) => self.coast_or_search(step),
         }
     }
 
-    /// Goes on with the sweep over the likely sizes, if any are given, and with that over all of them
-    /// where work is left and no face is held, after `spent` units of this step's work were used; true
-    /// when a face is found and taken.
-    fn sweep(
-        &mut self,
-        model: &Model<'_>,
-        frame: &Frame<'_>,
-        now: i64,
-        likely: Option<Sizes>,
-        mut spent: u32,
-    ) -> bool {
-        let wide = self.result.state == State::Searching;
-        let mut found = false;
-        if self.search.is_in_doubt() && spent <= RECOLLECT_UNITS {
-            found = self.second_look(model, frame, now);
-            spent += SECOND_LOOK_UNITS;
+    /// Searching: compares the keyframes of a lost target, then scans.
+    fn search(&mut self, step: &Step<'_>) -> Outcome {
+        self.scanner.count_step();
+        let plan = self.scanner.plan(&self.config, step);
+        let mut budget = WorkBudget::new(self.config.scan_budget);
+        if self.scanner.is_keyframe_step(&self.config, step.now_us) {
+            let last_seen = self.scanner.last_seen;
+            if self.reacquire(step, &last_seen, &mut budget).is_accept() {
+                return Outcome::Accept;
+            }
         }
-        let mut slice = Slice::new(&self.config, likely, wide, spent);
-        while !found && let Some(face) = self.search.next(&model.detector, frame, &mut slice) {
-            found = self.acquire(model, frame, now, &face, Whose::Stranger, AT_FIRST_SIGHT);
-            slice.spend(ACQUIRE_UNITS);
-        }
-        // A still is not shown again.
-        if !found && self.search.is_in_doubt() && slice.affords(SECOND_LOOK_UNITS) {
-            found = self.second_look(model, frame, now);
-        }
-        if found {
-            self.search.end();
-        }
-        found
+        self.scan(step, plan, &mut budget)
     }
 
-    /// Looks for the lost face, or another that was tracked before, by keyframes.
-    #[cfg(feature = "keyframes")]
-    #[inline(never)]
-    fn recollect(
-        &mut self,
-        model: &Model<'_>,
-        frame: &Frame<'_>,
-        now: i64,
-        lost: Lost,
-    ) -> Recollected {
-        if lost.size_px <= 0.0 || self.keyframes.is_empty() {
-            return Recollected::Nobody(0);
+    /// Tracking: aligns at the predicted place. A target that is not there may have jumped, and on
+    /// this frame only keyframes can find it.
+    fn track(&mut self, step: &Step<'_>) -> Outcome {
+        let outcome = self.attempt_predicted(step);
+        match outcome {
+            Outcome::Accept => self.add_keyframe(step),
+            Outcome::Reject(Loss::LeftFrame) => {}
+            _ => {
+                let place = detection_of(step.model, &self.target.shape);
+                let last_seen = LastSeen::at(&place, step.now_us);
+                let mut budget = WorkBudget::new(self.config.scan_budget);
+                if self.reacquire(step, &last_seen, &mut budget).is_accept() {
+                    return Outcome::Accept;
+                }
+            }
         }
-        let wanted = Query {
-            size_px: lost.size_px,
-            roll: lost.roll,
-            attempt: self.looks,
-        };
-        self.looks = self.looks.wrapping_add(1);
-        let Some(found) = self.keyframes.query(frame, &wanted, self.work.scratch()) else {
-            return Recollected::Nobody(RECOLLECT_UNITS);
-        };
-        let mut shape = found.shape;
-        let whose = match found.identity == self.keyframes.identity() {
-            true => Whose::Lost,
-            false => Whose::Stranger,
-        };
-        let look = Look::again(whose);
-        if self.take(model, frame, now, &mut shape, &look).is_err() {
-            return Recollected::Nobody(RECOLLECT_UNITS + SECOND_LOOK_UNITS);
-        }
-        self.keyframes.mark_used(&found);
-        self.search.end();
-        Recollected::Found
+        outcome
     }
 
-    /// Builds without keyframes have none.
-    #[cfg(not(feature = "keyframes"))]
-    fn recollect(&mut self, _: &Model<'_>, _: &Frame<'_>, _: i64, _: Lost) -> Recollected {
-        Recollected::Nobody(0)
-    }
-
-    /// Nor do they keep any.
-    #[cfg(not(feature = "keyframes"))]
-    fn remember(&mut self, _: &Model<'_>, _: &Frame<'_>) {}
-
-    /// Keeps what is tracked as a keyframe, if it is sure and brings something new.
-    #[cfg(feature = "keyframes")]
-    #[inline(never)]
-    fn remember(&mut self, model: &Model<'_>, frame: &Frame<'_>) {
-        let result = &self.result;
-        let angles = HeadAngles {
-            yaw_deg: result.yaw_deg,
-            pitch_deg: result.pitch_deg,
-            roll_deg: result.roll_deg,
-        };
-        let quality = result.confidence * result.visible_share;
-        if result.confidence < TRUST || self.keyframes.entry_for(&angles, quality).is_none() {
-            return;
+    /// Coasting: compares keyframes, then searches around the last fit and, by turns, the whole
+    /// frame at the target's size.
+    fn coast(&mut self, step: &Step<'_>) -> Outcome {
+        let place = detection_of(step.model, &self.target.shape);
+        let last_seen = LastSeen::at(&place, step.now_us);
+        let mut budget = WorkBudget::new(self.config.scan_budget);
+        if self.reacquire(step, &last_seen, &mut budget).is_accept() {
+            return Outcome::Accept;
         }
-        let seen = Observation {
-            shape: &self.subject.shape,
-            angles,
-            size_px: place_of(model, &self.subject.shape).size,
-            quality,
-        };
-        self.keyframes.add(frame, &seen, self.work.scratch());
-    }
-
-    /// Looks for a face that was lost a moment ago where it should be by now, and every other time
-    /// anywhere: it may have jumped.
-    fn hold(&mut self, model: &Model<'_>, frame: &Frame<'_>, now: i64) {
-        let around = place_of(model, &self.subject.shape);
-        let jumped = Lost::at(&around, now);
-        let spent = match self.recollect(model, frame, now, jumped) {
-            Recollected::Found => return,
-            Recollected::Nobody(spent) => spent,
-        };
-        self.search.next_turn();
-        let found = if self.search.is_one_in(2) {
-            local_search(
-                &model.detector,
-                frame,
-                &around,
-                NEAR_BUDGET.saturating_sub(spent).max(1),
-            )
-            .is_some_and(|face| self.acquire(model, frame, now, &face, Whose::Lost, ACCEPT))
-        } else {
-            self.sweep(model, frame, now, Some(jumped.sizes(&self.config)), spent)
-        };
-        if !found {
-            self.keep_holding(model, now);
+        self.scanner.count_step();
+        if !self.scanner.is_one_in(LOCAL_SEARCH_PERIOD) {
+            let plan = ScanPlan::expected(&last_seen, &self.config);
+            return self.scan(step, plan, &mut budget);
+        }
+        let units = budget.limited_to(LOCAL_SEARCH_UNITS).left();
+        match local_search(&step.model.detector, step.frame, &place, units) {
+            Some(face) => {
+                self.attempt_detection(step, &face, Origin::Reacquired, ACCEPT_CONFIDENCE)
+            }
+            None => Outcome::NotFound,
         }
     }
 
-    fn keep_holding(&mut self, model: &Model<'_>, now: i64) {
-        let age_us = now.saturating_sub(self.subject.fitted_us);
-        if age_us > HOLD_US {
-            self.search
-                .begin(Lost::at(&place_of(model, &self.subject.shape), now));
-            self.lose(now);
-        } else {
+    /// The target was lost on this frame and not reacquired.
+    fn on_loss(&mut self, step: &Step<'_>, loss: Loss) {
+        self.result.loss = loss;
+        if self.target.is_trusted() {
+            return self.coast_or_search(step);
+        }
+        // It was probably no face. Coasting would keep the scan from faces of other sizes.
+        if loss == Loss::LowConfidence {
+            let region = detection_of(step.model, &self.target.shape);
+            self.suppressed = Suppressed::at(&region, step.now_us);
+        }
+        self.clear_result(step.now_us);
+    }
+
+    /// Repeats the last fit until it is too old, then starts the search.
+    fn coast_or_search(&mut self, step: &Step<'_>) {
+        let age_us = step.now_us.saturating_sub(self.target.fitted_us);
+        if age_us <= COAST_US {
             self.result.state = State::Coasting;
-            self.result.timestamp_us = now;
+            self.result.timestamp_us = step.now_us;
             self.result.age_us = age_us;
+        } else {
+            let place = detection_of(step.model, &self.target.shape);
+            self.scanner.expect(LastSeen::at(&place, step.now_us));
+            self.clear_result(step.now_us);
         }
     }
 
-    fn lose(&mut self, now: i64) {
+    // --- Parts of a step -------------------------------------------------------------------------
+
+    /// Attempts the target at its predicted place.
+    #[inline(never)]
+    fn attempt_predicted(&mut self, step: &Step<'_>) -> Outcome {
+        let Step {
+            model,
+            frame,
+            now_us,
+        } = *step;
+        let initial_shape = self.target.predict(now_us);
+        let mut shape = initial_shape;
+        let is_aligned = model.align.run(frame, 1, &mut shape, &mut self.work);
+        let mut confidence = self.verify(model);
+        let is_trusted = confidence.face >= TRUST_CONFIDENCE;
+        let appearance = &mut self.target.appearance;
+        let recognised = appearance.update(self.work.features(), is_trusted, &mut confidence);
+        if !is_aligned || confidence.face < self.target.min_confidence(recognised, now_us) {
+            return Outcome::Reject(Loss::LowConfidence);
+        }
+        if !is_in_frame(&shape, frame) {
+            return Outcome::Reject(Loss::LeftFrame);
+        }
+        let outcome = self.accept(step, &shape, Origin::Tracked, &mut confidence);
+        if outcome.is_accept() {
+            self.target.tracked(&initial_shape, recognised, now_us);
+            self.reacquirer.tracked();
+        }
+        outcome
+    }
+
+    /// The frame, box-filtered if it is noisy.
+    fn filtered<'f>(&mut self, frame: &Frame<'f>) -> Frame<'f> {
+        let threshold = match self.is_noisy {
+            true => NO_LONGER_NOISY,
+            false => NOISY,
+        };
+        self.is_noisy = noise_share(frame) >= threshold;
+        match self.is_noisy {
+            true => frame.box_filtered(),
+            false => *frame,
+        }
+    }
+
+    fn advance_clock(&mut self, timestamp_us: i64) -> Result<(), StepError> {
+        if self
+            .last_timestamp_us
+            .is_some_and(|last| timestamp_us <= last)
+        {
+            return Err(StepError::Time);
+        }
+        self.last_timestamp_us = Some(timestamp_us);
+        Ok(())
+    }
+
+    /// Searching: nothing but the timestamp, and why the last target was lost.
+    fn clear_result(&mut self, now_us: i64) {
         self.result = TrackResult {
-            timestamp_us: now,
+            timestamp_us: now_us,
             loss: self.result.loss,
             ..TrackResult::EMPTY
         };
     }
-
-    /// Aligns to a detection; true when it is a face, which it is from a probability of `least` on.
-    #[inline(never)]
-    fn acquire(
-        &mut self,
-        model: &Model<'_>,
-        frame: &Frame<'_>,
-        now: i64,
-        face: &Detection,
-        whose: Whose,
-        least: f32,
-    ) -> bool {
-        let start = model.align.views().initial_shape(face.yaw);
-        let Some(mut shape) = start.and_then(|start| start_in(&start, face)) else {
-            return false;
-        };
-        let look = Look {
-            iterations: model.align.iterations(),
-            whose,
-            least,
-        };
-        let taken = self.take(model, frame, now, &mut shape, &look);
-        if let Err(face) = taken
-            && face < least
-        {
-            self.search.refuse(face, self.work.global_shape());
-        }
-        taken.is_ok()
-    }
-
-    /// A second look, mostly on the next frame, at what might have become a face: from a poor start
-    /// the cascade takes a pass more.
-    #[inline(never)]
-    fn second_look(&mut self, model: &Model<'_>, frame: &Frame<'_>, now: i64) -> bool {
-        let mut shape = self.search.take_doubtful();
-        let look = Look::again(Whose::Stranger);
-        self.take(model, frame, now, &mut shape, &look).is_ok()
-    }
-
-    /// Aligns, judges, and answers with what is a face.
-    ///
-    /// # Errors
-    /// With nothing changed but the shape: the probability that it is a face, 0 when the shape lost
-    /// its extent or lies where a face turned out to be none.
-    fn take(
-        &mut self,
-        model: &Model<'_>,
-        frame: &Frame<'_>,
-        now: i64,
-        shape: &mut Shape,
-        look: &Look,
-    ) -> Result<(), f32> {
-        if !model
-            .align
-            .run(frame, look.iterations, shape, &mut self.work)
-        {
-            return Err(0.0);
-        }
-        let mut confidence = evaluated(model, &self.work);
-        if confidence.face < TRUST && self.search.spurns(&place_of(model, shape), now) {
-            return Err(0.0);
-        }
-        let taken = confidence.face >= look.least
-            && self.answer(model, frame, now, shape, look.whose, &mut confidence);
-        taken.then_some(()).ok_or(confidence.face)
-    }
-
-    /// Goes on with the face of the frame before; or says why it cannot, with nothing changed.
-    #[inline(never)]
-    fn track(&mut self, model: &Model<'_>, frame: &Frame<'_>, now: i64) -> Option<Loss> {
-        let subject = &self.subject;
-        let elapsed_us = now.saturating_sub(subject.fitted_us);
-        let predicted = subject.motion.predict(&subject.shape, elapsed_us);
-        let mut shape = steadied(&subject.guess, &predicted);
-        let guess = shape;
-        let ran = model.align.run(frame, 1, &mut shape, &mut self.work);
-        let mut confidence = evaluated(model, &self.work);
-        let person = &mut self.subject.person;
-        let trusted = confidence.face >= TRUST;
-        let recognised = person.update(self.work.features(), trusted, &mut confidence);
-        if !ran || confidence.face < self.subject.keep(recognised, now) {
-            Some(Loss::LowConfidence)
-        } else if !overlaps(&shape, frame) {
-            Some(Loss::LeftFrame)
-        } else if !self.answer(model, frame, now, &shape, Whose::Tracked, &mut confidence) {
-            Some(Loss::NoPose)
-        } else {
-            self.subject.recognise(recognised, now);
-            self.subject.guess = guess;
-            self.looks = 0;
-            None
-        }
-    }
-
-    /// The face is not where it should be: it may have jumped, and on this very frame only keyframes
-    /// can tell where to.
-    fn slip(&mut self, model: &Model<'_>, frame: &Frame<'_>, now: i64, loss: Loss) {
-        let jumped = Lost::at(&place_of(model, &self.subject.shape), now);
-        let found = match loss {
-            Loss::LeftFrame => Recollected::Nobody(0),
-            _ => self.recollect(model, frame, now, jumped),
-        };
-        if matches!(found, Recollected::Found) {
-            return;
-        }
-        self.result.loss = loss;
-        if self.subject.is_trusted() {
-            self.keep_holding(model, now);
-            return;
-        }
-        // What was never sure is not waited for: while it is held, nobody of another size is seen.
-        if loss == Loss::LowConfidence {
-            self.search.spurn(place_of(model, &self.subject.shape), now);
-        }
-        self.lose(now);
-    }
-
-    /// Fits the 3D face to a shape on this frame, moves the subject there and writes the result;
-    /// false, with nothing changed, when no pose explains the landmarks.
-    #[inline(never)]
-    fn answer(
-        &mut self,
-        model: &Model<'_>,
-        frame: &Frame<'_>,
-        now: i64,
-        shape: &Shape,
-        whose: Whose,
-        confidence: &mut Confidence,
-    ) -> bool {
-        let camera = match self.config.intrinsics {
-            Some(camera) => camera,
-            None => Intrinsics::of_frame(frame.width(), frame.height()),
-        };
-        // A landmark that is probably wrong, or a guess because it is hidden, still says a little.
-        let mut weights = confidence.landmarks;
-        for (weight, seen) in weights.iter_mut().zip(&confidence.visibility) {
-            *weight = 0.05 + *weight * (0.2 + 0.8 * seen);
-        }
-        let observed = Observed {
-            points: shape,
-            weights: &weights,
-        };
-        let subject = &mut self.subject;
-        // Of a covered face the fine stages see a hand in place of an eye, and move the eye anywhere:
-        // the next frame must not start from there.
-        let carried = match confidence.face >= STAY {
-            true => shape,
-            false => self.work.global_shape(),
-        };
-        let start = (whose == Whose::Tracked).then_some(&subject.face);
-        let identity = match whose {
-            Whose::Stranger => [0.0; MAX_IDENTITIES],
-            Whose::Lost | Whose::Tracked => subject.face.identity,
-        };
-        let options = FitOptions::default();
-        let fitted = fit(&model.face, &camera, &observed, start, &identity, &options);
-        let Some(fitted) = &fitted else {
-            return false;
-        };
-        // Without classifiers all was taken until here.
-        #[cfg(not(feature = "verifier"))]
-        geometric_confidence(confidence, fitted, &camera);
-        let least = match whose {
-            Whose::Tracked => subject.keep(0, now),
-            _ => ACCEPT,
-        };
-        if cfg!(not(feature = "verifier")) && confidence.face < least {
-            return false;
-        }
-        if whose == Whose::Stranger {
-            subject.become_stranger();
-            #[cfg(feature = "keyframes")]
-            self.keyframes.new_identity();
-        }
-        subject.move_to(now, carried, fitted, confidence.face, whose);
-        if subject.learns(confidence.face) {
-            subject
-                .identity
-                .add(&model.face, &camera, &observed, fitted, FRAME_WEIGHT);
-            subject.face.identity = subject.identity.estimate();
-        }
-        let seen_by = (&model.face, &camera);
-        let blur_px = subject.motion.blur_px();
-        write(
-            &mut self.result,
-            now,
-            seen_by,
-            shape,
-            confidence,
-            fitted,
-            blur_px,
-        );
-        true
-    }
-}
-
-/// Judges the cascade's last run.
-fn evaluated(model: &Model<'_>, work: &Workspace) -> Confidence {
-    model.verifier.evaluate(work.features(), work.view())
 }

@@ -1,18 +1,15 @@
 //! The verifier: is it a face, which landmarks are right, and which are visible?
 //!
 //! In: the local features of the cascade's last iteration. Out: calibrated probabilities
-//! ([`Confidence`]), adapted to the tracked person by [`Appearance`] (feature `adaptation`). Builds
-//! without the feature `verifier` derive a confidence from the fit of the 3D face instead
-//! (`geometry.rs`).
+//! ([`Confidence`]). Builds without the feature `verifier` derive a confidence from the fit of the 3D
+//! face instead (`geometry.rs`).
 
-mod appearance;
 #[cfg(feature = "verifier")]
 mod classifiers;
 mod confidence;
 #[cfg(not(feature = "verifier"))]
 mod geometry;
 
-pub use appearance::Appearance;
 #[cfg(feature = "verifier")]
 pub use classifiers::{Verifier, first_prediction};
 pub use confidence::Confidence;

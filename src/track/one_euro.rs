@@ -1,43 +1,18 @@
-//! The One-Euro filter (Casiez, Roussel and Vogel, CHI 2012) over a tracker's answers: steady where
-//! the face is still, prompt where it moves.
+//! The One-Euro filter (Casiez, Roussel and Vogel, CHI 2012) over a tracker's results: little
+//! jitter where the face is still, little delay where it moves.
 //!
 //! Every quantity x is low-passed as x̂ ← x̂ + a (x − x̂), a = 1 / (1 + 1 / (2π f Δt)), with the
-//! cutoff f = `cutoff_hz` + `beta` · speed. Speeds are low-passed too, and are counted in units in
-//! which a lively head does a few per second, so that one `beta` suits all: widths of the face,
-//! radians, whole weights.
+//! cutoff f = `cutoff_hz` + `beta` · speed. Speeds are low-passed too. Their units are widths of
+//! the face, radians and whole weights per second, of which a moving head reaches a few, so that
+//! one `beta` suits all quantities.
 
-use super::place::bounds;
-use super::{State, TrackResult};
+use super::geometry::bounds;
+use super::policy::{FACE_WIDTH_MM, MAX_SMOOTHING_GAP_US, SPEED_CUTOFF_HZ};
+use super::{Smoothing, State, TrackResult};
 use crate::math::{head_angles, rotation_from_quaternion};
 use crate::shape::{ANIMATIONS, LANDMARKS};
 
-/// Cutoff of the speeds' own filter \[Hz\].
-const SPEED_HZ: f32 = 1.0;
-/// After a longer gap than this the answers begin anew \[µs\].
-const LONGEST_US: i64 = 250_000;
-/// A face is about so wide \[mm\].
-const FACE_MM: f32 = 150.0;
-
-/// How strongly answers are smoothed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct Smoothing {
-    /// Cutoff for a face that does not move \[Hz\]: lower is steadier.
-    pub cutoff_hz: f32,
-    /// How much the cutoff rises with speed: higher is prompter.
-    pub beta: f32,
-}
-
-impl Default for Smoothing {
-    fn default() -> Self {
-        Smoothing {
-            cutoff_hz: 1.0,
-            beta: 12.0,
-        }
-    }
-}
-
-/// Filtered answers; all zero before the first.
+/// Filtered results; all zero before the first.
 #[derive(Clone, Debug)]
 pub(super) struct Smoother {
     result: TrackResult,
@@ -45,7 +20,7 @@ pub(super) struct Smoother {
     landmark_speed: [[f32; 2]; LANDMARKS],
     point_speed: [[f32; 3]; LANDMARKS],
     position_speed: [f32; 3],
-    turn_speed: [f32; 4],
+    rotation_speed: [f32; 4],
     eye_speed: [f32; 2],
     animation_speed: [f32; ANIMATIONS],
 }
@@ -57,17 +32,17 @@ impl Smoother {
         landmark_speed: [[0.0; 2]; LANDMARKS],
         point_speed: [[0.0; 3]; LANDMARKS],
         position_speed: [0.0; 3],
-        turn_speed: [0.0; 4],
+        rotation_speed: [0.0; 4],
         eye_speed: [0.0; 2],
         animation_speed: [0.0; ANIMATIONS],
     };
 
-    /// The last answer, filtered.
+    /// The last result, filtered.
     pub(super) fn result(&self) -> &TrackResult {
         &self.result
     }
 
-    /// Takes the next answer.
+    /// Filters the next result.
     #[inline(never)]
     pub(super) fn follow(&mut self, raw: &TrackResult, smoothing: &Smoothing) {
         match raw.state {
@@ -80,8 +55,8 @@ impl Smoother {
             }
             State::Tracking => {
                 let elapsed_us = raw.timestamp_us.saturating_sub(self.fitted_us);
-                let goes_on = self.result.state != State::Searching;
-                if goes_on && (1..=LONGEST_US).contains(&elapsed_us) {
+                let is_continued = self.result.state != State::Searching;
+                if is_continued && (1..=MAX_SMOOTHING_GAP_US).contains(&elapsed_us) {
                     self.advance(raw, smoothing, elapsed_us as f32 * 1e-6);
                 } else {
                     *self = Smoother::EMPTY;
@@ -95,7 +70,7 @@ impl Smoother {
     fn advance(&mut self, raw: &TrackResult, smoothing: &Smoothing, elapsed_s: f32) {
         let [_, _, width, height] = raw.face_box;
         let face_px = width.max(height).max(1.0);
-        let step = |unit: f32| Step {
+        let filter = |unit: f32| Filter {
             smoothing: *smoothing,
             elapsed_s,
             unit,
@@ -104,26 +79,26 @@ impl Smoother {
         let to = &mut self.result;
         let landmarks = to.landmarks.iter_mut().zip(&before.landmarks);
         for ((to, from), speed) in landmarks.zip(&mut self.landmark_speed) {
-            [to.x, to.y] = step(face_px).filtered([from.x, from.y], [to.x, to.y], speed);
+            [to.x, to.y] = filter(face_px).filtered([from.x, from.y], [to.x, to.y], speed);
         }
         let points = to.points_mm.iter_mut().zip(&before.points_mm);
         for ((to, from), speed) in points.zip(&mut self.point_speed) {
-            *to = step(FACE_MM).filtered(*from, *to, speed);
+            *to = filter(FACE_WIDTH_MM).filtered(*from, *to, speed);
         }
         let animation = to.animation.iter_mut().zip(&before.animation);
         for ((to, from), speed) in animation.zip(&mut self.animation_speed) {
-            *to = step(1.0).filtered_one(*from, *to, speed);
+            *to = filter(1.0).filtered_one(*from, *to, speed);
         }
         let eyes = to.eye_open.iter_mut().zip(&before.eye_open);
         for ((to, from), speed) in eyes.zip(&mut self.eye_speed) {
-            // An unknown eye has no value to go on from or to go to.
+            // An unknown eye has no value to filter.
             if *to >= 0.0 && *from >= 0.0 {
-                *to = step(1.0).filtered_one(*from, *to, speed);
+                *to = filter(1.0).filtered_one(*from, *to, speed);
             } else {
                 *speed = 0.0;
             }
         }
-        to.translation_mm = step(FACE_MM).filtered(
+        to.translation_mm = filter(FACE_WIDTH_MM).filtered(
             before.translation_mm,
             to.translation_mm,
             &mut self.position_speed,
@@ -133,13 +108,13 @@ impl Smoother {
         let dot: f32 = from.iter().zip(&to.rotation).map(|(a, b)| a * b).sum();
         let near = to.rotation.map(|v| if dot < 0.0 { -v } else { v });
         // A quaternion moves half as far as the head turns.
-        let between = step(0.5).filtered(from, near, &mut self.turn_speed);
+        let between = filter(0.5).filtered(from, near, &mut self.rotation_speed);
         to.rotation = unit(between);
         let angles = head_angles(&rotation_from_quaternion(to.rotation));
         (to.yaw_deg, to.pitch_deg, to.roll_deg) =
             (angles.yaw_deg, angles.pitch_deg, angles.roll_deg);
-        let places: [[f32; 2]; LANDMARKS] = to.landmarks.map(|l| [l.x, l.y]);
-        to.face_box = bounds(&places);
+        let shape: [[f32; 2]; LANDMARKS] = to.landmarks.map(|l| [l.x, l.y]);
+        to.face_box = bounds(&shape);
     }
 }
 
@@ -151,24 +126,24 @@ fn unit(q: [f32; 4]) -> [f32; 4] {
     q.map(|v| if w < 0.0 { -v * scale } else { v * scale })
 }
 
-/// One step of a filter whose speeds are counted in `unit`s per second.
+/// The filter of one step for a quantity whose speed is counted in `unit`s per second.
 #[derive(Clone, Copy)]
-struct Step {
+struct Filter {
     smoothing: Smoothing,
     elapsed_s: f32,
     unit: f32,
 }
 
-impl Step {
+impl Filter {
     fn low_pass(&self, cutoff_hz: f32) -> f32 {
         let reach = core::f32::consts::TAU * cutoff_hz * self.elapsed_s;
         reach / (1.0 + reach)
     }
 
-    /// How much of the way to a new value is gone.
-    fn share(&self, way: f32, speed: &mut f32) -> f32 {
-        let now = way / self.unit / self.elapsed_s;
-        *speed += self.low_pass(SPEED_HZ) * (now - *speed);
+    /// Share of the distance to a new value that the filter moves.
+    fn share(&self, distance: f32, speed: &mut f32) -> f32 {
+        let now = distance / self.unit / self.elapsed_s;
+        *speed += self.low_pass(SPEED_CUTOFF_HZ) * (now - *speed);
         self.low_pass(self.smoothing.cutoff_hz + self.smoothing.beta * speed.abs())
     }
 
@@ -183,7 +158,7 @@ impl Step {
         to: [f32; N],
         speed: &mut [f32; N],
     ) -> [f32; N] {
-        let keep = self.low_pass(SPEED_HZ);
+        let keep = self.low_pass(SPEED_CUTOFF_HZ);
         let mut square = 0.0;
         for ((from, to), speed) in from.iter().zip(&to).zip(speed) {
             let now = (to - from) / self.unit / self.elapsed_s;
@@ -206,13 +181,13 @@ mod tests {
 
     const FRAME_US: i64 = 33_333;
 
-    fn answer(i: i64, x: f32, yaw_deg: f32) -> TrackResult {
+    fn raw_result(i: i64, x: f32, yaw_deg: f32) -> TrackResult {
         let half = yaw_deg.to_radians() / 2.0;
         let mut raw = TrackResult {
             state: State::Tracking,
             timestamp_us: i * FRAME_US,
             face_box: [0.0, 0.0, 100.0, 100.0],
-            // A turn of −yaw about y.
+            // A rotation by −yaw about y.
             rotation: [0.0, -half.sin(), 0.0, half.cos()],
             yaw_deg,
             eye_open: [1.0, -1.0],
@@ -222,7 +197,7 @@ mod tests {
         raw
     }
 
-    /// Shows 60 answers; says how far a quantity swings over the last half and where it ends.
+    /// Filters 60 results. Returns the range of a quantity over the last half, and its last value.
     fn run(raw: impl Fn(i64) -> TrackResult, of: fn(&TrackResult) -> f32) -> (f32, f32) {
         let mut smoother = Smoother::EMPTY;
         let (mut low, mut high) = (f32::MAX, f32::MIN);
@@ -237,15 +212,15 @@ mod tests {
     }
 
     #[test]
-    fn steady_where_it_is_still_and_prompt_where_it_moves() {
+    fn little_jitter_where_still_and_little_delay_where_moving() {
         let still = |i: i64| {
             let noise = if i % 2 == 0 { 0.5 } else { -0.5 };
-            answer(i, 50.0 + noise, noise)
+            raw_result(i, 50.0 + noise, noise)
         };
         assert!(run(still, |r| r.landmarks[0].x).0 < 0.4, "of 1 px");
         assert!(run(still, |r| r.yaw_deg).0 < 0.4, "of 1 degree");
         // A face that moves by its own width and turns by 90 degrees in a second.
-        let moving = |i: i64| answer(i, i as f32 * 3.3, i as f32 * 3.0 - 90.0);
+        let moving = |i: i64| raw_result(i, i as f32 * 3.3, i as f32 * 3.0 - 90.0);
         let (_, x) = run(moving, |r| r.landmarks[0].x);
         assert!((x - 59.0 * 3.3).abs() < 5.0, "{x}");
         let (_, yaw) = run(moving, |r| r.yaw_deg);
@@ -253,16 +228,16 @@ mod tests {
     }
 
     #[test]
-    fn begins_anew_after_a_gap_and_keeps_unknown_eyes() {
+    fn starts_anew_after_a_gap_and_keeps_unknown_eyes() {
         let mut smoother = Smoother::EMPTY;
-        smoother.follow(&answer(0, 10.0, 0.0), &Smoothing::default());
+        smoother.follow(&raw_result(0, 10.0, 0.0), &Smoothing::default());
         let raw = TrackResult {
             eye_open: [-1.0, 0.25],
-            ..answer(1, 12.0, 5.0)
+            ..raw_result(1, 12.0, 5.0)
         };
         smoother.follow(&raw, &Smoothing::default());
         assert_eq!(smoother.result().eye_open, [-1.0, 0.25]);
-        let far = answer(60, 90.0, 40.0);
+        let far = raw_result(60, 90.0, 40.0);
         smoother.follow(&far, &Smoothing::default());
         assert_eq!(*smoother.result(), far);
         smoother.follow(&TrackResult::EMPTY, &Smoothing::default());

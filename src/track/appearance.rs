@@ -6,28 +6,20 @@
 //! occludes the others. Drift is bounded: only the trained classifiers select the samples for an
 //! update, and the influence on a probability is limited.
 
-use super::Confidence;
+use super::policy::{
+    APPEARANCE_MATCH, APPEARANCE_MATCH_VISIBILITY, APPEARANCE_MAX_CHANGE, APPEARANCE_MIN_FRAMES,
+    APPEARANCE_MIN_VISIBILITY, APPEARANCE_RATE, APPEARANCE_VARIANCE,
+};
 use crate::math::sigmoid;
 use crate::network::MAX_FEATURES;
 use crate::shape::LANDMARKS;
+use crate::verifier::Confidence;
 
 /// Fixed-point scale of means: 1 / 128 of a feature's unit, so that ±127 fits an `i16`.
 const MEAN_SCALE: i32 = 128;
 /// Fixed-point scale of variances: a quarter of a feature's unit squared, so that 127² fits a
 /// `u16`.
 const VARIANCE_SCALE: i32 = 4;
-/// Time constant of means and variances \[frames\].
-const RATE: i32 = 64;
-/// Added to variances \[feature units²\], so that distances are finite.
-const VARIANCE_FLOOR: f32 = 16.0;
-/// Updates of a landmark's model before it is used \[frames\].
-const MIN_FRAMES: u32 = 10;
-/// Least probability of visibility for an update.
-const MIN_VISIBILITY: f32 = 0.7;
-/// Largest change of a visibility's logit.
-const MAX_LOGIT_CHANGE: f32 = 4.0;
-/// A landmark matches its model below this distance (see [`distance`]).
-const MATCH_DISTANCE: f32 = 0.5;
 
 /// Landmarks with a model: none in builds that lack the features.
 const MODELLED: usize = if cfg!(all(feature = "verifier", feature = "adaptation")) {
@@ -38,7 +30,7 @@ const MODELLED: usize = if cfg!(all(feature = "verifier", feature = "adaptation"
 
 /// The appearance models of one person's landmarks. Plain data, all zero at first.
 #[derive(Clone)]
-pub struct Appearance {
+pub(super) struct Appearance {
     /// Means \[1 / [`MEAN_SCALE`] feature units\].
     mean: [[i16; MAX_FEATURES]; MODELLED],
     /// Variances \[1 / [`VARIANCE_SCALE`] feature units²\].
@@ -49,7 +41,7 @@ pub struct Appearance {
 
 impl Appearance {
     /// Models without any update.
-    pub const EMPTY: Appearance = Appearance {
+    pub(super) const EMPTY: Appearance = Appearance {
         mean: [[0; MAX_FEATURES]; MODELLED],
         variance: [[0; MAX_FEATURES]; MODELLED],
         frames: [0; MODELLED],
@@ -60,7 +52,12 @@ impl Appearance {
     /// updates the models of the landmarks that the classifiers find visible. Returns the number of
     /// landmarks that are visible and match their models.
     #[inline(never)]
-    pub fn update(&mut self, features: &[i8], trusted: bool, confidence: &mut Confidence) -> u32 {
+    pub(super) fn update(
+        &mut self,
+        features: &[i8],
+        trusted: bool,
+        confidence: &mut Confidence,
+    ) -> u32 {
         let each = features.len() / LANDMARKS;
         if !(1..=MAX_FEATURES).contains(&each) {
             return 0;
@@ -70,12 +67,14 @@ impl Appearance {
         let models = models.zip(&mut self.frames).zip(&mut confidence.visibility);
         let features = features.chunks_exact(each);
         for ((((mean, variance), frames), visibility), features) in models.zip(features) {
-            let updates = trusted && *visibility >= MIN_VISIBILITY;
-            if u32::from(*frames) >= MIN_FRAMES {
+            let updates = trusted && *visibility >= APPEARANCE_MIN_VISIBILITY;
+            if *frames >= APPEARANCE_MIN_FRAMES {
                 let distance = distance(mean, variance, features);
-                let change = -distance.clamp(-MAX_LOGIT_CHANGE, MAX_LOGIT_CHANGE);
+                let change = -distance.clamp(-APPEARANCE_MAX_CHANGE, APPEARANCE_MAX_CHANGE);
                 *visibility = with_logit_change(*visibility, change);
-                matching += u32::from(distance < MATCH_DISTANCE && *visibility >= 0.5);
+                matching += u32::from(
+                    distance < APPEARANCE_MATCH && *visibility >= APPEARANCE_MATCH_VISIBILITY,
+                );
             }
             if updates {
                 update_model(mean, variance, *frames, features);
@@ -92,7 +91,7 @@ fn distance(mean: &[i16], variance: &[u16], features: &[i8]) -> f32 {
     let mut sum = 0.0f32;
     for ((mean, variance), feature) in mean.iter().zip(variance).zip(features) {
         let deviation = f32::from(*feature) - f32::from(*mean) / MEAN_SCALE as f32;
-        let variance = f32::from(*variance) / VARIANCE_SCALE as f32 + VARIANCE_FLOOR;
+        let variance = f32::from(*variance) / VARIANCE_SCALE as f32 + APPEARANCE_VARIANCE;
         sum += deviation * deviation / variance;
     }
     sum / features.len().max(1) as f32 - 1.0
@@ -100,7 +99,7 @@ fn distance(mean: &[i16], variance: &[u16], features: &[i8]) -> f32 {
 
 /// Exponential moving average of mean and variance; a plain average over the first frames.
 fn update_model(mean: &mut [i16], variance: &mut [u16], frames: u16, features: &[i8]) {
-    let rate = (i32::from(frames) + 1).min(RATE);
+    let rate = (i32::from(frames) + 1).min(APPEARANCE_RATE);
     for ((mean, variance), feature) in mean.iter_mut().zip(variance).zip(features) {
         let deviation = i32::from(*feature) * MEAN_SCALE - i32::from(*mean);
         *mean = (i32::from(*mean) + divide_rounded(deviation, rate)) as i16;
@@ -171,7 +170,7 @@ mod tests {
         for n in 0..40 {
             let frame = face(|i| ((i + n) % 3) as i8 * 4);
             let matching = appearance.update(&frame, true, &mut certain());
-            let all = if n < MIN_FRAMES as usize {
+            let all = if n < usize::from(APPEARANCE_MIN_FRAMES) {
                 0
             } else {
                 LANDMARKS

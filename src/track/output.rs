@@ -1,0 +1,115 @@
+//! A fitted face, written as the result of a frame.
+
+use super::geometry::{bounds, length};
+use super::policy::{EYE_MAX_BLUR, EYE_MIN_FACING, EYE_MIN_VISIBILITY};
+use super::{Landmark, Loss, State, TrackResult};
+use crate::align::Shape;
+use crate::shape::{FaceFit, FaceModel, Intrinsics, LANDMARKS, eye_open};
+use crate::verifier::Confidence;
+
+/// Everything that a result is made of.
+pub(super) struct Fitted<'a> {
+    pub(super) face: &'a FaceModel<'a>,
+    pub(super) camera: &'a Intrinsics,
+    pub(super) shape: &'a Shape,
+    pub(super) confidence: &'a Confidence,
+    pub(super) fit: &'a FaceFit,
+    /// How far the face moves while the frame is exposed, at most \[px\].
+    pub(super) blur_px: f32,
+}
+
+/// Writes all of a result.
+pub(super) fn write(to: &mut TrackResult, now_us: i64, fitted: &Fitted<'_>) {
+    let pose = &fitted.fit.state.pose;
+    let angles = pose.angles();
+    // Every field by name: a new one does not compile until it is written.
+    let TrackResult {
+        state,
+        timestamp_us,
+        age_us,
+        confidence,
+        face_box,
+        rotation,
+        yaw_deg,
+        pitch_deg,
+        roll_deg,
+        translation_mm,
+        eye_open,
+        loss,
+        visible_share,
+        rotation_sigma_deg,
+        translation_sigma_mm,
+        landmarks,
+        points_mm,
+        animation,
+    } = to;
+    *state = State::Tracking;
+    (*timestamp_us, *age_us) = (now_us, 0);
+    *confidence = fitted.confidence.face;
+    *face_box = bounds(fitted.shape);
+    *rotation = pose.quaternion();
+    (*yaw_deg, *pitch_deg, *roll_deg) = (angles.yaw_deg, angles.pitch_deg, angles.roll_deg);
+    *translation_mm = pose.translation_mm.to_array();
+    *eye_open = eyes(fitted);
+    *loss = Loss::None;
+    *visible_share = fitted.confidence.visibility.iter().sum::<f32>() / LANDMARKS as f32;
+    *rotation_sigma_deg = [0, 1, 2].map(|k| sigma(fitted.fit, k).to_degrees());
+    *translation_sigma_mm = [3, 4, 5].map(|k| sigma(fitted.fit, k));
+    write_landmarks(landmarks, fitted);
+    for (out, p) in points_mm.iter_mut().zip(fitted.fit.points_mm.iter()) {
+        *out = p.to_array();
+    }
+    *animation = fitted.fit.state.animation;
+}
+
+fn write_landmarks(to: &mut [Landmark; LANDMARKS], fitted: &Fitted<'_>) {
+    let Confidence {
+        landmarks,
+        visibility,
+        ..
+    } = fitted.confidence;
+    let values = fitted.shape.iter().zip(landmarks).zip(visibility);
+    for (out, (([x, y], confidence), visibility)) in to.iter_mut().zip(values) {
+        *out = Landmark {
+            x: *x,
+            y: *y,
+            confidence: *confidence,
+            visibility: *visibility,
+        };
+    }
+}
+
+/// Standard deviation of an unknown of the pose: rotation \[rad\], then translation \[mm\].
+fn sigma(fit: &FaceFit, unknown: usize) -> f32 {
+    let row = fit.covariance.get(unknown);
+    let variance = row.and_then(|row| row.get(unknown)).copied().unwrap_or(0.0);
+    libm::sqrtf(variance.max(0.0))
+}
+
+/// Openness of the face's left and right eye; −1 (unknown) for an eye that the head or something
+/// else hides, so that a hand does not shut it, and for one that is blurred by motion.
+#[inline(never)]
+fn eyes(fitted: &Fitted<'_>) -> [f32; 2] {
+    let Fitted {
+        face,
+        camera,
+        shape,
+        fit,
+        ..
+    } = fitted;
+    let neutral = face.neutral(&fit.state.identity);
+    let eye = |blink: usize, first: usize| {
+        let points = fit.visible.iter().skip(first).take(6);
+        let is_facing = points.filter(|v| **v).count() >= EYE_MIN_FACING;
+        let visibility = fitted.confidence.visibility.iter().skip(first).take(6);
+        let is_visible = visibility.sum::<f32>() >= EYE_MIN_VISIBILITY;
+        let corner = |k: usize| shape.get(first + k).copied().unwrap_or_default();
+        let ([ax, ay], [bx, by]) = (corner(0), corner(3));
+        let is_sharp = fitted.blur_px <= EYE_MAX_BLUR * length([bx - ax, by - ay]);
+        let open = eye_open(face, camera, &fit.state, &neutral, shape, first, blink);
+        open.filter(|_| is_facing && is_visible && is_sharp)
+            .unwrap_or(-1.0)
+    };
+    // browDown ×2, browInnerUp, browOuterUp ×2 come before eyeBlinkLeft, eyeBlinkRight.
+    [eye(5, 42), eye(6, 36)]
+}

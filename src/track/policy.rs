@@ -1,0 +1,299 @@
+//! Every threshold, timeout and work cost of tracking.
+//!
+//! Each constant states its meaning, its unit in brackets (none: a probability or a ratio), and
+//! under *Source* what its value was measured on. *Source: chosen* means that no other value was
+//! measured. Titles in italics are records of `docs/records.md`; commands and today's figures are
+//! in `docs/accuracy.md`.
+//!
+//! Not here: settings with their defaults and ranges (`config.rs`), how keyframes are matched
+//! (`src/keyframe`), how noise is measured (`src/image/noise.rs`), and what the 3D fit and the
+//! identity estimate weigh (`src/shape`).
+
+// --- Acceptance of a face ------------------------------------------------------------------------
+
+/// A detection becomes the target from this confidence on in its first attempt.
+///
+/// Source: clip `07_leave`, in which a saddle cloth once had 0.804 and was tracked for a second
+/// while `ACCEPT_CONFIDENCE` was enough (*Profiles in the detector*).
+pub(super) const FIRST_ATTEMPT_CONFIDENCE: f32 = 0.9;
+
+/// A candidate becomes the target from this confidence on in a retry, in a local search while
+/// coasting, by keyframes, and where the caller of `step_at` states that a face is there.
+///
+/// Source: 60 pictures without people, 1,500 frames: 25 frames tracked with 0.5, none with 0.8
+/// (*Negatives of the verifier*).
+pub(super) const ACCEPT_CONFIDENCE: f32 = 0.8;
+
+/// A rejected detection is retried from this confidence on, with one more iteration.
+///
+/// Source: chosen.
+pub(super) const RETRY_CONFIDENCE: f32 = 0.1;
+
+/// From this confidence on a frame is trusted: the identity, the appearance and the keyframes are
+/// updated from it, and a face that reached it once may coast.
+///
+/// Source: chosen.
+pub(super) const TRUST_CONFIDENCE: f32 = 0.9;
+
+// --- Keeping or losing the target ----------------------------------------------------------------
+
+/// A target that was never trusted is lost below this confidence. Lower than `ACCEPT_CONFIDENCE`,
+/// so that a face at the edge does not come and go. Below it the next frame starts from the shape
+/// of the global stage, because the refiners of a covered face move its eyes anywhere.
+///
+/// Source: chosen when the refiner of the lids was added.
+pub(super) const UNTRUSTED_KEEP_CONFIDENCE: f32 = 0.5;
+
+/// A target that was trusted is lost below this confidence.
+///
+/// Source: chosen; the half-covered faces of clip `06_occluder` have 0.02 at least.
+pub(super) const TRUSTED_KEEP_CONFIDENCE: f32 = 0.02;
+
+/// A target that was trusted and is recognised is lost below this confidence.
+///
+/// Source: clip `06_occluder`: of its half-covered frames 100 % are tracked, 59 % without
+/// recognition (*Keeping an occluded face*). Two units of the logit below
+/// `TRUSTED_KEEP_CONFIDENCE`.
+pub(super) const RECOGNISED_KEEP_CONFIDENCE: f32 = 0.003;
+
+/// A target is recognised when at least so many landmarks are visible and match its appearance.
+///
+/// Source: clip `06_occluder` and `eval faceless --after`: with 6 two more faceless frames are
+/// tracked after a loss, with 8 no covered frame is lost (*Keeping an occluded face*).
+pub(super) const RECOGNISED_LANDMARKS: u32 = 8;
+
+/// How long a target may have low confidence without being recognised \[µs\]: longer than a blink.
+/// For a trusted target low means below `UNTRUSTED_KEEP_CONFIDENCE`, for others below
+/// `ACCEPT_CONFIDENCE`.
+///
+/// Source: `eval faceless --after webcam-b`: 9 of 1,500 frames tracked, 15 with twice as long; no
+/// frame of any clip is lost by it (*Giving up faces of low confidence*).
+pub(super) const LOW_CONFIDENCE_US: i64 = 250_000;
+
+/// How long the last fit of a lost target is repeated \[µs\]. Then the target counts as gone.
+///
+/// Source: chosen.
+pub(super) const COAST_US: i64 = 500_000;
+
+// --- Suppression of rejected regions -------------------------------------------------------------
+
+/// How long a region is suppressed whose face was lost without ever being trusted \[µs\]. A
+/// candidate there needs `TRUST_CONFIDENCE`.
+///
+/// Source: clip `07_leave` shown in sixteen ways, together with `LOW_CONFIDENCE_US`: 53 of 1,344
+/// faceless frames tracked, 131 without both. The ten seconds themselves are chosen.
+pub(super) const SUPPRESS_US: i64 = 10_000_000;
+
+/// A candidate lies in the suppressed region when its centre is nearer than this share of the
+/// region's size …
+///
+/// Source: chosen.
+pub(super) const SUPPRESS_DISTANCE: f32 = 0.5;
+
+/// … and its size is within these multiples of the region's.
+///
+/// Source: chosen.
+pub(super) const SUPPRESS_SIZES: core::ops::Range<f32> = 0.67..1.5;
+
+// --- Search --------------------------------------------------------------------------------------
+
+/// How long a lost face is expected back at about its last size \[µs\].
+///
+/// Source: chosen.
+pub(super) const EXPECT_US: i64 = 10_000_000;
+
+/// Sizes at which a lost face is expected, as multiples of its last size.
+///
+/// Source: chosen; a detection's size is within a step of the scan.
+pub(super) const EXPECTED_SIZES: [f32; 2] = [0.8, 1.25];
+
+/// While a face is expected back, one step of so many scans all sizes and not the expected ones.
+/// While none is expected, one step of so many compares keyframes.
+///
+/// Source: chosen.
+pub(super) const EXPECT_PERIOD: u32 = 4;
+
+/// While no face is expected, one step of so many scans for large faces first.
+///
+/// Source: `eval recovery`, faces never seen before: tracked after 3 frames in the median, 31
+/// before this and the report of candidates at a step's end (*When the scan reports a candidate*).
+pub(super) const LARGE_FACE_PERIOD: u32 = 2;
+
+/// Smallest large face, as a share of the frame's shorter side: a person who sits before a camera.
+///
+/// Source: as `LARGE_FACE_PERIOD`; at 640×480 such faces took 12,500 of the 190,000 windows of a
+/// scan.
+pub(super) const LARGE_FACE: f32 = 0.25;
+
+/// While coasting, one step of so many searches around the last fit, the others scan the frame.
+///
+/// Source: chosen.
+pub(super) const LOCAL_SEARCH_PERIOD: u32 = 2;
+
+// --- Work costs ----------------------------------------------------------------------------------
+
+/// Work of a local search \[units of the detector: a window is about two\].
+///
+/// Source: derived: the 735 windows of a whole local search.
+pub(super) const LOCAL_SEARCH_UNITS: u32 = 1500;
+
+/// Work of the first attempt at a detection: all iterations, refiners, verifier, 3D fit \[units\].
+///
+/// Source: `posewise bench`: time of align and fit over time of a unit of the scan.
+pub(super) const FIRST_ATTEMPT_UNITS: u32 = 4500;
+
+/// Work of a retry: one iteration, refiners, verifier, 3D fit \[units\].
+///
+/// Source: `posewise bench`, likewise.
+pub(super) const RETRY_UNITS: u32 = 2500;
+
+/// Work of comparing one window of a frame with all keyframes \[units\].
+///
+/// Source: `posewise bench`, likewise.
+pub(super) const KEYFRAME_UNITS: u32 = 2200;
+
+// --- Noise ---------------------------------------------------------------------------------------
+
+/// Share of noise in a frame's luma from which on the frame is box-filtered.
+///
+/// Source: 511 photographs with added noise of 8, 15 and 25 grey levels have 0.16, 0.30 and 0.47 in
+/// the median, without it 0.036 at most (*A box filter for frames with much noise*).
+pub(super) const NOISY: f32 = 0.2;
+
+/// Share of noise below which a frame is no longer box-filtered after one that was.
+///
+/// Source: chosen: hysteresis, so that frames at the edge are not filtered by turns.
+pub(super) const NO_LONGER_NOISY: f32 = 0.15;
+
+// --- Motion --------------------------------------------------------------------------------------
+
+/// Longest time between two fits from which a velocity is taken, and over which it predicts \[µs\].
+///
+/// Source: chosen.
+pub(super) const MAX_PREDICTION_US: i64 = 200_000;
+
+/// Farthest prediction \[widths of the face\].
+///
+/// Source: chosen.
+pub(super) const MAX_PREDICTION: f32 = 0.3;
+
+/// Smaller motion between two fits is noise and counts as none \[widths of the face\].
+///
+/// Source: chosen.
+pub(super) const MIN_MOTION: f32 = 0.02;
+
+/// Distance of prediction and last crop from which on the crop follows at once \[widths of the
+/// face\]. A crop that followed every small distance would feed the noise of the last fit back.
+///
+/// Source: chosen with `eval jitter` on the webcam clips; no figures are kept.
+pub(super) const CROP_FOLLOWS_AT: f32 = 0.08;
+
+/// Least share of the distance by which the crop follows.
+///
+/// Source: as `CROP_FOLLOWS_AT`.
+pub(super) const CROP_FOLLOWS_LEAST: f32 = 0.1;
+
+// --- 3D fit and identity -------------------------------------------------------------------------
+
+/// Weight of a landmark in the 3D fit: `FIT_WEIGHT_MIN` plus its confidence times a factor that
+/// goes from `FIT_WEIGHT_HIDDEN` (hidden) to 1 (visible). Landmarks that are wrong or hidden keep a
+/// little weight, because the fit is robust and few landmarks may be left.
+///
+/// Source: chosen.
+pub(super) const FIT_WEIGHT_MIN: f32 = 0.05;
+
+/// Factor on the confidence of a landmark that is certainly hidden; see `FIT_WEIGHT_MIN`.
+///
+/// Source: chosen.
+pub(super) const FIT_WEIGHT_HIDDEN: f32 = 0.2;
+
+/// So many trusted frames after the acquisition each update the identity \[frames\].
+///
+/// Source: chosen.
+pub(super) const IDENTITY_FRAMES: u32 = 30;
+
+/// Of the trusted frames after those one in so many updates it: an update takes a part of a step.
+///
+/// Source: chosen.
+pub(super) const IDENTITY_PERIOD: u32 = 4;
+
+// --- Appearance of the target's landmarks --------------------------------------------------------
+
+/// A frame moves means and variances of the features by one part of so many.
+///
+/// Source: `posewise-lab adaptive`, rendered clips: area under the ROC of visible and hidden 0.943
+/// with 1/50, 0.941 with 1/20, 0.940 with 1/10, 0.935 without (*Adaptive appearance*).
+pub(super) const APPEARANCE_RATE: i32 = 64;
+
+/// Added to the variance of each feature, so that distances are finite \[squared feature units\].
+///
+/// Source: chosen.
+pub(super) const APPEARANCE_VARIANCE: f32 = 16.0;
+
+/// A landmark's appearance is used after so many updates \[frames\].
+///
+/// Source: chosen.
+pub(super) const APPEARANCE_MIN_FRAMES: u16 = 10;
+
+/// Only landmarks with at least this visibility update their appearance.
+///
+/// Source: chosen.
+pub(super) const APPEARANCE_MIN_VISIBILITY: f32 = 0.7;
+
+/// Largest change of a visibility by the appearance \[logit\]. The change itself is the distance,
+/// with weight 1.
+///
+/// Source: chosen; the weight is from the table at `APPEARANCE_RATE`.
+pub(super) const APPEARANCE_MAX_CHANGE: f32 = 4.0;
+
+/// A visible landmark matches its appearance below this distance \[mean squared deviations, less
+/// 1\].
+///
+/// Source: chosen together with `RECOGNISED_LANDMARKS`.
+pub(super) const APPEARANCE_MATCH: f32 = 0.5;
+
+/// A landmark that matches is visible from this visibility on.
+///
+/// Source: chosen: more likely visible than hidden.
+pub(super) const APPEARANCE_MATCH_VISIBILITY: f32 = 0.5;
+
+// --- Eye openness --------------------------------------------------------------------------------
+
+/// `eye_open` is unknown where fewer landmarks of the eye, of six, face the camera.
+///
+/// Source: chosen.
+pub(super) const EYE_MIN_FACING: usize = 4;
+
+/// `eye_open` is unknown where the visibilities of the eye's six landmarks sum up to less.
+///
+/// Source: chosen: half of them.
+pub(super) const EYE_MIN_VISIBILITY: f32 = 3.0;
+
+/// `eye_open` is unknown where the eye moves farther while a frame is exposed \[widths of the eye\]:
+/// it is a streak, in which open and shut look alike.
+///
+/// Source: rendered clips: the correlation of `eye_open` with the truth goes from 0.944 to 0.955
+/// (*Motion blur and unknown eyes*).
+pub(super) const EYE_MAX_BLUR: f32 = 0.6;
+
+/// Longest exposure of a frame that is assumed for motion blur \[µs\].
+///
+/// Source: chosen: 1/30 s, a whole frame of most cameras.
+pub(super) const EXPOSURE_US: f32 = 33_333.0;
+
+// --- Smoothing -----------------------------------------------------------------------------------
+
+/// Cutoff of the filter of the speeds \[Hz\].
+///
+/// Source: Casiez et al. 2012, who fix it at 1 Hz.
+pub(super) const SPEED_CUTOFF_HZ: f32 = 1.0;
+
+/// The filter starts anew after a longer time without a fit \[µs\].
+///
+/// Source: chosen.
+pub(super) const MAX_SMOOTHING_GAP_US: i64 = 250_000;
+
+/// Unit of the speeds of points in space: width of a face \[mm\].
+///
+/// Source: chosen: anatomy, rounded.
+pub(super) const FACE_WIDTH_MM: f32 = 150.0;
