@@ -99,7 +99,7 @@ pub struct TrackResult {
     pub landmarks: [Landmark; LANDMARKS],
     /// The landmarks as points of the 3D face, camera frame \[mm\].
     pub points_mm: [[f32; 3]; LANDMARKS],
-    /// Weights of [`crate::shape::ANIMATION_NAMES`], 0..1.
+    /// Weights of [`crate::ANIMATION_NAMES`], 0..1.
     pub animation: [f32; ANIMATIONS],
 }
 
