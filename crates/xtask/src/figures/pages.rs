@@ -52,3 +52,40 @@ fn between_marks(text: &str, table: &str) -> Result<String> {
         .context("README.md: no end of figures")?;
     Ok(format!("{before}{BEGIN}\n{table}\n{END}{after}"))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::figures::value::checksum;
+
+    #[test]
+    fn committed_pages_show_the_committed_figures() {
+        for (path, text) in pages().unwrap() {
+            let committed = std::fs::read_to_string(&path).unwrap();
+            let same = committed == text;
+            assert!(same, "{}: run `cargo xtask accuracy`", path.display());
+            for (number, line) in text.lines().enumerate() {
+                let columns = line.chars().count();
+                assert!(
+                    columns <= 100,
+                    "{}:{}: {columns} columns",
+                    path.display(),
+                    number + 1
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn figures_are_of_the_committed_models() {
+        for name in MODELS {
+            let model = std::fs::read(root().join(format!("models/{name}.posewise"))).unwrap();
+            let measured = &read(name).unwrap().figures["model"]["crc32"];
+            let is = checksum(&model).unwrap();
+            assert!(
+                *measured == is,
+                "models/{name}.posewise changed: run `cargo xtask measure`"
+            );
+        }
+    }
+}
