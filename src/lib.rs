@@ -59,6 +59,7 @@
 #![no_std]
 #![deny(missing_docs)]
 #![deny(unsafe_code)]
+#![warn(clippy::too_many_lines)]
 // Some internals are used by the training and developer programs only.
 #![cfg_attr(not(feature = "unstable-internals"), allow(dead_code, unused_imports))]
 

@@ -98,7 +98,11 @@ impl Paths {
         inline: &Module,
         prefix: &[String],
     ) -> usize {
-        let is = |at: usize, mark: char| matches!(trees.get(at), Some(TokenTree::Punct(p)) if p.as_char() == mark);
+        let mark_at = |at: usize| match trees.get(at) {
+            Some(TokenTree::Punct(punct)) => Some(punct.as_char()),
+            _ => None,
+        };
+        let is = |at: usize, mark: char| mark_at(at) == Some(mark);
         // `.method`, `$crate` and `'lifetime` are no paths.
         let follows = at > 0 && ['.', '$', '\''].iter().any(|mark| is(at - 1, *mark));
         let mut path = prefix.to_vec();

@@ -1,8 +1,8 @@
 //! The verifier: is it a face, which landmarks are right, and which are visible?
 //!
 //! In: the local features of the cascade's last iteration. Out: calibrated probabilities
-//! ([`Confidence`]). Builds without the feature `verifier` derive a confidence from the fit of the 3D
-//! face instead (`geometry.rs`).
+//! ([`Confidence`]). Builds without the feature `verifier` derive a confidence from the fit of the
+//! 3D face instead (`geometry.rs`).
 
 #[cfg(feature = "verifier")]
 mod classifiers;

@@ -1,4 +1,7 @@
 //! Numbers that look random and are the same in every run.
+//!
+//! No crate, because figures of `eval` and `bench` depend on the numbers: a generator or a
+//! distribution of another crate, or of its next version, would change them.
 
 /// SplitMix64.
 pub struct Random(u64);

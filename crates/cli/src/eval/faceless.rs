@@ -2,8 +2,8 @@
 //!
 //! Every picture is panned: a window of three quarters of its width (the whole width of an upright
 //! picture), scaled to 480×360, moves from the upper left to the lower right in 25 frames, at 25
-//! frames per second. One tracker gets all pictures. With `--after`, 60 frames of a clip come before
-//! each, so that the tracker has just lost a face of which it has keyframes.
+//! frames per second. One tracker gets all pictures. With `--after`, 60 frames of a clip come
+//! before each, so that the tracker has just lost a face of which it has keyframes.
 
 use std::fmt::Write as _;
 

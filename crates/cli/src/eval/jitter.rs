@@ -3,9 +3,9 @@
 //! Per landmark the r.m.s. of the second difference (frame before, this, next) over all runs of
 //! tracked frames, scaled to an inter-ocular distance of 40 px; then the median over landmarks. A
 //! second figure is without the motion that all landmarks share (a similarity per second
-//! difference): a head moves as a whole, noise moves each landmark by itself. With the clip, a third
-//! figure is the jitter of landmarks that move exactly as the picture between brows and nose does: a
-//! tracker that does not lag behind the head cannot be below it.
+//! difference): a head moves as a whole, noise moves each landmark by itself. With the clip, a
+//! third figure is the jitter of landmarks that move exactly as the picture between brows and nose
+//! does: a tracker that does not lag behind the head cannot be below it.
 
 use std::fmt::Write as _;
 

@@ -36,7 +36,8 @@ pub struct Truth {
     pub points: [[f64; 2]; 68],
     /// Landmarks that are neither hidden by the head nor covered.
     pub visible: [bool; 68],
-    /// Whether something covers at least half of the landmarks; `None` if the truth has no such columns.
+    /// Whether something covers at least half of the landmarks; `None` if the truth has no such
+    /// columns.
     pub covered: Option<bool>,
 }
 

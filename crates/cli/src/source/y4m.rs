@@ -15,8 +15,8 @@ const MAX_HEADER: usize = 1000;
 
 type Reader = std::io::Chain<Cursor<Vec<u8>>, Counting>;
 
-/// Counts bytes, so that an end inside a frame is distinguished from an end after one: the decoder reports
-/// both as end of file.
+/// Counts bytes, so that an end inside a frame is distinguished from an end after one: the decoder
+/// reports both as end of file.
 struct Counting {
     inner: Box<dyn Read>,
     count: Rc<Cell<u64>>,
