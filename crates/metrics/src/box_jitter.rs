@@ -1,5 +1,7 @@
 //! Boxes around true faces, as far off as a detector's: where training and evaluation start.
 
+use serde::Serialize;
+
 /// A square face box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FaceBox {
@@ -12,7 +14,7 @@ pub struct FaceBox {
 }
 
 /// Standard deviations of a box from the true one.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct BoxJitter {
     /// Of the centre along each axis, in box sides.
     pub shift: f32,

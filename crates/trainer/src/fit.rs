@@ -190,29 +190,6 @@ pub fn fit_photographs(
     Ok(collect(head, photos, settings, offsets))
 }
 
-/// [`fit_photographs`], kept in `cache` (a JSON file) from one run to the next.
-pub fn fit_photographs_cached(
-    head: &Head,
-    csv: &Path,
-    images: &Path,
-    settings: &FitSettings,
-    cache: &Path,
-) -> Result<Fits> {
-    // A cache of other settings or of an older layout is made anew.
-    let kept = std::fs::read(cache).ok();
-    let kept = kept.and_then(|bytes| serde_json::from_slice::<Fits>(&bytes).ok());
-    if let Some(fits) = kept.filter(|fits| fits.settings == *settings) {
-        return Ok(fits);
-    }
-    let fits = fit_photographs(head, csv, images, settings)?;
-    if let Some(folder) = cache.parent() {
-        std::fs::create_dir_all(folder)?;
-    }
-    std::fs::write(cache, serde_json::to_vec(&fits)?)
-        .with_context(|| format!("cannot write {}", cache.display()))?;
-    Ok(fits)
-}
-
 fn fit_all(face: &FaceModel<'_>, photos: &mut [Photo], round: usize, rounds: usize) {
     let style = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} {eta}");
     let bar = ProgressBar::new(photos.len() as u64)

@@ -18,14 +18,14 @@ struct Cli {
 enum Command {
     /// Train everything and write the model with its data sheet.
     Model(pipeline::Args),
-    /// Render faces into the cache.
+    /// Render faces and print the path of their file.
     Render(render::Args),
     /// Draw rendered samples with their landmarks, to be looked at.
     Sheet(render::sheet::Args),
-    /// Measure whether the fine stages' lids tell real shut eyes from open ones.
+    /// Measure whether the lid refiner separates real shut eyes from open ones.
     Eyes(single_eyes::Args),
-    /// Leave sections out of a model: ENSM (the global stage's second network), RFIN (fine stages,
-    /// and with them what SREG holds), SREG (the step after them) or INFO (the data sheet).
+    /// Leave sections out of a model: ENSM (the global stage's ensemble member), RFIN (refiners,
+    /// and with them what SREG holds), SREG (shape regression) or INFO (the data sheet).
     Trim {
         /// The model.
         model: PathBuf,
@@ -54,7 +54,9 @@ fn tag(text: &str) -> Result<Tag, &'static str> {
 fn main() -> Result<()> {
     match Cli::parse().command {
         Command::Model(args) => pipeline::run(&args),
-        Command::Render(args) => render::run(&args).map(|path| println!("{}", path.display())),
+        Command::Render(args) => {
+            pipeline::renders::run(&args).map(|path| println!("{}", path.display()))
+        }
         Command::Sheet(args) => render::sheet::run(&args),
         Command::Eyes(args) => single_eyes::run(&args),
         Command::Trim {

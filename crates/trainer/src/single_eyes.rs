@@ -1,4 +1,4 @@
-//! Real eyes, each seen alone and known to be open or shut: do the fine stages' lids tell?
+//! Real eyes, each seen alone and known to be open or shut: do the refiners' lids tell?
 //!
 //! In photographs of faces lids are hardly ever shut, and the annotator leaves half open those that
 //! are; rendered lids are not real. The stages find the landmarks; where an eye is known to be shut
@@ -35,9 +35,9 @@ pub struct Args {
 /// Widths of an eye, and the height of its middle, in sides of the picture: where to begin.
 const WIDTHS: [f32; 4] = [0.4, 0.5, 0.6, 0.72];
 const MIDDLE: f32 = 0.54;
-/// Looks until the stages have settled, and how far the landmarks may still move in the last one,
-/// in widths of the eye.
-const LOOKS: usize = 6;
+/// Attempts until the stages have settled, and how far the landmarks may still move in the last
+/// one, in widths of the eye.
+const ATTEMPTS: usize = 6;
 const SETTLED: f32 = 0.03;
 /// How wide an eye may be, and how far from where it was looked for, in sides.
 const WIDE: std::ops::Range<f32> = 0.3..0.9;
@@ -71,7 +71,7 @@ pub fn for_training(model: &AlignModel<'_>, folder: &Path) -> Result<Vec<Single>
     let mut all = vec![];
     for (name, shut) in [("open", false), ("closed", true)] {
         let paths = pictures(&folder.join(name), false)?;
-        let found = looks(model, &paths)?;
+        let found = find_all(model, &paths)?;
         println!("{name} eyes: {} of {} found", found.len(), 2 * paths.len());
         all.extend(found.into_iter().map(|(picture, found)| {
             let mut visible = [false; LANDMARKS];
@@ -111,7 +111,7 @@ pub fn run(args: &Args) -> Result<()> {
     let mut value = json!({});
     for (name, open) in [("open", true), ("closed", false)] {
         let paths = pictures(&args.eyes.join(name), true)?;
-        let found = looks(model.align(), &paths)?;
+        let found = find_all(model.align(), &paths)?;
         let mut found: Vec<f32> = found.iter().map(|(_, eye)| gap(eye)).collect();
         ensure!(!found.is_empty(), "no eye was found in {name}");
         found.sort_by(f32::total_cmp);
@@ -144,7 +144,7 @@ fn pictures(folder: &Path, held: bool) -> Result<Vec<PathBuf>> {
 }
 
 /// The eyes that are found in pictures and their mirror images.
-fn looks(model: &AlignModel<'_>, paths: &[PathBuf]) -> Result<Vec<(Picture, Shape)>> {
+fn find_all(model: &AlignModel<'_>, paths: &[PathBuf]) -> Result<Vec<(Picture, Shape)>> {
     let found = paths
         .par_iter()
         .map_init(
@@ -183,7 +183,7 @@ fn find(model: &AlignModel<'_>, picture: &Picture, work: &mut Workspace) -> Opti
     (moved < SETTLED).then_some(shape)
 }
 
-/// Where the fine stages end that begin with an eye of this width, and how far they moved last.
+/// Where the refiners end that begin with an eye of this width, and how far they moved last.
 fn settle(
     model: &AlignModel<'_>,
     picture: &Picture,
@@ -207,7 +207,7 @@ fn settle(
     let begin = [0.5 * w, MIDDLE * h];
     let mut shape = face(begin, width * w);
     let mut moved = f32::MAX;
-    for _ in 0..LOOKS {
+    for _ in 0..ATTEMPTS {
         let before = shape;
         if !model.run(&picture.frame(), 0, &mut shape, work) {
             return None;

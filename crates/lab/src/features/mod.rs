@@ -29,9 +29,9 @@ pub struct Args {
     /// The shared data.
     #[arg(long, default_value = "../shared/data")]
     pub data: PathBuf,
-    /// Folder with the renders; without it the rows that need them are left out.
+    /// A file of renders; without it the rows that need them are left out.
     #[arg(long)]
-    pub cache: Option<PathBuf>,
+    pub renders: Option<PathBuf>,
     /// Where the table goes, rewritten after each row.
     #[arg(long)]
     pub out: Option<PathBuf>,
@@ -41,9 +41,9 @@ pub struct Args {
     /// Starts on each photograph and on each mirrored one; renders have half as many.
     #[arg(long, default_value_t = 2)]
     pub starts: usize,
-    /// Rendered faces.
+    /// Rendered faces that are used.
     #[arg(long, default_value_t = 12_000)]
-    pub renders: usize,
+    pub render_count: usize,
 }
 
 /// What a row's cascade is trained on.
@@ -109,9 +109,8 @@ pub fn run(args: &Args) -> Result<()> {
             ..all("", kind, Links::Global)
         })?;
     }
-    if let Some(cache) = &args.cache {
-        let path = cache.join(format!("renders-{}.bin", args.seed));
-        let mut faces = faces::rendered(&path, args.renders)?;
+    if let Some(path) = &args.renders {
+        let mut faces = faces::rendered(path, args.render_count)?;
         let mut row = |what: &str, faces: &[Face]| {
             let name = format!("{name}; {what}");
             table.row(&Row {

@@ -34,10 +34,10 @@ pub struct Args {
     #[arg(long, default_value = "../shared/data")]
     pub data: PathBuf,
     /// Renders to train on beside the photographs.
-    #[arg(long, default_value = "cache/renders-1.bin")]
+    #[arg(long)]
     pub renders: PathBuf,
     /// Renders that the model was not trained on, to measure on what is seen and hidden.
-    #[arg(long, default_value = "cache/renders-2.bin")]
+    #[arg(long)]
     pub fresh: PathBuf,
     /// The model whose cascade and classifiers they are measured against.
     #[arg(long, default_value = "models/default.posewise")]

@@ -10,9 +10,10 @@ use posewise_metrics::{BoxJitter, mean, median};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// Errors in % of the inter-ocular distance.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Accuracy {
     /// Mean over starts of the mean over 68 points.
     pub nme68: f32,
@@ -63,9 +64,9 @@ pub fn evaluate(
     boxes: &Boxes,
     rounds: usize,
 ) -> Vec<(Shape, f32, f32)> {
-    let passes = model.iterations() + rounds;
+    let iterations = model.iterations() + rounds;
     from_boxes(model, faces, boxes, |face, shape, work| {
-        model.run(&face.picture.frame(), passes, shape, work);
+        model.run(&face.picture.frame(), iterations, shape, work);
     })
 }
 

@@ -1,10 +1,12 @@
 //! Trains the networks of the global stage (sections `ALGN` and `ENSM`).
 
 use super::mean::mean_shape;
-use super::quantise;
+use super::options::Options;
+use super::quantize;
 use super::samples::{EXAMPLES, Sample};
+use super::source::{Draw, Faces, Source};
 use super::starts::StartShapes;
-use super::train::{Draw, Faces, Options, Source, Trained, train};
+use super::train::{Trained, train};
 use crate::faces::Face;
 use anyhow::Result;
 use posewise::align::Shape;
@@ -25,19 +27,19 @@ pub fn cascade(
     let starts = StartShapes::fit(faces, &mean, &options.turns);
     let initial = taught_by.and_then(|path| Trained::read(path, &options.sizes));
     let (trained, samples) = network(faces, &mean, options, checkpoint, initial)?;
-    quantise::face_section(&trained, &mean, &starts, options.passes, &samples)
+    quantize::face_section(&trained, &mean, &starts, options.iterations, &samples)
 }
 
 /// Trains section `ENSM`, a second network for a global stage with this mean shape; goes on from
 /// the checkpoint if there is one.
-pub fn second(
+pub fn ensemble_member(
     faces: &[Face],
     mean: &Shape,
     options: &Options,
     checkpoint: &Path,
 ) -> Result<SectionWriter> {
     let (trained, samples) = network(faces, mean, options, checkpoint, None)?;
-    quantise::second_section(&trained, &samples)
+    quantize::ensemble_section(&trained, &samples)
 }
 
 /// A network of the global stage, and samples as it meets them.

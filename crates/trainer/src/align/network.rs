@@ -6,6 +6,7 @@ use posewise::align::{GLOBAL, SHAPE_INDEXED};
 use posewise::shape::LANDMARKS;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
+use serde::Serialize;
 
 /// Points in a crop \[px\], from its centre.
 pub type Points = Vec<[f32; 2]>;
@@ -13,7 +14,7 @@ pub type Points = Vec<[f32; 2]>;
 pub const FINE_STRIDE: f32 = 4.0;
 
 /// How large the network is.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Sizes {
     /// Side of the crop \[px\].
     pub side: usize,
@@ -26,7 +27,7 @@ pub struct Sizes {
     /// Separable layers at 1/4 and 1/8.
     pub depth: [usize; 2],
     /// Dimensions of an answer before it is spread over the coordinates.
-    pub modes: usize,
+    pub rank: usize,
     /// Points that it places.
     pub points: usize,
     /// What each answer reads: `GLOBAL`, `SHAPE_INDEXED` or both.
@@ -41,7 +42,7 @@ impl Default for Sizes {
             channels: [8, 24, 32, 80],
             fine: 32,
             depth: [2, 3],
-            modes: 64,
+            rank: 64,
             points: LANDMARKS,
             reads: vec![GLOBAL, SHAPE_INDEXED, SHAPE_INDEXED],
         }
@@ -49,15 +50,15 @@ impl Default for Sizes {
 }
 
 impl Sizes {
-    /// Of a part's fine stage.
-    pub fn of_part(points: usize, side: usize, zoom: f32) -> Sizes {
+    /// Of a refiner.
+    pub fn of_refiner(points: usize, side: usize, zoom: f32) -> Sizes {
         Sizes {
             side,
             zoom,
             channels: [8, 24, 32, 64],
             fine: 24,
             depth: [1, 2],
-            modes: 32,
+            rank: 32,
             points,
             reads: vec![GLOBAL | SHAPE_INDEXED; 2],
         }
@@ -70,25 +71,25 @@ pub struct Head {
     /// Features read.
     pub inputs: usize,
     /// Dimensions between.
-    pub modes: usize,
+    pub rank: usize,
     /// Coordinates written: two per point.
     pub outputs: usize,
     /// What it reads.
     pub reads: u32,
-    /// First of `[modes][inputs]`, `[modes]`, `[outputs][modes]`, `[outputs]`.
+    /// First of `[rank][inputs]`, `[rank]`, `[outputs][rank]`, `[outputs]`.
     pub at: usize,
 }
 
 impl Head {
     fn size(&self) -> usize {
-        self.modes * (self.inputs + 1) + self.outputs * (self.modes + 1)
+        self.rank * (self.inputs + 1) + self.outputs * (self.rank + 1)
     }
 
     /// The four parts of this head's parameters.
     pub fn split<'a>(&self, parameters: &'a [f32]) -> [&'a [f32]; 4] {
-        let (project, rest) = parameters[self.at..].split_at(self.modes * self.inputs);
-        let (inner, rest) = rest.split_at(self.modes);
-        let (spread, rest) = rest.split_at(self.outputs * self.modes);
+        let (project, rest) = parameters[self.at..].split_at(self.rank * self.inputs);
+        let (inner, rest) = rest.split_at(self.rank);
+        let (spread, rest) = rest.split_at(self.outputs * self.rank);
         [project, inner, spread, &rest[..self.outputs]]
     }
 
@@ -101,7 +102,7 @@ impl Head {
         {
             *i = dot(row, features) + b;
         }
-        let rows = spread.chunks_exact(self.modes).zip(outer);
+        let rows = spread.chunks_exact(self.rank).zip(outer);
         rows.map(|(row, o)| dot(row, inner) + o).collect()
     }
 
@@ -117,14 +118,14 @@ impl Head {
     ) {
         let [project, _, spread, _] = self.split(parameters);
         let gradient = &mut gradient[self.at..self.at + self.size()];
-        let (g_squeeze, rest) = gradient.split_at_mut(self.modes * self.inputs);
-        let (g_inner, rest) = rest.split_at_mut(self.modes);
-        let (g_spread, g_outer) = rest.split_at_mut(self.outputs * self.modes);
-        let mut by_inner = vec![0.0; self.modes];
+        let (g_squeeze, rest) = gradient.split_at_mut(self.rank * self.inputs);
+        let (g_inner, rest) = rest.split_at_mut(self.rank);
+        let (g_spread, g_outer) = rest.split_at_mut(self.outputs * self.rank);
+        let mut by_inner = vec![0.0; self.rank];
         for (((s, w), g), o) in slope
             .iter()
-            .zip(spread.chunks_exact(self.modes))
-            .zip(g_spread.chunks_exact_mut(self.modes))
+            .zip(spread.chunks_exact(self.rank))
+            .zip(g_spread.chunks_exact_mut(self.rank))
             .zip(g_outer)
         {
             *o += s;
@@ -229,7 +230,7 @@ impl Network {
                 };
                 let head = Head {
                     inputs: whole + local,
-                    modes: sizes.modes,
+                    rank: sizes.rank,
                     outputs: 2 * sizes.points,
                     reads: *reads,
                     at: parameters,
@@ -261,15 +262,15 @@ impl Network {
         }
         for (k, head) in self.heads.iter().enumerate() {
             let bound = |n: usize| 1.0 / (n as f32).sqrt();
-            let (inputs, modes) = (bound(head.inputs), bound(head.modes));
-            let project = head.at..head.at + head.modes * head.inputs;
+            let (inputs, rank) = (bound(head.inputs), bound(head.rank));
+            let project = head.at..head.at + head.rank * head.inputs;
             parameters[project.clone()]
                 .iter_mut()
                 .for_each(|w| *w = rng.random_range(-inputs..inputs));
-            let spread = project.end + head.modes..project.end + head.modes * (1 + head.outputs);
+            let spread = project.end + head.rank..project.end + head.rank * (1 + head.outputs);
             parameters[spread.clone()]
                 .iter_mut()
-                .for_each(|w| *w = rng.random_range(-modes..modes));
+                .for_each(|w| *w = rng.random_range(-rank..rank));
             if k == 0 {
                 let outer = &mut parameters[spread.end..spread.end + head.outputs];
                 outer
@@ -360,7 +361,7 @@ impl Network {
             if head.reads & GLOBAL != 0 {
                 features.extend(&maps[self.last]);
             }
-            let mut inner = vec![0.0; head.modes];
+            let mut inner = vec![0.0; head.rank];
             let moved = head.forward(parameters, &features, &mut inner);
             let pairs = points.iter().zip(moved.as_chunks::<2>().0);
             let shape = pairs.map(|(p, m)| [p[0] + m[0], p[1] + m[1]]).collect();

@@ -11,12 +11,13 @@ use posewise::shape::LANDMARKS;
 use posewise_metrics::BoxJitter;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
+use serde::Serialize;
 
 /// Samples that show how large the maps' values grow and where predictions move points.
 pub const EXAMPLES: usize = 2048;
 
 /// How far crops lie from where the true landmarks would put them.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize)]
 pub struct Start {
     /// Errors as after a detection.
     pub detected: BoxJitter,
@@ -45,7 +46,7 @@ impl Default for Start {
 }
 
 /// Disturbances of a crop.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize)]
 pub struct Augment {
     /// Deviation of the logarithm of contrast.
     pub contrast: f32,
@@ -62,8 +63,8 @@ pub struct Augment {
     /// Share of crops with a patch painted over.
     pub patch: f32,
     /// Share of crops that moved while they were exposed, and how far at most \[px\].
-    pub smear: f32,
-    pub smear_px: f32,
+    pub motion_blur: f32,
+    pub motion_blur_px: f32,
 }
 
 impl Default for Augment {
@@ -76,8 +77,8 @@ impl Default for Augment {
             blur: 0.15,
             coarse: 0.15,
             patch: 0.2,
-            smear: 0.0,
-            smear_px: 0.0,
+            motion_blur: 0.0,
+            motion_blur_px: 0.0,
         }
     }
 }
@@ -170,13 +171,13 @@ pub fn cut_at(face: &Face, to_frame: &Similarity, side: usize) -> Vec<f32> {
 /// Motion, contrast, brightness, noise, blur and patches.
 pub fn disturb(crop: &mut [f32], side: usize, augment: &Augment, rng: &mut ChaCha8Rng) {
     let chance = |share: f32, rng: &mut ChaCha8Rng| rng.random_range(0.0..1.0) < share;
-    if augment.smear > 0.0 && chance(augment.smear, rng) {
+    if augment.motion_blur > 0.0 && chance(augment.motion_blur, rng) {
         // Heads turn to the side faster than they nod.
         let angle = 0.4 * normal(rng);
-        let length = augment.smear_px * rng.random_range(0.0f32..1.0);
-        // Lights that flicker leave separate pictures, steady ones a smear.
+        let length = augment.motion_blur_px * rng.random_range(0.0f32..1.0);
+        // Lights that flicker leave separate pictures, steady ones a motion_blur.
         let exposures = rng.random_range(3..=3 + length as usize);
-        smear(
+        motion_blur(
             crop,
             side,
             [length * angle.cos(), length * angle.sin()],
@@ -221,7 +222,7 @@ pub fn disturb(crop: &mut [f32], side: usize, augment: &Augment, rng: &mut ChaCh
 }
 
 /// The mean of exposures along a way, as long before as behind where the crop is.
-fn smear(crop: &mut [f32], side: usize, [dx, dy]: [f32; 2], exposures: usize) {
+fn motion_blur(crop: &mut [f32], side: usize, [dx, dy]: [f32; 2], exposures: usize) {
     let from = crop.to_vec();
     let last = side as f32 - 1.0;
     for (at, out) in crop.iter_mut().enumerate() {
@@ -276,7 +277,7 @@ mod tests {
         let side = 9;
         let mut crop = vec![0.0; side * side];
         crop[4 * side + 4] = 3.0;
-        smear(&mut crop, side, [4.0, 0.0], 3);
+        motion_blur(&mut crop, side, [4.0, 0.0], 3);
         let row: Vec<f32> = crop[4 * side..5 * side].to_vec();
         assert_eq!(row, [0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0]);
         assert_eq!(crop.iter().sum::<f32>(), 3.0);

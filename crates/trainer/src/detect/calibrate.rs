@@ -21,9 +21,9 @@ const LATENESS: f32 = 0.2;
 const MARGIN: f32 = 0.12;
 
 /// The cascade with thresholds as high as leaves faces their best windows on the scan's grid, all
-/// but a few (after Zhang and Viola's multiple-instance pruning, 2007). Of the windows a share is
-/// hopeless: what is known of them in the end would pass too much that is no face.
-pub fn thresholds(cascade: &Cascade, faces: &[Face], hopeless: f32) -> Cascade {
+/// but a few (after Zhang and Viola's multiple-instance pruning, 2007). Of the windows a quantile
+/// is discarded: to pass those too would pass too much that is no face.
+pub fn thresholds(cascade: &Cascade, faces: &[Face], discard_quantile: f32) -> Cascade {
     let flat = cascade.flat();
     let mut sums: Vec<Vec<i32>> = faces
         .par_iter()
@@ -43,7 +43,7 @@ pub fn thresholds(cascade: &Cascade, faces: &[Face], hopeless: f32) -> Cascade {
     ends.sort_unstable();
     // Negative sums add up to faces only by chance: the operating point of training is the least.
     let least = *cascade.thresholds.last().unwrap_or(&0);
-    let end = ends.get((hopeless * ends.len() as f32) as usize);
+    let end = ends.get((discard_quantile * ends.len() as f32) as usize);
     let last = end.map_or(least, |end| least.max(*end));
     sums.retain(|sums| sums.last().is_some_and(|s| *s >= last));
     let mut out = cascade.clone();

@@ -2,13 +2,14 @@
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
+use serde::Serialize;
 
 /// Side of the window that the trees look at over a face's size \[1/256\]: forehead and ears are
 /// outside the landmarks' box and help to tell a face.
 pub const SIDE_Q8: i32 = 333;
 
 /// How much to train; `default` is what ships.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Options {
     /// Seed of every random choice.
     pub seed: u64,
@@ -23,7 +24,7 @@ pub struct Options {
     pub confirm: u32,
     /// Share of the best windows around the faces that may be lost for the sum of all trees, beside
     /// what training loses.
-    pub hopeless: f32,
+    pub discard_quantile: f32,
     /// Patches of faces and of backgrounds.
     pub positives: usize,
     pub negatives: usize,
@@ -41,7 +42,7 @@ impl Default for Options {
             kept: 350,
             depth: 5,
             confirm: 1000,
-            hopeless: 0.08,
+            discard_quantile: 0.08,
             positives: 36_000,
             negatives: 30_000,
             refine_trees: 100,

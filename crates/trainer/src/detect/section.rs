@@ -9,23 +9,23 @@ use posewise_format::SectionWriter;
 use std::path::Path;
 
 /// Trains everything on these faces and backgrounds, keeping intermediate results in `cache`, from
-/// which an interrupted run goes on. The cascade learns from the first `told` faces alone, the
+/// which an interrupted run goes on. The cascade learns from the first `of_trees` faces alone, the
 /// forest that refines its hits from all.
 ///
 /// # Errors
 /// When the cache cannot be written.
 pub fn train(
     faces: &[Face],
-    told: usize,
+    of_trees: usize,
     backgrounds: &[Picture],
     cache: &Path,
     options: &Options,
 ) -> Result<SectionWriter> {
     std::fs::create_dir_all(cache)?;
-    let learnt = &faces[..told.min(faces.len())];
-    let cascade = training::train(learnt, backgrounds, cache, options)?;
+    let positives = &faces[..of_trees.min(faces.len())];
+    let cascade = training::train(positives, backgrounds, cache, options)?;
     let refiner = refine::train(faces, cache, options)?;
-    let mut cascade = calibrate::thresholds(&cascade, learnt, options.hopeless);
+    let mut cascade = calibrate::thresholds(&cascade, positives, options.discard_quantile);
     cascade.trees.truncate(options.kept);
     cascade.thresholds.truncate(options.kept);
     Ok(pack::section(&cascade, &refiner, options.confirm))

@@ -4,7 +4,8 @@
 //! Header: magic, seed, fingerprint of the spec. Then records of: length, sizes, truth, luma;
 //! little-endian. A record cut short at the end of the file is dropped and drawn again.
 
-use super::sample::{Renderer, Sample, SampleSpec};
+use super::sample::{Renderer, Sample};
+use super::spec::SampleSpec;
 use anyhow::{Context, Result, ensure};
 use glam::{Vec2, Vec3};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -24,9 +25,9 @@ const FLOATS: usize = 2 * LANDMARKS + 3 * LANDMARKS + 3 + 3 + 4 + ANIMATIONS;
 /// Samples drawn between writes.
 const BATCH: u64 = 256;
 
-/// Changes when the spec does (FNV-1a of its text).
+/// Changes when the spec does, as serde writes it (FNV-1a).
 fn fingerprint(spec: &SampleSpec) -> u64 {
-    let text = format!("{spec:?}");
+    let text = serde_json::to_string(spec).expect("a spec is plain numbers");
     text.bytes().fold(0xcbf2_9ce4_8422_2325, |h, b| {
         (h ^ b as u64).wrapping_mul(0x100_0000_01b3)
     })
@@ -141,11 +142,6 @@ fn present(path: &Path, wanted: &[u8]) -> Result<(u64, u64)> {
         end += 4 + body.len() as u64;
     }
     Ok((count, end))
-}
-
-/// Whether a cache of this seed and spec holds at least `count` samples.
-pub fn holds(path: &Path, seed: u64, count: u64, spec: &SampleSpec) -> Result<bool> {
-    Ok(present(path, &header(seed, spec))?.0 >= count)
 }
 
 /// Fills a cache up to `count` samples (indices 0, 1, …), going on where an earlier run stopped;

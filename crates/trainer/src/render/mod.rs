@@ -8,6 +8,7 @@
 //!               └─► contour: the 68 points in the photographs' convention
 //! ```
 
+pub mod accessories;
 pub mod background;
 pub mod cache;
 pub mod contour;
@@ -26,13 +27,14 @@ pub mod raster;
 pub mod sample;
 pub mod sheet;
 pub mod skin;
+pub mod spec;
 pub mod texture;
-pub mod worn;
 
 pub use people::{People, Persons};
-pub use sample::{Renderer, Sample, SampleSpec};
+pub use sample::{Renderer, Sample};
+pub use spec::SampleSpec;
 
-use crate::fit::{FitSettings, fit_photographs_cached};
+use crate::fit::Fits;
 use crate::head::Head;
 use crate::picture::Picture;
 use anyhow::Result;
@@ -45,7 +47,7 @@ pub struct Args {
     /// The shared data: `facekit.npz`, `backgrounds/`, `faces68/`.
     #[arg(long, default_value = "../shared/data")]
     pub data: PathBuf,
-    /// Folder for what is made once.
+    /// Folder for the outputs of stages.
     #[arg(long, default_value = "cache")]
     pub cache: PathBuf,
     /// Samples in all; an interrupted run goes on where it stopped.
@@ -75,7 +77,7 @@ pub enum Kind {
 
 impl Kind {
     /// Different procedural people, alone or beside photographed ones.
-    fn people(self, clean: bool) -> usize {
+    pub fn people(self, clean: bool) -> usize {
         match (self, clean) {
             (Kind::Plain, true) => 2048,
             (Kind::Plain, false) => 256,
@@ -84,25 +86,16 @@ impl Kind {
     }
 
     /// Pictures of each photographed person.
-    fn pictures(self) -> usize {
+    pub fn pictures(self) -> usize {
         match self {
             Kind::Plain => 2,
             Kind::Hard | Kind::Near => 3,
         }
     }
-
-    /// What stands in a file's name.
-    fn name(self) -> &'static str {
-        match self {
-            Kind::Plain => "",
-            Kind::Hard => "-hard",
-            Kind::Near => "-near",
-        }
-    }
 }
 
-/// A renderer as `args` ask for.
-pub fn renderer(args: &Args) -> Result<Renderer> {
+/// A renderer as `args` ask for; photographed people need the `fits` of their photographs.
+pub fn renderer(args: &Args, fits: Option<&Fits>) -> Result<Renderer> {
     let head = Head::load(&args.data.join("facekit.npz"))?;
     let mesh = mesh::Mesh::new(&head)?;
     let backgrounds = match args.clean {
@@ -115,15 +108,14 @@ pub fn renderer(args: &Args) -> Result<Renderer> {
         args.seed,
         args.kind == Kind::Near,
     );
-    let mut offsets_mm = head.conventional_offsets_mm();
-    if !args.clean {
-        let faces = args.data.join("faces68");
-        let (csv, images) = (faces.join("train.csv"), faces.join("train"));
-        let kept = args.cache.join("fits.json");
-        let fits = fit_photographs_cached(&head, &csv, &images, &FitSettings::default(), &kept)?;
-        people.add_photographs(&head, &mesh, &fits.fits, &images, args.kind.pictures())?;
-        offsets_mm = fits.offsets_mm;
-    }
+    let offsets_mm = match fits {
+        None => head.conventional_offsets_mm(),
+        Some(fits) => {
+            let images = args.data.join("faces68/train");
+            people.add_photographs(&head, &mesh, &fits.fits, &images, args.kind.pictures())?;
+            fits.offsets_mm.clone()
+        }
+    };
     let renderer = Renderer::new(mesh, people, backgrounds, &offsets_mm);
     Ok(match args.clean {
         true => renderer.by_convention(),
@@ -148,24 +140,12 @@ pub fn spec(args: &Args) -> SampleSpec {
     }
 }
 
-/// Where the samples of `args` are kept.
-pub fn cache_path(args: &Args) -> PathBuf {
-    let people = if args.clean { "clean" } else { "renders" };
-    let kind = args.kind.name();
-    args.cache.join(format!("{people}{kind}-{}.bin", args.seed))
-}
-
-/// Renders the samples into the cache and returns its path.
-pub fn run(args: &Args) -> Result<PathBuf> {
-    let path = cache_path(args);
+/// Renders the samples into a file, going on where an interrupted run stopped.
+pub fn write(args: &Args, fits: Option<&Fits>, path: &Path) -> Result<()> {
     // Samples of one kind are not those of another once more.
     let seed = args.seed ^ ((args.kind as u64) << 32);
-    // A renderer takes minutes to make: the photographed people's skins.
-    if cache::holds(&path, seed, args.count, &spec(args))? {
-        return Ok(path);
-    }
-    cache::write(&path, &renderer(args)?, seed, args.count, &spec(args))?;
-    Ok(path)
+    cache::write(path, &renderer(args, fits)?, seed, args.count, &spec(args))?;
+    Ok(())
 }
 
 /// All pictures of a folder in the order of their names, as luma.

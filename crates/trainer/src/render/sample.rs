@@ -7,111 +7,15 @@ use super::expression::{Expression, random_gaze};
 use super::light::Lights;
 use super::mesh::{IDENTITIES, Mesh};
 use super::noise::normal;
-use super::people::Persons;
 use super::person::Person;
-use super::{background, props, worn};
+use super::spec::SampleSpec;
+use super::{accessories, background, props};
 use glam::{Mat3, Vec2, Vec3};
 use image::GrayImage;
 use posewise::math::{HeadAngles, head_rotation};
 use posewise::shape::{ANIMATIONS, Intrinsics, LANDMARKS};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-
-/// What samples are drawn.
-#[derive(Clone, Debug)]
-pub struct SampleSpec {
-    /// Longer side of the box round the 68 points \[px\].
-    pub face_px: (f32, f32),
-    /// Space round that box on each side, in its longer side.
-    pub margin: f32,
-    /// Largest |yaw| \[deg\].
-    pub yaw_deg: f32,
-    /// Share of the samples within two thirds of that; they are uniform inside each band.
-    pub inner_share: f32,
-    /// Largest |pitch| \[deg\].
-    pub pitch_deg: f32,
-    /// Largest |roll| \[deg\].
-    pub roll_deg: f32,
-    /// Share of samples with a hand or a lump in front.
-    pub occluders: f64,
-    /// Share of samples with glasses.
-    pub glasses: f64,
-    /// Share of people who wear their hair long.
-    pub long_hair: f64,
-    /// Share of samples with a cap.
-    pub caps: f64,
-    /// Share of samples with a mask.
-    pub masks: f64,
-    /// Share of samples whose lids are anywhere between open and shut.
-    pub closing: f64,
-    /// Share of samples whose eyeballs look odd: too bright or dark, without an iris, mottled by
-    /// reflections.
-    pub odd_eyes: f64,
-    /// Share of near-infrared samples.
-    pub infrared: f64,
-    /// Share of samples before a photograph (the rest: procedural backgrounds).
-    pub photo_backgrounds: f64,
-    /// Blur and noise, in shares of the most that small faces have.
-    pub defects: f32,
-    /// Whose skins are used.
-    pub persons: Persons,
-}
-
-impl Default for SampleSpec {
-    fn default() -> Self {
-        SampleSpec {
-            face_px: (40.0, 110.0),
-            margin: 0.6,
-            yaw_deg: 90.0,
-            inner_share: 0.75,
-            pitch_deg: 35.0,
-            roll_deg: 35.0,
-            occluders: 0.15,
-            glasses: 0.15,
-            long_hair: 0.0,
-            caps: 0.0,
-            masks: 0.0,
-            closing: 0.0,
-            odd_eyes: 0.0,
-            infrared: 0.12,
-            photo_backgrounds: 0.75,
-            defects: 1.0,
-            persons: Persons::All,
-        }
-    }
-}
-
-impl SampleSpec {
-    /// Faces seen from near: as sharp as a closer crop can be, lids anywhere.
-    pub fn near() -> SampleSpec {
-        SampleSpec {
-            face_px: (50.0, 240.0),
-            inner_share: 0.85,
-            closing: 0.25,
-            odd_eyes: 0.1,
-            glasses: 0.12,
-            infrared: 0.1,
-            defects: 0.5,
-            ..SampleSpec::default()
-        }
-    }
-
-    /// What plain samples lack: things worn, lids half way, odd eyes, larger turns, small faces.
-    pub fn hard() -> SampleSpec {
-        SampleSpec {
-            face_px: (30.0, 110.0),
-            pitch_deg: 45.0,
-            roll_deg: 45.0,
-            occluders: 0.2,
-            long_hair: 0.35,
-            caps: 0.08,
-            masks: 0.08,
-            closing: 0.3,
-            odd_eyes: 0.2,
-            ..SampleSpec::default()
-        }
-    }
-}
 
 /// A rendered face with its truth.
 #[derive(Clone, Debug)]
@@ -331,11 +235,11 @@ impl Renderer {
         )];
         if rng.random_bool(spec.glasses) {
             let mut worn = self.glasses(rng, head);
-            worn::wear(&mut worn, pose.rotation, pose.at);
+            accessories::wear(&mut worn, pose.rotation, pose.at);
             all.extend(worn);
         }
         let mut worn = self.worn(rng, spec, head, person);
-        worn::wear(&mut worn, pose.rotation, pose.at);
+        accessories::wear(&mut worn, pose.rotation, pose.at);
         all.extend(worn);
         if rng.random_bool(spec.occluders) {
             let over = self.mesh.landmarks[rng.random_range(0..LANDMARKS)] as usize;
@@ -365,13 +269,13 @@ impl Renderer {
         let at = |i: usize| head[self.mesh.landmarks[i] as usize];
         let mut all = Vec::new();
         if let Some(albedo) = person.hair.filter(|_| hair) {
-            all.push(worn::long_hair(rng, [at(0), at(16)], albedo));
+            all.push(accessories::long_hair(rng, [at(0), at(16)], albedo));
         }
         if cap {
-            all.push(worn::cap(rng));
+            all.push(accessories::cap(rng));
         }
         if mask {
-            all.push(worn::mask(rng, &self.mesh, head));
+            all.push(accessories::mask(rng, &self.mesh, head));
         }
         all
     }
@@ -382,7 +286,7 @@ impl Renderer {
         let eyes = [at(36).lerp(at(39), 0.5), at(42).lerp(at(45), 0.5)];
         // The temples of spectacles reach back to the ears.
         let ears = [at(0), at(16)].map(|p| p + Vec3::new(p.x.signum() * 2.0, 2.0, 42.0));
-        worn::glasses(rng, at(27), eyes, ears)
+        accessories::glasses(rng, at(27), eyes, ears)
     }
 }
 

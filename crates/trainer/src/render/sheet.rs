@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 /// Settings of `posewise-train sheet`.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Args {
-    /// A file of renders.
-    #[arg(long, default_value = "cache/renders-1.bin")]
+    /// A file of renders, whose path `posewise-train render` prints.
+    #[arg(long)]
     pub renders: PathBuf,
     /// The picture to write.
     #[arg(long, default_value = "sheet.png")]

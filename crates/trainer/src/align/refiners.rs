@@ -1,13 +1,15 @@
-//! Trains the fine stages (section `RFIN`): samples are the global stage's own answers on the
+//! Trains the refiners (section `RFIN`): samples are the global stage's own answers on the
 //! training faces, shaken a little because it errs more on faces that it has not seen.
 
 use super::evaluate::start_of;
 use super::network::{Points, Sizes};
 use super::open::with_model;
-use super::quantise::write_part;
+use super::options::{Aperture, Options};
+use super::quantize::write_refiner;
 use super::samples::{Augment, EXAMPLES, Sample, cut_at, disturb, standardise};
+use super::source::{Draw, Source};
 use super::starts::{jittered_box, normal, start_from_box};
-use super::train::{Draw, Gaps, Options, Source, Trained, train};
+use super::train::{Trained, train};
 use crate::faces::{Face, ratio};
 use crate::single_eyes::{self, Single, is_single};
 use anyhow::Result;
@@ -21,13 +23,13 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use std::path::Path;
 
-/// One part of the face.
-struct Part {
+/// One refiner of the face.
+struct Refiner {
     name: &'static str,
     /// In the order of the network's points.
     landmarks: Vec<usize>,
-    /// Whether the mirror images are a part of their own.
-    twin: bool,
+    /// Whether the mirror images are a refiner of their own.
+    mirrored: bool,
     /// Side of its crop \[px\].
     side: usize,
     /// Crop px per canonical unit.
@@ -35,42 +37,42 @@ struct Part {
     /// Share of renders among its samples.
     rendered: f32,
     /// Share of crops that moved while they were exposed.
-    smeared: f32,
+    motion_blurred: f32,
     /// Whether eyes seen alone, if there are some, are added in a second round.
     alone: bool,
 }
 
 /// In the order in which they run.
-fn all() -> [Part; 3] {
+fn all() -> [Refiner; 3] {
     [
-        Part {
+        Refiner {
             name: "eye",
             landmarks: (17..22).chain(36..42).collect(),
-            twin: true,
+            mirrored: true,
             side: 56,
             zoom: 2.0,
             rendered: 0.5,
-            smeared: 0.0,
+            motion_blurred: 0.0,
             alone: false,
         },
-        Part {
+        Refiner {
             name: "mouth",
             landmarks: (48..68).collect(),
-            twin: false,
+            mirrored: false,
             side: 56,
             zoom: 1.5,
             rendered: 0.5,
-            smeared: 0.0,
+            motion_blurred: 0.0,
             alone: false,
         },
-        Part {
+        Refiner {
             name: "lids",
             landmarks: (36..42).collect(),
-            twin: true,
+            mirrored: true,
             side: 48,
             zoom: 3.5,
             rendered: 0.6,
-            smeared: 0.3,
+            motion_blurred: 0.3,
             alone: true,
         },
     ]
@@ -78,8 +80,8 @@ fn all() -> [Part; 3] {
 
 /// Answers of the global stage kept per face.
 const STARTS: usize = 2;
-/// Passes that led to them.
-const PASSES: usize = 3;
+/// Iterations that led to them.
+const ITERATIONS: usize = 3;
 /// Largest mean error of an answer to go on from \[% of the scale\].
 const LOST: f32 = 12.0;
 /// Weight of a landmark that is not seen.
@@ -88,11 +90,11 @@ const HIDDEN: f32 = 0.15;
 /// annotator leaves shut eyes half open. Renders teach what those look like.
 const NARROW: f32 = 0.2;
 /// How far faces move while they are exposed, at most, in canonical units.
-const SMEAR: f32 = 9.0;
+const MOTION_BLUR: f32 = 9.0;
 /// How much more often than a photograph of a face one of a single eye is drawn.
 const SINGLE: f32 = 3.0;
 
-/// How and from where fine stages are trained.
+/// How and from where refiners are trained.
 pub struct Training<'a> {
     /// Sections of the cascade's global stage.
     pub global: [&'a SectionWriter; 2],
@@ -103,27 +105,26 @@ pub struct Training<'a> {
     pub eyes: Option<&'a Path>,
     /// As of [`options`].
     pub options: &'a Options,
-    /// Folder of checkpoints, and what is in their names.
-    pub cache: &'a Path,
-    pub key: u32,
+    /// Folder of checkpoints.
+    pub checkpoints: &'a Path,
 }
 
 impl Training<'_> {
     /// Trains section `RFIN`; goes on from checkpoints if there are some.
     pub fn run(&self) -> Result<SectionWriter> {
-        let mut parts = all().into_iter().peekable();
+        let mut refiners = all().into_iter().peekable();
         let mut out = SectionWriter::new(Refiners::TAG);
-        out.scalar(parts.len() as u32);
+        out.scalar(refiners.len() as u32);
         let start = |model: &AlignModel<'_>| Ok(starts(model, self.faces));
         let [first, second] = self.global;
         let mut starts = with_model(&self.global, start)?;
-        while let Some(part) = parts.next() {
-            println!("fine stage: {}", part.name);
-            let (mut trained, samples) = self.round(&part, self.faces, &starts, None)?;
+        while let Some(refiner) = refiners.next() {
+            println!("refiner: {}", refiner.name);
+            let (mut trained, samples) = self.round(&refiner, self.faces, &starts, None)?;
             let write = |trained: &Trained, out: &mut SectionWriter| {
-                write_part(trained, &part.landmarks, part.twin, &samples, out)
+                write_refiner(trained, &refiner.landmarks, refiner.mirrored, &samples, out)
             };
-            if let Some(eyes) = self.eyes.filter(|_| part.alone) {
+            if let Some(eyes) = self.eyes.filter(|_| refiner.alone) {
                 // The last stage: with it the section is whole.
                 let mut so_far = out.clone();
                 write(&trained, &mut so_far)?;
@@ -135,17 +136,17 @@ impl Training<'_> {
                 let faces = [self.faces, &alone[..]].concat();
                 let starts: Vec<_> = starts.iter().copied().chain(found).collect();
                 println!("second round, with eyes seen alone");
-                trained = self.round(&part, &faces, &starts, Some(trained))?.0;
-            } else if self.eyes.is_none() && part.twin {
+                trained = self.round(&refiner, &faces, &starts, Some(trained))?.0;
+            } else if self.eyes.is_none() && refiner.mirrored {
                 println!("second round");
-                trained = self.round(&part, self.faces, &starts, Some(trained))?.0;
+                trained = self.round(&refiner, self.faces, &starts, Some(trained))?.0;
             }
             let mut alone = SectionWriter::new(Refiners::TAG);
             alone.scalar(1u32);
             for out in [&mut alone, &mut out] {
                 write(&trained, out)?;
             }
-            if parts.peek().is_some() {
+            if refiners.peek().is_some() {
                 // The next stage goes on from where this one ends.
                 with_model(&[first, second, &alone], |model| {
                     advance(model, self.faces, &mut starts);
@@ -156,46 +157,46 @@ impl Training<'_> {
         Ok(out)
     }
 
-    /// One round of a part, after another one or the first; and samples as it meets them.
+    /// One round of a refiner, after another one or the first; and samples as it meets them.
     fn round(
         &self,
-        part: &Part,
+        refiner: &Refiner,
         faces: &[Face],
         starts: &[[Start; STARTS]],
         after: Option<Trained>,
     ) -> Result<(Trained, Vec<Sample>)> {
         let mut options = Options {
-            sizes: Sizes::of_part(part.landmarks.len(), part.side, part.zoom),
-            rendered: part.rendered,
+            sizes: Sizes::of_refiner(refiner.landmarks.len(), refiner.side, refiner.zoom),
+            rendered: refiner.rendered,
             augment: Augment {
-                smear: part.smeared,
-                smear_px: SMEAR * part.zoom,
+                motion_blur: refiner.motion_blurred,
+                motion_blur_px: MOTION_BLUR * refiner.zoom,
                 ..self.options.augment
             },
             ..self.options.clone()
         };
-        let mut name = part.name.to_string();
+        let mut name = refiner.name.to_string();
         if after.is_some() {
             options.seed ^= 0xe7e;
             options.rate *= 0.5;
             name += "-second";
         }
-        let source = PartFaces {
+        let source = RefinerFaces {
             faces,
             starts,
             options: &options,
-            draw: Draw::new(faces, &options, |face| part.interest(face))?,
-            part,
+            draw: Draw::new(faces, &options, |face| refiner.interest(face))?,
+            refiner,
         };
-        let name = format!("{name}-{:08x}.checkpoint", self.key);
+        let name = format!("{name}.checkpoint");
         let initial = after.map(|trained| trained.parameters);
-        let trained = train(&source, &options, &self.cache.join(name), initial)?;
+        let trained = train(&source, &options, &self.checkpoints.join(name), initial)?;
         let mut rng = ChaCha8Rng::seed_from_u64(options.seed ^ 2);
         Ok((trained, source.samples(EXAMPLES, &mut rng)))
     }
 }
 
-/// How fine stages are trained.
+/// How refiners are trained.
 pub fn options(seed: u64, steps: usize) -> Options {
     Options {
         seed,
@@ -205,7 +206,7 @@ pub fn options(seed: u64, steps: usize) -> Options {
             coarse: 0.25,
             ..Augment::default()
         },
-        gaps: Gaps {
+        aperture: Aperture {
             lids: 4.0,
             lips: 1.0,
             from: 0.0,
@@ -214,15 +215,15 @@ pub fn options(seed: u64, steps: usize) -> Options {
     }
 }
 
-impl Part {
+impl Refiner {
     /// How much more often than others a face is drawn: closed eyes and open mouths are rare.
     fn interest(&self, face: &Face) -> f32 {
-        let ratio = |ends, gaps: &[_]| ratio(&face.landmarks, ends, gaps);
+        let ratio = |ends, aperture: &[_]| ratio(&face.landmarks, ends, aperture);
         if is_single(face) {
             SINGLE
-        } else if self.twin && face.yaw_deg.is_none() {
+        } else if self.mirrored && face.yaw_deg.is_none() {
             1.0
-        } else if self.twin {
+        } else if self.mirrored {
             let right = ratio([36, 39], &[[37, 41], [38, 40]]);
             let left = ratio([42, 45], &[[43, 47], [44, 46]]);
             1.0 + 20.0 * (0.2 - right.min(left)).clamp(0.0, 0.2)
@@ -233,7 +234,7 @@ impl Part {
     }
 }
 
-/// What a fine stage starts from.
+/// What a refiner starts from.
 #[derive(Clone, Copy)]
 struct Start {
     /// The global stage's answer: canonical frame → frame px.
@@ -289,7 +290,7 @@ pub(super) fn ends(model: &AlignModel<'_>, faces: &[Face]) -> Vec<[Option<Shape>
                         jittered_box(&views, &face.landmarks, &BoxJitter::DETECTOR, &mut rng);
                     let start = start_of(model, face.turn());
                     let mut shape = start_from_box(&start, at, size, roll);
-                    let ran = model.run(&face.picture.frame(), PASSES, &mut shape, work);
+                    let ran = model.run(&face.picture.frame(), ITERATIONS, &mut shape, work);
                     let pairs = shape.iter().zip(&face.landmarks);
                     let sum: f32 = pairs.map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1])).sum();
                     let lost = 100.0 * sum / LANDMARKS as f32 > LOST * face.scale();
@@ -300,7 +301,7 @@ pub(super) fn ends(model: &AlignModel<'_>, faces: &[Face]) -> Vec<[Option<Shape>
         .collect()
 }
 
-/// Moves the starts by the fine stages of a model.
+/// Moves the starts by the refiners of a model.
 fn advance(model: &AlignModel<'_>, faces: &[Face], starts: &mut [[Start; STARTS]]) {
     faces.par_iter().zip(starts).for_each_init(
         || Box::new(Workspace::new()),
@@ -315,34 +316,34 @@ fn advance(model: &AlignModel<'_>, faces: &[Face], starts: &mut [[Start; STARTS]
     );
 }
 
-struct PartFaces<'a> {
+struct RefinerFaces<'a> {
     faces: &'a [Face],
     starts: &'a [[Start; STARTS]],
     options: &'a Options,
     draw: Draw,
-    part: &'a Part,
+    refiner: &'a Refiner,
 }
 
-impl PartFaces<'_> {
+impl RefinerFaces<'_> {
     /// The lids among an eye's landmarks, where its label cannot be trusted.
     fn doubtful(&self, face: &Face, [a, b, c, d, e, f]: [usize; 6]) -> Vec<usize> {
         let photograph = face.yaw_deg.is_none();
         let narrow = ratio(&face.landmarks, [a, d], &[[b, f], [c, e]]) < NARROW;
-        match self.part.twin && photograph && narrow && !is_single(face) {
+        match self.refiner.mirrored && photograph && narrow && !is_single(face) {
             true => vec![b, c, e, f],
             false => vec![],
         }
     }
 }
 
-impl Source for PartFaces<'_> {
+impl Source for RefinerFaces<'_> {
     fn draw(&self, rng: &mut ChaCha8Rng) -> Sample {
         let index = self.draw.next(rng);
         let face = &self.faces[index];
         let Start { seat, shape } = &self.starts[index][rng.random_range(0..STARTS)];
         let mirrored = !is_single(face) && rng.random_bool(0.5);
         let which = |k: usize| if mirrored { MIRROR[k] } else { k };
-        let landmarks: Vec<usize> = self.part.landmarks.iter().map(|k| which(*k)).collect();
+        let landmarks: Vec<usize> = self.refiner.landmarks.iter().map(|k| which(*k)).collect();
         let doubtful = match mirrored {
             false => self.doubtful(face, [36, 37, 38, 39, 40, 41]),
             true => self.doubtful(face, [45, 44, 43, 42, 47, 46]),
@@ -397,14 +398,15 @@ impl Source for PartFaces<'_> {
         }
     }
 
-    fn gaps(&self, gaps: &Gaps) -> Vec<([usize; 2], f32)> {
-        let local = |k: usize| self.part.landmarks.iter().position(|l| *l == k);
-        gaps.pairs()
+    fn aperture(&self, aperture: &Aperture) -> Vec<([usize; 2], f32)> {
+        let local = |k: usize| self.refiner.landmarks.iter().position(|l| *l == k);
+        aperture
+            .pairs()
             .filter_map(|([a, b], weight)| Some(([local(a)?, local(b)?], weight)))
             .collect()
     }
 
     fn offset(&self) -> Points {
-        vec![[0.0; 2]; self.part.landmarks.len()]
+        vec![[0.0; 2]; self.refiner.landmarks.len()]
     }
 }

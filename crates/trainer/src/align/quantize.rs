@@ -1,8 +1,8 @@
 //! From floats to the integers of the cascade's sections.
 
 use super::graph::{Op, Scratch};
-use super::narrow::requantize;
 use super::network::{Head, Network};
+use super::rank::reduce_rank;
 use super::samples::Sample;
 use super::starts::StartShapes;
 use super::train::Trained;
@@ -25,11 +25,12 @@ pub fn face_section(
     trained: &Trained,
     mean: &Shape,
     starts: &StartShapes,
-    passes: usize,
+    iterations: usize,
     samples: &[Sample],
 ) -> Result<SectionWriter> {
     let mut out = SectionWriter::new(AlignModel::TAG);
-    out.scalar(starts.turns.len() as u32).scalar(passes as u32);
+    out.scalar(starts.turns.len() as u32)
+        .scalar(iterations as u32);
     let flat = |shape: &Shape| shape.iter().flatten().copied().collect::<Vec<f32>>();
     out.array(&flat(mean));
     out.array(&starts.shapes.iter().flat_map(flat).collect::<Vec<_>>());
@@ -39,21 +40,22 @@ pub fn face_section(
 }
 
 /// Section `ENSM`, as [`posewise::align::EnsembleMember::open`] reads it.
-pub fn second_section(trained: &Trained, samples: &[Sample]) -> Result<SectionWriter> {
+pub fn ensemble_section(trained: &Trained, samples: &[Sample]) -> Result<SectionWriter> {
     let mut out = SectionWriter::new(EnsembleMember::TAG);
     write_regressor(trained, samples, &mut out)?;
     Ok(out)
 }
 
-/// A part of section `RFIN`, as [`posewise::align::Refiners::open`] reads it.
-pub fn write_part(
+/// A refiner of section `RFIN`, as [`posewise::align::Refiners::open`] reads it.
+pub fn write_refiner(
     trained: &Trained,
     landmarks: &[usize],
-    twin: bool,
+    mirrored: bool,
     samples: &[Sample],
     out: &mut SectionWriter,
 ) -> Result<()> {
-    out.scalar(landmarks.len() as u32).scalar(u32::from(twin));
+    out.scalar(landmarks.len() as u32)
+        .scalar(u32::from(mirrored));
     out.array(&landmarks.iter().map(|k| *k as u32).collect::<Vec<_>>());
     write_regressor(trained, samples, out)
 }
@@ -62,12 +64,12 @@ fn write_regressor(trained: &Trained, samples: &[Sample], out: &mut SectionWrite
     let Trained {
         network,
         parameters,
-    } = &requantize(trained, samples);
+    } = &reduce_rank(trained, samples);
     let sizes = &network.sizes;
     out.scalar(sizes.side as u32).scalar(sizes.zoom);
     out.scalar(network.fine as u32).scalar(network.last as u32);
     out.scalar(network.heads.len() as u32)
-        .scalar(sizes.modes as u32);
+        .scalar(sizes.rank as u32);
     let scales = scales(network, parameters, samples);
     let places = places(network)?;
     out.scalar(network.graph.nodes.len() as u32);
@@ -330,7 +332,7 @@ fn write_head(
             .collect();
         scale.push(to_bytes(&row, &mut weights));
         let column: Vec<f32> = (0..head.outputs)
-            .map(|i| spread[i * head.modes + k])
+            .map(|i| spread[i * head.rank + k])
             .collect();
         row_scale.push(to_bytes(&column, &mut rows));
     }

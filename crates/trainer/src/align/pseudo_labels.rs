@@ -1,9 +1,9 @@
-//! Labels that training can trust more than the annotator's: what a trained cascade answers,
-//! averaged over several looks at the same face and its mirror image.
+//! Labels that training can trust more than the annotator's: what a trained cascade predicts,
+//! averaged over several attempts at the same face and its mirror image.
 //!
-//! A photograph's own label and the cascade's answer err independently enough that their mean is
-//! closer to the truth than either; faces without labels get the cascade's answer, if its looks
-//! agree.
+//! A photograph's own label and the cascade's prediction err independently enough that their mean
+//! is closer to the truth than either; faces without labels get the cascade's prediction, if its
+//! attempts agree.
 
 use super::evaluate::start_of;
 use super::starts::{jittered_box, start_from_box};
@@ -18,9 +18,9 @@ use rayon::prelude::*;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Looks at a face, half of them in the mirror.
-const LOOKS: usize = 8;
-/// Where looks start from, around the answer before them.
+/// Attempts at a face, half of them in the mirror.
+const ATTEMPTS: usize = 8;
+/// Where attempts start from, around the answer before them.
 const AROUND: BoxJitter = BoxJitter {
     shift: 0.03,
     log_size: 0.05,
@@ -28,14 +28,14 @@ const AROUND: BoxJitter = BoxJitter {
 };
 /// Passes after which a face in a picture without labels is where it belongs.
 const SETTLED: usize = 4;
-/// Share of the cascade's answer in a photograph's new label.
+/// Share of the cascade's prediction in a photograph's new label.
 const SHARE: f32 = 0.5;
-/// Largest mean distance of the looks from their mean \[% of the scale\] at which a face without a
-/// label is kept.
+/// Largest mean distance of the attempts from their mean \[% of the scale\] at which a face without
+/// a label is kept.
 const AGREEMENT: f32 = 3.0;
 
-/// Mean of the looks, and their mean distance from it \[px\].
-fn looks(
+/// Mean of the attempts, and their mean distance from it \[px\].
+fn attempts(
     model: &AlignModel<'_>,
     face: &Face,
     mirror: &Face,
@@ -45,7 +45,7 @@ fn looks(
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let last = face.picture.size[0] as f32 - 1.0;
     let mut shapes: Vec<Shape> = vec![];
-    for k in 0..LOOKS {
+    for k in 0..ATTEMPTS {
         let face = if k % 2 == 0 { face } else { mirror };
         let views = model.views();
         let (at, size, roll) = jittered_box(&views, &face.landmarks, &AROUND, &mut rng);
@@ -81,7 +81,9 @@ pub fn blended(model: &AlignModel<'_>, faces: &[Face]) -> Vec<Face> {
             || Box::new(Workspace::new()),
             |work, (index, face)| {
                 let mut face = face.clone();
-                if let Some((mean, _)) = looks(model, &face, &face.mirrored(), index as u64, work) {
+                if let Some((mean, _)) =
+                    attempts(model, &face, &face.mirrored(), index as u64, work)
+                {
                     for (label, own) in face.landmarks.iter_mut().zip(mean) {
                         for k in 0..2 {
                             label[k] += SHARE * (own[k] - label[k]);
@@ -95,7 +97,7 @@ pub fn blended(model: &AlignModel<'_>, faces: &[Face]) -> Vec<Face> {
 }
 
 /// Faces in pictures without labels: one in the middle of each, as wide as two fifths of the
-/// picture. Those on which the looks do not agree are left out; also returns how many.
+/// picture. Those on which the attempts do not agree are left out; also returns how many.
 pub fn found(model: &AlignModel<'_>, folder: &Path) -> Result<(Vec<Face>, usize)> {
     let paths = Picture::list(folder)?;
     let faces = paths
@@ -120,7 +122,8 @@ pub fn found(model: &AlignModel<'_>, folder: &Path) -> Result<(Vec<Face>, usize)
                     visible: [true; LANDMARKS],
                 };
                 let mirror = face.mirrored();
-                let Some((mean, spread)) = looks(model, &face, &mirror, index as u64, work) else {
+                let Some((mean, spread)) = attempts(model, &face, &mirror, index as u64, work)
+                else {
                     return Ok(None);
                 };
                 face.landmarks = mean;

@@ -1,8 +1,8 @@
 //! Learns the cascade's last step (section `SREG`): ridge regression from where the stages before
 //! it end on the training faces to what they lack there.
 
-use super::parts::ends;
-use super::train::LIDS;
+use super::options::LIDS;
+use super::refiners::ends;
 use crate::faces::Face;
 use anyhow::{Result, anyhow};
 use faer::linalg::solvers::Solve;

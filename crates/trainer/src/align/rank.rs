@@ -8,20 +8,20 @@ use super::train::Trained;
 use nalgebra::{DMatrix, SymmetricEigen};
 
 /// Dimensions that are kept, unless the points have fewer coordinates.
-pub const MODES: usize = 24;
+pub const RANK: usize = 24;
 
 /// The network with answers of fewer dimensions: the principal components of where each answer
 /// moves the points on these samples; what lies beside them stays at its mean.
-pub fn requantize(trained: &Trained, samples: &[Sample]) -> Trained {
+pub fn reduce_rank(trained: &Trained, samples: &[Sample]) -> Trained {
     let Trained {
         network,
         parameters,
     } = trained;
     let sizes = &network.sizes;
-    let modes = MODES.min(2 * sizes.points).min(sizes.modes);
+    let rank = RANK.min(2 * sizes.points).min(sizes.rank);
     let inner = inner_values(trained, samples);
     let narrow = Network::new(&Sizes {
-        modes,
+        rank,
         ..sizes.clone()
     });
     let mut out = vec![0.0; narrow.parameters];
@@ -32,13 +32,13 @@ pub fn requantize(trained: &Trained, samples: &[Sample]) -> Trained {
         let double = |rows, columns, values: &[f32]| {
             DMatrix::from_row_iterator(rows, columns, values.iter().map(|v| f64::from(*v)))
         };
-        let project = double(from.modes, from.inputs, project);
-        let bias = double(from.modes, 1, bias);
-        let spread = double(from.outputs, from.modes, spread);
+        let project = double(from.rank, from.inputs, project);
+        let bias = double(from.rank, 1, bias);
+        let spread = double(from.outputs, from.rank, spread);
         let moved = &spread * inner;
         let mean = DMatrix::from_columns(&[moved.column_mean()]);
         let apart = &moved - &mean * DMatrix::from_element(1, samples.len(), 1.0);
-        let basis = principal(&(&apart * apart.transpose()), modes);
+        let basis = principal(&(&apart * apart.transpose()), rank);
         let onto = basis.transpose() * &spread;
         let rest = &mean - &basis * (basis.transpose() * &mean);
         let parts = [
@@ -79,7 +79,7 @@ fn inner_values(trained: &Trained, samples: &[Sample]) -> Vec<DMatrix<f64>> {
     }
     columns
         .into_iter()
-        .map(|values| DMatrix::from_vec(network.sizes.modes, samples.len(), values))
+        .map(|values| DMatrix::from_vec(network.sizes.rank, samples.len(), values))
         .collect()
 }
 
@@ -107,7 +107,7 @@ mod tests {
     fn answers_stay_as_they_were_where_all_their_coordinates_are_kept() {
         let sizes = Sizes {
             reads: vec![GLOBAL, GLOBAL | SHAPE_INDEXED],
-            ..Sizes::of_part(6, 24, 1.0)
+            ..Sizes::of_refiner(6, 24, 1.0)
         };
         let network = Network::new(&sizes);
         let mut rng = ChaCha8Rng::seed_from_u64(3);
@@ -128,8 +128,8 @@ mod tests {
             parameters,
         };
         let unseen = samples.split_off(30);
-        let narrow = requantize(&trained, &samples);
-        assert_eq!(narrow.network.sizes.modes, 12);
+        let narrow = reduce_rank(&trained, &samples);
+        assert_eq!(narrow.network.sizes.rank, 12);
         let answer = |trained: &Trained, sample: &Sample| {
             let mut maps = trained.network.graph.maps();
             maps[0].copy_from_slice(&sample.crop);

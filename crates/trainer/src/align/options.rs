@@ -1,0 +1,122 @@
+//! Options of a network's training.
+
+use super::network::Sizes;
+use super::samples::{Augment, Start};
+use serde::Serialize;
+
+/// How the network is trained.
+#[derive(Clone, Debug, Serialize)]
+pub struct Options {
+    /// Seed of all randomness.
+    pub seed: u64,
+    /// Turns of the start shapes, rising from 0.
+    pub turns: Vec<f32>,
+    /// Iterations after a detection.
+    pub iterations: usize,
+    /// How large the network is.
+    pub sizes: Sizes,
+    /// Where crops are cut.
+    pub start: Start,
+    /// How they are disturbed.
+    pub augment: Augment,
+    /// Batches.
+    pub steps: usize,
+    /// Samples of a batch.
+    pub batch: usize,
+    /// Share of renders among them.
+    pub rendered: f32,
+    /// Share of faces with something before them.
+    pub occluded: f32,
+    /// How much more often a photograph of a face in profile is drawn than one from the front.
+    pub turned: f32,
+    /// How much more often a render of a face from the front is drawn than one in profile.
+    pub front: f32,
+    /// Largest rate; it rises over `warm_up` steps, then falls as a cosine.
+    pub rate: f32,
+    /// Steps until then.
+    pub warm_up: usize,
+    /// Weight decay.
+    pub decay: f32,
+    /// Weights of the aperture between the lids and between the lips, and the share of the steps
+    /// after which they count.
+    pub aperture: Aperture,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Options {
+            seed: 1,
+            turns: vec![0.0, 0.4, 0.8],
+            iterations: 2,
+            sizes: Sizes::default(),
+            start: Start::default(),
+            augment: Augment::default(),
+            steps: 30_000,
+            batch: 64,
+            rendered: 0.4,
+            occluded: 0.0,
+            turned: 3.0,
+            front: 0.0,
+            rate: 2e-3,
+            warm_up: 300,
+            decay: 0.02,
+            aperture: Aperture {
+                lids: 6.0,
+                lips: 2.0,
+                from: 0.65,
+            },
+        }
+    }
+}
+
+impl Options {
+    /// As these, for a network that has been trained with them and goes on with better labels.
+    pub fn second_round(self) -> Options {
+        Options {
+            rate: 0.5 * self.rate,
+            occluded: 0.25,
+            steps: self.steps * 4 / 5,
+            aperture: Aperture {
+                from: 0.3,
+                ..self.aperture
+            },
+            ..self
+        }
+    }
+
+    /// As these, for the global stage's second network: other numbers, better labels at once,
+    /// turned heads more often.
+    pub fn ensemble_member(self) -> Options {
+        Options {
+            seed: self.seed ^ 0x2ed,
+            occluded: 0.25,
+            turned: 2.0 * self.turned,
+            steps: self.steps * 4 / 3,
+            aperture: Aperture {
+                from: 0.5,
+                ..self.aperture
+            },
+            ..self
+        }
+    }
+}
+
+/// What a gap's error weighs beside a landmark's.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Aperture {
+    pub lids: f32,
+    pub lips: f32,
+    pub from: f32,
+}
+
+/// Upper and lower lids, upper and lower inner lips.
+pub(super) const LIDS: [[usize; 2]; 4] = [[37, 41], [38, 40], [43, 47], [44, 46]];
+const LIPS: [[usize; 2]; 3] = [[61, 67], [62, 66], [63, 65]];
+
+impl Aperture {
+    /// Pairs of landmarks, and what their gap weighs.
+    pub fn pairs(&self) -> impl Iterator<Item = ([usize; 2], f32)> {
+        let lids = LIDS.map(|pair| (pair, self.lids));
+        lids.into_iter().chain(LIPS.map(|pair| (pair, self.lips)))
+    }
+}

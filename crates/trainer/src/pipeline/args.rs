@@ -1,0 +1,59 @@
+//! Options of `posewise-train model`.
+
+use crate::render::{self, Kind};
+use std::path::PathBuf;
+
+/// Options of `posewise-train model`.
+#[derive(Clone, Debug, clap::Args)]
+pub struct Args {
+    /// The shared data.
+    #[arg(long, default_value = "../shared/data")]
+    pub data: PathBuf,
+    /// Folder for the outputs of stages.
+    #[arg(long, default_value = "cache")]
+    pub cache: PathBuf,
+    /// The model; its data sheet is written beside it, ending in `.md`.
+    #[arg(long, default_value = "models/default.posewise")]
+    pub out: PathBuf,
+    /// Seed of everything random.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// The model's 3D face: a Candide-3 wireframe (`.wfm`) in place of the morphable head, which
+    /// still renders.
+    #[arg(long)]
+    pub wireframe: Option<PathBuf>,
+    /// Rendered faces to train on.
+    #[arg(long, default_value_t = 12_000)]
+    pub renders: u64,
+    /// Close-up renders, for the refiners.
+    #[arg(long, default_value_t = 9_000)]
+    pub near_renders: u64,
+    /// Further renders of what plain ones lack, for the second round: accessories, lids half way,
+    /// odd eyes, larger yaw.
+    #[arg(long, default_value_t = 0)]
+    pub hard_renders: u64,
+    /// Batches that the network is trained on.
+    #[arg(long, default_value_t = 30_000)]
+    pub steps: usize,
+    /// Use no photograph: procedural people before procedural backgrounds only.
+    #[arg(long)]
+    pub clean: bool,
+}
+
+impl Args {
+    /// The same as `posewise-train render` would be given, for one kind.
+    pub fn render(&self, kind: Kind) -> render::Args {
+        render::Args {
+            data: self.data.clone(),
+            cache: self.cache.clone(),
+            count: match kind {
+                Kind::Plain => self.renders,
+                Kind::Near => self.near_renders,
+                Kind::Hard => self.hard_renders,
+            },
+            seed: self.seed,
+            clean: self.clean,
+            kind,
+        }
+    }
+}

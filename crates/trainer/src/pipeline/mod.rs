@@ -1,0 +1,44 @@
+//! From the data sets to a finished model, stage by stage.
+//!
+//! A stage is data ([`stage`]): a name, a version, content hashes of its inputs and options. Its
+//! output is kept under the hash of all that ([`store`]), so an interrupted run goes on where it
+//! stopped, and a changed data set or option makes again what depends on it and nothing else.
+//!
+//! | stage | file | makes |
+//! |---|---|---|
+//! | `fits` | [`fits`] | the 3D head fitted to every photograph |
+//! | `renders`, `renders-near`, `renders-hard` | [`renders`] | rendered faces |
+//! | `face` | [`face`] | section `FACE`, the 3D face |
+//! | `detector` | [`detector`] | section `DTCT` |
+//! | `first-network` | [`first_network`] | section `ALGN`, trained on the labels as they are |
+//! | `second-round` | [`second_round`] | section `ALGN`, goes on with better labels |
+//! | `ensemble-member` | [`ensemble_member`] | section `ENSM` |
+//! | `refiners` | [`refiners`] | section `RFIN` |
+//! | `shape-regression` | [`shape_regression`] | section `SREG` |
+//! | `verifier` | [`verifier`] | section `VRFY` |
+//! | `data-sheet` | [`data_sheet`] | errors on the dev photographs, for section `INFO` |
+//!
+//! [`pack`] writes the model of these, and [`run()`] calls them in order.
+
+pub mod args;
+pub mod context;
+pub mod data_sheet;
+pub mod detector;
+pub mod ensemble_member;
+pub mod face;
+pub mod first_network;
+pub mod fits;
+pub mod hash;
+pub mod pack;
+pub mod refiners;
+pub mod renders;
+mod run;
+pub mod second_round;
+mod sections;
+pub mod shape_regression;
+pub mod stage;
+pub mod store;
+pub mod verifier;
+
+pub use args::Args;
+pub use run::run;

@@ -1,0 +1,19 @@
+//! Writes the model of all sections, and its data sheet beside it.
+
+use super::args::Args;
+use anyhow::{Context, Result};
+use posewise_format::{SectionWriter, blob};
+
+/// Writes both; returns the model's size in bytes.
+pub fn write(args: &Args, mut sections: Vec<SectionWriter>, sheet: &str) -> Result<usize> {
+    let mut info = SectionWriter::new(*b"INFO");
+    info.array(sheet.as_bytes());
+    sections.push(info);
+    let bytes = blob(&sections);
+    let out = args.out.display();
+    std::fs::write(&args.out, &bytes).with_context(|| format!("writing {out}"))?;
+    let sheet = format!("{sheet}\nSize: {} bytes.\n", bytes.len());
+    std::fs::write(args.out.with_extension("md"), sheet)
+        .with_context(|| format!("writing the data sheet of {out}"))?;
+    Ok(bytes.len())
+}

@@ -1,0 +1,36 @@
+//! Stage `refiners`: networks of eyes with brows, of the mouth and of the lids (section `RFIN`).
+
+use super::context::Context;
+use super::sections;
+use super::stage::Stage;
+use super::store::Output;
+use crate::align;
+use anyhow::Result;
+use posewise::align::{AlignModel, EnsembleMember};
+
+/// Makes the section for a global stage of these two networks. No hard renders: lids half way that
+/// are hardly seen would teach the networks to predict the middle.
+pub fn make(context: &Context<'_>, global: &Output, member: &Output) -> Result<Output> {
+    let args = context.args;
+    let options = align::refiners::options(args.seed, args.steps);
+    let stage = Stage::new("refiners", 1)
+        .options(&options)?
+        .input("second-round", global.hash(sections::FILE)?)
+        .input("ensemble-member", member.hash(sections::FILE)?);
+    let stage = context.with_near(context.with_pseudo_labelled(stage)?)?;
+    let stage = context.with_photographs(stage, &["eyes"])?;
+    context.store.make(&stage, &[sections::FILE], |folder| {
+        let global = [(global, AlignModel::TAG), (member, EnsembleMember::TAG)];
+        let faces = [&context.pseudo_labelled(&global)?, context.near()?].concat();
+        let eyes = context.data("eyes");
+        let [first, second] = [sections::read(&global[0])?, sections::read(&global[1])?];
+        let training = align::refiners::Training {
+            global: [&first, &second],
+            faces: &faces,
+            eyes: (!args.clean).then_some(&eyes),
+            options: &options,
+            checkpoints: folder,
+        };
+        sections::write(folder, &training.run()?)
+    })
+}

@@ -1,0 +1,65 @@
+//! Stages `renders`, `renders-near` and `renders-hard`: rendered faces with exact landmarks. An
+//! interrupted one goes on after the last whole sample of its file.
+
+use super::fits;
+use super::stage::Stage;
+use super::store::{Output, Store};
+use crate::render::{self, Args, Kind, SampleSpec};
+use anyhow::Result;
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// The stage's file.
+pub const FILE: &str = "samples.bin";
+
+#[derive(Serialize)]
+struct Options {
+    seed: u64,
+    count: u64,
+    clean: bool,
+    spec: SampleSpec,
+    /// Procedural people, and pictures of each photographed one.
+    people: usize,
+    pictures: usize,
+}
+
+/// Renders faces; a clean model's need no `fits`.
+pub fn make(store: &Store, args: &Args, fits: Option<&Output>) -> Result<Output> {
+    let name = match args.kind {
+        Kind::Plain => "renders",
+        Kind::Near => "renders-near",
+        Kind::Hard => "renders-hard",
+    };
+    let options = Options {
+        seed: args.seed,
+        count: args.count,
+        clean: args.clean,
+        spec: render::spec(args),
+        people: args.kind.people(args.clean),
+        pictures: args.kind.pictures(),
+    };
+    let data = |name: &str| store.data(&args.data.join(name));
+    let mut stage = Stage::new(name, 1)
+        .options(&options)?
+        .input("facekit.npz", data("facekit.npz")?);
+    if let Some(fits) = fits {
+        stage = stage
+            .input("fits", fits.hash(fits::FILE)?)
+            .input("faces68/train", data("faces68/train")?)
+            .input("backgrounds", data("backgrounds")?);
+    }
+    store.make(&stage, &[FILE], |folder| {
+        let fits = fits.map(fits::read).transpose()?;
+        render::write(args, fits.as_ref(), &folder.join(FILE))
+    })
+}
+
+/// `posewise-train render`: makes the stage and what it needs, and returns the path of the samples.
+pub fn run(args: &Args) -> Result<PathBuf> {
+    let store = Store::open(&args.cache)?;
+    let fits = match args.clean {
+        true => None,
+        false => Some(fits::make(&store, &args.data)?),
+    };
+    Ok(make(&store, args, fits.as_ref())?.path(FILE))
+}

@@ -1,0 +1,60 @@
+//! Runs all stages in order.
+
+use super::args::Args;
+use super::context::Context;
+use super::store::Store;
+use super::{
+    data_sheet, detector, ensemble_member, face, first_network, fits, pack, refiners, renders,
+    second_round, sections, shape_regression, verifier,
+};
+use crate::render::Kind;
+use anyhow::Result;
+use posewise::align::{AlignModel, EnsembleMember, Refiners, ShapeRegression};
+use posewise::detect;
+use posewise::shape::FACE_TAG;
+use posewise::verifier::Verifier;
+use std::time::Instant;
+
+/// Makes what the store does not hold yet and writes the model and its data sheet.
+pub fn run(args: &Args) -> Result<()> {
+    let started = Instant::now();
+    let store = Store::open(&args.cache)?;
+    let fits = match args.clean {
+        true => None,
+        false => Some(fits::make(&store, &args.data)?),
+    };
+    let fits = fits.as_ref();
+    let face = face::make(&store, args, fits)?;
+    let render = |kind| renders::make(&store, &args.render(kind), fits);
+    let renders = [render(Kind::Plain)?, render(Kind::Near)?];
+    let hard = (args.hard_renders > 0).then(|| render(Kind::Hard));
+    let context = Context::new(args, &store, renders, hard.transpose()?);
+    let detector = detector::make(&context)?;
+    let first = first_network::make(&context)?;
+    let global = second_round::make(&context, &first)?;
+    let member = ensemble_member::make(&context, &global)?;
+    let refiners = refiners::make(&context, &global, &member)?;
+    let regression = shape_regression::make(&context, [&global, &member, &refiners])?;
+    let cascade = [
+        (&global, AlignModel::TAG),
+        (&member, EnsembleMember::TAG),
+        (&refiners, Refiners::TAG),
+        (&regression, ShapeRegression::TAG),
+    ];
+    let verifier = verifier::make(&context, &cascade, &detector)?;
+    let sheet = data_sheet::make(&context, &cascade)?;
+    let sheet = data_sheet::text(args, &data_sheet::read(&sheet)?);
+    let sections = [(&face, FACE_TAG), (&detector, detect::TAG)]
+        .iter()
+        .chain(&cascade)
+        .chain(&[(&verifier, Verifier::TAG)])
+        .map(sections::read)
+        .collect::<Result<Vec<_>>>()?;
+    let size = pack::write(args, sections, &sheet)?;
+    println!(
+        "{}: {size} bytes, in {:.0?}",
+        args.out.display(),
+        started.elapsed()
+    );
+    Ok(())
+}

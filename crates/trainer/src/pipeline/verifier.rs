@@ -1,0 +1,51 @@
+//! Stage `verifier`: classifiers of faces, of right and of visible landmarks on the network's
+//! features, calibrated out of fold (section `VRFY`).
+
+use super::context::Context;
+use super::sections;
+use super::stage::Stage;
+use super::store::Output;
+use crate::score;
+use anyhow::Result;
+use posewise::detect::DetectorModel;
+use posewise_format::{AlignedBytes, Blob, Tag, blob};
+use serde::Serialize;
+
+#[derive(Serialize)]
+struct Options {
+    seed: u64,
+}
+
+/// Makes the section for a finished cascade and detector. Plain renders: with hard ones it rejects
+/// occluded faces too soon.
+pub fn make(
+    context: &Context<'_>,
+    cascade: &[(&Output, Tag); 4],
+    detector: &Output,
+) -> Result<Output> {
+    let seed = context.args.seed;
+    let mut stage = Stage::new("verifier", 1)
+        .options(&Options { seed })?
+        .input("detector", detector.hash(sections::FILE)?);
+    let names = [
+        "second-round",
+        "ensemble-member",
+        "refiners",
+        "shape-regression",
+    ];
+    for (name, (output, _)) in names.iter().zip(cascade) {
+        stage = stage.input(name, output.hash(sections::FILE)?);
+    }
+    let stage = context.with_photographs(context.with_faces(stage)?, &["backgrounds"])?;
+    context.store.make(&stage, &[sections::FILE], |folder| {
+        let detector = sections::read(&(detector, posewise::detect::TAG))?;
+        let detector = AlignedBytes::new(&blob(&[detector]));
+        let detector = Blob::open(&detector)?;
+        let detector = DetectorModel::open(detector.section(&posewise::detect::TAG)?)?;
+        let backgrounds = context.backgrounds()?;
+        let section = sections::with_model(cascade, |model| {
+            score::train(model, &detector, context.faces()?, &backgrounds, seed)
+        })?;
+        sections::write(folder, &section)
+    })
+}
