@@ -20,7 +20,7 @@ fn jdk() -> PathBuf {
     let home = said
         .lines()
         .find_map(|line| line.trim().strip_prefix(asked));
-    home.expect("java tells its home").into()
+    home.expect("java prints its home").into()
 }
 
 #[test]

@@ -45,7 +45,7 @@ fn picture(clip: &Clip, frame: usize, faces: &[Pasted]) -> Vec<u8> {
     luma
 }
 
-/// What a camera shows of a picture in a room so dim: every level is this share of what it was, and
+/// A picture as a camera shows it in a room so dim: every level is this share of what it was, and
 /// the sensor's noise, up to half of this to either side, stays.
 fn dimmed(luma: &mut [u8], share: f32, noise: f32, frame: usize) {
     for (i, level) in luma.iter_mut().enumerate() {
@@ -216,7 +216,7 @@ fn a_large_face_that_appears_is_found_soon_wherever_the_sweep_is() {
             }
             let (frames, result) = watch.until_tracked(&[LARGE], 15);
             assert!(is_at(&result, LARGE), "{:?}", result.face_box);
-            println!("found after {frames} frames, {empty} into the sweep");
+            println!("found after {frames} frames, {empty} into the scan");
         });
     }
 }
@@ -306,7 +306,7 @@ fn smoothed_answers_follow_the_raw_ones() {
         assert_eq!(
             *watch.tracker.smoothed(),
             raw,
-            "the first answer is as it is"
+            "the first result is not smoothed"
         );
         for _ in 0..20 {
             let raw = watch.see(&[LARGE]);
