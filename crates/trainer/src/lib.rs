@@ -12,5 +12,5 @@ pub mod picture;
 pub mod pipeline;
 pub mod render;
 pub mod ridge;
-pub mod score;
 pub mod single_eyes;
+pub mod verifier;

@@ -5,7 +5,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use posewise::align::AlignModel;
 use posewise::shape::LANDMARKS;
 use posewise_train::faces::Face;
-use posewise_train::score::platt;
+use posewise_train::verifier::platt;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;

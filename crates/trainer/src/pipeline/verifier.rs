@@ -1,11 +1,11 @@
-//! Stage `verifier`: classifiers of faces, of right and of visible landmarks on the network's
+//! Stage `verifier`: classifiers of faces, of correct and of visible landmarks on the network's
 //! features, calibrated out of fold (section `VRFY`).
 
 use super::context::Context;
 use super::sections;
 use super::stage::Stage;
 use super::store::Output;
-use crate::score;
+use crate::verifier;
 use anyhow::Result;
 use posewise::detect::DetectorModel;
 use posewise_format::{AlignedBytes, Blob, Tag, blob};
@@ -24,7 +24,7 @@ pub fn make(
     detector: &Output,
 ) -> Result<Output> {
     let seed = context.args.seed;
-    let mut stage = Stage::new("verifier", 1)
+    let mut stage = Stage::new("verifier", 2)
         .options(&Options { seed })?
         .input("detector", detector.hash(sections::FILE)?);
     let names = [
@@ -44,7 +44,7 @@ pub fn make(
         let detector = DetectorModel::open(detector.section(&posewise::detect::TAG)?)?;
         let backgrounds = context.backgrounds()?;
         let section = sections::with_model(cascade, |model| {
-            score::train(model, &detector, context.faces()?, &backgrounds, seed)
+            verifier::train(model, &detector, context.faces()?, &backgrounds, seed)
         })?;
         sections::write(folder, &section)
     })

@@ -1,0 +1,309 @@
+//! What the verifier is trained on: where the finished cascade ends, with its features.
+//!
+//! Positives and negatives come from running the cascade: from jittered boxes on the training faces
+//! (some of these fits fail), and, in pictures without a face, from random boxes and from false
+//! positives of the detector. Some fits get further iterations, as a tracked face does. One picture
+//! in [`POOR`] is shown as by a poor camera.
+
+use super::linear::{Example, FOLDS};
+use crate::align::cover::covered;
+use crate::align::evaluate::{mean_error, start_of};
+use crate::align::{Jitter, jittered_box, normal, start_from_box};
+use crate::faces::{Face, Picture};
+use crate::render::effects::Camera;
+use posewise::align::{AlignModel, Shape, Workspace};
+use posewise::detect::{Detection, DetectorModel, Scan, ScanOutcome, Sizes};
+use posewise::image::Frame;
+use posewise::shape::LANDMARKS;
+use posewise::track::Config;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+
+/// Largest error of a correct landmark, and largest mean error of a well-fitted face, relative to
+/// the inter-ocular distance \[%\].
+const CORRECT_PERCENT: f32 = 10.0;
+/// Fits to start on faces in all, at most [`MAX_PER_FACE`] on each.
+const FITS_ON_FACES: usize = 48_000;
+const MAX_PER_FACE: usize = 6;
+/// Of so many fits on a face one starts from a box [`FAR`] times as far off.
+const FAR_STARTS: usize = 3;
+const FAR: f32 = 3.5;
+/// Of so many faces one has something before it.
+const OCCLUDED: usize = 4;
+/// Largest turn (−1 … 1) of a photographed face whose landmarks are known to be visible:
+/// photographs do not label what turning hides.
+const FRONTAL_TURN: f32 = 0.3;
+/// Fits on random boxes, as a share of those on faces: one in so many.
+const RANDOM_BOXES: usize = 4;
+/// Weight of all false positives of the detector relative to that of the well-fitted faces, however
+/// many there are. At full weight they outweigh half-covered faces, which then are lost.
+const FALSE_POSITIVES: f32 = 2.0 / 3.0;
+/// Of so many pictures one is shown as by a poor camera.
+const POOR: usize = 3;
+/// Most false positives taken from a picture in one orientation: poor ones have hundreds.
+const MAX_FALSE_POSITIVES: usize = 40;
+/// Width of a face that the poor camera's defects are scaled to in pictures without one \[px\].
+const EMPTY_FACE_PX: f32 = 100.0;
+/// Of so many fits one gets [`SETTLING_ITERATIONS`] further iterations, and every false positive is
+/// taken before and after: the verifier mostly sees what has been tracked for a while.
+const SETTLING: usize = 3;
+const SETTLING_ITERATIONS: usize = 8;
+/// Smallest face that false positives are looked for at \[px\].
+const MIN_FACE_PX: i32 = 30;
+
+/// One fit of the cascade.
+pub struct Sample {
+    /// Of all landmarks, where the last iteration read them.
+    pub features: Vec<i8>,
+    /// Per landmark: within [`CORRECT_PERCENT`]. Empty without a face.
+    pub correct: Vec<bool>,
+    /// Per landmark. Empty where it is not known.
+    pub visible: Vec<bool>,
+    /// A face, well fitted.
+    pub face: bool,
+    pub weight: f32,
+    /// All fits of a person, or of a picture without a face, are in one fold.
+    pub fold: u32,
+    pub view: usize,
+}
+
+impl Sample {
+    /// The sample as an example of a class.
+    pub fn example<'s>(&self, features: &'s [i8], positive: bool) -> Example<'s> {
+        Example {
+            features,
+            positive,
+            weight: self.weight,
+            fold: self.fold,
+        }
+    }
+
+    /// The workspace's last fit, on a picture without a face.
+    fn without_face(work: &Workspace, picture: usize) -> Sample {
+        Sample {
+            features: work.features().to_vec(),
+            correct: Vec::new(),
+            visible: Vec::new(),
+            face: false,
+            weight: 1.0,
+            fold: picture as u32 % FOLDS,
+            view: work.view(),
+        }
+    }
+}
+
+/// Runs the cascade on faces, on random boxes and on the detector's false positives.
+pub fn collect(
+    model: &AlignModel<'_>,
+    detector: &DetectorModel<'_>,
+    faces: &[Face],
+    empty: &[Picture],
+    seed: u64,
+) -> Vec<Sample> {
+    let mut samples = on_faces(model, faces, seed);
+    let boxes = samples.len() / RANDOM_BOXES;
+    samples.extend(on_random_boxes(model, empty, seed ^ 1, boxes));
+    let positives = samples.iter().filter(|s| s.face).count();
+    let mut others = on_false_positives(model, detector, empty, seed ^ 2);
+    println!("verifier: {} false positives of the detector", others.len());
+    let weight = FALSE_POSITIVES * positives as f32 / others.len().max(1) as f32;
+    for sample in &mut others {
+        sample.weight = weight;
+    }
+    samples.extend(others);
+    let rest = samples.len() - positives;
+    println!("verifier: {positives} well-fitted faces, {rest} others");
+    samples
+}
+
+/// Runs the cascade on the faces, from boxes as good as a detector's and far worse ones.
+fn on_faces(model: &AlignModel<'_>, faces: &[Face], seed: u64) -> Vec<Sample> {
+    let per_face = (FITS_ON_FACES / faces.len().max(1)).clamp(1, MAX_PER_FACE);
+    faces
+        .par_iter()
+        .enumerate()
+        .map_init(
+            || Box::new(Workspace::new()),
+            |work, (index, face)| {
+                let mut rng = ChaCha8Rng::seed_from_u64(seed);
+                rng.set_stream(index as u64);
+                let fit = |k| on_face(model, faces, face, index + k, k, &mut rng, work);
+                (0..per_face).filter_map(fit).collect::<Vec<_>>()
+            },
+        )
+        .flatten()
+        .collect()
+}
+
+/// The `k`-th fit on a face; `count` tells which starts are far off.
+fn on_face(
+    model: &AlignModel<'_>,
+    faces: &[Face],
+    bare: &Face,
+    count: usize,
+    k: usize,
+    rng: &mut ChaCha8Rng,
+    work: &mut Workspace,
+) -> Option<Sample> {
+    let mut shape = jittered_start(model, bare, count % FAR_STARTS == FAR_STARTS - 1, rng);
+    let occluded = (rng.random_range(0..OCCLUDED) == 0).then(|| {
+        let other = &faces[rng.random_range(0..faces.len())];
+        covered(bare, other, rng)
+    });
+    let face = occluded.as_ref().unwrap_or(bare);
+    let poor = sometimes_poor(&face.picture, face.width(), rng);
+    let frame = poor.as_ref().unwrap_or(&face.picture).frame();
+    let fitted = model.run(&frame, model.iterations() + k % 2, &mut shape, work)
+        && (rng.random_range(0..SETTLING) != 0 || settle(model, &frame, &mut shape, work));
+    if !fitted {
+        return None;
+    }
+    let limit = CORRECT_PERCENT / 100.0 * face.scale();
+    let pairs = face.landmarks.iter().zip(&shape);
+    let correct = pairs.map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1]) <= limit);
+    // Hidden landmarks are estimates: hardly a profile would be well fitted if they counted.
+    let visible = (0..LANDMARKS).filter(|k| bare.visible[*k]);
+    let well_fitted = mean_error(bare, &shape, visible, bare.scale()) < CORRECT_PERCENT;
+    let known = face.yaw_deg.is_some() || face.turn().abs() < FRONTAL_TURN;
+    Some(Sample {
+        features: work.features().to_vec(),
+        correct: correct.collect(),
+        visible: match known && well_fitted {
+            true => face.visible.to_vec(),
+            false => vec![],
+        },
+        face: well_fitted,
+        weight: 1.0,
+        fold: face.person.wrapping_mul(0x9E37_79B9) >> 16 & (FOLDS - 1),
+        view: work.view(),
+    })
+}
+
+/// A start shape for a face, from a box as far off as a detector's or farther.
+fn jittered_start(model: &AlignModel<'_>, face: &Face, far: bool, rng: &mut ChaCha8Rng) -> Shape {
+    let j = if far { FAR } else { 1.0 };
+    let jitter = Jitter {
+        shift: 0.05 * j,
+        log_size: 0.08 * j,
+        roll: 0.14 * j,
+    };
+    let (at, size, roll) = jittered_box(&model.views(), &face.landmarks, &jitter, rng);
+    let turn = face.turn() + 0.25 * normal(rng);
+    start_from_box(&start_of(model, turn), at, size, roll)
+}
+
+/// Runs the cascade on random boxes in pictures without a face.
+fn on_random_boxes(
+    model: &AlignModel<'_>,
+    empty: &[Picture],
+    seed: u64,
+    count: usize,
+) -> Vec<Sample> {
+    if empty.is_empty() {
+        return Vec::new();
+    }
+    (0..count)
+        .into_par_iter()
+        .map_init(
+            || Box::new(Workspace::new()),
+            |work, index| {
+                let mut rng = ChaCha8Rng::seed_from_u64(seed);
+                rng.set_stream(index as u64);
+                let which = index % empty.len();
+                let picture = &empty[which];
+                let [w, h] = picture.size.map(|s| s as f32);
+                let size = rng.random_range(40.0..0.9 * w.min(h));
+                let at = [rng.random_range(0.0..w), rng.random_range(0.0..h)];
+                let start = start_of(model, rng.random_range(-1.0..1.0));
+                let mut shape = start_from_box(&start, at, size, 0.3 * normal(&mut rng));
+                let iterations = model.iterations() + index % 2;
+                let poor = sometimes_poor(picture, size, &mut rng);
+                let frame = poor.as_ref().unwrap_or(picture).frame();
+                let fitted = model.run(&frame, iterations, &mut shape, work)
+                    && (!(index / empty.len()).is_multiple_of(SETTLING)
+                        || settle(model, &frame, &mut shape, work));
+                fitted.then(|| Sample::without_face(work, which))
+            },
+        )
+        .flatten()
+        .collect()
+}
+
+/// Runs the cascade where the detector finds a face though there is none.
+fn on_false_positives(
+    model: &AlignModel<'_>,
+    detector: &DetectorModel<'_>,
+    empty: &[Picture],
+    seed: u64,
+) -> Vec<Sample> {
+    empty
+        .par_iter()
+        .enumerate()
+        .map_init(
+            || Box::new(Workspace::new()),
+            |work, (index, picture)| {
+                let mut rng = ChaCha8Rng::seed_from_u64(seed);
+                rng.set_stream(index as u64);
+                let mut samples = Vec::new();
+                for (k, mut picture) in picture.orientations().into_iter().enumerate() {
+                    if k % POOR == 1 {
+                        picture = poor(&picture, EMPTY_FACE_PX, &mut rng);
+                    }
+                    let frame = picture.frame();
+                    let found = false_positives(detector, &frame);
+                    let every = found.len().div_ceil(MAX_FALSE_POSITIVES).max(1);
+                    for found in found.iter().step_by(every) {
+                        let start = start_of(model, found.yaw);
+                        let at = [found.x, found.y];
+                        let mut shape = start_from_box(&start, at, found.size, found.roll);
+                        if model.run(&frame, model.iterations(), &mut shape, work) {
+                            samples.push(Sample::without_face(work, index));
+                            if settle(model, &frame, &mut shape, work) {
+                                samples.push(Sample::without_face(work, index));
+                            }
+                        }
+                    }
+                }
+                samples
+            },
+        )
+        .flatten()
+        .collect()
+}
+
+/// All that the detector reports in a picture that is scanned with a camera's budget per frame: a
+/// candidate of one frame is reported before the scan is complete, when a larger box could still
+/// suppress it.
+fn false_positives(detector: &DetectorModel<'_>, frame: &Frame<'_>) -> Vec<Detection> {
+    let (mut scan, mut all) = (Scan::new(), vec![]);
+    let budget = Config::default().scan_budget;
+    loop {
+        match scan.advance(detector, frame, Sizes::from(MIN_FACE_PX), budget) {
+            ScanOutcome::Candidate(found) => all.push(found),
+            ScanOutcome::BudgetSpent => continue,
+            ScanOutcome::Finished => return all,
+        }
+    }
+}
+
+/// Further iterations, as tracking runs on the frames that follow.
+fn settle(
+    model: &AlignModel<'_>,
+    frame: &Frame<'_>,
+    shape: &mut Shape,
+    work: &mut Workspace,
+) -> bool {
+    (0..SETTLING_ITERATIONS).all(|_| model.run(frame, 1, shape, work))
+}
+
+/// A picture as a poor camera shows it; its defects are scaled to a face of this width.
+fn poor(picture: &Picture, face_px: f32, rng: &mut ChaCha8Rng) -> Picture {
+    let camera = Camera::poor(rng, face_px);
+    picture.through(&camera, rng)
+}
+
+/// The same, one time in [`POOR`].
+fn sometimes_poor(picture: &Picture, face_px: f32, rng: &mut ChaCha8Rng) -> Option<Picture> {
+    (rng.random_range(0..POOR) == 0).then(|| poor(picture, face_px, rng))
+}
