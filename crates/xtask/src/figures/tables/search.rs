@@ -60,6 +60,19 @@ pub fn first_search(models: &[Model]) -> Result<String> {
     )
 }
 
+/// A table with a row per case: its name, its frames, and the tracked ones of each model.
+fn tracked_table(case: &str, models: &[Model], rows: &[Vec<String>]) -> String {
+    let tracked = models
+        .iter()
+        .map(|model| format!("{}: tracked", model.name));
+    let header: Vec<String> = [case.into(), "frames".into()]
+        .into_iter()
+        .chain(tracked)
+        .collect();
+    let header: Vec<&str> = header.iter().map(String::as_str).collect();
+    table(&header, rows)
+}
+
 pub fn fast(models: &[Model]) -> Result<String> {
     let first = models.first().context("no models")?;
     let mut rows = vec![];
@@ -74,14 +87,7 @@ pub fn fast(models: &[Model]) -> Result<String> {
         }
         rows.push(row);
     }
-    let mut header = vec!["every n-th frame".to_string(), "frames".to_string()];
-    header.extend(
-        models
-            .iter()
-            .map(|model| format!("{}: tracked", model.name)),
-    );
-    let header: Vec<&str> = header.iter().map(String::as_str).collect();
-    Ok(table(&header, &rows))
+    Ok(tracked_table("every n-th frame", models, &rows))
 }
 
 pub fn faceless(models: &[Model]) -> Result<String> {
@@ -103,14 +109,7 @@ pub fn faceless(models: &[Model]) -> Result<String> {
         }
         rows.push(row);
     }
-    let mut header = vec!["further options".to_string(), "frames".to_string()];
-    header.extend(
-        models
-            .iter()
-            .map(|model| format!("{}: tracked", model.name)),
-    );
-    let header: Vec<&str> = header.iter().map(String::as_str).collect();
-    Ok(table(&header, &rows))
+    Ok(tracked_table("further options", models, &rows))
 }
 
 pub fn departure(models: &[Model]) -> Result<String> {
