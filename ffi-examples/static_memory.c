@@ -19,7 +19,7 @@ static posewise_status start(void) {
 /* Processes one frame of luma. */
 static posewise_status process(const uint8_t *luma, uint32_t width, uint32_t height,
                               int64_t timestamp_us, posewise_result *result) {
-    posewise_frame frame = {.struct_size = sizeof frame};
+    posewise_frame frame = POSEWISE_FRAME_INIT;
     frame.format = POSEWISE_FMT_GREY;
     frame.timestamp_us = timestamp_us;
     frame.width = width;
@@ -27,14 +27,13 @@ static posewise_status process(const uint8_t *luma, uint32_t width, uint32_t hei
     frame.stride = width;
     frame.data_len = (size_t)width * height;
     frame.data = luma;
-    result->struct_size = sizeof *result;
     return posewise_step(tracker, &frame, result);
 }
 
 /* In place of the camera's loop: ten black frames without a face. */
 int main(void) {
     static uint8_t luma[320 * 240];
-    static posewise_result result;
+    static posewise_result result = POSEWISE_RESULT_INIT;
     int64_t i;
     if (start() != POSEWISE_OK)
         return 1;

@@ -234,8 +234,8 @@ int main(int argc, char **argv) {
     camera c = {.fd = -1};
     struct sigaction on_signal;
     struct v4l2_buffer b;
-    posewise_frame frame = {.struct_size = sizeof frame};
-    posewise_result result = {.struct_size = sizeof result};
+    posewise_frame frame = POSEWISE_FRAME_INIT;
+    posewise_result result = POSEWISE_RESULT_INIT;
     posewise_tracker *tracker;
     posewise_status status;
     size_t model_len;

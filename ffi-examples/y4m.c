@@ -126,8 +126,8 @@ static void print_row(unsigned long frame, const posewise_result *r, const posew
 
 int main(int argc, char **argv) {
     posewise_landmark landmarks[POSEWISE_LANDMARKS];
-    posewise_result result = {.struct_size = sizeof result};
-    posewise_frame frame = {.struct_size = sizeof frame};
+    posewise_result result = POSEWISE_RESULT_INIT;
+    posewise_frame frame = POSEWISE_FRAME_INIT;
     posewise_tracker *tracker;
     posewise_status status;
     const void *model;

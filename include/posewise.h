@@ -17,9 +17,10 @@
  *          it clockwise in the image. The nose points along d = R (0, 0, -1):
  *          yaw = atan2(d.x, -d.z), pitch = asin(-d.y).
  * Sides    Left and right are the person's own, except in "image left" and "image right".
- * Structs  Set struct_size = sizeof(the struct). 0 in any other setting selects its default.
- *          Fields that an older header lacks are read as 0. Bytes beyond the fields that this
- *          library knows must be 0; they are returned as 0.
+ * Structs  Initialise them with POSEWISE_CONFIG_INIT, _FRAME_INIT or _RESULT_INIT: struct_size
+ *          must be the size of the struct in this header or in the header of an earlier release;
+ *          any other value is POSEWISE_E_ARG. Fields that an earlier header lacks are read as 0.
+ *          0 in any other setting selects its default.
  * Errors   A status below 0 is an error: the tracker and all outputs are unchanged. Every pointer
  *          is checked for NULL and alignment. Status codes are never reused.
  *
@@ -125,6 +126,9 @@ typedef struct posewise_config {
     float smoothing_hz;
     float smoothing_beta;
 } posewise_config;
+// Initialises a posewise_config: struct_size is set, all other fields are 0.
+#define POSEWISE_CONFIG_INIT \
+    {sizeof(posewise_config), 0, 0, 0, {0, 0, 0, 0}, 0, 0}
 
 // One camera frame. The library reads it only during the call.
 typedef struct posewise_frame {
@@ -151,6 +155,9 @@ typedef struct posewise_frame {
     // First byte of the first stored row.
     const uint8_t *data;
 } posewise_frame;
+// Initialises a posewise_frame: struct_size is set, all other fields are 0.
+#define POSEWISE_FRAME_INIT \
+    {sizeof(posewise_frame), 0, 0, 0, 0, 0, 0, 0, 0, 0, NULL}
 
 // The result of one frame. Every number is finite.
 typedef struct posewise_result {
@@ -193,6 +200,10 @@ typedef struct posewise_result {
     // Standard deviations of translation_mm [mm], estimated likewise.
     float translation_sigma_mm[3];
 } posewise_result;
+// Initialises a posewise_result: struct_size is set, all other fields are 0.
+#define POSEWISE_RESULT_INIT \
+    {sizeof(posewise_result), 0, 0, 0, 0, 0, {0, 0, 0, 0}, {0, 0, 0, 0}, 0, 0, 0, {0, 0, 0}, \
+     {0, 0}, 0, 0, {0, 0, 0}, {0, 0, 0}}
 
 // One landmark. This struct never grows, so the layout of arrays stays the same.
 typedef struct posewise_landmark {

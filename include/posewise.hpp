@@ -23,20 +23,17 @@ using Animation = std::array<float, POSEWISE_ANIMATIONS>;
 
 // Structs with struct_size set and all other fields 0, their defaults.
 inline posewise_config config() {
-    posewise_config c{};
-    c.struct_size = sizeof c;
+    posewise_config c = POSEWISE_CONFIG_INIT;
     return c;
 }
 
 inline posewise_frame frame() {
-    posewise_frame f{};
-    f.struct_size = sizeof f;
+    posewise_frame f = POSEWISE_FRAME_INIT;
     return f;
 }
 
 inline posewise_result result() {
-    posewise_result r{};
-    r.struct_size = sizeof r;
+    posewise_result r = POSEWISE_RESULT_INIT;
     return r;
 }
 

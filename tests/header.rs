@@ -21,7 +21,65 @@ fn generate() -> String {
         .generate()
         .expect("cbindgen reads src/ffi")
         .write(&mut bytes);
-    tidy(&String::from_utf8(bytes).expect("UTF-8"))
+    with_initialisers(&tidy(&String::from_utf8(bytes).expect("UTF-8")))
+}
+
+/// Adds, after each struct that starts with `struct_size`, a macro that initialises it: the size
+/// and zeros. It names every field, because compilers warn where some are missing.
+fn with_initialisers(header: &str) -> String {
+    let mut out = String::new();
+    let mut zeros = None::<Vec<String>>;
+    for line in header.lines() {
+        writeln!(out, "{line}").unwrap();
+        if line.starts_with("typedef struct") && line.ends_with('{') {
+            zeros = Some(Vec::new());
+        } else if let Some(name) = line.strip_prefix("} ") {
+            let name = name.trim_end_matches(';');
+            let zeros = zeros.take().unwrap_or_default();
+            if zeros.first().is_some_and(|size| size.starts_with("sizeof")) {
+                out += &initialiser(name, &zeros);
+            }
+        } else if let (Some(zeros), Some(field)) = (&mut zeros, line.strip_suffix(';')) {
+            zeros.push(zero(field.trim()));
+        }
+    }
+    out
+}
+
+/// The initial value of a field, given by its declaration.
+fn zero(field: &str) -> String {
+    let (kind, name) = field.rsplit_once(' ').expect("a type and a name");
+    let zeros = |count: usize| format!("{{{}}}", vec!["0"; count].join(", "));
+    match (kind, name.split_once('[')) {
+        (_, Some((_, count))) => zeros(count.trim_end_matches(']').parse().expect("a number")),
+        _ if name == "struct_size" => "sizeof".into(),
+        _ if name.starts_with('*') => "NULL".into(),
+        ("posewise_intrinsics", _) => zeros(4),
+        _ => "0".into(),
+    }
+}
+
+/// The macro that initialises a struct.
+fn initialiser(name: &str, zeros: &[String]) -> String {
+    let macro_name = format!("{}_INIT", name.to_uppercase());
+    let mut lines = vec![String::from("    {")];
+    for (i, zero) in zeros.iter().enumerate() {
+        let value = zero.replace("sizeof", &format!("sizeof({name})"));
+        let end = if i + 1 < zeros.len() { "," } else { "}" };
+        let line = lines.last_mut().expect("at least one");
+        // A blank before it, a comma after it, and the backslash that continues the macro.
+        if line.len() + value.len() + 4 > MAX_COLUMNS {
+            lines.push(format!("     {value}{end}"));
+        } else {
+            let blank = if i == 0 { "" } else { " " };
+            *line += &format!("{blank}{value}{end}");
+        }
+    }
+    let values = lines.join(" \\\n");
+    format!(
+        "// Initialises a {name}: struct_size is set, all other fields are 0.\n\
+         #define {macro_name} \\\n{values}\n"
+    )
 }
 
 /// Formats the constants: suffixes, hexadecimal for bit patterns, values and comments in columns,

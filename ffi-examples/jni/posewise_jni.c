@@ -36,8 +36,8 @@ NATIVE(jint, step)
     posewise_tracker *tracker = tracker_in(env, memory);
     posewise_landmark points[POSEWISE_LANDMARKS];
     jfloat xy[2 * POSEWISE_LANDMARKS];
-    posewise_result r = {.struct_size = sizeof r};
-    posewise_frame f = {.struct_size = sizeof f};
+    posewise_result r = POSEWISE_RESULT_INIT;
+    posewise_frame f = POSEWISE_FRAME_INIT;
     const jlong len = (*env)->GetDirectBufferCapacity(env, luma);
     posewise_status status;
     unsigned i;

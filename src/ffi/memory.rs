@@ -9,29 +9,28 @@ use super::types::*;
 use crate::track::{Config, Model, Tracker};
 use core::mem::{MaybeUninit, align_of, size_of};
 
-/// Longest struct that is accepted \[bytes\]: room for newer headers, a bound on the zero check.
-const MAX_STRUCT_SIZE: usize = 4096;
-
 /// A struct that starts with `struct_size` and may grow at its end.
 ///
 /// # Safety
 /// The type is `repr(C)`, without padding, starts with a `u32`, and every bit pattern is valid.
 pub(super) unsafe trait Growing: Copy {
-    /// Size in the first header that had the struct, the shortest ever \[bytes\].
-    const FIRST_SIZE: usize;
+    /// Its sizes in the headers of earlier releases \[bytes\]; where the struct has grown, a
+    /// release adds the old size here. No other size is believed, but for that of `Self`: what a
+    /// caller forgot to set is any number, and outputs of that length would be written.
+    const EARLIER_SIZES: &'static [usize];
 }
 
 // SAFETY: `repr(C)` and free of padding (asserted in types.rs), plain numbers and pointers only.
 unsafe impl Growing for posewise_config {
-    const FIRST_SIZE: usize = 40;
+    const EARLIER_SIZES: &'static [usize] = &[];
 }
 // SAFETY: as above.
 unsafe impl Growing for posewise_frame {
-    const FIRST_SIZE: usize = 40 + 2 * size_of::<usize>();
+    const EARLIER_SIZES: &'static [usize] = &[];
 }
 // SAFETY: as above.
 unsafe impl Growing for posewise_result {
-    const FIRST_SIZE: usize = 128;
+    const EARLIER_SIZES: &'static [usize] = &[];
 }
 
 /// `POSEWISE_E_ARG` unless the pointer is non-NULL and aligned for `T`.
@@ -42,7 +41,7 @@ pub(super) fn check_pointer<T>(pointer: *const T) -> Result<(), posewise_status>
     Ok(())
 }
 
-/// Checks the pointer, reads the `struct_size` that it points to, and checks its range.
+/// Checks the pointer, reads the `struct_size` that it points to, and checks that a header had it.
 ///
 /// # Safety
 /// As at the file's head.
@@ -50,51 +49,41 @@ pub(super) unsafe fn checked_size<T: Growing>(pointer: *const T) -> Result<usize
     check_pointer(pointer)?;
     // SAFETY: non-NULL and aligned for T, which starts with this u32.
     let size = unsafe { pointer.cast::<u32>().read() } as usize;
-    if (T::FIRST_SIZE..=MAX_STRUCT_SIZE).contains(&size) {
+    if size == size_of::<T>() || T::EARLIER_SIZES.contains(&size) {
         Ok(size)
     } else {
         Err(POSEWISE_E_ARG)
     }
 }
 
-/// Reads a struct of an older, the same or a newer header: missing fields read as 0, unknown bytes
-/// must be 0.
+/// Reads a struct of this or an earlier header: missing fields read as 0.
 ///
 /// # Safety
 /// As at the file's head.
 pub(super) unsafe fn read_struct<T: Growing>(from: *const T) -> Result<T, posewise_status> {
     // SAFETY: the caller's contract is passed on.
     let size = unsafe { checked_size(from)? };
-    let from = from.cast::<u8>();
-    for unknown in size_of::<T>()..size {
-        // SAFETY: below the size that the caller stated.
-        if unsafe { from.add(unknown).read() } != 0 {
-            return Err(POSEWISE_E_ARG);
-        }
-    }
     let mut value = MaybeUninit::<T>::zeroed();
-    // SAFETY: both sides have min(size, size_of T) bytes, and all-zero is a valid T.
+    // SAFETY: both sides have `size` ≤ size_of T bytes, and all-zero is a valid T.
     unsafe {
-        from.copy_to_nonoverlapping(value.as_mut_ptr().cast(), size.min(size_of::<T>()));
+        from.cast::<u8>()
+            .copy_to_nonoverlapping(value.as_mut_ptr().cast(), size);
         Ok(value.assume_init())
     }
 }
 
-/// Writes the fields of `value` that fit into the caller's struct of `size` bytes, keeps its
-/// `struct_size`, and zeroes the bytes beyond the fields that this library knows.
+/// Writes the fields of `value` that the caller's struct of `size` bytes has, and keeps its
+/// `struct_size`.
 ///
 /// # Safety
 /// `size` is what [`checked_size`] gave for `to`.
 pub(super) unsafe fn write_struct<T: Growing>(to: *mut T, size: usize, value: &T) {
     const HEAD: usize = size_of::<u32>();
-    let known = size.min(size_of::<T>());
-    let to = to.cast::<u8>();
-    // SAFETY: `to` has `size` bytes, `value` at least `known`; `size` ≥ FIRST_SIZE > HEAD.
+    // SAFETY: both sides have `size` bytes, more than HEAD.
     unsafe {
-        let from = core::ptr::from_ref(value).cast::<u8>();
-        to.add(HEAD)
-            .copy_from_nonoverlapping(from.add(HEAD), known - HEAD);
-        to.add(known).write_bytes(0, size - known);
+        let from = core::ptr::from_ref(value).cast::<u8>().add(HEAD);
+        let to = to.cast::<u8>().add(HEAD);
+        to.copy_from_nonoverlapping(from, size - HEAD);
     }
 }
 
@@ -238,7 +227,7 @@ mod tests {
     }
     // SAFETY: `repr(C)`, no padding, plain numbers.
     unsafe impl Growing for Later {
-        const FIRST_SIZE: usize = posewise_config::FIRST_SIZE;
+        const EARLIER_SIZES: &'static [usize] = &[size_of::<posewise_config>()];
     }
 
     fn later(struct_size: u32, more: u32) -> Later {
@@ -267,22 +256,8 @@ mod tests {
     }
 
     #[test]
-    fn unknown_tails_are_zero() {
-        for (more, expected) in [(0, true), (1, false)] {
-            let new = later(48, more);
-            // SAFETY: 48 readable bytes.
-            let read = unsafe { read_struct((&raw const new).cast::<posewise_config>()) };
-            assert_eq!(read.is_ok(), expected);
-        }
-        let mut out = later(48, 9);
-        // SAFETY: 48 writable bytes.
-        unsafe { write_struct((&raw mut out).cast(), 48, &later(40, 0).config) };
-        assert_eq!((out.config.struct_size, out.more), (48, 0));
-    }
-
-    #[test]
-    fn impossible_sizes_are_rejected() {
-        for size in [0, 4, 39, 4097, u32::MAX] {
+    fn sizes_that_no_header_had_are_rejected() {
+        for size in [0, 4, 39, 41, 44, 47, 49, 128, 4096, 4097, u32::MAX] {
             // SAFETY: nothing beyond `struct_size` is read.
             assert!(unsafe { read_struct(&later(size, 0)) }.is_err(), "{size}");
         }

@@ -19,7 +19,7 @@ typedef struct {
 
 /* The smoothed result belongs to the same frame. */
 static void smoothed(const posewise_tracker *t, const posewise_result *raw) {
-    posewise_result r = {.struct_size = sizeof r};
+    posewise_result r = POSEWISE_RESULT_INIT;
     posewise_landmark l[POSEWISE_LANDMARKS];
     float w[POSEWISE_ANIMATIONS], square = 0;
     size_t i;
@@ -135,35 +135,24 @@ static void config_rejected(const posewise_config *config) {
 }
 
 static void test_config(void) {
-    static const uint32_t sizes[] = {0, 1, 4, sizeof(posewise_config) - 1, 4097, UINT32_MAX};
     static const float wrong_focal[] = {-1.0f, NAN, INFINITY, -INFINITY};
-    const posewise_config zero = {.struct_size = sizeof zero};
-    posewise_config c = zero;
-    struct {
-        posewise_config known;
-        uint32_t unknown[2];
-    } later;
+    const posewise_config zero = POSEWISE_CONFIG_INIT;
+    posewise_config c = zero, pair[2];
     guarded alone = guarded_new(sizeof c, 0xFF);
     size_t i;
     memcpy(alone.start, &zero, sizeof zero.struct_size);
     CHECK_STATUS(posewise_config_default((posewise_config *)(void *)alone.start), POSEWISE_OK);
     guarded_free(alone);
+    memset(pair, 0, sizeof pair);
     CHECK_STATUS(posewise_config_default(NULL), POSEWISE_E_ARG);
-    CHECK_STATUS(posewise_config_default((posewise_config *)(void *)((char *)&later + 1)),
+    CHECK_STATUS(posewise_config_default((posewise_config *)(void *)((char *)pair + 1)),
                  POSEWISE_E_ARG);
-    c.struct_size = 3;
-    CHECK_STATUS(posewise_config_default(&c), POSEWISE_E_ARG);
-    c = zero;
     CHECK_STATUS(posewise_config_default(&c), POSEWISE_OK);
     CHECK(c.struct_size == sizeof c && c.min_face_px > 0 && c.scan_budget > 0);
     CHECK(posewise_memory_size(&c) == posewise_memory_size(NULL));
     CHECK(posewise_memory_size(&zero) == posewise_memory_size(NULL));
-    for (i = 0; i < sizeof sizes / sizeof *sizes; i++) {
-        c = zero;
-        c.struct_size = sizes[i];
-        config_rejected(&c);
-    }
-    config_rejected((const posewise_config *)(const void *)((const char *)&later + 2));
+    c = zero, c.struct_size = sizeof c + 8, config_rejected(&c);
+    config_rejected((const posewise_config *)(const void *)((const char *)pair + 2));
     c = zero, c.flags = 1, config_rejected(&c);
     c = zero, c.min_face_px = 23, config_rejected(&c);
     c = zero, c.min_face_px = 4097, config_rejected(&c);
@@ -182,15 +171,6 @@ static void test_config(void) {
     c = zero, c.intrinsics.fx = c.intrinsics.fy = 500, c.intrinsics.cy = INFINITY;
     config_rejected(&c);
     c = zero, c.intrinsics.cx = 320, config_rejected(&c);
-    memset(&later, 0, sizeof later);
-    later.known.struct_size = sizeof later;
-    CHECK(posewise_memory_size(&later.known) > 0);
-    later.unknown[1] = 1;
-    config_rejected(&later.known);
-    memset(later.unknown, 0xFF, sizeof later.unknown);
-    CHECK_STATUS(posewise_config_default(&later.known), POSEWISE_OK);
-    CHECK(later.known.struct_size == sizeof later);
-    CHECK(later.unknown[0] == 0 && later.unknown[1] == 0);
 }
 
 static void model_rejected(const void *bytes, size_t len, posewise_status expected) {
@@ -431,31 +411,71 @@ static void test_step_pointers(void) {
     guarded memory = tracker_memory(0);
     posewise_tracker *t = init(memory, NULL);
     posewise_frame f = clip_frame(&frames, 0);
-    struct {
-        posewise_result known;
-        uint8_t unknown[16];
-    } later;
-    posewise_result r = {.struct_size = sizeof r};
+    posewise_result r = POSEWISE_RESULT_INIT, pair[2];
+    memset(pair, 0, sizeof pair);
     CHECK_STATUS(posewise_step(t, NULL, &r), POSEWISE_E_ARG);
     CHECK_STATUS(posewise_step(t, &f, NULL), POSEWISE_E_ARG);
     CHECK_STATUS(posewise_step(t, (const posewise_frame *)(const void *)((char *)&f + 1), &r),
                  POSEWISE_E_ARG);
-    CHECK_STATUS(posewise_step(t, &f, (posewise_result *)(void *)((char *)&later + 1)),
+    CHECK_STATUS(posewise_step(t, &f, (posewise_result *)(void *)((char *)pair + 1)),
                  POSEWISE_E_ARG);
-    f.struct_size = sizeof f - 1;
-    CHECK_STATUS(posewise_step(t, &f, &r), POSEWISE_E_ARG);
-    f.struct_size = sizeof f;
-    r.struct_size = sizeof r - 1;
-    CHECK_STATUS(posewise_step(t, &f, &r), POSEWISE_E_ARG);
-    r.struct_size = 0;
-    CHECK_STATUS(posewise_step(t, &f, &r), POSEWISE_E_ARG);
-    /* A newer caller's result: the unknown tail is returned as 0. */
-    memset(&later, 0xEE, sizeof later);
-    later.known.struct_size = sizeof later;
-    CHECK_STATUS(posewise_step(t, &f, &later.known), POSEWISE_OK);
-    CHECK(later.known.struct_size == sizeof later);
-    CHECK(filled(later.unknown, sizeof later.unknown, 0));
     guarded_free(memory);
+}
+
+/* A struct whose struct_size was never set: whatever it holds, but for the true size, the call is
+ * refused and nothing is written, neither into the struct nor beyond it. */
+static void size_refused(posewise_tracker *t, uint32_t size) {
+    guarded any = guarded_new(4200, 0xEE);
+    posewise_frame f = clip_frame(&frames, 0);
+    posewise_result r = POSEWISE_RESULT_INIT;
+    void *start = any.start;
+    memcpy(start, &size, sizeof size);
+    if (size != sizeof(posewise_config)) {
+        CHECK_STATUS(posewise_config_default(start), POSEWISE_E_ARG);
+        CHECK(posewise_memory_size(start) == 0);
+    }
+    if (size != sizeof(posewise_result)) {
+        CHECK_STATUS(posewise_step(t, &f, start), POSEWISE_E_ARG);
+        CHECK_STATUS(posewise_smoothed(t, start), POSEWISE_E_ARG);
+    }
+    CHECK(memcmp(start, &size, sizeof size) == 0);
+    CHECK(filled(any.start + sizeof size, any.len - sizeof size, 0xEE));
+    if (size != sizeof f) {
+        memset(start, 0, any.len);
+        memcpy(start, &f, sizeof f);
+        memcpy(start, &size, sizeof size);
+        CHECK_STATUS(posewise_step(t, start, &r), POSEWISE_E_ARG);
+    }
+    guarded_free(any);
+}
+
+static void test_struct_sizes(void) {
+    guarded memory = tracker_memory(0);
+    posewise_tracker *t = init(memory, NULL);
+    uint32_t size;
+    for (size = 0; size < 300; size++)
+        size_refused(t, size);
+    for (; size <= 4096; size += 31)
+        size_refused(t, size);
+    size_refused(t, 4096);
+    size_refused(t, 0x55555555);
+    size_refused(t, UINT32_MAX);
+    guarded_free(memory);
+}
+
+/* The initialisers set struct_size and nothing else. */
+static void test_initialisers(void) {
+    static const posewise_config config = POSEWISE_CONFIG_INIT;
+    static const posewise_frame frame = POSEWISE_FRAME_INIT;
+    static const posewise_result result = POSEWISE_RESULT_INIT;
+    posewise_config c;
+    posewise_frame f;
+    posewise_result r;
+    memset(&c, 0, sizeof c), memset(&f, 0, sizeof f), memset(&r, 0, sizeof r);
+    c.struct_size = sizeof c, f.struct_size = sizeof f, r.struct_size = sizeof r;
+    CHECK(memcmp(&c, &config, sizeof c) == 0);
+    CHECK(memcmp(&f, &frame, sizeof f) == 0);
+    CHECK(memcmp(&r, &result, sizeof r) == 0);
 }
 
 static void test_outputs(void) {
@@ -744,6 +764,8 @@ int main(int argc, char **argv) {
     test_any_order();
     test_past_the_end();
     test_step_pointers();
+    test_struct_sizes();
+    test_initialisers();
     test_outputs();
     test_bad_frames_change_nothing();
     test_formats();

@@ -96,10 +96,8 @@ static clip clip_read(const char *path, const char *width, const char *height) {
 }
 
 static posewise_frame clip_frame(const clip *c, size_t index) {
-    posewise_frame f;
+    posewise_frame f = POSEWISE_FRAME_INIT;
     const size_t len = (size_t)c->width * c->height;
-    memset(&f, 0, sizeof f);
-    f.struct_size = sizeof f;
     f.format = POSEWISE_FMT_GREY;
     f.timestamp_us = (int64_t)index * 33333;
     f.width = c->width;

@@ -45,8 +45,8 @@ static posewise_status step(posewise_tracker *tracker, posewise_frame *frame,
 
 int main(int argc, char **argv) {
     uint8_t *aligned = memory + (POSEWISE_ALIGN - (uintptr_t)memory % POSEWISE_ALIGN);
-    posewise_frame frame = {.struct_size = sizeof frame};
-    posewise_result result = {.struct_size = sizeof result};
+    posewise_frame frame = POSEWISE_FRAME_INIT;
+    posewise_result result = POSEWISE_RESULT_INIT;
     posewise_tracker *tracker;
     posewise_status status;
     unsigned width, height;

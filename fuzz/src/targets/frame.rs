@@ -7,7 +7,7 @@
 //! u16 width, u16 height (u8 each unless bit 0 of the shape is set)
 //! u8 shape         see below
 //! u8 rotation      0..=3: multiples of 90 degrees; above: the value in degrees
-//! u8 flags, u8 reserved, u8 size of the struct minus its real size
+//! u8 flags, u8 reserved, u8 up to 240: struct_size is right; above: so much too large
 //! the rest: pixels, repeated
 //! ```
 
@@ -70,7 +70,9 @@ const PADDED: u8 = 4;
 const OTHER_LEN: u8 = 8;
 const SHORT: u8 = 16;
 const NO_DATA: u8 = 32;
-const TAIL: u8 = 64;
+
+/// Largest byte that leaves `struct_size` right.
+const SIZE_IS_RIGHT: u32 = 240;
 
 const FRAME: usize = size_of::<posewise_frame>();
 
@@ -101,8 +103,6 @@ struct Case {
     flags: u32,
     reserved: u32,
     struct_size: u32,
-    /// Value of the bytes beyond the known fields.
-    tail: u8,
     no_data: bool,
     valid: bool,
 }
@@ -142,8 +142,7 @@ impl Case {
             rotation_deg: if quarter < 4 { quarter * 90 } else { quarter },
             flags: input.u8() as u32,
             reserved: input.u8() as u32,
-            struct_size: FRAME as u32 + input.u8() as u32,
-            tail: if has(TAIL) { input.u8() } else { 0 },
+            struct_size: FRAME as u32 + (input.u8() as u32).saturating_sub(SIZE_IS_RIGHT),
             no_data: has(NO_DATA),
             valid: known.is_some() && stride as u64 >= row && data_len >= needed,
         };
@@ -161,7 +160,7 @@ impl Case {
             && self.rotation_deg < 360
             && self.flags & !POSEWISE_FRAME_MIRRORED == 0
             && self.reserved == 0
-            && (self.tail == 0 || self.struct_size as usize == FRAME)
+            && self.struct_size as usize == FRAME
     }
 
     fn frame(&self, memory: &Exact) -> posewise_frame {
@@ -202,9 +201,8 @@ impl Case {
     /// Some steps over the frame, compared with the same steps over the image as plain grey.
     fn check(&self, memory: &Exact) {
         let frame = self.frame(memory);
-        // The frame of a newer caller is longer.
-        let given = Exact::new(self.struct_size as usize, 8, self.tail);
-        // SAFETY: at least as long as the struct.
+        let given = Exact::new(FRAME, 8, 0);
+        // SAFETY: as long as the struct.
         unsafe { given.ptr().cast::<posewise_frame>().write(frame) };
         let upright = self.upright(memory);
         let (width, height) = match (self.rotation_deg / 90) % 2 {

@@ -4,10 +4,6 @@ use crate::ffi::types::*;
 use crate::targets::input::Input;
 use crate::targets::memory::Exact;
 
-/// Longest struct that the library accepts \[bytes\].
-const LONGEST_STRUCT: u32 = 4096;
-/// Below every size that a struct ever had \[bytes\].
-const FIRST: u32 = 32;
 pub(super) const CONFIG: u32 = size_of::<posewise_config>() as u32;
 pub(super) const FRAME: u32 = size_of::<posewise_frame>() as u32;
 pub(super) const RESULT: u32 = size_of::<posewise_result>() as u32;
@@ -26,34 +22,25 @@ pub(super) fn is_good(how: u8) -> bool {
     how & 7 < 6
 }
 
-/// The size that a struct states: mostly the right one.
+/// The size that a struct states: mostly the right one, `own`, the only one that is accepted.
 pub(super) fn stated(input: &mut Input<'_>, own: u32) -> u32 {
     match input.u8() {
         0..192 => own,
         192..208 => own + 16,
-        208..224 => FIRST - 4,
-        224..232 => LONGEST_STRUCT,
-        232..240 => LONGEST_STRUCT + 1,
+        208..224 => own - 4,
+        224..232 => 4096,
+        232..240 => own + 1,
         240..248 => 0,
-        // Sizes of older headers are valid: not used here.
-        _ => match input.u32() {
-            FIRST.. => own + 4,
-            shorter => shorter,
-        },
+        _ => input.u32(),
     }
 }
 
-/// Whether the library accepts this size of a struct of `own` bytes.
-pub(super) fn is_size(size: u32, own: u32) -> bool {
-    (own..=LONGEST_STRUCT).contains(&size)
-}
-
-/// A struct in memory of its stated size, followed by bytes of `tail`. Where the size is invalid,
-/// only the size itself is in memory.
-pub(super) fn lay_out<T: Copy>(value: T, size: u32, tail: u8) -> Exact {
+/// A struct in memory that states a size. Where the size is wrong, only the size itself is in
+/// memory.
+pub(super) fn lay_out<T: Copy>(value: T, size: u32) -> Exact {
     let own = size_of::<T>();
-    let mut memory = match is_size(size, own as u32) {
-        true => Exact::new(size as usize, 8, tail),
+    let mut memory = match size as usize == own {
+        true => Exact::new(own, 8, 0),
         false => Exact::new(4, 8, 0),
     };
     if memory.get().len() >= own {
@@ -111,14 +98,12 @@ pub(super) fn config(input: &mut Input<'_>) -> (Exact, bool) {
         0x40 => (1.0, -1.0),
         _ => (0.0, 0.0),
     };
-    let tail = (bits & 8) / 8;
-    let valid = is_size(struct_size, CONFIG)
+    let valid = struct_size == CONFIG
         && flags == 0
         && (min_face_px == 0 || (24..=4096).contains(&min_face_px))
         && (scan_budget == 0 || (100..=10_000_000).contains(&scan_budget))
         && camera
-        && !matches!(bits & 0xF0, 0x30 | 0x40)
-        && (tail == 0 || struct_size == CONFIG);
+        && !matches!(bits & 0xF0, 0x30 | 0x40);
     let config = posewise_config {
         struct_size,
         flags,
@@ -128,5 +113,5 @@ pub(super) fn config(input: &mut Input<'_>) -> (Exact, bool) {
         smoothing_hz,
         smoothing_beta,
     };
-    (lay_out(config, struct_size, tail), valid)
+    (lay_out(config, struct_size), valid)
 }

@@ -1,6 +1,6 @@
 //! Calls of `posewise_step()`.
 
-use super::arguments::{FRAME, RESULT, is_good, is_size, lay_out, spoilt, stated};
+use super::arguments::{FRAME, RESULT, is_good, lay_out, spoilt, stated};
 use super::{Live, World};
 use crate::ffi::{api::*, types::*};
 use crate::targets::input::{Input, scramble};
@@ -23,12 +23,11 @@ impl World {
             result_size,
             frame_how,
             result_how,
-            tail,
             ..
         } = arguments;
-        let given = lay_out(frame, frame_size, tail);
-        let len = match is_size(result_size, RESULT) {
-            true => result_size,
+        let given = lay_out(frame, frame_size);
+        let len = match result_size == RESULT {
+            true => RESULT,
             false => 4,
         };
         let mut out = Guarded::new(len as usize, 0x77);
@@ -43,9 +42,6 @@ impl World {
         out.check();
         image.check();
         if status == POSEWISE_OK {
-            assert!(out.get()[RESULT as usize..].iter().all(|b| *b == 0));
-            // A longer struct has the same result.
-            out.get_mut()[..4].copy_from_slice(&RESULT.to_ne_bytes());
             let outputs = Outputs::of(tracker, out.get());
             assert_eq!(outputs.timestamp_us(), timestamp_us);
             self.log.extend(outputs.bytes());
@@ -80,8 +76,6 @@ struct Arguments {
     result_size: u32,
     frame_how: u8,
     result_how: u8,
-    /// Value of the bytes beyond the frame's known fields.
-    tail: u8,
     /// Whether the fields of the frame are valid.
     valid_frame: bool,
 }
@@ -94,17 +88,16 @@ impl Arguments {
             result_size: RESULT,
             frame_how: 0,
             result_how: 0,
-            tail: 0,
             valid_frame: true,
         };
         match wrong {
             0..200 => {}
-            200..206 => (a.result_size, a.frame_size) = (RESULT + 16, FRAME + 16),
+            200..206 => (a.result_size, a.frame_size) = (FRAME, RESULT),
             206..210 => a.frame_size = stated(input, FRAME),
             210..214 => a.result_size = stated(input, RESULT),
             214..218 => a.frame_how = 6 + wrong % 2,
             218..222 => a.result_how = 6 + wrong % 2,
-            222..225 => (a.frame_size, a.tail) = (FRAME + 8, 1),
+            222..225 => a.frame_size = FRAME + 8,
             _ => {
                 a.valid_frame = false;
                 match wrong % 8 {
@@ -127,9 +120,8 @@ impl Arguments {
         self.valid_frame
             && is_good(self.frame_how)
             && is_good(self.result_how)
-            && is_size(self.frame_size, FRAME)
-            && is_size(self.result_size, RESULT)
-            && (self.tail == 0 || self.frame_size == FRAME)
+            && self.frame_size == FRAME
+            && self.result_size == RESULT
     }
 }
 
