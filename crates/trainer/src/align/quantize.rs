@@ -1,7 +1,8 @@
 //! From floats to the integers of the cascade's sections.
 
 use super::graph::{Op, Scratch};
-use super::network::{Head, Network};
+use super::head::Head;
+use super::network::Network;
 use super::rank::reduce_rank;
 use super::samples::Sample;
 use super::starts::StartShapes;
@@ -316,7 +317,7 @@ fn write_head(
     scale_of: impl Fn(usize) -> f32,
     out: &mut SectionWriter,
 ) {
-    let [project, inner, spread, outer] = head.split(parameters);
+    let [project, inner, expand, outer] = head.split(parameters);
     let (mut weights, mut scale) = (vec![], vec![]);
     let (mut rows, mut row_scale) = (vec![], vec![]);
     let to_bytes = |values: &[f32], bytes: &mut Vec<i8>| {
@@ -332,7 +333,7 @@ fn write_head(
             .collect();
         scale.push(to_bytes(&row, &mut weights));
         let column: Vec<f32> = (0..head.outputs)
-            .map(|i| spread[i * head.rank + k])
+            .map(|i| expand[i * head.rank + k])
             .collect();
         row_scale.push(to_bytes(&column, &mut rows));
     }

@@ -28,18 +28,18 @@ pub fn reduce_rank(trained: &Trained, samples: &[Sample]) -> Trained {
     let trunk = network.graph.parameters;
     out[..trunk].copy_from_slice(&parameters[..trunk]);
     for ((from, to), inner) in network.heads.iter().zip(&narrow.heads).zip(inner) {
-        let [project, bias, spread, outer] = from.split(parameters);
+        let [project, bias, expand, outer] = from.split(parameters);
         let double = |rows, columns, values: &[f32]| {
             DMatrix::from_row_iterator(rows, columns, values.iter().map(|v| f64::from(*v)))
         };
         let project = double(from.rank, from.inputs, project);
         let bias = double(from.rank, 1, bias);
-        let spread = double(from.outputs, from.rank, spread);
-        let moved = &spread * inner;
+        let expand = double(from.outputs, from.rank, expand);
+        let moved = &expand * inner;
         let mean = DMatrix::from_columns(&[moved.column_mean()]);
         let apart = &moved - &mean * DMatrix::from_element(1, samples.len(), 1.0);
         let basis = principal(&(&apart * apart.transpose()), rank);
-        let onto = basis.transpose() * &spread;
+        let onto = basis.transpose() * &expand;
         let rest = &mean - &basis * (basis.transpose() * &mean);
         let parts = [
             (&onto * project).transpose(),
