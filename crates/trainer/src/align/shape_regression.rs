@@ -2,7 +2,7 @@
 //! it end on the training faces to what they lack there.
 
 use super::options::LIDS;
-use super::refiners::ends;
+use super::refiners::starts::ends;
 use crate::faces::Face;
 use anyhow::{Result, anyhow};
 use faer::linalg::solvers::Solve;
