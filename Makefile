@@ -1,6 +1,6 @@
 # The static library with its C ABI, and its package.
 #
-#   make            builds the library: target/dist/libposewise.a, or target/TARGET/dist/…
+#   make            builds the library: target/dist/lib/libposewise.a, or target/TARGET/dist/…
 #   make install    installs library, headers, model, pkg-config and CMake files
 #   make dist       packs what is installed: target/posewise-VERSION-TARGET.tar.gz
 #
@@ -10,6 +10,7 @@
 #   MODEL=none      builds no model in
 #   WITHOUT="…"     leaves out any of the default features of Cargo.toml; see docs/memory.md
 #   TARGET_DIR=…    cargo's build folder (target)
+#   BINUTILS=…      prefix of ld, objcopy and ar for TARGET; known for the machines of the tests
 #
 # What developers measure (sizes, results on emulated machines) is in `cargo xtask --help`.
 
@@ -19,7 +20,8 @@ CARGO ?= cargo
 override ROOT := $(abspath $(dir $(lastword $(MAKEFILE_LIST))))
 override MANIFEST := $(ROOT)/Cargo.toml
 override VERSION := $(shell sed -n 's/^version = "\(.*\)"/\1/p' $(MANIFEST))
-override LIB := $(TARGET_DIR)/$(if $(TARGET),$(TARGET)/)dist/libposewise.a
+override DIST := $(abspath $(TARGET_DIR))/$(if $(TARGET),$(TARGET)/)dist
+override LIB := $(DIST)/lib/libposewise.a
 
 # Features: the default ones, less what is left out.
 override DEFAULT := $(shell sed -n 's/^default = \[\(.*\)\]$$/\1/p' $(MANIFEST) | tr -d '",')
@@ -50,11 +52,32 @@ ifeq ($(TARGET),armv7-unknown-linux-gnueabihf)
 export RUSTFLAGS := -Ctarget-feature=+neon
 endif
 
-# Cargo knows whether the library is up to date.
+# With the machine's binutils, all symbols but posewise_* become local. Without them (Android, Apple)
+# the archive stays as cargo makes it: the functions of Rust's compiler_builtins are visible too.
+BINUTILS_aarch64-unknown-linux-gnu := aarch64-linux-gnu-
+BINUTILS_armv7-unknown-linux-gnueabihf := arm-linux-gnueabihf-
+BINUTILS_thumbv7em-none-eabihf := arm-none-eabi-
+BINUTILS ?= $(BINUTILS_$(TARGET))
+override TOOL = $(shell command -v $(BINUTILS)$(1))
+ifneq ($(BINUTILS)$(if $(TARGET),,$(filter Linux,$(shell uname -s))),)
+override CAN_HIDE := $(and $(call TOOL,ld),$(call TOOL,objcopy),$(call TOOL,ar))
+endif
+
+# Cargo knows whether the library is up to date. The file is replaced by renaming, because two runs
+# of make may share a folder. One object of the archive has all functions, and needs few others.
+# Bitcode in the others (.llvmbc) would make binutils with LLVM's plugin see nothing else.
 lib:
 	cd $(ROOT) && $(CARGO) rustc --quiet --profile dist --lib --crate-type staticlib \
 		$(if $(strip $(UNWANTED)),--no-default-features) --features "$(FEATURES)" \
 		$(BUILD_CORE) $(if $(TARGET),--target $(TARGET)) --target-dir $(abspath $(TARGET_DIR))
+	mkdir -p $(DIST)/lib
+	temporary=$$(mktemp -d $(DIST)/lib.XXXXXX) && trap 'rm -rf $$temporary' EXIT && \
+	cd $$temporary && cp ../libposewise.a . && \
+	$(if $(CAN_HIDE),$(BINUTILS)objcopy -R .llvmbc -R .llvmcmd libposewise.a && \
+		$(BINUTILS)ld -r -u posewise_version -o posewise.o libposewise.a && \
+		$(BINUTILS)objcopy --wildcard --keep-global-symbol='posewise_*' posewise.o && \
+		rm libposewise.a && $(BINUTILS)ar rcsD libposewise.a posewise.o &&) \
+	mv libposewise.a $(LIB)
 
 override TO := $(DESTDIR)$(PREFIX)
 override CMAKE := $(TO)/lib/cmake/posewise

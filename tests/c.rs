@@ -223,7 +223,7 @@ fn makefile_builds_the_examples() {
         eprintln!("skipped: no make");
         return;
     }
-    let target = library().ancestors().nth(2).expect("the target folder");
+    let target = scratch("dist");
     let mut make = Command::new("make");
     make.arg("-C").arg(root().join("ffi-examples"));
     make.arg(format!("TARGET_DIR={}", target.display()));

@@ -48,6 +48,105 @@ fn nothing_panics() {
     }
 }
 
+/// Only the header's functions can be seen: whatever else is in the program, it does not clash.
+#[test]
+fn only_the_functions_of_the_header_are_visible() {
+    if !exists("make") || !exists("nm") {
+        eprintln!("skipped: no make or nm");
+        return;
+    }
+    let nm = succeed(
+        Command::new("nm")
+            .args(["--extern-only", "--defined-only"])
+            .arg(library()),
+    );
+    let mut names: Vec<_> = nm
+        .lines()
+        .filter_map(|line| line.split(' ').nth(2))
+        .collect();
+    names.sort_unstable();
+    let mut functions = exported();
+    functions.sort_unstable();
+    assert_eq!(names, functions);
+}
+
+/// A program may hold other static libraries in Rust, whichever comes first; panics of the other
+/// one are still caught. What cargo makes alone links too, where not all of it is asked for.
+#[test]
+fn other_rust_libraries_link_beside_it() {
+    let folder = scratch("two");
+    let other = |name: &str, code: &str, flags: &[&str]| {
+        let (source, library) = (folder.join(name), folder.join(format!("lib{name}.a")));
+        std::fs::write(&source, code).expect("target/ is writable");
+        let mut rustc = Command::new(std::env::var("RUSTC").unwrap_or("rustc".into()));
+        rustc.args([
+            "--edition=2024",
+            "--crate-type=staticlib",
+            "--crate-name",
+            name,
+        ]);
+        succeed(rustc.args(flags).arg("-o").arg(&library).arg(&source));
+        library
+    };
+    let with_std = other("with_std", WITH_STD, &["-Copt-level=1"]);
+    let without = other(
+        "without_std",
+        WITHOUT_STD,
+        &["-Copt-level=1", "-Cpanic=abort"],
+    );
+    let main = folder.join("main.c");
+    std::fs::write(&main, TWO_C).expect("target/ is writable");
+    let by_cargo = scratch("dist").join("dist/libposewise.a");
+    for (i, other) in [&with_std, &without].into_iter().enumerate() {
+        let (all, end) = (
+            Path::new("-Wl,--whole-archive"),
+            Path::new("-Wl,--no-whole-archive"),
+        );
+        let orders: [&[&Path]; 4] = [
+            &[all, library(), end, other],
+            &[other, all, library(), end],
+            &[&by_cargo, other],
+            &[other, &by_cargo],
+        ];
+        for libraries in orders {
+            let program = folder.join(format!("program{i}"));
+            let mut link = Command::new(cc());
+            link.arg("-I").arg(root().join("include")).arg(&main);
+            link.args(libraries)
+                .args(["-lpthread", "-ldl", "-lm", "-o"]);
+            succeed(link.arg(&program));
+            succeed(&mut Command::new(&program));
+        }
+    }
+}
+
+const WITH_STD: &str = r#"
+#[unsafe(no_mangle)]
+pub extern "C" fn other(n: usize) -> i32 {
+    std::panic::set_hook(Box::new(|_| {}));
+    let caught = std::panic::catch_unwind(|| vec![1, 2, 3][n]);
+    if caught.is_err() { 42 } else { 0 }
+}
+"#;
+
+const WITHOUT_STD: &str = r#"#![no_std]
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo) -> ! { loop {} }
+#[unsafe(no_mangle)]
+extern "C" fn rust_eh_personality() {}
+#[unsafe(no_mangle)]
+pub extern "C" fn other(n: usize) -> i32 { if n == 7 { 42 } else { 0 } }
+"#;
+
+const TWO_C: &str = "#include \"posewise.h\"
+int other(size_t);
+int main(void) {
+    size_t len;
+    const void *model = posewise_default_model(&len);
+    return posewise_model_check(model, len) != POSEWISE_OK || other(7) != 42;
+}
+";
+
 const CONTROL_RUST: &str = r#"#![no_std]
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo) -> ! { loop {} }
@@ -104,7 +203,8 @@ fn whole() -> &'static Path {
 /// The functions that the header declares.
 fn exported() -> Vec<String> {
     let header = std::fs::read_to_string(root().join("include/posewise.h")).expect("posewise.h");
-    let lines = header.lines().filter(|line| !line.starts_with("//"));
+    let lines = header.lines();
+    let lines = lines.filter(|line| !line.contains("//") && !line.starts_with(" *"));
     let names = lines.filter_map(|line| {
         let before = line.split_once('(')?.0;
         let name = before.rsplit([' ', '*']).next()?;

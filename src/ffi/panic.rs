@@ -1,12 +1,10 @@
-//! Symbols that a program without std needs to link Rust code. Neither is ever reached.
+//! The panic handler that a program without std needs to link Rust code. It is never reached.
+//!
+//! `rust_eh_personality` is not defined here: the library must link beside others in Rust. Whole-
+//! program optimisation (profile dist) removes the references to it in `core`.
 
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo) -> ! {
     // tests/link.rs shows that no path of the linked library leads here.
     loop {}
 }
-
-/// `core` is compiled for unwinding and refers to this symbol even where nothing unwinds. Fat LTO
-/// removes the reference; builds without it need the symbol to link.
-#[unsafe(no_mangle)]
-extern "C" fn rust_eh_personality() {}

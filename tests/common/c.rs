@@ -1,4 +1,4 @@
-//! Compiling C against the static library as it ships (`--profile dist`). It is built in its own
+//! Compiling C against the static library as `make` builds it. It is built in its own
 //! folder under target/, so that the cargo that runs the tests and the one that they run do not
 //! wait for each other.
 
@@ -57,11 +57,17 @@ pub fn require(program: &str) -> bool {
     there
 }
 
-/// The static library, built once.
+/// The static library, built once: by make, or by cargo alone where there is no make.
 pub fn library() -> &'static Path {
     static LIBRARY: OnceLock<PathBuf> = OnceLock::new();
     LIBRARY.get_or_init(|| {
         let target = scratch("dist");
+        if exists("make") {
+            let mut make = Command::new("make");
+            make.args(["--silent", "lib", "-C"]).arg(root());
+            succeed(make.arg(format!("TARGET_DIR={}", target.display())));
+            return target.join("dist/lib/libposewise.a");
+        }
         let mut cargo = Command::new(env!("CARGO"));
         cargo.current_dir(root());
         cargo.args(["rustc", "--quiet", "--profile", "dist", "--lib"]);

@@ -22,7 +22,7 @@ impl Library {
         output_of(&mut self.make())?;
         let mut path = self.target_dir.clone();
         path.extend(&self.target);
-        Ok(path.join("dist/libposewise.a"))
+        Ok(path.join("dist/lib/libposewise.a"))
     }
 
     /// Whether this machine has a Rust that knows the target.
