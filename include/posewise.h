@@ -97,10 +97,10 @@ typedef int32_t posewise_status;
 // default: a horizontal field of view of 60 degrees and the principal point at the image centre.
 // This struct never grows.
 typedef struct posewise_intrinsics {
-    // Focal lengths [px], finite, > 0.
+    // Focal lengths [px], 1..1000000; fy is 0.1..10 times fx.
     float fx;
     float fy;
-    // Principal point [px], finite.
+    // Principal point [px], -100000..100000.
     float cx;
     float cy;
 } posewise_intrinsics;
@@ -195,9 +195,9 @@ typedef struct posewise_result {
     // Mean visibility of the landmarks, 0..1: low when much of the face is occluded.
     float visible_share;
     // Standard deviations of the rotation about the camera's x, y and z axes [deg], estimated
-    // from the distances between the landmarks of this frame and the 3D face.
+    // from the distances between the landmarks of this frame and the 3D face. At most 180.
     float rotation_sigma_deg[3];
-    // Standard deviations of translation_mm [mm], estimated likewise.
+    // Standard deviations of translation_mm [mm], estimated likewise. At most 100000.
     float translation_sigma_mm[3];
 } posewise_result;
 // Initialises a posewise_result: struct_size is set, all other fields are 0.

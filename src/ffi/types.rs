@@ -108,10 +108,10 @@ pub const POSEWISE_LOSS_NO_POSE: u32 = 3;
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
 pub struct posewise_intrinsics {
-    /// Focal lengths \[px\], finite, > 0.
+    /// Focal lengths \[px\], 1..1000000; fy is 0.1..10 times fx.
     pub fx: f32,
     pub fy: f32,
-    /// Principal point \[px\], finite.
+    /// Principal point \[px\], -100000..100000.
     pub cx: f32,
     pub cy: f32,
 }
@@ -206,9 +206,9 @@ pub struct posewise_result {
     /// Mean visibility of the landmarks, 0..1: low when much of the face is occluded.
     pub visible_share: f32,
     /// Standard deviations of the rotation about the camera's x, y and z axes \[deg\], estimated
-    /// from the distances between the landmarks of this frame and the 3D face.
+    /// from the distances between the landmarks of this frame and the 3D face. At most 180.
     pub rotation_sigma_deg: [f32; 3],
-    /// Standard deviations of translation_mm \[mm\], estimated likewise.
+    /// Standard deviations of translation_mm \[mm\], estimated likewise. At most 100000.
     pub translation_sigma_mm: [f32; 3],
 }
 

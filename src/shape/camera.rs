@@ -1,5 +1,7 @@
 //! The pinhole camera and the rigid pose of a head.
 
+use core::ops::RangeInclusive;
+
 use crate::math::{HeadAngles, head_angles, head_rotation};
 use glam::{Mat3, Vec3};
 
@@ -7,21 +9,30 @@ use glam::{Mat3, Vec3};
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Intrinsics {
-    /// Focal length along x, > 0.
+    /// Focal length along x, 1 to a million.
     pub fx: f32,
-    /// Focal length along y, > 0.
+    /// Focal length along y, 1 to a million, and 0.1 to 10 times the one along x.
     pub fy: f32,
-    /// Principal point, x.
+    /// Principal point, x; within 100,000 of 0.
     pub cx: f32,
-    /// Principal point, y.
+    /// Principal point, y; within 100,000 of 0.
     pub cy: f32,
 }
+
+/// Range of the focal lengths \[px\], chosen beyond every camera: 166° across a frame of 16 px, and
+/// 0.9° across the widest one, 16,384 px. Within it no step of the fit overflows.
+pub(crate) const FOCAL_PX: RangeInclusive<f32> = 1.0..=1e6;
+/// Range of fy/fx, the ratio of width to height of a pixel; anamorphic lenses have 0.5 to 2.
+pub(crate) const PIXEL_ASPECT: RangeInclusive<f32> = 0.1..=10.0;
+/// Largest distance of the principal point from the origin, along an axis \[px\]: six times the
+/// widest frame, for frames that are cut out of larger ones.
+pub(crate) const PRINCIPAL_PX: f32 = 1e5;
 
 /// Least depth for a projection \[mm\]: nearer points are projected from here.
 pub(super) const NEAREST_MM: f32 = 20.0;
 
 /// Greatest distance of a head \[mm\]: at 100 m a head is smaller than a pixel.
-pub(super) const FARTHEST_MM: f32 = 100_000.0;
+pub(crate) const FARTHEST_MM: f32 = 100_000.0;
 
 impl Intrinsics {
     /// Focal lengths and principal point \[px\].
@@ -42,10 +53,15 @@ impl Intrinsics {
         }
     }
 
-    /// Whether both focal lengths are positive and everything is finite.
+    /// Whether all are in their ranges.
     pub fn is_valid(&self) -> bool {
         let Intrinsics { fx, fy, cx, cy } = *self;
-        [fx, fy, cx, cy].iter().all(|v| v.is_finite()) && fx > 0.0 && fy > 0.0
+        // No comparison holds for a NaN.
+        FOCAL_PX.contains(&fx)
+            && FOCAL_PX.contains(&fy)
+            && PIXEL_ASPECT.contains(&(fy / fx))
+            && cx.abs() <= PRINCIPAL_PX
+            && cy.abs() <= PRINCIPAL_PX
     }
 
     /// Image position \[px\] of a point in the camera frame \[mm\].

@@ -9,6 +9,7 @@ mod linear;
 mod posit;
 mod step;
 
+pub(crate) use camera::{FARTHEST_MM, FOCAL_PX, PIXEL_ASPECT, PRINCIPAL_PX};
 pub use camera::{Intrinsics, Pose};
 pub use face::{Contour, FACE_TAG, FIXED_CONTOUR, FaceModel, JAW, MAX_EXTRA, MAX_POINTS, Shape};
 pub use face::{VIEW_AZIMUTHS, VIEW_BYTES, VIEW_ELEVATIONS, VIEW_STEP_DEG};

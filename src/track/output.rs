@@ -4,7 +4,7 @@ use super::geometry::{bounds, length};
 use super::policy::{EYE_MAX_BLUR, EYE_MIN_FACING, EYE_MIN_VISIBILITY};
 use super::{Landmark, Loss, State, TrackResult};
 use crate::align::Shape;
-use crate::shape::{FaceFit, FaceModel, Intrinsics, LANDMARKS, eye_open};
+use crate::shape::{FARTHEST_MM, FaceFit, FaceModel, Intrinsics, LANDMARKS, eye_open};
 use crate::verifier::Confidence;
 
 /// Everything that a result is made of.
@@ -53,8 +53,8 @@ pub(super) fn write(to: &mut TrackResult, now_us: i64, fitted: &Fitted<'_>) {
     *eye_open = eyes(fitted);
     *loss = Loss::None;
     *visible_share = fitted.confidence.visibility.iter().sum::<f32>() / LANDMARKS as f32;
-    *rotation_sigma_deg = [0, 1, 2].map(|k| sigma(fitted.fit, k).to_degrees());
-    *translation_sigma_mm = [3, 4, 5].map(|k| sigma(fitted.fit, k));
+    *rotation_sigma_deg = [0, 1, 2].map(|k| sigma(fitted.fit, k, MAX_SIGMA_RAD).to_degrees());
+    *translation_sigma_mm = [3, 4, 5].map(|k| sigma(fitted.fit, k, MAX_SIGMA_MM));
     write_landmarks(landmarks, fitted);
     for (out, p) in points_mm.iter_mut().zip(fitted.fit.points_mm.iter()) {
         *out = p.to_array();
@@ -79,11 +79,21 @@ fn write_landmarks(to: &mut [Landmark; LANDMARKS], fitted: &Fitted<'_>) {
     }
 }
 
-/// Standard deviation of an unknown of the pose: rotation \[rad\], then translation \[mm\].
-fn sigma(fit: &FaceFit, unknown: usize) -> f32 {
+/// Largest standard deviation of a rotation \[rad\]: half a turn, nothing is known.
+const MAX_SIGMA_RAD: f32 = core::f32::consts::PI;
+/// Largest standard deviation of a position \[mm\]: as far as the farthest head.
+const MAX_SIGMA_MM: f32 = FARTHEST_MM;
+
+/// Standard deviation of an unknown of the pose: rotation \[rad\], then translation \[mm\]; `most`
+/// where the landmarks leave it undetermined.
+fn sigma(fit: &FaceFit, unknown: usize, most: f32) -> f32 {
     let row = fit.covariance.get(unknown);
-    let variance = row.and_then(|row| row.get(unknown)).copied().unwrap_or(0.0);
-    libm::sqrtf(variance.max(0.0))
+    let variance = row.and_then(|row| row.get(unknown)).copied();
+    match variance {
+        // Not for a NaN.
+        Some(variance) if variance < most * most => libm::sqrtf(variance.max(0.0)),
+        _ => most,
+    }
 }
 
 /// Openness of the face's left and right eye; −1 (unknown) for an eye that the head or something

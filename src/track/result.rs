@@ -91,9 +91,10 @@ pub struct TrackResult {
     /// Mean visibility of the landmarks, 0..1.
     pub visible_share: f32,
     /// Standard deviations of the rotation, about the camera's x, y and z axes \[deg\]: from the
-    /// residuals of this frame's landmarks.
+    /// residuals of this frame's landmarks. At most 180.
     pub rotation_sigma_deg: [f32; 3],
-    /// Standard deviations of `translation_mm`, camera frame \[mm\], likewise.
+    /// Standard deviations of `translation_mm`, camera frame \[mm\], likewise. At most
+    /// 100,000.
     pub translation_sigma_mm: [f32; 3],
     /// iBUG 68 landmarks; the jaw (0–16) follows the visible contour.
     pub landmarks: [Landmark; LANDMARKS],

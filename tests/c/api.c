@@ -640,14 +640,21 @@ static void test_extreme_times(void) {
 static void test_intrinsics(void) {
     guarded memory = tracker_memory(0);
     posewise_tracker *t = init(memory, NULL);
-    const posewise_intrinsics zero = {0, 0, 0, 0}, good = {900, 900, 320, 240};
+    const posewise_intrinsics zero = {0, 0, 0, 0};
+    static const posewise_intrinsics good[] = {
+        {900, 900, 320, 240}, {1, 1, 0, 0}, {1e6f, 1e6f, 1e5f, -1e5f}, {500, 51, 0, 0},
+        {500, 4999, 0, 0},
+    };
     static const posewise_intrinsics bad[] = {
         {NAN, 1, 1, 1},  {1, NAN, 1, 1},      {1, 1, NAN, 1},       {1, 1, 1, NAN},
         {0, 900, 0, 0},  {900, 0, 0, 0},      {-900, 900, 0, 0},    {900, -900, 0, 0},
         {0, 0, 320, 240}, {INFINITY, 1, 0, 0}, {1, 1, -INFINITY, 0},
+        {0.9f, 1, 0, 0}, {1e-6f, 1e-6f, 0, 0}, {1.1e6f, 1e6f, 0, 0}, {1e6f, 1.1e6f, 0, 0},
+        {500, 49, 0, 0}, {500, 5001, 0, 0},   {900, 900, 1.1e5f, 0}, {900, 900, 0, -1.1e5f},
     };
     size_t i;
-    CHECK_STATUS(posewise_set_intrinsics(t, &good), POSEWISE_OK);
+    for (i = 0; i < sizeof good / sizeof *good; i++)
+        CHECK_STATUS(posewise_set_intrinsics(t, &good[i]), POSEWISE_OK);
     CHECK_STATUS(posewise_set_intrinsics(t, &zero), POSEWISE_OK);
     CHECK_STATUS(posewise_set_intrinsics(t, NULL), POSEWISE_OK);
     for (i = 0; i < sizeof bad / sizeof *bad; i++)

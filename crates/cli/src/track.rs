@@ -36,8 +36,8 @@ impl<'m> Session<'m> {
     /// A new tracker with these settings. Only a live camera's frames cannot wait: elsewhere every
     /// frame is searched completely unless the settings say otherwise.
     pub fn new(model: &'m Model<'m>, args: &TrackerArgs, live: bool) -> Result<Self> {
-        if args.focal.is_some_and(|f| !(f.is_finite() && f > 0.0)) {
-            bail!("--focal must be positive");
+        if (args.focal).is_some_and(|f| !Intrinsics::new(f, f, 0.0, 0.0).is_valid()) {
+            bail!("--focal must be 1 to 1000000 px");
         }
         let mut config = Config::default();
         config.min_face_px = args.min_face.unwrap_or(config.min_face_px);

@@ -72,7 +72,12 @@ pub(super) fn intrinsics(input: &mut Input<'_>) -> (posewise_intrinsics, bool) {
     let [fx, fy, cx, cy] = [next(), next(), next(), next()];
     let all = [fx, fy, cx, cy];
     let default = all.iter().all(|v| *v == 0.0);
-    let valid = all.iter().all(|v| v.is_finite()) && fx > 0.0 && fy > 0.0;
+    let focal = 1.0..=1e6;
+    let valid = focal.contains(&fx)
+        && focal.contains(&fy)
+        && (0.1..=10.0).contains(&(fy / fx))
+        && cx.abs() <= 1e5
+        && cy.abs() <= 1e5;
     (posewise_intrinsics { fx, fy, cx, cy }, default || valid)
 }
 
