@@ -1,5 +1,5 @@
 //! The clip that the repository ships for `posewise demo`: a procedural head (no photograph of
-//! anybody) before a procedural room, with exact truth per frame.
+//! anybody) in front of a procedural room, with exact truth per frame.
 //!
 //! The clip is grey y4m (`Cmono`) behind gzip; the truth has the columns of the development clips:
 //! angles, rotation, position of the eyes' midpoint, intrinsics, weights, the projections of the

@@ -1,8 +1,9 @@
-//! Real eyes, each seen alone and known to be open or shut: do the refiners' lids tell?
+//! Pictures of single real eyes, labelled as open or shut: training samples for the lid refiner,
+//! and a measure of how well its lids separate the two.
 //!
-//! In photographs of faces lids are hardly ever shut, and the annotator leaves half open those that
-//! are; rendered lids are not real. The stages find the landmarks; where an eye is known to be shut
-//! its lids are laid together. Each fifth picture is kept from training, to measure on.
+//! Photographs of faces hardly ever show shut lids, and annotators place those half open; rendered
+//! lids are not real. The refiners find the landmarks; where an eye is known to be shut, both lids
+//! get the same landmarks. Every fifth picture is not trained on but measured.
 
 use crate::faces::{Face, Picture, ratio};
 use anyhow::{Context, Result, ensure};
@@ -32,41 +33,41 @@ pub struct Args {
     pub json: Option<PathBuf>,
 }
 
-/// Widths of an eye, and the height of its middle, in sides of the picture: where to begin.
+/// Initial widths of an eye, and the initial height of its centre, in sides of the picture.
 const WIDTHS: [f32; 4] = [0.4, 0.5, 0.6, 0.72];
 const MIDDLE: f32 = 0.54;
-/// Attempts until the stages have settled, and how far the landmarks may still move in the last
-/// one, in widths of the eye.
-const ATTEMPTS: usize = 6;
-const SETTLED: f32 = 0.03;
-/// How wide an eye may be, and how far from where it was looked for, in sides.
+/// Runs of the refiners, and how far the landmarks may still move in the last one, in widths of the
+/// eye.
+const RUNS: usize = 6;
+const CONVERGED: f32 = 0.03;
+/// Accepted widths of an eye, and its largest distance from the initial position, in sides.
 const WIDE: std::ops::Range<f32> = 0.3..0.9;
 const FAR: f32 = 0.2;
-/// The subject's right eye with its brow, the eye alone, and its upper and lower lid.
-const MARKS: std::ops::Range<usize> = 17..22;
+/// Landmarks of the person's right brow and right eye, and pairs of upper and lower lid.
+const BROW: std::ops::Range<usize> = 17..22;
 const EYE: std::ops::Range<usize> = 36..42;
 const LIDS: [[usize; 2]; 2] = [[37, 41], [38, 40]];
 
-/// Where shut lids meet on the way from the upper to the lower one.
+/// Where shut lids meet, from the upper (0) to the lower lid (1).
 const MEET: f32 = 0.75;
-/// Each so many-th picture is kept from training.
-const HELD: usize = 5;
+/// One picture in so many is held out of training.
+const HELD_OUT: usize = 5;
 
-/// An eye to train on: a face of which only the subject's right eye is seen, and where the stages
-/// found its landmarks.
+/// An eye to train on: a face of which only the person's right eye is seen, and the landmarks that
+/// the refiners found.
 pub struct Single {
-    /// Labels; lids laid together where the eye is shut.
+    /// Labels; both lids at the same place where the eye is shut.
     pub face: Face,
-    /// What the stages say.
+    /// The refiners' result.
     pub found: Shape,
 }
 
-/// Whether only the subject's right eye is known of a face.
+/// Whether only the person's right eye is known of a face.
 pub fn is_single(face: &Face) -> bool {
     face.yaw_deg.is_none() && !face.visible[42]
 }
 
-/// The pictures to train on, and their mirror images, as far as this model finds the eye.
+/// The pictures to train on and their mirror images, those in which this model finds the eye.
 pub fn for_training(model: &AlignModel<'_>, folder: &Path) -> Result<Vec<Single>> {
     let mut all = vec![];
     for (name, shut) in [("open", false), ("closed", true)] {
@@ -75,11 +76,11 @@ pub fn for_training(model: &AlignModel<'_>, folder: &Path) -> Result<Vec<Single>
         println!("{name} eyes: {} of {} found", found.len(), 2 * paths.len());
         all.extend(found.into_iter().map(|(picture, found)| {
             let mut visible = [false; LANDMARKS];
-            MARKS.chain(EYE).for_each(|k| visible[k] = true);
+            BROW.chain(EYE).for_each(|k| visible[k] = true);
             Single {
                 face: Face {
                     picture: Arc::new(picture),
-                    landmarks: if shut { laid_together(found) } else { found },
+                    landmarks: if shut { with_shut_lids(found) } else { found },
                     person: u32::MAX,
                     yaw_deg: None,
                     weight: 1.0,
@@ -92,7 +93,7 @@ pub fn for_training(model: &AlignModel<'_>, folder: &Path) -> Result<Vec<Single>
     Ok(all)
 }
 
-fn laid_together(mut shape: Shape) -> Shape {
+fn with_shut_lids(mut shape: Shape) -> Shape {
     for [upper, lower] in LIDS {
         let (u, l) = (shape[upper], shape[lower]);
         let meet = [0, 1].map(|k| u[k] + MEET * (l[k] - u[k]));
@@ -102,7 +103,7 @@ fn laid_together(mut shape: Shape) -> Shape {
     shape
 }
 
-/// Prints how well the lids' gap tells shut eyes from open ones.
+/// Prints how well the lids' gap separates shut eyes from open ones.
 pub fn run(args: &Args) -> Result<()> {
     let bytes = std::fs::read(&args.model).with_context(|| args.model.display().to_string())?;
     let bytes = AlignedBytes::new(&bytes);
@@ -135,10 +136,10 @@ pub fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// Those kept from training, or the others.
-fn pictures(folder: &Path, held: bool) -> Result<Vec<PathBuf>> {
+/// Those held out of training, or the others.
+fn pictures(folder: &Path, held_out: bool) -> Result<Vec<PathBuf>> {
     let chosen = (Picture::list(folder)?.into_iter().enumerate())
-        .filter(|(index, _)| (index % HELD == HELD - 1) == held)
+        .filter(|(index, _)| (index % HELD_OUT == HELD_OUT - 1) == held_out)
         .map(|(_, path)| path);
     Ok(chosen.collect())
 }
@@ -169,22 +170,23 @@ fn extent(shape: &Shape) -> ([f32; 2], f32) {
     (centre, distance(eye[0], eye[3]))
 }
 
-/// Of the lids, over the eye's width.
+/// The lids' gap over the eye's width.
 fn gap(shape: &Shape) -> f32 {
     ratio(shape, [36, 39], &LIDS)
 }
 
-/// The eye in the middle of a picture, from the beginning after which it moves least; `None` where
-/// it does not settle. The landmarks of the rest of the face are the mean face's around it.
+/// The eye in the middle of a picture, by the initial width from which it converges best; `None`
+/// where it does not converge. The other landmarks of the face are placed as in the mean face.
 fn find(model: &AlignModel<'_>, picture: &Picture, work: &mut Workspace) -> Option<Shape> {
-    let begun = WIDTHS.iter();
-    let settled = begun.filter_map(|width| settle(model, picture, *width, work));
-    let (moved, shape) = settled.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    (moved < SETTLED).then_some(shape)
+    let results = WIDTHS
+        .iter()
+        .filter_map(|width| converge(model, picture, *width, work));
+    let (moved, shape) = results.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    (moved < CONVERGED).then_some(shape)
 }
 
-/// Where the refiners end that begin with an eye of this width, and how far they moved last.
-fn settle(
+/// The refiners' result from an eye of this initial width, after how far they moved last.
+fn converge(
     model: &AlignModel<'_>,
     picture: &Picture,
     width: f32,
@@ -195,32 +197,32 @@ fn settle(
     // An upright face whose eye has this centre and width.
     let face = |at: [f32; 2], width: f32| {
         let scale = width / unit;
-        let seat = Similarity {
+        let to_frame = Similarity {
             a: scale,
             b: 0.0,
             tx: at[0] - scale * centre[0],
             ty: at[1] - scale * centre[1],
         };
-        mean.map(|p| seat.apply(p))
+        mean.map(|p| to_frame.apply(p))
     };
     let [w, h] = picture.size.map(|s| s as f32);
-    let begin = [0.5 * w, MIDDLE * h];
-    let mut shape = face(begin, width * w);
+    let initial = [0.5 * w, MIDDLE * h];
+    let mut shape = face(initial, width * w);
     let mut moved = f32::MAX;
-    for _ in 0..ATTEMPTS {
+    for _ in 0..RUNS {
         let before = shape;
         if !model.run(&picture.frame(), 0, &mut shape, work) {
             return None;
         }
         let (at, wide) = extent(&shape);
-        if !WIDE.contains(&(wide / w)) || distance(at, begin) > FAR * w {
+        if !WIDE.contains(&(wide / w)) || distance(at, initial) > FAR * w {
             return None;
         }
-        let marks: Vec<usize> = MARKS.chain(EYE).collect();
-        let moves = marks.iter().map(|k| distance(shape[*k], before[*k]));
-        moved = moves.sum::<f32>() / marks.len() as f32 / wide;
+        let landmarks: Vec<usize> = BROW.chain(EYE).collect();
+        let moves = landmarks.iter().map(|k| distance(shape[*k], before[*k]));
+        moved = moves.sum::<f32>() / landmarks.len() as f32 / wide;
         let mut next = face(at, wide);
-        marks.iter().for_each(|k| next[*k] = shape[*k]);
+        landmarks.iter().for_each(|k| next[*k] = shape[*k]);
         shape = next;
     }
     Some((moved, shape))

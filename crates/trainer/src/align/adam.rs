@@ -4,7 +4,7 @@ use super::options::Options;
 use anyhow::{Context, Result};
 use std::path::Path;
 
-/// What a run goes on from.
+/// The state of a training run, which a checkpoint stores.
 pub struct State {
     /// Batches so far.
     pub step: usize,
@@ -26,7 +26,7 @@ impl State {
         }
     }
 
-    /// Reads a checkpoint of so many parameters; `None` of another size or where there is none.
+    /// Reads a checkpoint; `None` when there is none or it has another number of parameters.
     pub fn read(path: &Path, parameters: usize) -> Option<State> {
         let bytes = std::fs::read(path).ok()?;
         let (step, rest) = bytes.split_first_chunk::<8>()?;

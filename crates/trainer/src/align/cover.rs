@@ -1,4 +1,4 @@
-//! Things before a face: hands, cups, masks and the like, as pieces of other pictures.
+//! Occludes faces with patches of other pictures.
 
 use super::starts::normal;
 use crate::faces::{Face, Picture};
@@ -6,16 +6,16 @@ use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use std::sync::Arc;
 
-/// Least and largest half axis of a cover, in widths of the face's box.
-const HALF: (f32, f32) = (0.1, 0.42);
+/// Least and largest half axis of a patch, in widths of the face's box.
+const HALF_AXIS: (f32, f32) = (0.1, 0.42);
 
-/// A face with a piece of another's picture before it; the landmarks under it are marked hidden.
+/// A face occluded by a patch of another's picture; the landmarks under it are marked hidden.
 pub fn covered(face: &Face, other: &Face, rng: &mut ChaCha8Rng) -> Face {
     let width = face.width();
     let [cx, cy] = face.landmarks[rng.random_range(17..68)];
-    let half = [0, 0].map(|_| width * rng.random_range(HALF.0..HALF.1));
+    let half = [0, 0].map(|_| width * rng.random_range(HALF_AXIS.0..HALF_AXIS.1));
     let (sin, cos) = rng.random_range(0.0..std::f32::consts::PI).sin_cos();
-    // From ellipses to boxes with round corners.
+    // A superellipse: from an ellipse to a box with round corners.
     let power = rng.random_range(2.0..8.0f32);
     let inside = |x: f32, y: f32| {
         let (dx, dy) = (x - cx, y - cy);
@@ -31,7 +31,7 @@ pub fn covered(face: &Face, other: &Face, rng: &mut ChaCha8Rng) -> Face {
     let own = luma
         [(cy.clamp(0.0, h as f32 - 1.0) as usize) * w + cx.clamp(0.0, w as f32 - 1.0) as usize]
         as f32;
-    // As bright as the face, like a hand, or anything.
+    // As bright as the face, like a hand, or of any brightness.
     let level = match rng.random_bool(0.5) {
         true => own + 25.0 * normal(rng),
         false => rng.random_range(0.0..255.0),

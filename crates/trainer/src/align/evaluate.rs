@@ -40,12 +40,12 @@ pub fn mean_error(
     nme_percent(landmarks.map(|k| (face.landmarks[k], shape[k])), unit)
 }
 
-/// The start shape for a turn.
+/// The initial shape for a turn (−1 … 1).
 pub fn start_of(model: &AlignModel<'_>, turn: f32) -> Shape {
     model
         .views()
         .initial_shape(turn)
-        .expect("a model has a start shape")
+        .expect("a model has an initial shape")
 }
 
 /// Where evaluation starts: boxes around the truth, jittered as by a detector.
@@ -57,7 +57,7 @@ pub struct Boxes {
     pub count: usize,
 }
 
-/// Runs the cascade from boxes, and `rounds` times more from its own answer as while tracking.
+/// Runs the cascade from boxes, and `rounds` more iterations from its own result as in tracking.
 pub fn evaluate(
     model: &AlignModel<'_>,
     faces: &[Face],
@@ -70,18 +70,17 @@ pub fn evaluate(
     })
 }
 
-/// The same for the global stage alone, before it was turned into integers, with the first so many
-/// of its answers.
+/// The same for the global stage alone, in `f32`, with its first `heads` heads.
 pub fn evaluate_float(
     model: &AlignModel<'_>,
     trained: &Trained,
-    answers: usize,
+    heads: usize,
     faces: &[Face],
     boxes: &Boxes,
 ) -> Vec<(Shape, f32, f32)> {
     from_boxes(model, faces, boxes, |face, shape, _| {
         for _ in 0..model.iterations() {
-            *shape = trained.pass(face, model.mean(), shape, answers);
+            *shape = trained.pass(face, model.mean(), shape, heads);
         }
     })
 }

@@ -1,4 +1,4 @@
-//! From floats to the integers of the cascade's sections.
+//! Writes trained networks as sections: parameters in `f32` become integers.
 
 use super::graph::{Op, Scratch};
 use super::head::Head;
@@ -12,16 +12,16 @@ use posewise::align::{AlignModel, EnsembleMember, SHAPE_INDEXED, Shape};
 use posewise::network::{ARENA, OP_ADD, OP_CONV, OP_DEPTHWISE, OP_INPUT, OP_LATERAL, OP_LINEAR};
 use posewise_format::SectionWriter;
 
-/// Outputs whose weights lie together.
+/// Outputs whose weights are interleaved.
 const BLOCK: usize = 8;
-/// What a standardised pixel value of 1 becomes in the input map, around 128.
+/// The input map holds `INPUT_ZERO + v / INPUT_SCALE` for a standardised pixel value `v`.
 const INPUT_SCALE: f32 = 1.0 / 32.0;
 const INPUT_ZERO: f32 = 128.0;
-/// Share of example crops whose largest value of a map must fit its bytes.
-const COVERED: f32 = 0.98;
+/// Share of example crops on which no value of a map is clipped.
+const UNCLIPPED: f32 = 0.98;
 
-/// Section `ALGN`, as [`AlignModel::open`] reads it; the samples show how large the maps' values
-/// grow and where answers move the points.
+/// Section `ALGN`, as [`AlignModel::open`] reads it; the samples give the maps' ranges
+/// and the principal components of the heads' outputs.
 pub fn face_section(
     trained: &Trained,
     mean: &Shape,
@@ -95,7 +95,7 @@ fn write_regressor(trained: &Trained, samples: &[Sample], out: &mut SectionWrite
     Ok(())
 }
 
-/// What one step of each map's bytes stands for.
+/// The value of one unit of each map's bytes.
 fn scales(network: &Network, parameters: &[f32], samples: &[Sample]) -> Vec<f32> {
     let graph = &network.graph;
     let mut maps = graph.maps();
@@ -112,12 +112,12 @@ fn scales(network: &Network, parameters: &[f32], samples: &[Sample]) -> Vec<f32>
         .iter_mut()
         .map(|values| {
             values.sort_by(f32::total_cmp);
-            let at = (values.len() as f32 * COVERED) as usize;
+            let at = (values.len() as f32 * UNCLIPPED) as usize;
             values[at.min(values.len() - 1)].max(1e-6) / 255.0
         })
         .collect();
     scales[0] = INPUT_SCALE;
-    // What a lateral sum adds comes in steps of two.
+    // A lateral sum adds its second map in units of twice its own.
     for (index, node) in graph.nodes.iter().enumerate() {
         if node.op == Op::Lateral {
             scales[node.other] = 2.0 * scales[index];
@@ -126,7 +126,7 @@ fn scales(network: &Network, parameters: &[f32], samples: &[Sample]) -> Vec<f32>
     scales
 }
 
-/// First byte of every map: where there is room while it and all that is still read live.
+/// First byte of every map in the arena: free while the map and all that are still read are kept.
 fn places(network: &Network) -> Result<Vec<usize>> {
     let nodes = &network.graph.nodes;
     let size = |k: usize| nodes[k].dims.iter().product::<usize>();
@@ -143,8 +143,11 @@ fn places(network: &Network) -> Result<Vec<usize>> {
     let mut places: Vec<usize> = vec![];
     for (index, node) in nodes.iter().enumerate() {
         if node.op == Op::Add {
-            // In place: nothing else reads the branch that it ends.
-            ensure!(last_use[node.input] == index, "a branch is read twice");
+            // In place: the sum is the last to read its input.
+            ensure!(
+                last_use[node.input] == index,
+                "an input of a sum is read again later"
+            );
             places.push(places[node.input]);
             continue;
         }

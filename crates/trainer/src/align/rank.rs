@@ -1,5 +1,5 @@
-//! Answers of fewer dimensions than they were trained with: most of these hardly move a point, and
-//! each costs as many bytes as the answer reads features.
+//! Heads of lower rank than they were trained with: most dimensions hardly move a point, and each
+//! costs as many bytes as the head reads features.
 
 use super::graph::Scratch;
 use super::network::{Network, Sizes};
@@ -7,11 +7,11 @@ use super::samples::Sample;
 use super::train::Trained;
 use nalgebra::{DMatrix, SymmetricEigen};
 
-/// Dimensions that are kept, unless the points have fewer coordinates.
+/// Rank of a shipped head, unless its points have fewer coordinates.
 pub const RANK: usize = 24;
 
-/// The network with answers of fewer dimensions: the principal components of where each answer
-/// moves the points on these samples; what lies beside them stays at its mean.
+/// The network with heads of lower rank: of each head's outputs on these samples, the principal
+/// components are kept and the rest is replaced by its mean.
 pub fn reduce_rank(trained: &Trained, samples: &[Sample]) -> Trained {
     let Trained {
         network,
@@ -59,21 +59,21 @@ pub fn reduce_rank(trained: &Trained, samples: &[Sample]) -> Trained {
     }
 }
 
-/// Of each answer what lies between its two matrices, a column per sample.
+/// Of each head the values between its two matrices, a column per sample.
 fn inner_values(trained: &Trained, samples: &[Sample]) -> Vec<DMatrix<f64>> {
     let network = &trained.network;
     let (mut maps, mut scratch) = (network.graph.maps(), Scratch::default());
     let mut columns = vec![vec![]; network.heads.len()];
     for sample in samples {
         maps[0].copy_from_slice(&sample.crop);
-        let answer = network.forward(
+        let prediction = network.forward(
             &trained.parameters,
             &mut maps,
             &mut scratch,
             &sample.start,
             || [0.0; 2],
         );
-        for (columns, inner) in columns.iter_mut().zip(answer.inner()) {
+        for (columns, inner) in columns.iter_mut().zip(prediction.inner()) {
             columns.extend(inner.iter().map(|v| f64::from(*v)));
         }
     }
@@ -102,9 +102,9 @@ mod tests {
     use rand::{Rng, SeedableRng};
     use rand_chacha::ChaCha8Rng;
 
-    /// Six points have twelve coordinates: nothing more can be told apart.
+    /// The outputs of six points have twelve dimensions.
     #[test]
-    fn answers_stay_as_they_were_where_all_their_coordinates_are_kept() {
+    fn a_rank_of_all_coordinates_changes_no_prediction() {
         let sizes = Sizes {
             reads: vec![GLOBAL, GLOBAL | SHAPE_INDEXED],
             ..Sizes::of_refiner(6, 24, 1.0)
@@ -130,7 +130,7 @@ mod tests {
         let unseen = samples.split_off(30);
         let narrow = reduce_rank(&trained, &samples);
         assert_eq!(narrow.network.sizes.rank, 12);
-        let answer = |trained: &Trained, sample: &Sample| {
+        let predict = |trained: &Trained, sample: &Sample| {
             let mut maps = trained.network.graph.maps();
             maps[0].copy_from_slice(&sample.crop);
             let (mut scratch, p) = (Scratch::default(), &trained.parameters);
@@ -139,8 +139,8 @@ mod tests {
             network.forward(p, &mut maps, &mut scratch, &sample.start, still)
         };
         for sample in &unseen {
-            let [wide, thin] = [&trained, &narrow].map(|t| answer(t, sample).shapes);
-            for (a, b) in wide.iter().flatten().zip(thin.iter().flatten()) {
+            let [before, after] = [&trained, &narrow].map(|t| predict(t, sample).shapes);
+            for (a, b) in before.iter().flatten().zip(after.iter().flatten()) {
                 assert!((a[0] - b[0]).hypot(a[1] - b[1]) < 1e-3, "{a:?} {b:?}");
             }
         }

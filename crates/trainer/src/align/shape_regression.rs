@@ -1,5 +1,5 @@
-//! Learns the cascade's last step (section `SREG`): ridge regression from where the stages before
-//! it end on the training faces to what they lack there.
+//! Trains the cascade's last step (section `SREG`): ridge regression from the results of the stages
+//! before it on the training faces to their errors.
 
 use super::options::LIDS;
 use super::refiners::starts::ends;
@@ -11,26 +11,26 @@ use posewise::align::{AlignModel, Shape, ShapeRegression, deviation, mirror};
 use posewise::shape::LANDMARKS;
 use posewise_format::SectionWriter;
 
-/// Weight of a render that is seen whole over that of a photograph: the labels of the two lie apart
-/// by more than the step corrects, and it is photographs that users have.
+/// Weight of a render without hidden landmarks relative to a photograph: the label conventions of
+/// the two differ by more than the step corrects, and users have real images.
 const RENDERED: f64 = 0.12;
-/// Ridge, in shares of the coordinates' mean variance.
+/// Ridge, relative to the coordinates' mean variance.
 const RIDGE: f64 = 1e-3;
 
 const COORDINATES: usize = 2 * LANDMARKS;
 
-/// One answer on one face, in the canonical frame.
+/// One result on one face, in the canonical frame.
 struct Row {
-    /// From the mean shape.
-    answer: Shape,
-    /// From the answer to the label.
-    lacks: Shape,
+    /// The result minus the mean shape.
+    result: Shape,
+    /// The label minus the result.
+    correction: Shape,
     weight: f64,
 }
 
-/// Trains section `SREG` for a cascade, whose fine stages are the last so far. Mirrored rows make
-/// the map symmetric, whatever the faces are. An upper lid and the lower one below it move as one:
-/// the rest of a face does not tell how far its eyes are open.
+/// Trains section `SREG` for a cascade whose last stages are the refiners. Mirrored rows make the
+/// map symmetric. An upper lid and the lower one below it get the same correction: the rest of a
+/// face does not determine how far its eyes are open.
 pub fn train(model: &AlignModel<'_>, faces: &[Face]) -> Result<SectionWriter> {
     let mut rows = vec![];
     for (face, ends) in faces.iter().zip(ends(model, faces)) {
@@ -65,16 +65,16 @@ pub fn train(model: &AlignModel<'_>, faces: &[Face]) -> Result<SectionWriter> {
 
 impl Row {
     fn new(mean: &Shape, face: &Face, end: &Shape) -> Option<Row> {
-        let (to_frame, answer) = deviation(mean, end)?;
+        let (to_frame, result) = deviation(mean, end)?;
         let back = to_frame.inverse()?;
-        let lacks = std::array::from_fn(|i| {
+        let correction = std::array::from_fn(|i| {
             let [label, at] = [face.landmarks[i], end[i]].map(|p| back.apply(p));
             [label[0] - at[0], label[1] - at[1]]
         });
         let weight = f64::from(face.weight);
         Some(Row {
-            answer,
-            lacks,
+            result,
+            correction,
             weight: match face.yaw_deg {
                 Some(_) => RENDERED * weight,
                 None => weight,
@@ -84,24 +84,24 @@ impl Row {
 
     fn mirrored(&self) -> Row {
         Row {
-            answer: mirror(&self.answer),
-            lacks: mirror(&self.lacks),
+            result: mirror(&self.result),
+            correction: mirror(&self.correction),
             ..*self
         }
     }
 }
 
-/// Coordinates × coordinates, and below them the bias, that minimise the weighted mean of what is
-/// left plus the ridge.
+/// Coordinates × coordinates, and below them the bias, that minimise the weighted mean squared
+/// error plus the ridge.
 fn solve(rows: &[Row]) -> Result<Mat<f64>> {
     let total: f64 = rows.iter().map(|r| r.weight).sum();
     let root: Vec<f64> = rows.iter().map(|r| (r.weight / total).sqrt()).collect();
     let x = Mat::from_fn(rows.len(), COORDINATES + 1, |n, i| {
-        let flat = rows[n].answer.as_flattened();
+        let flat = rows[n].result.as_flattened();
         root[n] * flat.get(i).map_or(1.0, |v| f64::from(*v))
     });
     let y = Mat::from_fn(rows.len(), COORDINATES, |n, k| {
-        root[n] * f64::from(rows[n].lacks.as_flattened()[k])
+        root[n] * f64::from(rows[n].correction.as_flattened()[k])
     });
     let mut xx = x.transpose() * &x;
     let trace: f64 = (0..COORDINATES).map(|i| xx[(i, i)]).sum();
@@ -120,17 +120,17 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
 
     #[test]
-    fn what_is_linear_in_the_answer_is_found() {
+    fn a_linear_correction_is_found() {
         let mut rng = ChaCha8Rng::seed_from_u64(1);
         let mut point = || [0, 1].map(|_| rng.random_range(-1.0f32..1.0));
         let rows: Vec<Row> = (0..1000)
             .map(|_| {
-                let answer: Shape = std::array::from_fn(|_| point());
-                let mut lacks = [[0.5, 0.0]; LANDMARKS];
-                lacks[7] = [0.0, 0.25 * answer[30][0]];
+                let result: Shape = std::array::from_fn(|_| point());
+                let mut correction = [[0.5, 0.0]; LANDMARKS];
+                correction[7] = [0.0, 0.25 * result[30][0]];
                 Row {
-                    answer,
-                    lacks,
+                    result,
+                    correction,
                     weight: 1.0,
                 }
             })

@@ -1,4 +1,4 @@
-//! Pictures without people: photographs and made-up ones.
+//! Pictures without people: photographs and synthetic ones.
 
 use std::collections::HashSet;
 use std::path::Path;
@@ -10,7 +10,7 @@ use super::options::rng_for;
 use crate::picture::Picture;
 use crate::render::{background, dead_leaves};
 
-/// The usable photographs, in the order of their names, but for each fifth.
+/// The usable photographs, in the order of their names, without every fifth.
 ///
 /// # Errors
 /// When a file cannot be read.
@@ -18,7 +18,7 @@ pub fn load(data: &Path) -> Result<Vec<Picture>> {
     usable(data, |i| i % 5 != 4)
 }
 
-/// Those fifths, which nothing is trained on: false alarms can be measured on them.
+/// Every fifth, not used in training: false positives can be measured on them.
 ///
 /// # Errors
 /// When a file cannot be read.
@@ -44,7 +44,7 @@ fn usable(data: &Path, wanted: impl Fn(usize) -> bool + Sync) -> Result<Vec<Pict
         .collect()
 }
 
-/// Made-up backgrounds, for a model that owes nothing to photographs.
+/// Synthetic backgrounds, for a model that is trained without photographs.
 pub fn made_up(seed: u64, count: u64) -> Vec<Picture> {
     const SIZE: [u32; 2] = [480, 320];
     (0..count)
@@ -52,7 +52,7 @@ pub fn made_up(seed: u64, count: u64) -> Vec<Picture> {
         .map(|index| {
             let mut rng = rng_for(seed, 0x4D41_4445, index);
             let [width, height] = SIZE;
-            // Bare rooms and skies now and then: few of them pass the first trees.
+            // Few plain rooms and skies: hardly any of their windows pass the first trees.
             let make = match index % 6 {
                 0 => background::procedural,
                 _ => dead_leaves::scene,

@@ -74,10 +74,10 @@ impl Planes {
 /// Two patch pixels, and by how much the first must be brighter.
 pub type Node = [u16; 3];
 
-/// Margins drawn for a comparison: without one, noise decides where a picture is flat.
+/// Margins drawn for a comparison: without one, noise decides in flat regions.
 const MARGINS: [u16; 7] = [0, 2, 5, 9, 15, 25, 40];
 
-/// What a node asks.
+/// The comparison of a node.
 pub fn brighter(first: u8, second: u8, margin: u16) -> bool {
     first as u16 > second as u16 + margin
 }
@@ -145,7 +145,7 @@ pub fn grow<const K: usize>(
     tree
 }
 
-/// Weighted means of all samples in each leaf, drawn to zero where a leaf holds little.
+/// Weighted means of all samples in each leaf, shrunk towards zero where a leaf has little weight.
 fn leaves<const K: usize>(
     planes: &Planes,
     samples: &[Weighted<K>],

@@ -1,5 +1,5 @@
-//! Sets the thresholds once all trees are there: of the cascade by what faces need on the scan's
-//! own grid.
+//! Sets the cascade's thresholds once all trees are trained, from the windows of the scan's own
+//! grid around labelled faces.
 
 use posewise::detect::Detection;
 use posewise::image::Frame;
@@ -11,18 +11,18 @@ use super::faces::Face;
 use super::options::rng_for;
 use super::sample::{window, with_view};
 
-/// Windows on the grid around each face that must survive.
+/// Windows on the grid around each face that must pass.
 const SURVIVORS: usize = 3;
-/// Share of these windows that may be lost, and the power of the share of the trees with which it
-/// grows up to that: few trees lose most of it, because what they reject costs least.
+/// Share of these windows that all trees together may lose, and the power of the share of the trees
+/// with which the loss grows: the first trees may lose most, because rejecting early is cheapest.
 const LOSS: f32 = 0.01;
 const LATENESS: f32 = 0.2;
-/// How far below the faces' sums the thresholds lie, for people not seen in training.
+/// How far the thresholds lie below the faces' sums, for people not seen in training.
 const MARGIN: f32 = 0.12;
 
-/// The cascade with thresholds as high as leaves faces their best windows on the scan's grid, all
-/// but a few (after Zhang and Viola's multiple-instance pruning, 2007). Of the windows a quantile
-/// is discarded: to pass those too would pass too much that is no face.
+/// The cascade with the highest thresholds that still pass the best windows of nearly all faces on
+/// the scan's grid (after Zhang and Viola's multiple-instance pruning, 2007). A quantile of these
+/// windows is discarded: thresholds that pass them would pass too many false positives.
 pub fn thresholds(cascade: &Cascade, faces: &[Face], discard_quantile: f32) -> Cascade {
     let flat = cascade.flat();
     let mut sums: Vec<Vec<i32>> = faces
@@ -41,7 +41,7 @@ pub fn thresholds(cascade: &Cascade, faces: &[Face], discard_quantile: f32) -> C
         .collect();
     let mut ends: Vec<i32> = sums.iter().filter_map(|s| s.last().copied()).collect();
     ends.sort_unstable();
-    // Negative sums add up to faces only by chance: the operating point of training is the least.
+    // Sums below the operating point of training (0) are faces only by chance.
     let least = *cascade.thresholds.last().unwrap_or(&0);
     let end = ends.get((discard_quantile * ends.len() as f32) as usize);
     let last = end.map_or(least, |end| least.max(*end));
@@ -49,7 +49,7 @@ pub fn thresholds(cascade: &Cascade, faces: &[Face], discard_quantile: f32) -> C
     let mut out = cascade.clone();
     let all = sums.len();
     for tree in 0..cascade.trees.len() {
-        // The windows already lost must not hold later thresholds down.
+        // Windows already lost must not lower later thresholds.
         let mut at: Vec<i32> = sums.iter().map(|s| s[tree]).collect();
         let asked = (tree + 1) as f32 / cascade.trees.len() as f32;
         let lost = (LOSS * asked.powf(LATENESS) * all as f32) as usize;

@@ -16,7 +16,8 @@ pub struct Face {
     /// File name, whose first part names the person.
     pub name: String,
     pub picture: Picture,
-    /// The face's box by the rule of [`Detection`]; `yaw` from the nose's place between the eyes.
+    /// The face's box by the rule of [`Detection`]; `yaw` from the nose's position between the
+    /// eyes.
     pub truth: Detection,
 }
 
@@ -39,8 +40,8 @@ pub fn load(data: &Path) -> Result<Vec<Face>> {
         .collect()
 }
 
-/// Renders as faces with boxes: those whose eye line tells the roll and whose sides towards the
-/// camera are bare. Others would open the thresholds for what is no face.
+/// Renders as faces with boxes: those whose roll follows from the eye line and whose sides towards
+/// the camera are not covered. Others would lower the thresholds and pass false positives.
 pub fn fronts(renders: &[crate::faces::Face]) -> Vec<Face> {
     const MOST_YAW_DEG: f32 = 60.0;
     const BOTH_SIDES_DEG: f32 = 15.0;
@@ -53,9 +54,9 @@ pub fn fronts(renders: &[crate::faces::Face]) -> Vec<Face> {
     chosen.collect()
 }
 
-/// Renders that are turned as far as hardly any photograph, with boxes: the first `most` of them
-/// whose side towards the camera is bare. Their roll is that of the start shape that resembles them
-/// most, from which the cascade will go on.
+/// Renders near profile, which photographs hardly show, with boxes: the first `most` of them whose
+/// side towards the camera is not covered. Their roll is that of the most similar initial shape, at
+/// which the cascade starts.
 pub fn profiles(renders: &[crate::faces::Face], most: usize) -> Vec<Face> {
     const LEAST_YAW_DEG: f32 = 50.0;
     let turns = align::Options::default().turns;
@@ -105,7 +106,7 @@ pub fn face_box(points: &[[f32; 2]], roll: Option<f32>, yaw: Option<f32>) -> Det
         }
     }
     let centre = [(low[0] + high[0]) / 2.0, (low[1] + high[1]) / 2.0];
-    // The nose tip stands about as far before the outer eye corners as half their distance.
+    // The nose tip is in front of the outer eye corners by about half their distance.
     let (nose, a, b) = (
         upright(&points[30]),
         upright(&points[36]),

@@ -1,4 +1,4 @@
-//! Hard negatives: windows that hold no face and yet pass the cascade so far.
+//! Hard negatives: windows without a face that pass the cascade trained so far.
 
 use posewise::detect::{Detection, Window};
 use posewise::image::Frame;
@@ -12,17 +12,18 @@ use super::options::rng_for;
 use super::sample::{PATCH, cut, disturb, window};
 use crate::picture::Picture;
 
-/// Windows tried by one task, and tasks that run before the yield is looked at.
+/// Windows tried by one task, and tasks that run before the yield is checked.
 const TRIES: usize = 20_000;
 const TASKS: usize = 32;
 /// Tries on a picture before the next is drawn: its pixels are then in the cache.
 const TRIES_ON_PICTURE: usize = 200;
 /// Share of tries around labelled faces (parts of faces, hair, shoulders), and their largest share
-/// of what passes: they pass far more often than backgrounds, and merging hits mends them anyway.
+/// (one in so many) of the windows that pass: they pass far more often than backgrounds, and
+/// merging hits corrects them anyway.
 const AROUND_FACES: f64 = 0.04;
 const AROUND_KEPT: usize = 5;
 
-/// Pictures to look for negatives in.
+/// Pictures in which negatives are searched.
 pub struct Ground<'a> {
     backgrounds: Vec<Picture>,
     faces: &'a [Face],
@@ -39,7 +40,7 @@ impl<'a> Ground<'a> {
     }
 }
 
-/// What mining brought.
+/// The result of mining.
 pub struct Mined {
     /// Patches, one after the other.
     pub patches: Vec<u8>,
@@ -75,7 +76,7 @@ pub fn mine(
                         picture = rng.random_range(0..ground.backgrounds.len());
                     }
                     tried += 1;
-                    // One task alone must not fill the set.
+                    // One task must not fill the set alone.
                     if patches.len() >= PATCH * wanted.div_ceil(TASKS / 2).max(8) {
                         break;
                     }
@@ -129,7 +130,7 @@ fn attempt(
     }
 }
 
-/// Keeps the patch, some of them disturbed like the faces are, if it then still passes.
+/// Adds the patch, sometimes disturbed as faces are, if it then still passes.
 fn take(
     frame: &Frame<'_>,
     window: &Window,

@@ -1,11 +1,11 @@
-//! How much of the detector is trained, and its random numbers.
+//! Size and seed of the detector's training.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use serde::Serialize;
 
-/// Side of the window that the trees look at over a face's size \[1/256\]: forehead and ears are
-/// outside the landmarks' box and help to tell a face.
+/// Side of the window that the trees read, relative to a face's size \[1/256\]: forehead and ears
+/// are outside the landmarks' box and help to recognise a face.
 pub const SIDE_Q8: i32 = 333;
 
 /// How much to train; `default` is what ships.
@@ -13,17 +13,17 @@ pub const SIDE_Q8: i32 = 333;
 pub struct Options {
     /// Seed of every random choice.
     pub seed: u64,
-    /// Trees of the cascade, how many of them ship, and their depth. The last trees demand what
-    /// only a detector without a verifier behind it must; the thresholds of those before are set
-    /// with them there.
+    /// Trees of the cascade that are trained, how many of them ship, and their depth. The last
+    /// trees do not ship because the verifier does their work; they are trained because the
+    /// thresholds of the trees before them depend on them.
     pub trees: usize,
     pub kept: usize,
     pub depth: usize,
-    /// Summed score from which merged hits are told. Low: every face told is then aligned and
-    /// verified, which tells faces far better than the trees do.
+    /// Summed score from which merged hits are reported. Low: every reported face is then aligned
+    /// and verified, which rejects false positives far better than the trees do.
     pub confirm: u32,
-    /// Share of the best windows around the faces that may be lost for the sum of all trees, beside
-    /// what training loses.
+    /// Share of the best windows around the faces that the last threshold may reject, beside those
+    /// lost in training.
     pub discard_quantile: f32,
     /// Patches of faces and of backgrounds.
     pub positives: usize,

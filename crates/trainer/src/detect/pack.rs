@@ -8,8 +8,8 @@ use super::options::SIDE_Q8;
 use super::refine::Forest;
 use posewise_format::SectionWriter;
 
-/// Size from pass to pass, 1/1.2, and window to window, 0.12 of the size \[1/256\]: the jitter that
-/// the trees were trained for covers half a step each way.
+/// Ratio of successive window sizes, 1/1.2, and step between windows, 0.12 of the size \[1/256\]:
+/// the jitter of training covers half a step each way.
 const RATIO_Q8: u32 = 213;
 const STEP_Q8: u32 = 31;
 /// Centres come within 0.36 of the size to the edge.

@@ -16,11 +16,11 @@ use super::sample::{Jitter, PATCH, cut, disturb, window, with_view};
 
 /// One unit of a leaf, for all five outputs.
 const UNIT: f32 = 1.0 / 4096.0;
-/// Share of a tree's answer that is taken.
+/// Share of a tree's prediction that is added.
 const SHRINK: f32 = 0.2;
 /// How often the forest is applied.
 const ROUNDS: usize = 2;
-/// What makes the outputs comparable: their typical errors, the reciprocal.
+/// Makes the outputs comparable: reciprocals of their typical errors.
 const SCALE: [f32; REFINE_OUTPUTS] = [14.0, 14.0, 10.0, 6.0, 3.0];
 
 type Targets = [f32; REFINE_OUTPUTS];
@@ -43,7 +43,7 @@ impl Forest {
     }
 }
 
-/// What takes `from` onto `truth`, in the axes of `from`; and the yaw.
+/// The transform from `from` to `truth`, in the axes of `from`; and the yaw.
 fn targets(from: &Detection, truth: &Detection) -> Targets {
     let (sin, cos) = from.roll.sin_cos();
     let (dx, dy) = (truth.x - from.x, truth.y - from.y);
@@ -60,7 +60,7 @@ fn sample(faces: &[Face], options: &Options, index: u64) -> (Vec<u8>, Targets) {
     let mut rng = rng_for(options.seed, 0x5245_4649, index);
     let face = loop {
         let face = &faces[rng.random_range(0..faces.len())];
-        // Every second draw asks for a large yaw.
+        // Every second draw prefers a large yaw.
         if rng.random_bool(0.5) || face.truth.yaw.abs() > rng.random_range(0.0..0.4) {
             break face;
         }

@@ -1,4 +1,4 @@
-//! Augmented patches: what a window sees, on a fixed grid of offsets.
+//! Augmented patches: the pixels of a window on a fixed grid of offsets.
 
 use posewise::detect::{Detection, GRID, Pixel, Window};
 use posewise::image::{Crop, Frame, FrameLayout, warp};
@@ -23,12 +23,12 @@ pub fn window(at: &Detection) -> Window {
     )
 }
 
-/// Appends what the window sees.
+/// Appends the window's patch.
 pub fn cut(frame: &Frame<'_>, window: &Window, out: &mut Vec<u8>) {
     out.extend((0..PATCH).map(|pixel| window.read(frame, pixel as Pixel)));
 }
 
-/// Largest departures of a window from the face.
+/// Largest deviations of a window from the face.
 #[derive(Clone, Copy, Debug)]
 pub struct Jitter {
     /// Of the centre along each axis, over size.
@@ -46,7 +46,7 @@ impl Jitter {
         log_size: 0.10,
         roll: 0.28,
     };
-    /// What merged hits are off by, and what refining leaves.
+    /// The errors of merged hits, and those left after refinement.
     pub const REFINE: Jitter = Jitter {
         shift: 0.14,
         log_size: 0.18,
@@ -121,9 +121,9 @@ fn blur(luma: &mut [u8], side: usize, rng: &mut ChaCha8Rng) {
     }
 }
 
-/// Light, contrast, noise and occluders on a patch: what leaves a face a face.
+/// Light, contrast, noise and occluders on a patch: changes after which a face is still a face.
 pub fn disturb(patch: &mut [u8], rng: &mut ChaCha8Rng, occlude: bool) {
-    // Every fifth is what a camera sees at night, in haze or against the light.
+    // Every fifth looks as at night, in haze or against the light.
     let dim = rng.random_bool(0.2);
     let contrast = if dim {
         rng.random_range(0.1f32.ln()..0.4f32.ln()).exp()

@@ -9,8 +9,8 @@ use posewise_format::SectionWriter;
 use std::path::Path;
 
 /// Trains everything on these faces and backgrounds, keeping intermediate results in `cache`, from
-/// which an interrupted run goes on. The cascade learns from the first `of_trees` faces alone, the
-/// forest that refines its hits from all.
+/// which an interrupted run resumes. The cascade is trained on the first `of_trees` faces, the
+/// forest that refines its hits on all.
 ///
 /// # Errors
 /// When the cache cannot be written.

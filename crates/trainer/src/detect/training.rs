@@ -1,4 +1,4 @@
-//! Gentle boosting with a soft cascade, in turns with mining.
+//! Gentle boosting with a soft cascade, alternating with mining.
 
 use std::path::Path;
 
@@ -15,11 +15,11 @@ use super::options::{Options, rng_for};
 use super::sample::{Jitter, PATCH, cut, disturb, window, with_view};
 use crate::picture::Picture;
 
-/// Share of positives that the whole cascade may lose while training, spread over the trees.
+/// Share of positives that the whole cascade may lose in training, distributed over the trees.
 const LOSS: f32 = 0.10;
 /// Trees after which negatives are mined anew; then every 20.
 const ROUNDS: [usize; 16] = [1, 2, 3, 4, 6, 8, 11, 15, 20, 26, 33, 41, 50, 60, 72, 85];
-/// Most windows looked at in one round of mining.
+/// Most windows tried in one round of mining.
 const MOST_TRIES: usize = 10_000_000;
 
 /// A face's share of the samples: turned and tilted heads are rare in photographs.
@@ -67,7 +67,7 @@ struct Training<'a> {
     negatives: Vec<u8>,
     planes: Planes,
     sums: Vec<i32>,
-    // Positives below a threshold: hopeless ones must not draw the weight to themselves.
+    // Positives below a threshold; they get no weight, else they would outweigh the others.
     lost: Vec<bool>,
     cascade: Cascade,
 }
@@ -77,8 +77,8 @@ impl Training<'_> {
         self.positives.len() / PATCH
     }
 
-    /// Keeps the negatives that still pass and fills up by mining; when too few can be found, the
-    /// rejected ones of before stay.
+    /// Keeps the negatives that still pass and adds mined ones; when too few are found, rejected
+    /// ones are kept too.
     fn renew(&mut self, bar: &ProgressBar) {
         let flat = self.cascade.flat();
         let passing: Vec<bool> = self
@@ -104,7 +104,7 @@ impl Training<'_> {
                 mined.passed as f64 / mined.tried.max(1) as f64,
             )
         });
-        // New ones first: the oldest rejected are the first to go.
+        // New ones first: the oldest rejected ones are cut off.
         self.negatives = mined.patches;
         self.negatives.extend(kept);
         self.negatives.extend(spare);
@@ -166,7 +166,7 @@ impl Training<'_> {
         self.cascade.trees.push(tree);
         self.add(index);
         let mut sums = self.sums[..faces].to_vec();
-        // Sooner rather than later: rejecting early is what makes the cascade fast.
+        // More loss in early trees: early rejection makes the cascade fast.
         let lost = LOSS * ((index + 1) as f32 / self.options.trees as f32).powf(0.35);
         let at = (lost * faces as f32) as usize;
         let (_, threshold, _) = sums.select_nth_unstable(at.min(faces - 1));

@@ -78,8 +78,8 @@ impl Refiner {
         write_refiner(trained, &self.landmarks, self.mirrored, samples, out)
     }
 
-    /// The weight with which a face is drawn: more where eyes are closed or the mouth is open, which
-    /// is rare.
+    /// The weight with which a face is drawn: more where eyes are closed or the mouth is open,
+    /// which is rare.
     pub fn draw_weight(&self, face: &Face) -> f32 {
         let ratio = |ends, aperture: &[_]| ratio(&face.landmarks, ends, aperture);
         if is_single(face) {
