@@ -86,6 +86,29 @@ fn moment(t: f32) -> Moment {
     }
 }
 
+impl Moment {
+    /// The face's expression.
+    fn expression(&self) -> Expression {
+        let mut face = Expression::default();
+        face.gaze = self.gaze;
+        for (name, weight) in [
+            ("eyeBlinkLeft", self.blink),
+            ("eyeBlinkRight", self.blink),
+            ("jawOpen", self.jaw),
+            ("mouthSmileLeft", self.smile),
+            ("mouthSmileRight", self.smile),
+            ("mouthPucker", self.pucker),
+            ("browInnerUp", self.brows),
+            ("browOuterUpLeft", self.brows),
+            ("browOuterUpRight", self.brows),
+        ] {
+            face.add(name, weight);
+        }
+        face.follow_gaze(1.0 - self.blink);
+        face
+    }
+}
+
 /// Everything that stays the same from frame to frame.
 struct Set {
     mesh: Mesh,
@@ -146,22 +169,7 @@ impl Set {
 
     fn frame(&self, number: usize) -> Frame {
         let moment = moment(number as f32 / FPS as f32);
-        let mut face = Expression::default();
-        face.gaze = moment.gaze;
-        for (name, weight) in [
-            ("eyeBlinkLeft", moment.blink),
-            ("eyeBlinkRight", moment.blink),
-            ("jawOpen", moment.jaw),
-            ("mouthSmileLeft", moment.smile),
-            ("mouthSmileRight", moment.smile),
-            ("mouthPucker", moment.pucker),
-            ("browInnerUp", moment.brows),
-            ("browOuterUpLeft", moment.brows),
-            ("browOuterUpRight", moment.brows),
-        ] {
-            face.add(name, weight);
-        }
-        face.follow_gaze(1.0 - moment.blink);
+        let face = moment.expression();
         let head = self
             .mesh
             .vertices(&self.identity, &face.weights(&self.mesh));

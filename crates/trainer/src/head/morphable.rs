@@ -134,6 +134,31 @@ fn add_scaled(sum: &mut [[f32; 3]], delta: &[[f32; 3]], weight: f32) {
     }
 }
 
+/// Vertices along the lower jaw's edge on both sides, the uppermost first.
+fn jaw_lines(
+    npz: &mut Npz,
+    mean: &[[f32; 3]],
+    landmarks: &[u32; LANDMARKS],
+) -> Result<[Vec<u32>; 2]> {
+    let right = npz.array("jaw_right_ext")?.indices()?;
+    // The kit's left line runs up from the chin.
+    let mut left = npz.array("jaw_left_ext")?.indices()?;
+    left.reverse();
+    ensure!(
+        right
+            .iter()
+            .chain(&left)
+            .all(|v| (*v as usize) < mean.len()),
+        "the jaw's edge is out of range"
+    );
+    let below = |v: &u32, i: usize| mean[*v as usize][1] > mean[landmarks[i] as usize][1];
+    ensure!(
+        right.iter().any(|v| below(v, 0)) && left.iter().any(|v| below(v, JAW - 1)),
+        "the jaw's edge ends above its landmarks"
+    );
+    Ok([right, left])
+}
+
 impl Head {
     /// Reads `facekit.npz` (the ICT Face Model Light, see FACEKIT.md beside it).
     ///
@@ -176,19 +201,7 @@ impl Head {
         let names = npz.array("ex_names")?.strings()?;
         let expressions = expressions(&names, modes(npz, "ex_delta", n)?)?;
         let skin = |v: usize| vertex_part[v] == face;
-        let [right, left] = ["jaw_right_ext", "jaw_left_ext"].map(|name| npz.array(name));
-        let (right, mut left) = (right?.indices()?, left?.indices()?);
-        // It runs up from the chin.
-        left.reverse();
-        ensure!(
-            right.iter().chain(&left).all(|v| (*v as usize) < n),
-            "the jaw's edge is out of range"
-        );
-        let below = |v: &u32, i: usize| mean[*v as usize][1] > mean[landmarks[i] as usize][1];
-        ensure!(
-            right.iter().any(|v| below(v, 0)) && left.iter().any(|v| below(v, JAW - 1)),
-            "the jaw's edge ends above its landmarks"
-        );
+        let [right, left] = jaw_lines(npz, &mean, &landmarks)?;
         let jaw_edge = jaw_edge(&mean, &landmarks, [&right, &left], skin);
         Ok(Head {
             jaw: contour_paths(&mean, &triangles, &landmarks, &jaw_edge, skin),

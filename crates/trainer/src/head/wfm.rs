@@ -231,34 +231,16 @@ impl Head {
             }
             extended(delta)
         };
-        let identity = wfm
-            .shape_units
-            .iter()
-            .map(|u| moved(u, &|_| SHAPE_SIGMA))
-            .collect();
+        let shape_units = wfm.shape_units.iter();
+        let identity = shape_units.map(|u| moved(u, &|_| SHAPE_SIGMA)).collect();
         let mut expressions = Vec::new();
         for (name, unit, factor) in ARKIT {
-            let found = wfm
-                .animation_units
-                .iter()
-                .find(|u| u.name.eq_ignore_ascii_case(unit));
+            let mut units = wfm.animation_units.iter();
+            let found = units.find(|u| u.name.eq_ignore_ascii_case(unit));
             let unit = found.with_context(|| format!("no animation unit {unit:?}"))?;
-            // jawLeft and jawRight move everything.
-            let side = match name {
-                "jawLeft" | "jawRight" => 0.0,
-                _ if name.ends_with("Left") => 1.0,
-                _ if name.ends_with("Right") => -1.0,
-                _ => 0.0,
-            };
-            let share = |x: f32| match side * x {
-                _ if side == 0.0 => factor,
-                s if s > 1e-3 => factor,
-                s if s < -1e-3 => 0.0,
-                _ => factor / 2.0,
-            };
             expressions.push(Expression {
                 name: name.to_owned(),
-                delta: moved(unit, &share),
+                delta: moved(unit, &|x| factor * side_share(name, x)),
             });
         }
         let first = wfm.vertices.len() as u32;
@@ -283,11 +265,28 @@ impl Head {
     }
 }
 
+/// Share of an animation unit at `x` that belongs to the ARKit shape `name`: a shape of one side
+/// moves that side alone, and half the middle line.
+fn side_share(name: &str, x: f32) -> f32 {
+    let side = match name {
+        // These two move the whole jaw.
+        "jawLeft" | "jawRight" => return 1.0,
+        _ if name.ends_with("Left") => 1.0,
+        _ if name.ends_with("Right") => -1.0,
+        _ => return 1.0,
+    };
+    match side * x {
+        s if s > 1e-3 => 1.0,
+        s if s < -1e-3 => 0.0,
+        _ => 0.5,
+    }
+}
+
 /// All 68 landmarks as mixes of two vertices.
 fn landmark_mixes(vertices: &[[f32; 3]]) -> Result<Vec<(u32, u32, f32)>> {
     let mirrored = |v: u32| {
         let [x, y, z] = vertices[v as usize];
-        // Some vertices lie upon each other and only move apart; for those the order decides.
+        // Some vertices have equal positions and only move differently; their order decides.
         let same = |w: &[f32; 3]| (w[0] + x).abs() + (w[1] - y).abs() + (w[2] - z).abs() < 1e-3;
         let twins = |w: &[f32; 3]| (w[0] - x).abs() + (w[1] - y).abs() + (w[2] - z).abs() < 1e-3;
         let rank = vertices[..v as usize].iter().filter(|w| twins(w)).count();

@@ -8,6 +8,9 @@ use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
 
+/// How far spectacles bend back towards the temples \[mm per mm² from the middle\].
+const BEND: f32 = 0.0022;
+
 /// Spectacles for a head whose pupils are at the given places (head axes); frames and lenses.
 pub fn glasses(rng: &mut ChaCha8Rng, bridge: Vec3, eyes: [Vec3; 2], ears: [Vec3; 2]) -> Vec<Prop> {
     let half = Vec2::new(rng.random_range(23.0..30.0), rng.random_range(13.0..25.0));
@@ -39,25 +42,13 @@ pub fn glasses(rng: &mut ChaCha8Rng, bridge: Vec3, eyes: [Vec3; 2], ears: [Vec3;
             eyes[k].y + down,
             front,
         );
-        let rim: Vec<Vec3> = (0..28)
-            .map(|i| {
-                let (s, c) = (i as f32 / 28.0 * std::f32::consts::TAU).sin_cos();
-                let round = |v: f32| v.signum() * v.abs().powf(2.0 / power);
-                let x = centre.x + half.x * round(c);
-                // The frame bends back towards the temples.
-                Vec3::new(x, centre.y + half.y * round(s), front + 0.0022 * x * x)
-            })
-            .collect();
+        let rim = rim(centre, half, power);
         let ring: Vec<(Vec3, f32)> = rim.iter().map(|p| (*p, thick)).collect();
         frame.tube(&ring, colour, true);
-        let hub = vec![centre + Vec3::new(0.0, 0.0, 0.0022 * centre.x * centre.x); rim.len()];
+        let hub = vec![centre + Vec3::new(0.0, 0.0, BEND * centre.x * centre.x); rim.len()];
         lens.skin(&[rim, hub], if dark { 0.015 } else { 0.3 }, false);
         let x_out = centre.x + side * half.x;
-        let hinge = Vec3::new(
-            x_out,
-            centre.y - 0.4 * half.y,
-            front + 0.0022 * x_out * x_out,
-        );
+        let hinge = Vec3::new(x_out, centre.y - 0.4 * half.y, front + BEND * x_out * x_out);
         let ear = ears[k] + Vec3::new(side * 3.0, -6.0, 0.0);
         frame.tube(
             &[
@@ -79,16 +70,27 @@ pub fn glasses(rng: &mut ChaCha8Rng, bridge: Vec3, eyes: [Vec3; 2], ears: [Vec3;
     vec![frame, lens]
 }
 
-/// Puts props built in head axes before the camera.
+/// The rim round a lens: a superellipse.
+fn rim(centre: Vec3, half: Vec2, power: f32) -> Vec<Vec3> {
+    let round = |v: f32| v.signum() * v.abs().powf(2.0 / power);
+    let point = |i: usize| {
+        let (s, c) = (i as f32 / 28.0 * std::f32::consts::TAU).sin_cos();
+        let x = centre.x + half.x * round(c);
+        Vec3::new(x, centre.y + half.y * round(s), centre.z + BEND * x * x)
+    };
+    (0..28).map(point).collect()
+}
+
+/// Moves props from head axes to camera axes.
 pub fn wear(props: &mut [Prop], rotation: Mat3, at: Vec3) {
     props.iter_mut().for_each(|p| p.transform(rotation, at));
 }
 
-/// Depth of the skull's middle, which rings of hair and caps go round \[mm\].
+/// Depth of the skull's middle, around which rings of hair and caps are built \[mm\].
 const SKULL_Z: f32 = 72.0;
 
 /// Hair that falls past the ears to the jaw, the shoulders or the chest, open at the face. `jaw`:
-/// the landmarks 0 and 16, which tell how wide the head is.
+/// the landmarks 0 and 16, which give the head's width.
 pub fn long_hair(rng: &mut ChaCha8Rng, jaw: [Vec3; 2], albedo: f32) -> Prop {
     const SIDES: usize = 72;
     const ROWS: usize = 16;
@@ -194,59 +196,19 @@ pub fn mask(rng: &mut ChaCha8Rng, mesh: &Mesh, head: &[Vec3]) -> Prop {
     let top = at(28).lerp(at(29), rng.random_range(0.0..1.0f32));
     let (ear, chin) = ([at(1), at(15)], at(8));
     // Its upper edge runs from the nose to the ears, its lower one under the chin.
-    let worn = |v: u32| {
+    let worn = |v: u32| -> bool {
         let p = head[v as usize];
         let ear = ear[usize::from(p.x > 0.0)];
         let t = (p.x / ear.x).clamp(0.0, 1.0);
         let upper = top.y + (ear.y + 6.0 - top.y) * t * t;
         p.y > upper && p.y < chin.y + 6.0 - 45.0 * t * t && p.z < ear.z - 4.0
     };
-    let mut prop = Prop::opaque(0.0);
-    let mut index: BTreeMap<u32, u32> = BTreeMap::new();
-    let run = mesh.run(Material::Skin);
-    for (t, uv) in mesh.triangles[run.clone()].iter().zip(&mesh.corner_uv[run]) {
-        if uv[0].x > 1.0 || !t.iter().all(|v| worn(*v)) {
-            continue;
-        }
-        prop.triangles.push(t.map(|v| {
-            let next = index.len() as u32;
-            *index.entry(v).or_insert_with(|| {
-                prop.vertices.push(head[v as usize]);
-                next
-            })
-        }));
-    }
-    // Skin has a hole where the mouth opens.
+    let (mut prop, index) = skin_part(mesh, head, worn);
     let lips: Vec<u32> = (48..60)
         .filter_map(|i| index.get(&mesh.landmarks[i]).copied())
         .collect();
-    let middle = prop.vertices.len() as u32;
-    let sum: Vec3 = lips.iter().map(|v| prop.vertices[*v as usize]).sum();
-    prop.vertices.push(sum / lips.len().max(1) as f32);
-    for (k, a) in lips.iter().enumerate() {
-        let b = lips[(k + 1) % lips.len()];
-        prop.triangles.push([*a, b, middle]);
-    }
-    // Cloth spans lips and nostrils.
-    let pairs: Vec<(u32, u32)> = prop
-        .triangles
-        .iter()
-        .flat_map(|[a, b, c]| [(*a, *b), (*b, *c), (*c, *a)])
-        .collect();
-    for _ in 0..30 {
-        let mut sums = vec![(Vec3::ZERO, 0.0f32); prop.vertices.len()];
-        for (a, b) in &pairs {
-            for (to, from) in [(a, b), (b, a)] {
-                let sum = &mut sums[*to as usize];
-                *sum = (sum.0 + prop.vertices[*from as usize], sum.1 + 1.0);
-            }
-        }
-        for (v, (sum, n)) in prop.vertices.iter_mut().zip(&sums) {
-            let mean = *sum / n.max(1.0);
-            // Only outwards: skin carries it.
-            v.z = v.z.min(mean.z);
-        }
-    }
+    close_mouth(&mut prop, &lips);
+    stretch(&mut prop);
     let gap = rng.random_range(8.0..12.0f32);
     for v in &mut prop.vertices {
         *v += (*v - Vec3::new(0.0, v.y, 60.0)).normalize_or_zero() * gap;
@@ -263,4 +225,61 @@ pub fn mask(rng: &mut ChaCha8Rng, mesh: &Mesh, head: &[Vec3]) -> Prop {
     };
     prop.albedo = prop.vertices.iter().map(shade).collect();
     prop
+}
+
+/// The skin's triangles whose vertices all satisfy `wanted`, and the new number of each vertex.
+fn skin_part(
+    mesh: &Mesh,
+    head: &[Vec3],
+    wanted: impl Fn(u32) -> bool,
+) -> (Prop, BTreeMap<u32, u32>) {
+    let mut prop = Prop::opaque(0.0);
+    let mut index: BTreeMap<u32, u32> = BTreeMap::new();
+    let run = mesh.run(Material::Skin);
+    for (t, uv) in mesh.triangles[run.clone()].iter().zip(&mesh.corner_uv[run]) {
+        if uv[0].x > 1.0 || !t.iter().all(|v| wanted(*v)) {
+            continue;
+        }
+        prop.triangles.push(t.map(|v| {
+            let next = index.len() as u32;
+            *index.entry(v).or_insert_with(|| {
+                prop.vertices.push(head[v as usize]);
+                next
+            })
+        }));
+    }
+    (prop, index)
+}
+
+/// Closes the skin's hole inside the lips with a fan of triangles.
+fn close_mouth(prop: &mut Prop, lips: &[u32]) {
+    let middle = prop.vertices.len() as u32;
+    let sum: Vec3 = lips.iter().map(|v| prop.vertices[*v as usize]).sum();
+    prop.vertices.push(sum / lips.len().max(1) as f32);
+    for (k, a) in lips.iter().enumerate() {
+        let b = lips[(k + 1) % lips.len()];
+        prop.triangles.push([*a, b, middle]);
+    }
+}
+
+/// Moves vertices outwards to the mean of their neighbours, so that cloth spans lips and nostrils.
+fn stretch(prop: &mut Prop) {
+    let pairs: Vec<(u32, u32)> = prop
+        .triangles
+        .iter()
+        .flat_map(|[a, b, c]| [(*a, *b), (*b, *c), (*c, *a)])
+        .collect();
+    for _ in 0..30 {
+        let mut sums = vec![(Vec3::ZERO, 0.0f32); prop.vertices.len()];
+        for (a, b) in &pairs {
+            for (to, from) in [(a, b), (b, a)] {
+                let sum = &mut sums[*to as usize];
+                *sum = (sum.0 + prop.vertices[*from as usize], sum.1 + 1.0);
+            }
+        }
+        for (v, (sum, n)) in prop.vertices.iter_mut().zip(&sums) {
+            let mean = *sum / n.max(1.0);
+            v.z = v.z.min(mean.z);
+        }
+    }
 }

@@ -1,5 +1,4 @@
-//! What is behind a head: pieces of photographs, or procedural rooms, skies and textures.
-//! All in linear light.
+//! Backgrounds in linear light: pieces of photographs, or procedural rooms, skies and textures.
 
 use super::noise::{fractal, smoothstep};
 use glam::{Vec2, Vec3};
@@ -7,7 +6,7 @@ use image::GrayImage;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 
-/// Linear light of a stored grey value.
+/// Linear light of an 8-bit grey value.
 pub fn linear(grey: u8) -> f32 {
     (grey as f32 / 255.0).powf(2.2)
 }

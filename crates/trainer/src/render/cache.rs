@@ -1,8 +1,8 @@
-//! Rendered samples on disk: one file per seed, appended to, so that an interrupted run goes on
+//! Rendered samples on disk: one file per seed, appended to, so that an interrupted run resumes
 //! where it stopped.
 //!
 //! Header: magic, seed, fingerprint of the spec. Then records of: length, sizes, truth, luma;
-//! little-endian. A record cut short at the end of the file is dropped and drawn again.
+//! little-endian. An incomplete record at the end of the file is dropped and drawn again.
 
 use super::sample::{Renderer, Sample};
 use super::spec::SampleSpec;
@@ -111,7 +111,7 @@ fn decode(body: &[u8]) -> Result<Sample> {
     })
 }
 
-/// The next record's bytes, `None` at the end or where the file is cut short.
+/// The next record's bytes; `None` at the end or when the record is incomplete.
 fn next_record(file: &mut impl Read) -> Result<Option<Vec<u8>>> {
     let mut length = [0; 4];
     let mut fill = |bytes: &mut [u8]| match file.read_exact(bytes) {
@@ -125,8 +125,8 @@ fn next_record(file: &mut impl Read) -> Result<Option<Vec<u8>>> {
     Ok(fill(&mut body)?.then_some(body))
 }
 
-/// Whole records in a cache of this seed and spec and the length they take; none if it is
-/// another's.
+/// Number of complete records of a cache and their length in bytes; none if it has another seed or
+/// spec.
 fn present(path: &Path, wanted: &[u8]) -> Result<(u64, u64)> {
     let Ok(file) = File::open(path) else {
         return Ok((0, 0));
@@ -144,8 +144,8 @@ fn present(path: &Path, wanted: &[u8]) -> Result<(u64, u64)> {
     Ok((count, end))
 }
 
-/// Fills a cache up to `count` samples (indices 0, 1, …), going on where an earlier run stopped;
-/// a cache of another seed or spec is started anew. Returns how many samples were drawn now.
+/// Fills a cache up to `count` samples (indices 0, 1, …), resuming where an earlier run stopped; a
+/// cache of another seed or spec is overwritten. Returns how many samples were drawn now.
 pub fn write(
     path: &Path,
     renderer: &Renderer,
@@ -196,7 +196,7 @@ pub struct Samples {
     left: usize,
 }
 
-/// Opens a cache; at most `limit` samples will come.
+/// Opens a cache; it yields at most `limit` samples.
 pub fn open(path: &Path, limit: usize) -> Result<Samples> {
     let file = File::open(path).with_context(|| format!("cannot read {}", path.display()))?;
     let mut file = BufReader::new(file);

@@ -20,7 +20,7 @@ const CHIN_MM: f32 = 36.0;
 /// Points beside each cheek, from the uppermost on.
 const CHEEK: usize = 6;
 
-/// How far ahead the camera is that sees the jaw's points at even distances \[mm\].
+/// Distance of the frontal camera in whose picture the jaw's points have even distances \[mm\].
 const FAR_MM: f32 = 1000.0;
 
 /// A point on an edge of the mesh.
@@ -39,10 +39,10 @@ struct Path {
 /// Finds the 68 points.
 pub struct Landmarker {
     vertices: [u32; LANDMARKS],
-    /// From the vertices to where labels sit \[mm, head axes\].
+    /// Offsets from the vertices to the labels of photographs \[mm, head axes\].
     offsets: [Vec3; LANDMARKS],
     paths: Vec<Path>,
-    /// Where along the line through the paths' outermost points the jaw's points are.
+    /// Positions of the jaw's points along the line through the paths' outermost points.
     places: [f32; JAW],
 }
 
@@ -77,7 +77,7 @@ impl Landmarker {
                 };
                 let end = path_end(i, &at);
                 let outward = (at(i) - end).truncate().normalize_or_zero();
-                // The uppermost points only slide sideways, the chin only up and down.
+                // The uppermost points move only sideways, the chin only up and down.
                 let outward = match i {
                     0..=3 | 13..=16 => Vec2::new(outward.x.signum(), 0.0),
                     8 => Vec2::Y,
@@ -104,7 +104,7 @@ impl Landmarker {
             paths,
             places: std::array::from_fn(|i| i as f32),
         };
-        // Seen by a camera ahead, and then at the same places of the head however it turns.
+        // Even distances hold in the frontal view; turned heads keep the same points.
         landmarker.places = places_by_side(&landmarker.frontal_outline(mesh));
         landmarker
     }

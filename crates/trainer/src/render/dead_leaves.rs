@@ -1,6 +1,6 @@
-//! Made-up scenes: things of all sizes, one before the other, as in the dead-leaves model of
-//! natural pictures (Lee, Mumford and Huang, "Occlusion models for natural images", 2001), with
-//! shade, patterns and rows of the same thing. In linear light.
+//! Synthetic scenes in linear light: objects of all sizes that occlude each other, as in the
+//! dead-leaves model of natural pictures (Lee, Mumford and Huang, "Occlusion models for natural
+//! images", 2001), with shading, patterns and rows of equal objects.
 
 use super::background::procedural;
 use super::noise::{fractal, noise, smoothstep};
@@ -9,7 +9,7 @@ use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use std::f32::consts::{PI, TAU};
 
-/// A scene's surroundings, and what they hold.
+/// A scene and its objects.
 pub fn scene(rng: &mut ChaCha8Rng, width: usize, height: usize) -> Vec<f32> {
     let mut light = procedural(rng, width, height);
     let size = width.max(height) as f32;
@@ -30,7 +30,7 @@ pub fn scene(rng: &mut ChaCha8Rng, width: usize, height: usize) -> Vec<f32> {
     light
 }
 
-/// How often a thing comes again beside and below itself, and how far off \[px\].
+/// Repetitions of an object beside and below itself, and their distance \[px\].
 fn row_of(rng: &mut ChaCha8Rng, thing: &Thing) -> (usize, usize, Vec2) {
     let mut times = || match rng.random_range(0..12) {
         0..9 => 1,
@@ -42,17 +42,17 @@ fn row_of(rng: &mut ChaCha8Rng, thing: &Thing) -> (usize, usize, Vec2) {
     (columns, rows, 2.0 * thing.half * gap)
 }
 
-/// What the things of a scene share.
+/// What the objects of a scene have in common.
 struct Style {
-    /// Radius of the least things over the picture's size; larger ones are rarer by the cube.
+    /// Radius of the smallest objects over the picture's size; frequency falls with the cube.
     least: f32,
-    /// Tones that the things have, in linear light.
+    /// Tones of the objects, in linear light.
     tones: (f32, f32),
-    /// Half a thing's width over its radius, at most.
+    /// Largest half width of an object over its radius.
     slim: f32,
-    /// Share of things that stand upright.
+    /// Share of upright objects.
     upright: f64,
-    /// Half the width of an edge \[px\]: how far out of focus it all is.
+    /// Half the width of an edge \[px\]: the defocus.
     soft: f32,
 }
 
@@ -74,7 +74,7 @@ impl Style {
 
     fn tone(&self, rng: &mut ChaCha8Rng) -> f32 {
         let (low, high) = self.tones;
-        // Even steps look as far apart as they are on a display.
+        // Even steps on a display.
         rng.random_range(low.sqrt()..high.sqrt()).powi(2)
     }
 }
@@ -127,7 +127,7 @@ struct Thing {
     outline: Outline,
     shade: Shade,
     pattern: Pattern,
-    /// Of the thing and of its pattern, in linear light.
+    /// Of the object and of its pattern, in linear light.
     tones: [f32; 2],
     soft: f32,
     seed: u32,
@@ -135,7 +135,7 @@ struct Thing {
 
 impl Thing {
     fn draw(rng: &mut ChaCha8Rng, style: &Style, size: f32) -> Thing {
-        // Areas per thing fall with the square of the radius, numbers with the cube.
+        // An object's area grows with the square of its radius, the number falls with the cube.
         let radius = size * (style.least / rng.random_range(0.02f32..1.0).sqrt()).min(0.45);
         let slim = rng.random_range(style.slim..=1.0);
         let half = radius
@@ -169,7 +169,7 @@ impl Thing {
         }
     }
 
-    /// Paints the thing over what is there.
+    /// Paints the object over the picture.
     fn paint(&self, light: &mut [f32], width: usize, middle: Vec2) {
         let height = light.len() / width;
         let reach = self.half.length() + self.soft;

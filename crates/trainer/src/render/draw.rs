@@ -1,4 +1,4 @@
-//! Draws a posed head and the things around it into linear light over a background.
+//! Draws a posed head and props into linear light over a background.
 
 use super::light::{Lights, Reach};
 use super::mesh::{Material, Mesh};
@@ -13,7 +13,7 @@ pub const SUPER: usize = 2;
 /// Nothing nearer than this is drawn \[mm\].
 const NEAR_MM: f32 = 40.0;
 
-/// Through props more opaque than this nothing is seen.
+/// Props more opaque than this hide what is behind them.
 pub const HIDES: f32 = 0.7;
 
 /// Half the angle that an iris covers, seen from the eyeball's centre \[rad\].
@@ -105,7 +105,7 @@ impl Posed {
     }
 }
 
-/// Anything that is not the head: clothes, glasses, hands.
+/// A prop: clothes, glasses, a hand.
 #[derive(Clone, Debug, Default)]
 pub struct Prop {
     /// Vertices \[mm, camera axes\].
@@ -116,7 +116,7 @@ pub struct Prop {
     pub albedo: Vec<f32>,
     /// Strength of reflections.
     pub gloss: f32,
-    /// Below 1: light passes (lenses). What is behind counts as seen up to [`HIDES`].
+    /// Below 1 for lenses. What is behind counts as visible up to [`HIDES`].
     pub opacity: f32,
 }
 
@@ -136,7 +136,7 @@ impl Prop {
     }
 }
 
-/// What is in the picture.
+/// Everything in the picture.
 pub struct Scene<'a> {
     /// Topology.
     pub mesh: &'a Mesh,
@@ -316,7 +316,7 @@ impl<'a> Shader<'a> {
         .collect();
         let centre = |eye: &Vec<u32>| {
             let points = || eye.iter().map(|v| head.vertices[*v as usize]);
-            // The middle of the box, not of the vertices, which crowd at the cornea.
+            // The middle of the box, not of the vertices, which are dense at the cornea.
             let local = points().map(|p| head.rotation.transpose() * p);
             let (low, high) = local.fold((Vec3::MAX, Vec3::MIN), |(l, h), p| (l.min(p), h.max(p)));
             head.rotation * ((low + high) / 2.0)

@@ -67,8 +67,8 @@ impl Camera {
         }
     }
 
-    /// A camera at night, in haze, out of focus, shaken or with a poor link, before which a picture
-    /// is held that shows a face so many pixels wide.
+    /// A camera at night, in haze, out of focus, moving or with strong compression; its defects are
+    /// scaled to a face so many pixels wide.
     pub fn poor(rng: &mut ChaCha8Rng, face_px: f32) -> Camera {
         let mut up_to = |share: f64, most: f32| match rng.random_bool(share) {
             true => rng.random_range(0.0..most),
@@ -80,7 +80,7 @@ impl Camera {
         let motion = up_to(0.3, 0.12) * face_px;
         let (s, c) = rng.random_range(0.0..std::f32::consts::TAU).sin_cos();
         let exposure = (-dark).exp();
-        // Where the picture is dark the steps of its levels and of the sensor's amplifier are left.
+        // Dark pictures show the quantisation of their levels and of the sensor's amplifier.
         let noise = 25.0 * (exposure * (1.0 - haze)).max(0.12);
         Camera {
             blur_px,
@@ -96,7 +96,7 @@ impl Camera {
     /// Light in, 8-bit luma out.
     pub fn develop(&self, rng: &mut ChaCha8Rng, light: &mut Vec<f32>, width: usize) -> Vec<u8> {
         blur(light, width, self.blur_px);
-        smear(light, width, self.motion_px);
+        motion_blur(light, width, self.motion_px);
         let luma = light
             .iter()
             .map(|l| {
@@ -108,7 +108,7 @@ impl Camera {
                     v
                 };
                 let v = self.haze + (1.0 - self.haze) * v;
-                // The sum of four uniforms is near enough to a Gaussian.
+                // The sum of four uniforms approximates a Gaussian.
                 let n: f32 = (0..4).map(|_| rng.random_range(-0.866..0.866f32)).sum();
                 (255.0 * v + self.noise * n + 0.5).clamp(0.0, 255.0) as u8
             })
@@ -150,7 +150,7 @@ fn blur(light: &mut [f32], width: usize, sigma: f32) {
 }
 
 /// Averages along a line, centred so that nothing moves.
-fn smear(light: &mut Vec<f32>, width: usize, motion: (f32, f32)) {
+fn motion_blur(light: &mut Vec<f32>, width: usize, motion: (f32, f32)) {
     let length = motion.0.hypot(motion.1);
     if length < 0.7 {
         return;
@@ -173,7 +173,7 @@ fn smear(light: &mut Vec<f32>, width: usize, motion: (f32, f32)) {
     *light = out;
 }
 
-/// There and back through JPEG; a picture that cannot be coded is returned as it was.
+/// Encodes and decodes as JPEG; a picture that cannot be coded is returned as it was.
 fn compress(luma: Vec<u8>, width: usize, quality: u8) -> Vec<u8> {
     let height = luma.len() / width;
     let mut bytes = Vec::new();

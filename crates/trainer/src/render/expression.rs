@@ -141,7 +141,7 @@ impl Expression {
         self.pair(["eyeBlinkLeft", "eyeBlinkRight"], blink, 0.0);
     }
 
-    /// Lids follow the eyeballs (kit shapes reach their end at about half a radian).
+    /// Lids follow the eyeballs (the kit's shapes have weight 1 at about half a radian).
     pub fn follow_gaze(&mut self, amount: f32) {
         let (x, y) = (2.0 * amount * self.gaze.0, 2.0 * amount * self.gaze.1);
         let both = if y > 0.0 {

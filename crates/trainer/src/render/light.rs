@@ -93,7 +93,7 @@ impl Lights {
     }
 }
 
-/// Which of the known directions matter for light from a side.
+/// The stored directions that contribute to light from one direction.
 pub struct Reach {
     near: Vec<(usize, f32)>,
 }

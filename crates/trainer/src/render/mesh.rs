@@ -20,7 +20,7 @@ const CHEST_MM: f32 = 172.0;
 pub enum Material {
     /// Face, neck, scalp and ears: everything that has a texture.
     Skin,
-    /// Behind the lids.
+    /// Eye sockets, behind the lids.
     Socket,
     /// Cheeks from inside, gums, tongue.
     Mouth,
@@ -54,6 +54,9 @@ pub struct Shape {
     moves: Vec<(u32, Vec3)>,
 }
 
+/// Each material's run of the triangles.
+type Runs = Vec<(Material, Range<usize>)>;
+
 /// The head's topology and statistics.
 pub struct Mesh {
     /// Neutral mean vertices \[mm, head frame\].
@@ -66,7 +69,7 @@ pub struct Mesh {
     /// Texture coordinates of the corners: u 0..1 is the face tile, 1..2 the rest; v up.
     pub corner_uv: Vec<[Vec2; 3]>,
     /// Runs of `triangles`.
-    pub materials: Vec<(Material, Range<usize>)>,
+    pub materials: Runs,
     /// Vertex of each landmark.
     pub landmarks: [u32; LANDMARKS],
     /// Vertex of each jaw landmark on the lower jaw's edge; none at the chin.
@@ -84,29 +87,8 @@ pub struct Mesh {
 impl Mesh {
     /// Prepares a head; takes about a second.
     pub fn new(head: &Head) -> Result<Mesh> {
+        let (numbers, materials) = drawn_triangles(head)?;
         let uv = |i: u32| Vec2::from(head.uv[i as usize]);
-        let mut triangles = Vec::new();
-        let mut corner_uv = Vec::new();
-        let mut materials: Vec<(Material, Range<usize>)> = Vec::new();
-        for (name, material) in PARTS {
-            // Only the face is needed; a head without teeth is drawn without.
-            let Some(part) = head.part(name) else {
-                ensure!(name != "face", "the head has no face");
-                continue;
-            };
-            let start = triangles.len();
-            let below = |[x, y, _]: [f32; 3]| y > CHEST_MM || (y > 110.0 && x.abs() > 70.0);
-            let chest = |t: &[u32; 3]| t.iter().all(|v| below(head.mean[*v as usize]));
-            let of = (0..).zip(&head.triangle_part).filter(|(_, p)| **p == part);
-            for (n, _) in of.filter(|(n, _): &(usize, _)| !chest(&head.triangles[*n])) {
-                triangles.push(head.triangles[n]);
-                corner_uv.push(head.triangle_uv[n].map(uv));
-            }
-            match materials.last_mut() {
-                Some((last, run)) if *last == material => run.end = triangles.len(),
-                _ => materials.push((material, start..triangles.len())),
-            }
-        }
         let vertices = |v: &[[f32; 3]]| v.iter().map(|v| Vec3::from(*v)).collect::<Vec<_>>();
         let eye = |name: &str| -> Vec<u32> {
             let part = head.part(name);
@@ -134,8 +116,11 @@ impl Mesh {
                         .collect(),
                 })
                 .collect(),
-            triangles,
-            corner_uv,
+            triangles: numbers.iter().map(|n| head.triangles[*n]).collect(),
+            corner_uv: numbers
+                .iter()
+                .map(|n| head.triangle_uv[*n].map(uv))
+                .collect(),
             materials,
             landmarks: head.landmarks,
             jaw_edge: head.jaw_edge,
@@ -200,12 +185,12 @@ impl Mesh {
             .collect()
     }
 
-    /// Looks at the mean head from every direction and notes what is seen: ambient occlusion and
-    /// soft shadows without casting rays later.
+    /// Draws the mean head from every direction and stores which vertices are visible: ambient
+    /// occlusion and soft shadows without casting rays later.
     fn light_reach(&self) -> Vec<u64> {
         const SIDE: usize = 200;
         const MM_PER_SAMPLE: f32 = 2.0;
-        // Lets neighbours on the same surface pass.
+        // Tolerance for neighbours on the same surface.
         const SLACK_MM: f32 = 5.0;
         const FAR_MM: f32 = 1000.0;
         let centre = Vec3::new(0.0, 20.0, 60.0);
@@ -220,7 +205,7 @@ impl Mesh {
                     Projected {
                         x: p.dot(x) / MM_PER_SAMPLE + SIDE as f32 / 2.0,
                         y: p.dot(y) / MM_PER_SAMPLE + SIDE as f32 / 2.0,
-                        // Orthographic: any decreasing function of depth will do.
+                        // Orthographic: any decreasing function of depth serves.
                         inv_z: FAR_MM - p.dot(z),
                     }
                 })
@@ -242,7 +227,30 @@ impl Mesh {
     }
 }
 
-/// Evenly spread unit directions (a Fibonacci lattice).
+/// Numbers of the triangles that are drawn, sorted by material, and each material's run of them.
+fn drawn_triangles(head: &Head) -> Result<(Vec<usize>, Runs)> {
+    let below = |[x, y, _]: [f32; 3]| y > CHEST_MM || (y > 110.0 && x.abs() > 70.0);
+    let chest = |t: &[u32; 3]| t.iter().all(|v| below(head.mean[*v as usize]));
+    let mut numbers = Vec::new();
+    let mut materials = Runs::new();
+    for (name, material) in PARTS {
+        // Only the face is required; a head without teeth is drawn without.
+        let Some(part) = head.part(name) else {
+            ensure!(name != "face", "the head has no face");
+            continue;
+        };
+        let start = numbers.len();
+        let of_part = (0..head.triangles.len()).filter(|n| head.triangle_part[*n] == part);
+        numbers.extend(of_part.filter(|n| !chest(&head.triangles[*n])));
+        match materials.last_mut() {
+            Some((last, run)) if *last == material => run.end = numbers.len(),
+            _ => materials.push((material, start..numbers.len())),
+        }
+    }
+    Ok((numbers, materials))
+}
+
+/// Evenly distributed unit directions (a Fibonacci lattice).
 pub fn directions() -> [Vec3; DIRECTIONS] {
     std::array::from_fn(|i| {
         let z = 1.0 - (2 * i + 1) as f32 / DIRECTIONS as f32;

@@ -1,9 +1,9 @@
-//! Skins from photographs: the picture that a head was fitted to, projected back on its texture.
+//! Skins from photographs: the picture that a head was fitted to, projected onto its texture.
 //!
-//! Texels that the camera saw squarely keep the picture; the turned-away side is taken from the
-//! mirrored texel; what neither shows, and the margins of lids and lips, where a fit half a
-//! millimetre off would paint an eyeball on a lid, are painted as for procedural people. The
-//! picture's own broad light is divided out.
+//! Texels that face the camera keep the picture; the turned-away side is taken from the mirrored
+//! texel. Texels that neither shows are painted as for procedural people, and so are the margins of
+//! lids and lips, where a fit that is off by half a millimetre would paint an eyeball on a lid. The
+//! picture's low-frequency light is divided out.
 
 use super::background::linear;
 use super::draw::{SUPER, View};
@@ -24,11 +24,11 @@ use rand_chacha::ChaCha8Rng;
 /// Below this cosine between normal and view a texel is too stretched to use.
 const GRAZING: f32 = 0.35;
 
-/// What a photograph says about each texel.
+/// A photograph's values for each texel.
 struct Seen {
     /// Linear light.
     light: Vec<f32>,
-    /// How well it was seen, 0..1.
+    /// How squarely the camera saw it, 0..1.
     trust: Vec<f32>,
     /// Normal in head axes.
     normal: Vec<Vec3>,
@@ -36,7 +36,7 @@ struct Seen {
 
 /// Makes people from photographs.
 pub struct Photographer<'a> {
-    /// The head's own form, for fits.
+    /// The head, for fits.
     pub head: &'a Head,
     /// The same for drawing.
     pub mesh: &'a Mesh,
@@ -49,7 +49,7 @@ pub struct Photographer<'a> {
 }
 
 impl Photographer<'_> {
-    /// The person of a fitted photograph; `None` where too little of the face was seen.
+    /// The person of a fitted photograph; `None` when too little of the face is visible.
     pub fn person(&self, id: u32, fit: &PhotoFit, photo: &GrayImage, seed: u64) -> Option<Person> {
         let mut seen = self.look(fit, photo);
         let skin = self.remove_light(&mut seen)?;
@@ -59,11 +59,11 @@ impl Photographer<'_> {
         let mut looks = Looks::random(&mut rng);
         looks.skin = skin;
         looks.beard = 0.0;
-        // Up to here the picture is trusted; hair begins where its own may.
+        // The picture is used up to here; hair begins at the person's own hairline at the earliest.
         looks.hairline_mm = rng.random_range(58.0..78.0);
         looks.hair = self.hair_tone(&seen).unwrap_or(looks.hair).clamp(0.01, 0.6);
         if looks.hair > 0.7 * skin {
-            // No darker than the skin: bald, grey or covered; keep it close.
+            // Not darker than the skin: bald, grey or covered; no volume.
             looks.hair_mm = looks.hair_mm.min(3.0);
         }
         if self.near {
@@ -169,7 +169,7 @@ impl Photographer<'_> {
             let shade = (c[0] + c[1] * n.x + c[2] * n.y + c[3] * n.z) / typical;
             *light /= shade.clamp(0.45, 2.0).powf(0.8);
         }
-        // How bright the lamp was is unknown: pull towards a middling skin.
+        // The light's brightness is unknown: regress towards a mean skin.
         let skin = (0.25f32 * typical).sqrt().clamp(0.06, 0.55);
         seen.light.iter_mut().for_each(|l| *l *= skin / typical);
         Some(skin)

@@ -1,4 +1,4 @@
-//! Things around a head, built from tubes and rings: a torso, hands and other occluders.
+//! Props built from tubes and rings: a torso, hands and other occluders.
 
 use super::draw::Prop;
 use glam::{Mat3, Vec3};
@@ -125,37 +125,7 @@ pub fn hand(rng: &mut ChaCha8Rng, over: Vec3, albedo: f32) -> Prop {
     let spread = rng.random_range(0.0..0.16f32);
     let curl = rng.random_range(0.0..0.5f32);
     for k in 0..4 {
-        let across = k as f32 - 1.5;
-        let (s, c) = (across * spread).sin_cos();
-        let long = [72.0, 82.0, 77.0, 60.0][k];
-        let root = Vec3::new(across * 19.0, -45.0, 0.0);
-        let joint = |t: f32, bend: f32| {
-            let reach = t * long;
-            root + Vec3::new(
-                s * reach,
-                -c * reach * (1.0 - 0.3 * bend),
-                bend * reach * 0.6,
-            )
-        };
-        let bones = [
-            (0.0, 0.0),
-            (0.45, 0.4 * curl),
-            (0.8, 0.9 * curl),
-            (1.0, 1.4 * curl),
-        ];
-        let radii = [10.5, 9.5, 8.5, 5.0];
-        let points: Vec<(Vec3, f32)> = bones
-            .iter()
-            .zip(radii)
-            .map(|((t, b), r)| (joint(*t, *b), r))
-            .collect();
-        prop.tube(&points, albedo, false);
-        // The palm: one thick ray per finger.
-        prop.tube(
-            &[(root, 12.0), (Vec3::new(across * 14.0, 45.0, 0.0), 15.0)],
-            albedo,
-            false,
-        );
+        finger(&mut prop, k, spread, curl, albedo);
     }
     let thumb = [
         (Vec3::new(-25.0, 35.0, 4.0), 15.0),
@@ -195,6 +165,41 @@ pub fn hand(rng: &mut ChaCha8Rng, over: Vec3, albedo: f32) -> Prop {
     let size = Mat3::from_diagonal(Vec3::new(mirror, scale, scale));
     prop.transform(lean * size, over);
     prop
+}
+
+/// Adds a finger of a hand, 0 to 3 from the index finger on.
+fn finger(hand: &mut Prop, k: usize, spread: f32, curl: f32, albedo: f32) {
+    let across = k as f32 - 1.5;
+    let (s, c) = (across * spread).sin_cos();
+    let long = [72.0, 82.0, 77.0, 60.0][k];
+    let root = Vec3::new(across * 19.0, -45.0, 0.0);
+    let joint = |t: f32, bend: f32| {
+        let reach = t * long;
+        root + Vec3::new(
+            s * reach,
+            -c * reach * (1.0 - 0.3 * bend),
+            bend * reach * 0.6,
+        )
+    };
+    let bones = [
+        (0.0, 0.0),
+        (0.45, 0.4 * curl),
+        (0.8, 0.9 * curl),
+        (1.0, 1.4 * curl),
+    ];
+    let radii = [10.5, 9.5, 8.5, 5.0];
+    let points: Vec<(Vec3, f32)> = bones
+        .iter()
+        .zip(radii)
+        .map(|((t, b), r)| (joint(*t, *b), r))
+        .collect();
+    hand.tube(&points, albedo, false);
+    // Its part of the palm.
+    hand.tube(
+        &[(root, 12.0), (Vec3::new(across * 14.0, 45.0, 0.0), 15.0)],
+        albedo,
+        false,
+    );
 }
 
 /// A lump or a slab: a cup, a phone, a scarf's fold.

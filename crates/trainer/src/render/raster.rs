@@ -87,7 +87,7 @@ impl Target {
                 let w0 = cross(c[1], c[2], p) * scale;
                 let w1 = cross(c[2], c[0], p) * scale;
                 let w2 = 1.0 - w0 - w1;
-                // A hair of slack closes the seams between neighbours.
+                // A small tolerance closes the seams between neighbours.
                 if w0 < -1e-5 || w1 < -1e-5 || w2 < -1e-5 {
                     continue;
                 }
@@ -131,7 +131,7 @@ pub fn weights(c: [Projected; 3], x: f32, y: f32) -> Vec3 {
         (1.0 - w0 - w1) * c[2].inv_z,
     );
     let w = w / (w.x + w.y + w.z);
-    // Slack at the edges must not extrapolate.
+    // The tolerance at the edges must not extrapolate.
     w.clamp(Vec3::ZERO, Vec3::ONE)
 }
 

@@ -8,7 +8,7 @@ use glam::{Vec2, Vec3};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 
-/// What a procedural person looks like.
+/// Appearance of a procedural person.
 #[derive(Clone, Debug)]
 pub struct Looks {
     /// Seed of all noise.
@@ -35,11 +35,11 @@ pub struct Looks {
     pub iris: f32,
     /// Albedo of the clothes.
     pub cloth: f32,
-    /// What is drawn on the lids; nothing on people seen from afar.
+    /// Details of the lids; the default has none, for people seen from far away.
     pub lids: Lids,
 }
 
-/// Creases and make-up of the lids, which stay where they are when an eye shuts.
+/// Creases and make-up of the lids, fixed to the skin when an eye shuts.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Lids {
     /// Darkness of the upper lid's crease, 0..1, and its height above the margin \[mm\].
@@ -48,9 +48,9 @@ pub struct Lids {
     pub shadow: f32,
     /// Darkness of the line under the eye, 0..1, and its distance from the margin \[mm\].
     pub bag: (f32, f32),
-    /// How far the upper lashes reach beyond those of people seen from afar \[mm\].
+    /// Additional length of the upper lashes over those of people seen from far away \[mm\].
     pub lashes_mm: f32,
-    /// How far from the lids' margins a photograph is not used \[mm\], beyond the usual.
+    /// Additional distance from the lids' margins within which a photograph is not used \[mm\].
     pub bare_mm: f32,
 }
 
@@ -110,7 +110,7 @@ impl Looks {
         }
     }
 
-    /// As who is seen from near: lids in detail.
+    /// The same person with detailed lids, for close views.
     pub fn come_near(&mut self, rng: &mut ChaCha8Rng) {
         self.lids = Lids::random(rng);
         self.lashes = rng.random_range(0.4..1.0);
@@ -388,7 +388,7 @@ pub fn push(mesh: &Mesh, looks: &Looks) -> Vec<f32> {
             }
             let depth = looks.hair_depth(*p, ear[v]);
             let tuft = 1.0 + 0.5 * fractal(*p * 0.05, 3, looks.seed ^ 61);
-            // The nape keeps closer than the crown.
+            // Less volume at the nape than at the crown.
             let nape = smoothstep(70.0, -10.0, p.y);
             looks.hair_mm * tuft * (0.3 + 0.7 * nape) * smoothstep(0.0, 14.0, depth)
         })

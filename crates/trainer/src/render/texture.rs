@@ -157,7 +157,7 @@ impl Level {
     }
 }
 
-/// Square-root coding keeps dark tones apart.
+/// Square-root coding gives dark tones more levels.
 fn encode(albedo: f32) -> u8 {
     (albedo.clamp(0.0, 1.0).sqrt() * 255.0 + 0.5) as u8
 }
