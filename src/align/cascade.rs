@@ -2,9 +2,11 @@
 //! second ensemble member, `RFIN` and `SREG` the local refiners and the shape regression.
 
 use super::ensemble::EnsembleMember;
+use super::placement::place;
 use super::refiners::Refiners;
 use super::regressor::{Memory, Regressor};
-use super::{Shape, Views, place};
+use super::shape::{Shape, is_finite, shapes_of};
+use super::views::Views;
 use crate::image::{Crop, Frame, warp};
 use crate::math::Similarity;
 use crate::network::MAX_FEATURES;
@@ -205,12 +207,4 @@ impl<'m> AlignModel<'m> {
         *shape = points.map(|p| placement.centred_to_frame.apply(p));
         is_finite(shape)
     }
-}
-
-fn is_finite(shape: &Shape) -> bool {
-    shape.iter().all(|p| p[0].is_finite() && p[1].is_finite())
-}
-
-fn shapes_of(coordinates: &[f32]) -> &[Shape] {
-    coordinates.as_chunks::<2>().0.as_chunks::<LANDMARKS>().0
 }

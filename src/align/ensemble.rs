@@ -2,8 +2,9 @@
 //! networks has a smaller error than either; the gain is larger where one of them sees the mirror
 //! image.
 
+use super::placement::mirror;
 use super::regressor::{Memory, Regressor};
-use super::{Shape, mirror};
+use super::shape::Shape;
 use crate::image::Crop;
 use crate::shape::LANDMARKS;
 use posewise_format::{Blob, ModelError, Section};

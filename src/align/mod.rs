@@ -22,6 +22,7 @@ mod ensemble;
 mod placement;
 mod refiners;
 mod regressor;
+mod shape;
 mod shape_regression;
 mod views;
 
@@ -30,10 +31,6 @@ pub use ensemble::EnsembleMember;
 pub use placement::{Placement, mirror, place};
 pub use refiners::{MAX_POINTS, MAX_REFINERS, Refiners, place_refiner};
 pub use regressor::{GLOBAL, MAX_HEADS, MAX_INPUTS, MAX_RANK, SHAPE_INDEXED};
+pub use shape::Shape;
 pub use shape_regression::{ShapeRegression, deviation};
 pub use views::{View, Views};
-
-use crate::shape::LANDMARKS;
-
-/// 68 landmarks, x and y, in the frame that the context names.
-pub type Shape = [[f32; 2]; LANDMARKS];

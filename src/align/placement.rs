@@ -1,6 +1,6 @@
 //! Placement of the global stage's crop over a shape.
 
-use super::Shape;
+use super::shape::Shape;
 use crate::math::Similarity;
 use crate::shape::MIRROR;
 

@@ -7,8 +7,8 @@
 //! network, which sees the person's left eye mirrored. The mouth is its own mirror image: the
 //! predictions for the crop and for its mirror image are averaged.
 
-use super::Shape;
 use super::regressor::{Memory, Regressor};
+use super::shape::Shape;
 use super::shape_regression::ShapeRegression;
 use crate::image::{Crop, Frame, warp};
 use crate::math::Similarity;

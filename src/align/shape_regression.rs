@@ -4,7 +4,7 @@
 //! moves by a linear function of all landmarks, trained on the results of the earlier stages on
 //! labelled faces: a well placed nose corrects the jaw (correlative regression, thesis 5.1).
 
-use super::Shape;
+use super::shape::Shape;
 use crate::math::Similarity;
 use crate::shape::LANDMARKS;
 use posewise_format::{Blob, ModelError};

@@ -1,6 +1,7 @@
 //! Views: initial shapes by head yaw, and the classification of a shape into a view.
 
-use super::{Shape, mirror};
+use super::placement::mirror;
+use super::shape::Shape;
 use crate::math::Similarity;
 
 /// Initial shapes by yaw, in the canonical frame. The views of faces turned to the image left are

@@ -5,10 +5,11 @@
 // The contract of all pointers stands at the head of the header and of memory.rs.
 #![allow(clippy::missing_safety_doc)]
 
+use super::block::{self, BLOCK_SIZE};
 use super::convert::{
     config_from, frame_from, intrinsics_from, landmarks_of, load, model_bytes, result_to,
 };
-use super::memory::{self, BLOCK_SIZE};
+use super::memory;
 use super::types::*;
 use crate::shape::{ANIMATION_NAMES, ANIMATIONS, LANDMARKS};
 use crate::track::{Config, StepError};
@@ -151,7 +152,7 @@ pub unsafe extern "C" fn posewise_init(
             return Err(POSEWISE_E_ARG); // the tracker would overwrite its model
         }
         // SAFETY: aligned and long enough, as just checked.
-        unsafe { memory::place(memory.cast(), model, &config)? };
+        unsafe { block::place(memory.cast(), model, &config)? };
         // SAFETY: checked above.
         unsafe { out.write(memory.cast()) };
         Ok(())
@@ -168,7 +169,7 @@ pub unsafe extern "C" fn posewise_step(
 ) -> posewise_status {
     status(|| {
         // SAFETY: the caller's contract, here and below.
-        let block = unsafe { memory::block_mut(tracker)? };
+        let block = unsafe { block::get_mut(tracker)? };
         let given = unsafe { memory::read_struct(frame)? };
         let size = unsafe { memory::checked_size(out)? };
         let frame = unsafe { frame_from(&given)? };
@@ -191,7 +192,7 @@ pub unsafe extern "C" fn posewise_landmarks(
 ) -> posewise_status {
     status(|| {
         // SAFETY: the caller's contract.
-        let result = unsafe { memory::block(tracker)? }.tracker.result();
+        let result = unsafe { block::get(tracker)? }.tracker.result();
         // SAFETY: the caller's contract.
         unsafe { memory::write_first(out, capacity, landmarks_of(result)) }
     })
@@ -207,7 +208,7 @@ pub unsafe extern "C" fn posewise_animation(
 ) -> posewise_status {
     status(|| {
         // SAFETY: the caller's contract.
-        let result = unsafe { memory::block(tracker)? }.tracker.result();
+        let result = unsafe { block::get(tracker)? }.tracker.result();
         // SAFETY: the caller's contract.
         unsafe { memory::write_first(out, capacity, result.animation.into_iter()) }
     })
@@ -222,7 +223,7 @@ pub unsafe extern "C" fn posewise_smoothed(
 ) -> posewise_status {
     status(|| {
         // SAFETY: the caller's contract, here and below.
-        let result = unsafe { memory::block(tracker)? }.tracker.smoothed();
+        let result = unsafe { block::get(tracker)? }.tracker.smoothed();
         let size = unsafe { memory::checked_size(out)? };
         unsafe { memory::write_struct(out, size, &result_to(result)) };
         Ok(())
@@ -238,7 +239,7 @@ pub unsafe extern "C" fn posewise_smoothed_landmarks(
 ) -> posewise_status {
     status(|| {
         // SAFETY: the caller's contract.
-        let result = unsafe { memory::block(tracker)? }.tracker.smoothed();
+        let result = unsafe { block::get(tracker)? }.tracker.smoothed();
         // SAFETY: the caller's contract.
         unsafe { memory::write_first(out, capacity, landmarks_of(result)) }
     })
@@ -253,7 +254,7 @@ pub unsafe extern "C" fn posewise_smoothed_animation(
 ) -> posewise_status {
     status(|| {
         // SAFETY: the caller's contract.
-        let result = unsafe { memory::block(tracker)? }.tracker.smoothed();
+        let result = unsafe { block::get(tracker)? }.tracker.smoothed();
         // SAFETY: the caller's contract.
         unsafe { memory::write_first(out, capacity, result.animation.into_iter()) }
     })
@@ -274,7 +275,7 @@ pub extern "C" fn posewise_animation_name(index: u32) -> *const c_char {
 pub unsafe extern "C" fn posewise_reset(tracker: *mut posewise_tracker) -> posewise_status {
     status(|| {
         // SAFETY: the caller's contract.
-        unsafe { memory::block_mut(tracker)? }.tracker.reset();
+        unsafe { block::get_mut(tracker)? }.tracker.reset();
         Ok(())
     })
 }
@@ -287,7 +288,7 @@ pub unsafe extern "C" fn posewise_forget_identity(
 ) -> posewise_status {
     status(|| {
         // SAFETY: the caller's contract.
-        unsafe { memory::block_mut(tracker)? }
+        unsafe { block::get_mut(tracker)? }
             .tracker
             .forget_identity();
         Ok(())
@@ -303,7 +304,7 @@ pub unsafe extern "C" fn posewise_set_intrinsics(
 ) -> posewise_status {
     status(|| {
         // SAFETY: the caller's contract.
-        let tracker = &mut unsafe { memory::block_mut(tracker)? }.tracker;
+        let tracker = &mut unsafe { block::get_mut(tracker)? }.tracker;
         let intrinsics = if intrinsics.is_null() {
             None
         } else {

@@ -1,12 +1,13 @@
 //! The C ABI: `include/posewise.h`, which is generated from [`types`] and [`api`].
 //!
 //! `convert` checks the caller's structs and converts them to the crate's types, and results back.
-//! `memory` does all pointer work.
+//! `memory` does all pointer work, `block` holds the tracker in the caller's memory.
 
 // C names; raw pointers need `unsafe`.
 #![allow(non_camel_case_types, unsafe_code)]
 
 pub mod api;
+mod block;
 mod convert;
 mod memory;
 #[cfg(feature = "panic-handler")]

@@ -69,3 +69,15 @@ impl Keyframe {
 pub(super) fn q4(v: f32) -> i16 {
     libm::roundf((v * Q4).clamp(-32_000.0, 32_000.0)) as i16
 }
+
+/// A keyframe found in a frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct KeyframeMatch {
+    /// The keyframe's landmarks, moved to the frame \[frame px\].
+    pub shape: Shape,
+    /// Identity of the keyframe's face, as in [`Keyframes::identity`](super::Keyframes::identity).
+    pub identity: u32,
+    /// Keypoint matches that agree on the transform.
+    pub inliers: usize,
+    pub(super) entry: usize,
+}

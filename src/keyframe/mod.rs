@@ -25,9 +25,9 @@ mod ransac;
 mod reduced_image;
 mod table;
 
-pub use entry::KEYFRAME_POINTS_MAX;
+pub use entry::{KEYFRAME_POINTS_MAX, KeyframeMatch};
 pub use keypoints::KEYPOINTS_MAX;
-pub use query::{KeyframeMatch, Query};
+pub use query::Query;
 pub use reduced_image::SCRATCH_BYTES;
 pub use table::{KEYFRAMES_MAX, Keyframes, Observation};
 

@@ -1,12 +1,12 @@
 //! Finds a known face in a frame: keypoints are matched with those of every keyframe.
 
+use super::FACE_PX;
 use super::descriptor::{BITS, SteeredPattern, hamming_distance};
-use super::entry::{KEYFRAME_POINTS_MAX, Keyframe};
+use super::entry::{KEYFRAME_POINTS_MAX, Keyframe, KeyframeMatch};
 use super::keypoints::{Keypoint, keypoints};
 use super::ransac::{Pair, consensus};
 use super::reduced_image::{ReducedImage, SamplingGrid};
 use super::table::{KEYFRAMES_MAX, Keyframes};
-use super::{FACE_PX, Shape};
 use crate::image::Frame;
 use crate::math::Similarity;
 
@@ -32,18 +32,6 @@ pub struct Query {
     /// Number of queries before this one. It selects the window of a frame that is larger than a
     /// reduced image, and after all windows another scale and roll.
     pub attempt: u32,
-}
-
-/// A keyframe found in a frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct KeyframeMatch {
-    /// The keyframe's landmarks, moved to the frame \[frame px\].
-    pub shape: Shape,
-    /// Identity of the keyframe's face, as in [`Keyframes::identity`].
-    pub identity: u32,
-    /// Keypoint matches that agree on the transform.
-    pub inliers: usize,
-    pub(super) entry: usize,
 }
 
 /// For a keypoint of a keyframe: the nearest keypoint of the reduced image, the Hamming distance to

@@ -1,10 +1,9 @@
 //! The table of keyframes: what is kept of a frame, and which entry is replaced.
 
 use super::descriptor::SteeredPattern;
-use super::entry::{Keyframe, Point, q4};
+use super::entry::{Keyframe, KeyframeMatch, Point, q4};
 use super::keypoints::keypoints;
 use super::outline::Outline;
-use super::query::KeyframeMatch;
 use super::reduced_image::{ReducedImage, SamplingGrid};
 use super::{FACE_PX, Shape};
 use crate::image::Frame;

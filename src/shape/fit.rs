@@ -3,11 +3,12 @@
 use super::face::FIXED_CONTOUR;
 use super::linear::{Residuals, System, UNKNOWNS};
 use super::posit::{mirrored, posit};
+use super::state::FaceState;
 use super::step::stepped;
-use super::{ANIMATIONS, Animation, Contour, FaceModel, Identity, Intrinsics, LANDMARKS};
-use super::{MAX_IDENTITIES, Observed, Pose, Shape};
+use super::{ANIMATIONS, Contour, FaceModel, Identity, Intrinsics, LANDMARKS};
+use super::{Observed, Pose, Shape};
 use crate::math::solve_spd;
-use glam::{Mat3, Vec3};
+use glam::Vec3;
 use nalgebra::{Cholesky, Matrix6};
 
 /// Least number of landmarks for a fit: POSIT needs four, the rest makes outliers visible.
@@ -29,29 +30,6 @@ const DAMPING_SINGULAR: f32 = 30.0;
 const CONVERGED: f32 = 1e-3;
 /// The fit stops when a step increases the cost by less than this share of it.
 const STALLED: f32 = 1e-4;
-
-/// Pose, animation and identity of a face in one frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct FaceState {
-    /// Pose of the head.
-    pub pose: Pose,
-    /// Weights of [`super::ANIMATION_NAMES`], 0..1.
-    pub animation: Animation,
-    /// Identity weights \[standard deviations\].
-    pub identity: Identity,
-}
-
-impl FaceState {
-    /// All zero; not a valid pose.
-    pub const EMPTY: FaceState = FaceState {
-        pose: Pose {
-            rotation: Mat3::ZERO,
-            translation_mm: Vec3::ZERO,
-        },
-        animation: [0.0; ANIMATIONS],
-        identity: [0.0; MAX_IDENTITIES],
-    };
-}
 
 /// Bounds of the fit.
 #[derive(Clone, Copy, Debug, PartialEq)]

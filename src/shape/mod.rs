@@ -7,17 +7,19 @@ mod identity;
 mod lids;
 mod linear;
 mod posit;
+mod state;
 mod step;
 
 pub(crate) use camera::{FARTHEST_MM, FOCAL_PX, PIXEL_ASPECT, PRINCIPAL_PX};
 pub use camera::{Intrinsics, Pose};
 pub use face::{Contour, FACE_TAG, FIXED_CONTOUR, FaceModel, JAW, MAX_EXTRA, MAX_POINTS, Shape};
 pub use face::{VIEW_AZIMUTHS, VIEW_BYTES, VIEW_ELEVATIONS, VIEW_STEP_DEG};
-pub use fit::{FaceFit, FaceState, FitOptions, fit};
+pub use fit::{FaceFit, FitOptions, fit};
 pub use identity::{FRAME_WEIGHT, IdentityEstimator};
 pub use lids::eye_open;
 pub use linear::Observed;
 pub use posit::posit;
+pub use state::FaceState;
 
 /// Number of landmarks: the iBUG 68 scheme. "Left" and "right" are the person's own.
 pub const LANDMARKS: usize = 68;

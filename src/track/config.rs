@@ -1,17 +1,17 @@
 //! A tracker's settings, their defaults and ranges.
 
-use super::ConfigError;
-use crate::shape::Intrinsics;
+use crate::shape::{FOCAL_PX, Intrinsics, PIXEL_ASPECT, PRINCIPAL_PX};
+use core::fmt;
 use core::ops::RangeInclusive;
 
 /// Range of [`Config::min_face_px`] \[px\]; as all ranges here it is chosen.
-pub(super) const MIN_FACE_PX: RangeInclusive<u32> = 24..=4096;
+const MIN_FACE_PX: RangeInclusive<u32> = 24..=4096;
 /// Range of [`Config::scan_budget`] \[units\].
-pub(super) const SCAN_BUDGET: RangeInclusive<u32> = 100..=10_000_000;
+const SCAN_BUDGET: RangeInclusive<u32> = 100..=10_000_000;
 /// Range of [`Smoothing::cutoff_hz`] \[Hz\].
-pub(super) const CUTOFF_HZ: RangeInclusive<f32> = 0.01..=100.0;
+const CUTOFF_HZ: RangeInclusive<f32> = 0.01..=100.0;
 /// Range of [`Smoothing::beta`].
-pub(super) const BETA: RangeInclusive<f32> = 0.0..=1000.0;
+const BETA: RangeInclusive<f32> = 0.0..=1000.0;
 
 /// A tracker's settings. Start from the defaults:
 ///
@@ -120,3 +120,41 @@ impl Default for Smoothing {
         Smoothing::new(1.0, 12.0)
     }
 }
+
+/// Why settings are rejected.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ConfigError {
+    /// A focal length, their ratio or the principal point is out of range.
+    Intrinsics,
+    /// `min_face_px` is out of range.
+    MinFace,
+    /// `scan_budget` is out of range.
+    ScanBudget,
+    /// `smoothing` is out of range.
+    Smoothing,
+}
+
+impl fmt::Display for ConfigError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            ConfigError::Intrinsics => {
+                let (least, most) = (FOCAL_PX.start(), FOCAL_PX.end());
+                let (narrow, wide) = (PIXEL_ASPECT.start(), PIXEL_ASPECT.end());
+                write!(
+                    f,
+                    "focal lengths must be {least} to {most} px and their ratio {narrow} to \
+                     {wide}, the principal point within {PRINCIPAL_PX} px of 0"
+                )
+            }
+            ConfigError::MinFace => write!(f, "min_face_px must lie in {MIN_FACE_PX:?}"),
+            ConfigError::ScanBudget => write!(f, "scan_budget must lie in {SCAN_BUDGET:?}"),
+            ConfigError::Smoothing => write!(
+                f,
+                "smoothing must lie in {CUTOFF_HZ:?} Hz, its beta in {BETA:?}"
+            ),
+        }
+    }
+}
+
+impl core::error::Error for ConfigError {}

@@ -5,6 +5,7 @@
 //! - `tracker` holds the API and the state machine; `step` its input, outcome and work budget.
 //! - `scan`, `reacquire` and `motion` propose where the face may be: by the detector, by keyframes,
 //!   by the last frames.
+//! - `scanner`, `reacquirer` and `rejected` hold what the search keeps between frames.
 //! - `candidate` aligns and verifies a proposal; `accept` fits the 3D face; `target` and
 //!   `appearance` hold what is known of the tracked face; `output` writes the result; `one_euro`
 //!   smooths it.
@@ -22,14 +23,17 @@ mod one_euro;
 mod output;
 mod policy;
 mod reacquire;
+mod reacquirer;
+mod rejected;
 mod result;
 mod scan;
+mod scanner;
 mod step;
 mod target;
 mod tracker;
 
-pub use config::{Config, Smoothing};
-pub use error::{ConfigError, StepError};
+pub use config::{Config, ConfigError, Smoothing};
+pub use error::StepError;
 pub use model::Model;
 pub use result::{Landmark, Loss, State, TrackResult};
 pub use tracker::Tracker;

@@ -17,15 +17,15 @@
 
 use core::mem::MaybeUninit;
 
-use super::candidate::{PendingRetry, Suppressed};
 use super::geometry::{detection_of, is_in_frame};
 use super::one_euro::Smoother;
 use super::policy::{
     ACCEPT_CONFIDENCE, COAST_US, LOCAL_SEARCH_PERIOD, LOCAL_SEARCH_UNITS, NO_LONGER_NOISY, NOISY,
     TRUST_CONFIDENCE,
 };
-use super::reacquire::Reacquirer;
-use super::scan::{LastSeen, ScanPlan, Scanner};
+use super::reacquirer::Reacquirer;
+use super::rejected::{PendingRetry, Suppressed};
+use super::scanner::{LastSeen, ScanPlan, Scanner};
 use super::step::{Outcome, Step, WorkBudget};
 use super::target::{Origin, Target};
 use super::{Config, ConfigError, Loss, Model, Smoothing, State, StepError, TrackResult};

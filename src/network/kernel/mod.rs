@@ -10,54 +10,9 @@ mod neon;
 mod portable;
 #[cfg(target_arch = "x86_64")]
 mod sse2;
+mod tile;
 
-/// Output channels computed together.
-pub(super) const BLOCK: usize = 8;
-/// Output pixels computed together, so that weights are read once for all of them.
-pub(super) const TILE: usize = 4;
-/// Pairs of taps of a 3×3 window: nine taps and one of weight 0.
-pub(super) const TAP_PAIRS: usize = 5;
-
-/// Requantisation of a block of sums to bytes:
-/// `((((sum + bias) >> pre_shift)·multiplier + half) >> post_shift) + zero_point`, clamped to
-/// 0..255, with `half = 1 << (post_shift − 1)`. The shifted sum and the multiplier are cut to 16
-/// bits; in a valid model they fit.
-#[derive(Clone, Copy)]
-pub(super) struct Scale<'a> {
-    pub bias: &'a [i32; BLOCK],
-    pub multiplier: &'a [i32; BLOCK],
-    pub pre_shift: u32,
-    pub post_shift: u32,
-    pub zero_point: i32,
-}
-
-/// A block of a lateral map that adds nothing.
-pub(super) const NO_LATERAL: [u8; BLOCK] = [128; BLOCK];
-
-/// Inputs of [`TILE`] output pixels.
-pub(super) struct Tile<'a> {
-    /// The input window of each pixel (im2col), all of the same even length.
-    pub columns: [&'a [i16]; TILE],
-    /// A block of the lateral map at each pixel.
-    pub lateral: [&'a [u8; BLOCK]; TILE],
-}
-
-// The portable code computes one pixel after the other.
-#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
-impl<'a> Tile<'a> {
-    /// The windows, two columns of each pixel at a time.
-    #[inline]
-    fn pairs(&self) -> impl Iterator<Item = [&'a [i16; 2]; TILE]> + use<'a> {
-        let [a, b, c, d] = self.columns.map(|columns| columns.as_chunks::<2>().0);
-        let pairs = a.iter().zip(b).zip(c.iter().zip(d));
-        pairs.map(|((a, b), (c, d))| [a, b, c, d])
-    }
-}
-
-/// The taps of a 3×3 window, in pairs.
-pub(super) type Taps<'a> = [[&'a [u8; BLOCK]; 2]; TAP_PAIRS];
-/// The weights of the taps: `[pair][channel][2]`.
-pub(super) type TapWeights = [[i16; 2 * BLOCK]; TAP_PAIRS];
+pub(super) use tile::{BLOCK, NO_LATERAL, Scale, TAP_PAIRS, TILE, TapWeights, Taps, Tile};
 
 /// Full convolution, a block of channels for each pixel of a tile:
 /// `Σₖ columns[k]·weights[k/2][channel][k%2]`, requantised, plus `2·(lateral − 128)`.

@@ -1,0 +1,27 @@
+//! What the fit estimates of a face in one frame.
+
+use super::{ANIMATIONS, Animation, Identity, MAX_IDENTITIES, Pose};
+use glam::{Mat3, Vec3};
+
+/// Pose, animation and identity of a face in one frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FaceState {
+    /// Pose of the head.
+    pub pose: Pose,
+    /// Weights of [`super::ANIMATION_NAMES`], 0..1.
+    pub animation: Animation,
+    /// Identity weights \[standard deviations\].
+    pub identity: Identity,
+}
+
+impl FaceState {
+    /// All zero; not a valid pose.
+    pub const EMPTY: FaceState = FaceState {
+        pose: Pose {
+            rotation: Mat3::ZERO,
+            translation_mm: Vec3::ZERO,
+        },
+        animation: [0.0; ANIMATIONS],
+        identity: [0.0; MAX_IDENTITIES],
+    };
+}

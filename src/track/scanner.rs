@@ -1,0 +1,189 @@
+//! The detector's scans, which go on over many steps, and which sizes of faces come first.
+//!
+//! Small faces take most of a scan's work. So every other step starts with large faces; and while a
+//! lost face is expected back, most steps start with its size, anywhere in the frame.
+
+use super::Config;
+use super::policy::{
+    EXPECT_PERIOD, EXPECT_US, EXPECTED_SIZES, KEYFRAME_UNITS, LARGE_FACE, LARGE_FACE_PERIOD,
+};
+use super::step::{Step, WorkBudget};
+use crate::detect::{Detection, Scan, ScanOutcome, Sizes};
+use crate::image::Frame;
+
+/// How large the target was when it was last seen, how it was turned, and when.
+#[derive(Clone, Copy)]
+pub(super) struct LastSeen {
+    /// As [`Detection::size`]; 0 if there was no target \[px\].
+    pub(super) size_px: f32,
+    /// In-plane rotation \[rad\].
+    #[cfg_attr(not(feature = "keyframes"), allow(dead_code))]
+    pub(super) roll: f32,
+    when_us: i64,
+}
+
+impl LastSeen {
+    const NEVER: LastSeen = LastSeen {
+        size_px: 0.0,
+        roll: 0.0,
+        when_us: 0,
+    };
+
+    pub(super) fn at(face: &Detection, now_us: i64) -> LastSeen {
+        LastSeen {
+            size_px: face.size,
+            roll: face.roll,
+            when_us: now_us,
+        }
+    }
+
+    /// Whether the target is expected back at about this size.
+    fn is_recent(&self, now_us: i64) -> bool {
+        self.size_px > 0.0 && now_us.saturating_sub(self.when_us) < EXPECT_US
+    }
+
+    /// Sizes at which it is expected.
+    fn sizes(&self, config: &Config) -> Sizes {
+        let [smallest, largest] = EXPECTED_SIZES;
+        Sizes {
+            min_px: ((self.size_px * smallest) as i32).max(all_sizes(config).min_px),
+            max_px: (self.size_px * largest) as i32,
+        }
+    }
+}
+
+fn all_sizes(config: &Config) -> Sizes {
+    Sizes::from(config.min_face_px as i32)
+}
+
+/// Which sizes one step scans.
+pub(super) struct ScanPlan {
+    /// Scanned first, by a scan of their own.
+    first: Option<Sizes>,
+    all: Sizes,
+    /// Whether all sizes follow in the same step once the first ones are done.
+    then_all: bool,
+}
+
+impl ScanPlan {
+    /// These sizes first, then all.
+    fn all_after(first: Option<Sizes>, config: &Config) -> ScanPlan {
+        let all = all_sizes(config);
+        ScanPlan {
+            first: first.filter(|sizes| *sizes != all),
+            all,
+            then_all: true,
+        }
+    }
+
+    /// While coasting: no face of another size takes the target's place.
+    pub(super) fn expected(last_seen: &LastSeen, config: &Config) -> ScanPlan {
+        ScanPlan {
+            then_all: false,
+            ..Self::all_after(Some(last_seen.sizes(config)), config)
+        }
+    }
+}
+
+/// The scans of the frame, which go on over many steps.
+#[derive(Clone)]
+pub(super) struct Scanner {
+    all: Scan,
+    first: Scan,
+    pub(super) last_seen: LastSeen,
+    /// Counts steps without a face.
+    steps: u32,
+}
+
+impl Scanner {
+    pub(super) const EMPTY: Scanner = Scanner {
+        all: Scan::new(),
+        first: Scan::new(),
+        last_seen: LastSeen::NEVER,
+        steps: 0,
+    };
+
+    /// A face was found: the next scan starts anew, and no face is expected back.
+    pub(super) fn restart(&mut self) {
+        self.all.restart();
+        self.first.restart();
+        self.last_seen = LastSeen::NEVER;
+    }
+
+    /// As before the first step.
+    pub(super) fn reset(&mut self) {
+        self.restart();
+        self.steps = 0;
+    }
+
+    /// The target is gone and expected back.
+    pub(super) fn expect(&mut self, last_seen: LastSeen) {
+        self.all.restart();
+        self.last_seen = last_seen;
+    }
+
+    /// Counts a step without a face.
+    pub(super) fn count_step(&mut self) {
+        self.steps = self.steps.wrapping_add(1);
+    }
+
+    /// Whether this is the one of so many of those steps.
+    pub(super) fn is_one_in(&self, period: u32) -> bool {
+        self.steps.is_multiple_of(period)
+    }
+
+    /// The plan of this step while searching.
+    pub(super) fn plan(&self, config: &Config, step: &Step<'_>) -> ScanPlan {
+        let first = match self.last_seen.is_recent(step.now_us) {
+            true => (!self.is_one_in(EXPECT_PERIOD)).then(|| self.last_seen.sizes(config)),
+            // Not in the first step: where it scans the whole frame, all sizes are enough.
+            false => {
+                let large = || large_sizes(config, step.frame);
+                self.is_one_in(LARGE_FACE_PERIOD).then(large)
+            }
+        };
+        ScanPlan::all_after(first, config)
+    }
+
+    /// Whether this step compares keyframes while searching.
+    pub(super) fn is_keyframe_step(&self, config: &Config, now_us: i64) -> bool {
+        // Rarely where that would be most of a small budget.
+        let affordable = KEYFRAME_UNITS.div_ceil(config.scan_budget.max(1));
+        let wanted = match self.last_seen.is_recent(now_us) {
+            true => 1,
+            false => EXPECT_PERIOD,
+        };
+        self.is_one_in(affordable.max(wanted))
+    }
+
+    /// The next detection of the plan; `None` when the budget is spent or the scan is finished.
+    pub(super) fn next(
+        &mut self,
+        step: &Step<'_>,
+        plan: &mut ScanPlan,
+        budget: &mut WorkBudget,
+    ) -> Option<Detection> {
+        while budget.left() > 0 {
+            let (scan, sizes) = match plan.first {
+                Some(sizes) => (&mut self.first, sizes),
+                None => (&mut self.all, plan.all),
+            };
+            let given = budget.left();
+            let outcome = scan.advance(&step.model.detector, step.frame, sizes, given);
+            budget.spend(given.saturating_sub(scan.units_left()));
+            match outcome {
+                ScanOutcome::Candidate(face) => return Some(face),
+                ScanOutcome::Finished if plan.first.is_some() && plan.then_all => {
+                    plan.first = None;
+                }
+                ScanOutcome::Finished | ScanOutcome::BudgetSpent => return None,
+            }
+        }
+        None
+    }
+}
+
+fn large_sizes(config: &Config, frame: &Frame<'_>) -> Sizes {
+    let large = LARGE_FACE * frame.width().min(frame.height()) as f32;
+    Sizes::from((large as i32).max(all_sizes(config).min_px))
+}
