@@ -7,7 +7,7 @@ use anyhow::{Context, Result};
 use serde_json::{Value, json};
 
 use super::super::programs::{Table, succeed};
-use super::{Bench, Clip, PRESENT, WEBCAMS, text, words};
+use super::bench::{Bench, Clip, PRESENT, WEBCAMS, text, words};
 
 /// One frame in so many of the rendered clips is searched by itself.
 const STILL: usize = 5;

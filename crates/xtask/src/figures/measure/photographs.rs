@@ -3,7 +3,7 @@
 use anyhow::Result;
 use serde_json::{Value, json};
 
-use super::Bench;
+use super::bench::Bench;
 
 /// Options of `eval landmarks` for photographs that are turned.
 const ROLLS: [&str; 3] = ["30", "45", "-45"];

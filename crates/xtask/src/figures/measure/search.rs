@@ -4,7 +4,7 @@ use anyhow::Result;
 use serde_json::{Value, json};
 
 use super::super::programs::Table;
-use super::{Bench, PRESENT, WEBCAMS, text};
+use super::bench::{Bench, PRESENT, WEBCAMS, text};
 
 /// Every so many-th frame of the fast clip is shown as if it were the next.
 const STRIDES: [usize; 5] = [1, 2, 3, 5, 8];

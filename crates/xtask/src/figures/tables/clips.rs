@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 use serde_json::Value;
 
 use super::super::value::at;
-use super::{Model, by_model, side_by_side, table, word};
+use super::table::{Model, by_model, side_by_side, table, word};
 
 pub fn clips(models: &[Model]) -> Result<String> {
     let angle = |m: &Model, band: &str| m.at(&format!("/clips/pose/yaw_bands/{band}/e_m_deg"));

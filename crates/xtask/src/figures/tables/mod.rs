@@ -3,61 +3,15 @@
 mod clips;
 mod photographs;
 mod search;
+mod table;
 
-use std::fmt::Write as _;
+pub use table::Model;
 
-use anyhow::{Context, Result};
-use serde_json::Value;
+use anyhow::Result;
+use table::side_by_side;
 
-use super::value::{Figure, at};
-
-/// The figures of one model.
-pub struct Model {
-    /// The name of its file.
-    pub name: String,
-    /// What `measure` wrote.
-    pub figures: Value,
-}
-
-impl Model {
-    /// The figure at a JSON pointer.
-    pub fn at(&self, pointer: &str) -> Result<Figure> {
-        at(&self.figures, pointer).with_context(|| format!("model {}", self.name))
-    }
-
-    /// The list at a JSON pointer.
-    fn list(&self, pointer: &str) -> Result<&Vec<Value>> {
-        let list = self.figures.pointer(pointer).and_then(Value::as_array);
-        list.with_context(|| format!("model {}: no list {pointer}", self.name))
-    }
-}
-
-/// The cells of one row.
-type Row = Vec<String>;
 /// Writes one table of all models.
 type Render = fn(&[Model]) -> Result<String>;
-/// The text of one figure of a model.
-type Text<'a> = &'a dyn Fn(&Model) -> Result<String>;
-
-/// A Markdown table.
-pub fn table(header: &[&str], rows: &[Row]) -> String {
-    let mut out = format!(
-        "| {} |\n|{}\n",
-        header.join(" | "),
-        "---|".repeat(header.len())
-    );
-    for row in rows {
-        // Writing to a String cannot fail.
-        let _ = writeln!(out, "| {} |", row.join(" | "));
-    }
-    out
-}
-
-/// A word in a list of figures.
-fn word(value: &Value, key: &str) -> Result<String> {
-    let word = value[key].as_str();
-    Ok(word.with_context(|| format!("no word {key}"))?.to_string())
-}
 
 /// `docs/accuracy.md`.
 pub fn accuracy(models: &[Model]) -> Result<String> {
@@ -91,38 +45,6 @@ pub fn accuracy(models: &[Model]) -> Result<String> {
         page = page.replace(&place, &render(models)?);
     }
     Ok(page)
-}
-
-/// One row per model and item: `row(model)` gives the cells after the item's and the model's name.
-fn by_model(
-    models: &[Model],
-    items: &[(&str, &str)],
-    row: impl Fn(&Model, &str) -> Result<Row>,
-) -> Result<Vec<Row>> {
-    let mut rows = vec![];
-    for (title, pointer) in items {
-        for model in models {
-            let mut cells = vec![title.to_string(), model.name.clone()];
-            cells.extend(row(model, pointer)?);
-            rows.push(cells);
-        }
-    }
-    Ok(rows)
-}
-
-/// One row per figure and one column per model.
-fn side_by_side(models: &[Model], first: &str, rows: &[(&str, Text<'_>)]) -> Result<String> {
-    let mut header = vec![first];
-    header.extend(models.iter().map(|model| model.name.as_str()));
-    let mut cells = vec![];
-    for (title, figure) in rows {
-        let mut row = vec![title.to_string()];
-        for model in models {
-            row.push(figure(model)?);
-        }
-        cells.push(row);
-    }
-    Ok(table(&header, &cells))
 }
 
 /// The table of figures in `README.md`.

@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result};
 
-use super::{Model, Row, by_model, side_by_side, table, word};
+use super::table::{Model, Row, by_model, side_by_side, table, word};
 
 const LANDMARK_HEADER: [&str; 5] = ["found %", "NME68 %", "median %", "NME51 %", "failures %"];
 

@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result};
 
-use super::{Model, by_model, side_by_side, table, word};
+use super::table::{Model, by_model, side_by_side, table, word};
 
 pub fn recovery(models: &[Model]) -> Result<String> {
     let items = [
