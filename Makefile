@@ -52,8 +52,8 @@ ifeq ($(TARGET),armv7-unknown-linux-gnueabihf)
 export RUSTFLAGS := -Ctarget-feature=+neon
 endif
 
-# With the machine's binutils, all symbols but posewise_* become local. Without them (Android, Apple)
-# the archive stays as cargo makes it: the functions of Rust's compiler_builtins are visible too.
+# With the machine's binutils, all symbols but posewise_* become local. Without them (Android,
+# Apple) the archive stays as cargo makes it: the functions of Rust's compiler_builtins are visible.
 BINUTILS_aarch64-unknown-linux-gnu := aarch64-linux-gnu-
 BINUTILS_armv7-unknown-linux-gnueabihf := arm-linux-gnueabihf-
 BINUTILS_thumbv7em-none-eabihf := arm-none-eabi-

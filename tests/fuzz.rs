@@ -52,6 +52,27 @@ fn calls_without_a_face() {
     targets::calls::run(include_bytes!("data/calls-without-a-face"));
 }
 
+/// The kept inputs, then random ones: models with changes and the right checksum.
+#[test]
+fn forged_models() {
+    replay("forged", targets::forged::run);
+    let mut seed = 1u32;
+    let mut accepted = 0;
+    for round in 0..4000 {
+        let mut input: Vec<u8> = (0..1 + 6 * (1 + round % 4))
+            .map(|_| targets::input::scramble(&mut seed))
+            .collect();
+        // The tiny model takes anything for a face; the trained one is large.
+        if round % 16 != 0 {
+            input[0] &= !1;
+        }
+        println!("{round}: {input:?}"); // shown when the input panics
+        accepted += usize::from(targets::forged::tracked(&input).is_some());
+    }
+    println!("{accepted} models accepted");
+    assert!(accepted > 1000);
+}
+
 /// The other tests need a tiny model that is accepted and detects faces.
 #[test]
 fn tiny_model_tracks() {

@@ -32,7 +32,7 @@ impl<'m> ShapeRegression<'m> {
     /// `None` where the model lacks it.
     ///
     /// # Errors
-    /// When the section is too short or a number is not finite.
+    /// When the section is too short or a number is out of range.
     pub fn open(blob: &Blob<'m>) -> Result<Option<Self>, ModelError> {
         let mut s = match blob.section(&Self::TAG) {
             Err(ModelError::Missing(_)) => return Ok(None),

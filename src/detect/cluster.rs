@@ -77,11 +77,13 @@ impl Cluster {
 
     fn add(&mut self, hit: &Hit) {
         let weight = hit.score as i64;
-        self.strength += weight;
-        self.x += weight * hit.x as i64;
-        self.y += weight * hit.y as i64;
-        self.size += weight * hit.size as i64;
-        self.roll += weight * hit.roll as i64;
+        // Saturating: a forged model may give every window of a large frame the largest score.
+        let add = |sum: &mut i64, v: i32| *sum = sum.saturating_add(weight * v as i64);
+        add(&mut self.strength, 1);
+        add(&mut self.x, hit.x);
+        add(&mut self.y, hit.y);
+        add(&mut self.size, hit.size);
+        add(&mut self.roll, hit.roll);
         self.last_level = hit.level;
         self.fresh = true;
     }

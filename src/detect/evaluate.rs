@@ -143,8 +143,8 @@ impl Ensemble<'_> {
             }
         }
         let last = self.thresholds.last().copied().unwrap_or(0);
-        // Always > 0, so that every hit has a weight.
-        (Some(sum.saturating_sub(last).max(0) + 1), self.trees())
+        // Always > 0, so that every hit has a weight. Both are at most SUM_MAX.
+        (Some((sum - last).max(0) + 1), self.trees())
     }
 }
 

@@ -26,6 +26,8 @@ pub const ENSEMBLES_MAX: usize = 3;
 pub const REFINE_OUTPUTS: usize = 5;
 
 const TREES_MAX: usize = 4096;
+/// Largest magnitude of a window's sum, and so of a threshold: that many leaves of an `i16` each.
+const SUM_MAX: u32 = TREES_MAX as u32 * i16::MIN.unsigned_abs() as u32;
 const ITERATIONS_MAX: usize = 8;
 
 /// A soft cascade of boosted trees (Bourdev and Brandt, "Robust object detection via soft cascade",
@@ -115,8 +117,11 @@ impl<'m> Ensemble<'m> {
         let mirrored = s.count(0, 1, "a flag is neither 0 nor 1")? == 1;
         let forest = Forest::open(s, 1, TREES_MAX)?;
         let leaves = s.i16s(forest.trees() * forest.leaves())?;
-        // Sums of TREES_MAX i16 stay far inside i32, so any threshold is sound.
         let thresholds = s.i32s(forest.trees())?;
+        s.require(
+            thresholds.iter().all(|t| t.unsigned_abs() <= SUM_MAX),
+            "a threshold is out of range",
+        )?;
         Ok(Ensemble {
             mirrored,
             forest,

@@ -14,7 +14,7 @@ use super::cluster::{Clusters, Hit, radians};
 use super::evaluate::{EMPTY_TABLE, WindowGrid};
 use super::window::Q4;
 use super::{Detection, DetectorModel, Window, local_search, refine};
-use crate::image::Frame;
+use crate::image::{Frame, MAX_SIDE};
 
 /// Smallest face that can be asked for \[px\].
 const FACE_MIN_PX: i32 = 16;
@@ -148,7 +148,8 @@ impl Scan {
         sizes: Sizes,
         budget: u32,
     ) -> ScanOutcome {
-        let min_px = sizes.min_px.max(FACE_MIN_PX);
+        // Not `clamp`: it may panic.
+        let min_px = sizes.min_px.min(MAX_SIDE as i32).max(FACE_MIN_PX);
         let wanted = [frame.width(), frame.height(), min_px, sizes.max_px];
         if self.size == 0 || wanted != self.wanted() {
             self.begin(wanted, false);

@@ -8,9 +8,10 @@
 //! 64  table: per section  [u8; 4] tag, u32 offset, u32 length, u32 zero
 //! …   sections, each at a multiple of 64 bytes
 //! ```
-//! All numbers are little-endian. [`Blob::open`] checks the header, the checksum and the table.
-//! [`Section`] then returns bounds-checked typed slices of one section; what a section contains
-//! is defined by the code that opens it. Sections that a reader does not know are skipped.
+//! All numbers are little-endian; floats are finite, and not beyond ±[`LARGEST`]. [`Blob::open`]
+//! checks the header, the checksum and the table. [`Section`] then returns bounds-checked typed
+//! slices of one section; what a section contains is defined by the code that opens it. Sections
+//! that a reader does not know are skipped.
 //!
 //! The reader needs no heap. The feature `alloc` adds `AlignedBytes`, a heap buffer with the
 //! alignment that [`Blob::open`] requires. The feature `write` adds the writer.
@@ -31,7 +32,7 @@ pub use aligned::Aligned;
 #[cfg(feature = "alloc")]
 pub use aligned::AlignedBytes;
 pub use blob::{ALIGN, Blob, FORMAT_VERSION, HEADER_LEN, MAGIC, MAX_SECTIONS, crc32};
-pub use section::Section;
+pub use section::{LARGEST, Section};
 #[cfg(feature = "write")]
 pub use write::{SectionWriter, Value, blob, reseal, without};
 

@@ -24,6 +24,15 @@ impl Plain for i32 {}
 impl Plain for u32 {}
 impl Plain for f32 {}
 
+/// Largest magnitude of a float in a model. Those of trained models are below 1,000; products of
+/// a few of the largest ones are still finite, so that forged models give finite results.
+pub const LARGEST: f32 = 1e6;
+
+/// Whether a float may be in a model; not if it is no number.
+fn is_in_range(value: f32) -> bool {
+    value.abs() <= LARGEST
+}
+
 /// A reader over one section; each call reads on from where the last one ended.
 #[derive(Clone, Debug)]
 pub struct Section<'m> {
@@ -78,25 +87,25 @@ impl<'m> Section<'m> {
         Ok(value)
     }
 
-    /// The next `f32`, which must be finite.
+    /// The next `f32`, not beyond ±[`LARGEST`].
     ///
     /// # Errors
-    /// Also when it is not finite.
+    /// Also when it is beyond, or not a number.
     pub fn f32(&mut self) -> Result<f32, ModelError> {
         let value = f32::from_bits(self.u32()?);
-        self.require(value.is_finite(), "a number is not finite")?;
+        self.require(is_in_range(value), "a number is out of range")?;
         Ok(value)
     }
 
-    /// The next `len` values of `f32`, all finite.
+    /// The next `len` values of `f32`, none beyond ±[`LARGEST`].
     ///
     /// # Errors
-    /// Also when one is not finite.
+    /// Also when one is beyond, or not a number.
     pub fn f32s(&mut self, len: usize) -> Result<&'m [f32], ModelError> {
         let values: &[f32] = self.array(len)?;
         self.require(
-            values.iter().all(|v| v.is_finite()),
-            "a number is not finite",
+            values.iter().copied().all(is_in_range),
+            "a number is out of range",
         )?;
         Ok(values)
     }
@@ -183,6 +192,12 @@ mod tests {
         let mut t = s.clone();
         assert_eq!(t.f32s(1).unwrap(), &[1.5]);
         assert!(s.clone().f32s(2).is_err(), "NaN");
+        for (value, accepted) in [(LARGEST, true), (-LARGEST, true), (1.1 * LARGEST, false)] {
+            let bytes = Aligned(value.to_le_bytes());
+            let mut s = Section::new(*b"TEST", &bytes.0);
+            assert_eq!(s.clone().f32().is_ok(), accepted, "{value}");
+            assert_eq!(s.f32s(1).is_ok(), accepted, "{value}");
+        }
         assert!(s.clone().f32s(usize::MAX).is_err());
         assert!(s.clone().u8s(17).is_err());
         assert_eq!(s.i16s(8).unwrap().len(), 8);

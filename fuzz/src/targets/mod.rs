@@ -4,6 +4,7 @@
 //! The including crate provides the C ABI as `crate::ffi`.
 
 pub mod calls;
+pub mod forged;
 pub mod frame;
 pub mod input;
 pub mod memory;

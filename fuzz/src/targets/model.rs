@@ -70,7 +70,12 @@ pub fn tracked(data: &[u8]) -> Option<usize> {
     if mode & KEEP_CHECKSUM == 0 {
         tiny::repair(&mut blob, mode & KEEP_LENGTH == 0);
     }
-    let model = Exact::of(&blob, ALIGN);
+    tracked_with(&blob, mode >> 4)
+}
+
+/// As [`tracked`], with these bytes as the model and this content of the images.
+pub(super) fn tracked_with(blob: &[u8], content: u8) -> Option<usize> {
+    let model = Exact::of(blob, ALIGN);
     let config = posewise_config {
         struct_size: size_of::<posewise_config>() as u32,
         min_face_px: 24,
@@ -82,7 +87,7 @@ pub fn tracked(data: &[u8]) -> Option<usize> {
     let frames = match Tracker::new(&model, Some(&config), 0xA5) {
         Ok(mut tracker) => {
             assert_eq!(status, POSEWISE_OK);
-            Some(track(&mut tracker, mode >> 4))
+            Some(track(&mut tracker, content))
         }
         Err(rejected) => {
             assert_eq!(status, rejected);
