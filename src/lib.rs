@@ -63,6 +63,7 @@
 // Some internals are used by the training and developer programs only.
 #![cfg_attr(not(feature = "unstable-internals"), allow(dead_code, unused_imports))]
 
+// Each module is declared twice: rustfmt does not find modules that a macro declares.
 #[cfg(feature = "unstable-internals")]
 pub mod align;
 #[cfg(not(feature = "unstable-internals"))]

@@ -184,16 +184,24 @@ fn crate_is_small_and_builds() {
         archive.unpack(outside.path()).expect("a whole archive");
         outside.path().join(name)
     };
-    let format = unpack("posewise-format");
+    let (posewise, format) = (unpack("posewise"), unpack("posewise-format"));
+    let readme = std::fs::read_to_string(posewise.join("README.md")).expect("packed");
+    let pictures = readme
+        .split("![")
+        .skip(1)
+        .filter_map(|rest| rest.split_once("]("));
+    for (_, rest) in pictures {
+        let (picture, _) = rest.split_once(')').expect("a Markdown link");
+        assert!(
+            posewise.join(picture).is_file(),
+            "README.md shows {picture}"
+        );
+    }
     let mut check = cargo("check");
     // The registry does not have it yet.
     check.arg("--config").arg(format!(
         "patch.crates-io.posewise-format.path = '{}'",
         format.display()
     ));
-    succeed(
-        check
-            .args(["--features", "ffi"])
-            .current_dir(unpack("posewise")),
-    );
+    succeed(check.args(["--features", "ffi"]).current_dir(posewise));
 }
