@@ -3,6 +3,7 @@
 
 mod adaptive;
 mod features;
+mod sweeps;
 mod templates;
 
 use anyhow::Result;
@@ -25,6 +26,8 @@ enum Command {
     /// Measure what appearance models of the tracked face, updated online, would add to the
     /// verifier.
     Adaptive(adaptive::Args),
+    /// Render clips with exact truth to validate pose and covered faces, harder than training.
+    Sweeps(sweeps::Args),
 }
 
 fn main() -> Result<()> {
@@ -32,5 +35,6 @@ fn main() -> Result<()> {
         Command::Features(args) => features::run(&args),
         Command::Templates(args) => templates::run(&args),
         Command::Adaptive(args) => adaptive::run(&args),
+        Command::Sweeps(args) => sweeps::run(&args),
     }
 }

@@ -8,7 +8,8 @@ use serde_json::{Map, Value};
 
 use super::clips::clips_of;
 use super::pose_metrics::{BANDS, FrameOutcome, Summary, Tracked, Truth};
-use super::pose_metrics::{summarize, summarize_band, summarize_covered};
+use super::pose_metrics::{OFF_DEG, summarize, summarize_band};
+use super::pose_metrics::{summarize_covered, summarize_occluded, summarize_steps};
 use super::table::Table;
 use crate::cli::ClipsArgs;
 use crate::output;
@@ -71,6 +72,7 @@ pub fn read_truth(table: &Table) -> Result<Vec<(i64, Truth)>> {
     let (xs, ys) = (table.columns68("x")?, table.columns68("y")?);
     let hidden = table.columns68("v")?;
     let covered = table.columns68("o").ok();
+    let occluder = table.column("occluder").ok();
     (0..table.len())
         .map(|row| {
             let number = |column: usize| table.number(row, column);
@@ -80,12 +82,11 @@ pub fn read_truth(table: &Table) -> Result<Vec<(i64, Truth)>> {
             };
             let mut points = [[0.0; 2]; 68];
             let mut visible = [false; 68];
-            let mut landmarks_covered = 0;
+            let mut under = [false; 68];
             for i in 0..68 {
                 points[i] = [number(xs[i])?, number(ys[i])?];
-                let is_covered = covered.map_or(Ok(0.0), |c| number(c[i]))? > 0.5;
-                visible[i] = number(hidden[i])? > 0.5 && !is_covered;
-                landmarks_covered += usize::from(is_covered);
+                under[i] = covered.map_or(Ok(0.0), |c| number(c[i]))? > 0.5;
+                visible[i] = number(hidden[i])? > 0.5 && !under[i];
             }
             let truth = Truth {
                 angles: three(angles)?,
@@ -93,7 +94,9 @@ pub fn read_truth(table: &Table) -> Result<Vec<(i64, Truth)>> {
                 in_frame: in_frame.map_or(Ok(1.0), number)?,
                 points,
                 visible,
-                covered: covered.map(|_| 2 * landmarks_covered >= 68),
+                covered: covered.map(|_| 2 * under.iter().filter(|u| **u).count() >= 68),
+                under,
+                occluder: occluder.map(number).transpose()?.map(|o| o > 0.5),
             };
             Ok((number(frame)? as i64, truth))
         })
@@ -159,6 +162,14 @@ fn to_json(outcomes: &[FrameOutcome]) -> Value {
         .collect();
     if let Value::Object(map) = &mut value {
         map.insert("yaw_bands".into(), bands.into());
+        let steps = summarize_steps(outcomes).into_iter();
+        let steps: Map<String, Value> = steps.map(|(name, s)| (name, s.json())).collect();
+        map.insert("yaw_steps".into(), steps.into());
+        let occluded = summarize_occluded(outcomes);
+        map.insert(
+            "occluded".into(),
+            occluded.map_or(Value::Null, |o| o.json()),
+        );
         for (key, covered) in [("covered", true), ("uncovered", false)] {
             let part = summarize_covered(outcomes, covered);
             map.insert(key.into(), part.map_or(Value::Null, |p| p.json()));
@@ -202,6 +213,7 @@ fn report(out: &mut String, title: &str, outcomes: &[FrameOutcome]) {
             cell(s.landmarks.map(|v| 100.0 * v)),
         );
     }
+    report_steps(out, outcomes);
     let area = |k: usize| total.seen_auc[k].map_or("–".into(), |v| format!("{v:.3}"));
     let _ = writeln!(
         out,
@@ -217,21 +229,66 @@ fn report(out: &mut String, title: &str, outcomes: &[FrameOutcome]) {
     );
     let covered = summarize_covered(outcomes, true).zip(summarize_covered(outcomes, false));
     if let Some((covered, others)) = covered {
-        let part = |s: &Summary| match s.success().zip(s.mean_angle()) {
-            Some((share, error)) => {
-                format!(
-                    "{} frames, {:.2} % tracked, mean {error:.2}°",
-                    s.counted,
-                    100.0 * share
-                )
-            }
-            None => format!("{} frames, {} tracked", s.counted, s.tracked),
-        };
         let _ = writeln!(
             out,
             "half of the landmarks covered, or more: {}; the others: {}",
-            part(&covered),
-            part(&others)
+            counted(&covered),
+            counted(&others)
+        );
+    }
+    if let Some(occluded) = summarize_occluded(outcomes).filter(|o| o.counted > 0) {
+        let cell = |v: Option<f64>| v.map_or("–".into(), |v| format!("{v:.3}"));
+        let _ = writeln!(
+            out,
+            "something before the face: {}; visible or covered, area under the ROC: {}",
+            counted(&occluded),
+            cell(occluded.covered_auc)
+        );
+    }
+}
+
+/// Frames, share tracked and mean angle error.
+fn counted(s: &Summary) -> String {
+    match s.success().zip(s.mean_angle()) {
+        Some((share, error)) => {
+            format!(
+                "{} frames, {:.2} % tracked, mean {error:.2}°",
+                s.counted,
+                100.0 * share
+            )
+        }
+        None => format!("{} frames, {} tracked", s.counted, s.tracked),
+    }
+}
+
+/// Errors by steps of true yaw, with the sign of the yaw's.
+fn report_steps(out: &mut String, outcomes: &[FrameOutcome]) {
+    let _ = writeln!(
+        out,
+        "{:<8}{:>7}{:>8}{:>8}{:>9}{:>8}{:>8}{:>8}",
+        "|yaw|",
+        "frames",
+        "P_s %",
+        "yaw °",
+        "short °",
+        "pitch °",
+        "roll °",
+        format!(">{OFF_DEG}° %")
+    );
+    let steps = summarize_steps(outcomes);
+    for (name, s) in steps.iter().filter(|(_, s)| s.counted > 0) {
+        let cell = |v: Option<f64>| v.map_or("–".into(), |v| format!("{v:.2}"));
+        let axis = |i: usize| cell(s.angles.map(|a| a[i]));
+        let _ = writeln!(
+            out,
+            "{name:<8}{:>7}{:>8}{:>8}{:>9}{:>8}{:>8}{:>8}",
+            s.counted,
+            cell(s.success().map(|v| 100.0 * v)),
+            axis(0),
+            cell(s.shrinkage),
+            axis(1),
+            axis(2),
+            cell(s.off.map(|v| 100.0 * v)),
         );
     }
 }

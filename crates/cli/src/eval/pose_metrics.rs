@@ -20,6 +20,15 @@ pub const KEEP_YAW_DEG: f64 = 60.0;
 /// |yaw| from which on the sign of the yaw is checked \[deg\].
 pub const PROFILE_YAW_DEG: f64 = 60.0;
 
+/// An angle error beyond which a tracked frame counts as off \[deg\].
+pub const OFF_DEG: f64 = 20.0;
+/// Width of the bands of |true yaw| in which the error's sign is measured \[deg\].
+pub const STEP_DEG: f64 = 10.0;
+/// The last of these bands begins here \[deg\].
+pub const LAST_STEP_DEG: f64 = 90.0;
+/// Wider bands of |true yaw| beside them \[deg\].
+pub const WIDE: [(&str, f64, f64); 2] = [("0-60", 0.0, 60.0), ("60-95", 60.0, f64::INFINITY)];
+
 /// Bands of |true yaw| \[deg\].
 pub const BANDS: [(&str, f64, f64); 2] = [("0-45", 0.0, 45.0), ("45-90", 45.0, f64::INFINITY)];
 
@@ -39,6 +48,10 @@ pub struct Truth {
     /// Whether something covers at least half of the landmarks; `None` if the truth has no such
     /// columns.
     pub covered: Option<bool>,
+    /// Landmarks that something covers, whether or not the head hides them too.
+    pub under: [bool; 68],
+    /// Whether something passes before the face; `None` if the truth has no such column.
+    pub occluder: Option<bool>,
 }
 
 /// One frame as tracked.
@@ -71,6 +84,7 @@ impl Tracked {
 pub struct FrameOutcome {
     yaw: f64,
     covered: Option<bool>,
+    occluder: Option<bool>,
     counts: bool,
     absent: bool,
     errors: Option<Errors>,
@@ -79,12 +93,17 @@ pub struct FrameOutcome {
 #[derive(Clone, Debug)]
 struct Errors {
     angles: [f64; 3],
+    /// How much smaller the found yaw is, towards the camera \[deg\].
+    shrinkage: f64,
     translation: f64,
     depth: f64,
     landmarks: Option<f64>,
     flipped: bool,
     /// Visibility and confidence of each inner landmark, and whether it is seen.
     seen: Vec<[(f64, bool); 2]>,
+    /// Visibility of each inner landmark that is seen (`true`) or covered; those that the head
+    /// hides are left out.
+    uncovered: Vec<(f64, bool)>,
 }
 
 impl FrameOutcome {
@@ -93,6 +112,7 @@ impl FrameOutcome {
         FrameOutcome {
             yaw: truth.angles[0],
             covered: truth.covered,
+            occluder: truth.occluder,
             counts: truth.in_frame >= MIN_IN_FRAME,
             absent: truth.in_frame < OUT_OF_FRAME,
             errors: tracked.map(|t| errors(truth, t)),
@@ -112,6 +132,7 @@ fn errors(truth: &Truth, tracked: &Tracked) -> Errors {
     let (true_yaw, yaw) = (truth.angles[0], tracked.angles[0]);
     Errors {
         angles,
+        shrinkage: true_yaw.signum() * angle_difference(true_yaw, yaw),
         translation: d.iter().map(|v| v * v).sum::<f64>().sqrt(),
         depth: d[2].abs(),
         landmarks: landmark_error(truth, tracked),
@@ -119,6 +140,12 @@ fn errors(truth: &Truth, tracked: &Tracked) -> Errors {
         seen: tracked.confidence.map_or(vec![], |confidence| {
             (17..68)
                 .map(|i| confidence[i].map(|p| (p, truth.visible[i])))
+                .collect()
+        }),
+        uncovered: tracked.confidence.map_or(vec![], |confidence| {
+            let known = (17..68).filter(|i| truth.visible[*i] || truth.under[*i]);
+            known
+                .map(|i| (confidence[i][0], truth.visible[i]))
                 .collect()
         }),
     }
@@ -162,6 +189,12 @@ pub struct Summary {
     /// How well visibility and confidence separate visible inner landmarks from hidden ones: areas
     /// under the ROC.
     pub seen_auc: [Option<f64>; 2],
+    /// How much smaller than the true yaw the found one is on average, towards the camera \[deg\].
+    pub shrinkage: Option<f64>,
+    /// Share of the tracked frames with an angle more than [`OFF_DEG`] off.
+    pub off: Option<f64>,
+    /// How well visibility separates visible inner landmarks from covered ones.
+    pub covered_auc: Option<f64>,
 }
 
 /// Sums up.
@@ -198,6 +231,12 @@ pub fn summarize<'a>(outcomes: impl Iterator<Item = &'a FrameOutcome>) -> Summar
             let pairs = errors.iter().flat_map(|e| e.seen.iter().map(|s| s[k]));
             auc(&pairs.collect::<Vec<_>>())
         }),
+        shrinkage: mean_of(&|e| e.shrinkage),
+        off: mean_of(&|e| f64::from(u8::from(e.angles.iter().any(|a| *a > OFF_DEG)))),
+        covered_auc: {
+            let pairs = errors.iter().flat_map(|e| e.uncovered.iter().copied());
+            auc(&pairs.collect::<Vec<_>>())
+        },
     }
 }
 
@@ -208,6 +247,28 @@ pub fn summarize_band(outcomes: &[FrameOutcome], from: f64, to: f64) -> Summary 
             .iter()
             .filter(|o| (from..to).contains(&o.yaw.abs())),
     )
+}
+
+/// The bands of [`WIDE`], and those of [`STEP_DEG`] each, with their names.
+pub fn summarize_steps(outcomes: &[FrameOutcome]) -> Vec<(String, Summary)> {
+    let wide = WIDE.map(|(name, from, to)| (name.to_string(), from, to));
+    let count = (LAST_STEP_DEG / STEP_DEG) as usize;
+    let steps = (0..=count).map(|k| {
+        let (from, to) = (STEP_DEG * k as f64, STEP_DEG * (k + 1) as f64);
+        let end = if k == count { f64::INFINITY } else { to };
+        (format!("{from}-{to}"), from, end)
+    });
+    wide.into_iter()
+        .chain(steps)
+        .map(|(name, from, to)| (name, summarize_band(outcomes, from, to)))
+        .collect()
+}
+
+/// Sums up the frames in which something passes before the face; `None` when no truth has this
+/// column.
+pub fn summarize_occluded(outcomes: &[FrameOutcome]) -> Option<Summary> {
+    let known = outcomes.iter().any(|o| o.occluder.is_some());
+    known.then(|| summarize(outcomes.iter().filter(|o| o.occluder == Some(true))))
 }
 
 /// Sums up the frames in which at least half of the landmarks are covered, or the others; `None`
@@ -254,110 +315,12 @@ impl Summary {
         put("false_tracks", json!(self.false_tracks));
         put("visibility_auc", json!(self.seen_auc[0]));
         put("confidence_auc", json!(self.seen_auc[1]));
+        put("shrinkage_deg", json!(self.shrinkage));
+        put("off", json!(self.off));
+        put("covered_auc", json!(self.covered_auc));
         Value::Object(map)
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn truth(yaw: f64) -> Truth {
-        // Box 100 × 64: its size is 80.
-        let mut points = [[50.0, 32.0]; 68];
-        points[0] = [0.0, 0.0];
-        points[1] = [100.0, 64.0];
-        Truth {
-            angles: [yaw, 0.0, 0.0],
-            eye_mid: [0.0, 0.0, 600.0],
-            in_frame: 1.0,
-            points,
-            visible: [true; 68],
-            covered: None,
-        }
-    }
-
-    fn tracked(truth: &Truth, angles: [f64; 3]) -> Tracked {
-        Tracked {
-            angles: std::array::from_fn(|i| truth.angles[i] + angles[i]),
-            translation: [3.0, 0.0, 604.0],
-            points: truth.points,
-            confidence: None,
-        }
-    }
-
-    #[test]
-    fn angles_wrap() {
-        assert_eq!(angle_difference(179.0, -179.0), -2.0);
-        assert_eq!(angle_difference(-179.0, 179.0), 2.0);
-        assert_eq!(angle_difference(10.0, 4.0), 6.0);
-    }
-
-    #[test]
-    fn landmarks_by_hand() {
-        let mut t = truth(0.0);
-        let mut found = tracked(&t, [0.0; 3]);
-        // The jaw does not count, nor does what is hidden.
-        found.points[5] = [500.0, 500.0];
-        found.points[20] = [900.0, 0.0];
-        t.visible[20] = false;
-        (21..31).for_each(|i| found.points[i][0] += 8.0);
-        let error = landmark_error(&t, &found).unwrap();
-        assert!((error - 10.0 * 8.0 / 50.0 / 80.0).abs() < 1e-12, "{error}");
-        t.visible = [false; 68];
-        assert_eq!(landmark_error(&t, &found), None);
-    }
-
-    #[test]
-    fn covered_frames_are_told_apart() {
-        let outcome = |covered: Option<bool>, error: f64| {
-            let t = Truth {
-                covered,
-                ..truth(0.0)
-            };
-            let found = tracked(&t, [error; 3]);
-            FrameOutcome::new(&t, Some(&found))
-        };
-        assert!(summarize_covered(&[outcome(None, 1.0)], false).is_none());
-        let some = [
-            outcome(Some(true), 4.0),
-            outcome(Some(false), 1.0),
-            outcome(Some(false), 2.0),
-        ];
-        let covered = |is: bool| summarize_covered(&some, is).unwrap();
-        assert_eq!(covered(true).mean_angle(), Some(4.0));
-        assert_eq!(covered(false).mean_angle(), Some(1.5));
-        assert_eq!((covered(true).counted, covered(false).counted), (1, 2));
-    }
-
-    #[test]
-    fn summary_by_hand() {
-        let frames = [
-            (truth(10.0), Some([2.0, -1.0, 0.0])),
-            (truth(-40.0), Some([4.0, 3.0, 6.0])),
-            (truth(50.0), None),
-            (truth(80.0), Some([-170.0, 0.0, 0.0])),
-            (truth(70.0), None),
-        ];
-        let mut outcomes: Vec<FrameOutcome> = frames
-            .iter()
-            .map(|(t, e)| FrameOutcome::new(t, e.map(|e| tracked(t, e)).as_ref()))
-            .collect();
-        let mut gone = truth(0.0);
-        gone.in_frame = 0.0;
-        outcomes.push(FrameOutcome::new(&gone, Some(&tracked(&gone, [0.0; 3]))));
-        let s = summarize(outcomes.iter());
-        assert_eq!((s.frames, s.counted, s.tracked), (6, 5, 3));
-        assert_eq!(s.success(), Some(0.6));
-        let angles = s.angles.unwrap();
-        assert!((angles[0] - (2.0 + 4.0 + 170.0) / 3.0).abs() < 1e-9);
-        assert!((angles[1] - 4.0 / 3.0).abs() < 1e-9);
-        assert!((angles[2] - 2.0).abs() < 1e-9);
-        assert_eq!(s.translation, Some((5.0, 4.0)));
-        assert_eq!((s.wrong, s.lost_within_60), (1, 1));
-        assert_eq!((s.sign_flips, s.false_tracks), (1, 1));
-        let near = summarize_band(&outcomes, 0.0, 30.0);
-        assert_eq!((near.counted, near.mean_angle()), (1, Some(1.0)));
-        assert_eq!(summarize_band(&outcomes, 60.0, f64::INFINITY).counted, 2);
-    }
-}
+mod tests;

@@ -9,6 +9,7 @@
 
 use super::draw::{Drawn, Posed, SUPER, View};
 use super::mesh::{Material, Mesh};
+use super::raster::Target;
 use super::skin::is_ear;
 use crate::head::{BELOW_MM, at_place, even_places};
 use glam::{Mat3, Vec2, Vec3};
@@ -186,7 +187,7 @@ impl Landmarker {
                 36..48 | 60..LANDMARKS => n.dot(p.normalize()) < 0.6,
                 _ => n.dot(p.normalize()) < 0.1,
             };
-            facing && is_drawn(p, view, drawn)
+            facing && is_drawn(p, view, &drawn.target)
         };
         let mut projected = contour.map(|(p, _)| view.project(p));
         let outline: [Vec3; JAW] = std::array::from_fn(|i| projected[i].extend(0.0));
@@ -222,10 +223,10 @@ fn places_by_side(line: &[Vec2; JAW]) -> [f32; JAW] {
 }
 
 /// Whether nothing nearer was drawn over a point.
-fn is_drawn(p: Vec3, view: &View, drawn: &Drawn) -> bool {
+pub fn is_drawn(p: Vec3, view: &View, target: &Target) -> bool {
     let q = view.to_samples(p);
     // Outside the picture nothing hides it.
-    let Some(inv_z) = drawn.target.nearest_around(q.x, q.y) else {
+    let Some(inv_z) = target.nearest_around(q.x, q.y) else {
         return true;
     };
     // A pixel further in, the surface may have come nearer.

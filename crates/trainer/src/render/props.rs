@@ -7,7 +7,8 @@ use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 
 impl Prop {
-    pub(super) fn opaque(gloss: f32) -> Prop {
+    /// A prop without vertices that lets no light pass.
+    pub fn opaque(gloss: f32) -> Prop {
         Prop {
             gloss,
             opacity: 1.0,
@@ -16,7 +17,7 @@ impl Prop {
     }
 
     /// Joins rings of equally many vertices into a skin; `closed` joins the last to the first.
-    pub(super) fn skin(&mut self, rings: &[Vec<Vec3>], albedo: f32, closed: bool) {
+    pub fn skin(&mut self, rings: &[Vec<Vec3>], albedo: f32, closed: bool) {
         let n = rings.first().map_or(0, Vec::len) as u32;
         let base = self.vertices.len() as u32;
         let bands = rings.len() as u32 - u32::from(!closed);
@@ -35,7 +36,7 @@ impl Prop {
     }
 
     /// Joins rows of equally many vertices into an open sheet.
-    pub(super) fn sheet(&mut self, rows: &[Vec<Vec3>], albedo: f32) {
+    pub fn sheet(&mut self, rows: &[Vec<Vec3>], albedo: f32) {
         let n = rows.first().map_or(0, Vec::len) as u32;
         let base = self.vertices.len() as u32;
         rows.iter().for_each(|row| self.vertices.extend(row));
@@ -50,7 +51,7 @@ impl Prop {
     }
 
     /// A tube along points with a radius at each, six-sided and rounded at its ends.
-    pub(super) fn tube(&mut self, points: &[(Vec3, f32)], albedo: f32, closed: bool) {
+    pub fn tube(&mut self, points: &[(Vec3, f32)], albedo: f32, closed: bool) {
         const SIDES: usize = 6;
         let n = points.len();
         let mut rings = Vec::new();
@@ -73,7 +74,8 @@ impl Prop {
         self.skin(&rings, albedo, closed);
     }
 
-    pub(super) fn transform(&mut self, rotation: Mat3, at: Vec3) {
+    /// Turns the vertices about the origin and moves them.
+    pub fn transform(&mut self, rotation: Mat3, at: Vec3) {
         self.vertices
             .iter_mut()
             .for_each(|v| *v = rotation * *v + at);
@@ -119,8 +121,8 @@ pub fn torso(angles: HeadAngles, rotation: Mat3, at: Vec3, albedo: f32, seed: u3
     prop
 }
 
-/// A hand with a forearm that covers a point from the camera's side.
-pub fn hand(rng: &mut ChaCha8Rng, over: Vec3, albedo: f32) -> Prop {
+/// A hand with a forearm, the palm's middle at the origin, the fingers up.
+pub fn upright_hand(rng: &mut ChaCha8Rng, albedo: f32) -> Prop {
     let mut prop = Prop::opaque(0.05);
     let spread = rng.random_range(0.0..0.16f32);
     let curl = rng.random_range(0.0..0.5f32);
@@ -155,6 +157,12 @@ pub fn hand(rng: &mut ChaCha8Rng, over: Vec3, albedo: f32) -> Prop {
         sleeve,
         false,
     );
+    prop
+}
+
+/// A hand with a forearm that covers a point from the camera's side.
+pub fn hand(rng: &mut ChaCha8Rng, over: Vec3, albedo: f32) -> Prop {
+    let mut prop = upright_hand(rng, albedo);
     let scale = rng.random_range(0.8..1.15);
     let mirror = if rng.random_bool(0.5) { -scale } else { scale };
     let lean = head_rotation(HeadAngles {

@@ -1,0 +1,330 @@
+//! Draws the frames of a clip and writes them with their truth.
+
+use super::body::Body;
+use super::candide::{Candide, Face};
+use super::casting::{HEIGHT, Torso, WIDTH, framing, lights, looks, worn};
+use super::covers::{Covering, Wearer};
+use super::motion::{Moment, Motion};
+use super::plan::{Kind, Sweep};
+use super::truth::{self, Landmarks, Row};
+use anyhow::{Context, Result};
+use flate2::{Compression, write::GzEncoder};
+use glam::{Mat3, Vec3};
+use image::GrayImage;
+use posewise::math::head_rotation;
+use posewise_train::head::Head;
+use posewise_train::render::draw::{Drawn, Eyes, Posed, Prop, Scene, View, draw};
+use posewise_train::render::effects::Camera;
+use posewise_train::render::expression::{Expression, gaze_directions};
+use posewise_train::render::light::Lights;
+use posewise_train::render::mesh::Mesh;
+use posewise_train::render::person::Person;
+use posewise_train::render::{People, accessories, background};
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use serde::Serialize;
+use std::fs::File;
+use std::io::Write;
+use std::path::Path;
+
+/// Where the head turns and nods, from its origin between the eyes \[mm, head axes\].
+const NECK: Vec3 = Vec3::new(0.0, 70.0, 85.0);
+/// Raised when clips of the same plan would come out otherwise.
+const VERSION: u32 = 1;
+
+/// What all clips share.
+pub struct Studio {
+    mesh: Mesh,
+    people: People,
+    candide: Option<Candide>,
+    backgrounds: Vec<GrayImage>,
+}
+
+/// What is written beside a clip.
+#[derive(Serialize)]
+struct Description<'a> {
+    version: u32,
+    width: usize,
+    height: usize,
+    backgrounds: usize,
+    #[serde(flatten)]
+    sweep: &'a Sweep,
+}
+
+impl Studio {
+    /// With a morphable head and, where there is its file, Candide-3.
+    pub fn new(kit: &Head, candide: Option<&Path>, backgrounds: Vec<GrayImage>) -> Result<Self> {
+        let mesh = Mesh::new(kit)?;
+        Ok(Studio {
+            people: People::new(&mesh, 1, 0, false),
+            candide: candide.map(|path| Candide::read(path, &mesh)).transpose()?,
+            mesh,
+            backgrounds,
+        })
+    }
+
+    /// Writes a clip unless it is there.
+    pub fn render(&self, sweep: &Sweep, folder: &Path) -> Result<()> {
+        let path = |extension: &str| folder.join(format!("{}.{extension}", sweep.name));
+        let description = serde_json::to_string_pretty(&Description {
+            version: VERSION,
+            width: WIDTH,
+            height: HEIGHT,
+            backgrounds: self.backgrounds.len(),
+            sweep,
+        })?;
+        if std::fs::read_to_string(path("json")).is_ok_and(|text| text == description) {
+            return Ok(());
+        }
+        let mut set = Set::new(self, sweep)?;
+        let file = File::create(path("y4m.gz")).with_context(|| sweep.name.clone())?;
+        let mut clip = GzEncoder::new(file, Compression::fast());
+        let fps = sweep.fps;
+        writeln!(clip, "YUV4MPEG2 W{WIDTH} H{HEIGHT} F{fps}:1 Ip A1:1 Cmono")?;
+        let mut rows = vec![truth::columns()];
+        for number in 0..sweep.frames {
+            let (luma, row) = set.frame(number);
+            clip.write_all(b"FRAME\n")?;
+            clip.write_all(&luma)?;
+            rows.push(row.text()?);
+        }
+        clip.finish()?;
+        std::fs::write(path("csv"), rows.join("\n") + "\n")?;
+        // Last, so that an interrupted clip is rendered again.
+        std::fs::write(path("json"), description)?;
+        Ok(())
+    }
+}
+
+/// Whose head it is.
+enum Kin<'a> {
+    Kit(Body),
+    Candide(&'a Candide, Face),
+}
+
+/// Everything of a clip that stays the same from frame to frame.
+struct Set<'a> {
+    studio: &'a Studio,
+    sweep: &'a Sweep,
+    kin: Kin<'a>,
+    person: Person,
+    motion: Motion,
+    covering: Option<Covering>,
+    /// Hair and caps, head axes.
+    worn: Vec<Prop>,
+    torso: Torso,
+    lights: Lights,
+    eyes: Eyes,
+    view: View,
+    /// Where the eyes' middle is while the head looks ahead \[mm, camera axes\].
+    at: Vec3,
+    behind: Vec<f32>,
+    camera: Camera,
+    rng: ChaCha8Rng,
+}
+
+/// A head before the camera, and what is drawn of it.
+struct Figure {
+    rotation: Mat3,
+    at: Vec3,
+    vertices: Vec<Vec3>,
+    posed: Posed,
+    /// Props that are a part of the person's body.
+    own: Vec<Prop>,
+    /// Hair, caps and covers.
+    over: Vec<Prop>,
+    /// Of these the cover of the clip's script.
+    covers: Vec<Prop>,
+}
+
+impl<'a> Set<'a> {
+    fn new(studio: &'a Studio, sweep: &'a Sweep) -> Result<Set<'a>> {
+        let mut rng = ChaCha8Rng::seed_from_u64(sweep.seed.0);
+        rng.set_stream(sweep.seed.1);
+        let rng_ = &mut rng;
+        let looks = looks(rng_, sweep);
+        let mesh = &studio.mesh;
+        let kin = match (sweep.kind, &studio.candide) {
+            (Kind::Candide, candide) => {
+                let candide = candide.as_ref().context("no --candide FILE is given")?;
+                Kin::Candide(candide, candide.face(rng_, &looks))
+            }
+            _ => Kin::Kit(Body::new(rng_, mesh)),
+        };
+        let neutral = match &kin {
+            Kin::Kit(body) => body.vertices(mesh, &Expression::default()),
+            Kin::Candide(candide, face) => candide.draw(face, &Expression::default()).0,
+        };
+        let person = studio.people.make(mesh, sweep.seed.1 as u32, &looks);
+        let covering = match sweep.kind {
+            Kind::Covered(cover) => Some(Covering::new(
+                rng_, cover, mesh, &neutral, looks.skin, looks.hair,
+            )),
+            _ => None,
+        };
+        let (view, at) = framing(rng_, sweep.view_deg);
+        let mut set = Set {
+            worn: worn(rng_, sweep.hair, mesh, &neutral, looks.hair),
+            motion: Motion::new(rng_, sweep),
+            torso: Torso::random(rng_),
+            lights: lights(rng_),
+            eyes: Eyes {
+                gaze: [Vec3::NEG_Z; 2],
+                white: rng_.random_range(0.2..0.32) + 0.4 * looks.skin,
+                iris: looks.iris,
+                pupil: rng_.random_range(0.3..0.55),
+                mottled: 0.0,
+            },
+            behind: studio.background(rng_),
+            camera: Camera::random(rng_, 150.0, 1.0, 0.5),
+            studio,
+            sweep,
+            kin,
+            person,
+            covering,
+            view,
+            at,
+            rng,
+        };
+        set.expose();
+        Ok(set)
+    }
+
+    /// Sets the exposure by the face's light in the first frame.
+    fn expose(&mut self) {
+        self.camera.motion_px = (0.0, 0.0);
+        self.camera.jpeg = None;
+        let moment = self.motion.at(0.0);
+        let figure = self.figure(&moment);
+        let drawn = self.drawn(&figure, &moment);
+        let landmarks = self.landmarks(&figure);
+        let mut values = Vec::new();
+        for p in &landmarks.points[17..60] {
+            let (x, y) = (p.x.round() as i64, p.y.round() as i64);
+            if (0..WIDTH as i64).contains(&x) && (0..HEIGHT as i64).contains(&y) {
+                values.push(drawn.light[y as usize * WIDTH + x as usize]);
+            }
+        }
+        let mean = values.iter().sum::<f32>() / values.len().max(1) as f32;
+        self.camera.exposure /= mean.max(0.01);
+    }
+
+    fn frame(&mut self, number: usize) -> (Vec<u8>, Row) {
+        let time = number as f32 / self.sweep.fps as f32;
+        let moment = self.motion.at(time);
+        let figure = self.figure(&moment);
+        let mut light = self.drawn(&figure, &moment).light;
+        let row = Row {
+            frame: number,
+            time,
+            rotation: figure.rotation,
+            at: figure.at,
+            camera: self.view.camera,
+            landmarks: self.landmarks(&figure),
+            moment,
+        };
+        (self.camera.develop(&mut self.rng, &mut light, WIDTH), row)
+    }
+
+    fn figure(&self, moment: &Moment) -> Figure {
+        let face = moment.expression();
+        let rotation = head_rotation(moment.angles);
+        // The head turns on its neck.
+        let at = self.at + moment.sway + NECK - rotation * NECK;
+        let torso = self.torso.prop(moment, rotation, at, self.person.cloth);
+        let mesh = self.mesh();
+        let (vertices, mut own) = match &self.kin {
+            Kin::Kit(body) => (body.vertices(mesh, &face), Vec::new()),
+            Kin::Candide(candide, of) => candide.draw(of, &face),
+        };
+        accessories::wear(&mut own, rotation, at);
+        own.push(torso);
+        let push: &[f32] = match self.kin {
+            Kin::Kit(_) => &self.person.painted.push_mm,
+            Kin::Candide(..) => &[],
+        };
+        let posed = Posed::new(mesh, &vertices, push, rotation, at);
+        let wearer = Wearer {
+            mesh,
+            head: &vertices,
+            posed: &posed,
+            at,
+        };
+        let covers = self.covering.as_ref();
+        let covers = covers.map_or(Vec::new(), |c| c.props(&wearer, moment.cover));
+        let mut over = self.worn.clone();
+        accessories::wear(&mut over, rotation, at);
+        over.extend(covers.iter().cloned());
+        Figure {
+            rotation,
+            at,
+            vertices,
+            posed,
+            own,
+            over,
+            covers,
+        }
+    }
+
+    fn drawn(&self, figure: &Figure, moment: &Moment) -> Drawn {
+        let all = [figure.own.as_slice(), &figure.over].concat();
+        let scene = Scene {
+            mesh: self.mesh(),
+            head: &figure.posed,
+            painted: &self.person.painted,
+            eyes: Eyes {
+                gaze: gaze_directions(&moment.expression(), 0.04),
+                ..self.eyes
+            },
+            props: &all,
+            lights: &self.lights,
+        };
+        draw(&scene, &self.view, &self.behind)
+    }
+
+    fn landmarks(&self, figure: &Figure) -> Landmarks {
+        let bare = Posed::new(
+            self.mesh(),
+            &figure.vertices,
+            &[],
+            figure.rotation,
+            figure.at,
+        );
+        let head = truth::Drawing {
+            mesh: self.mesh(),
+            head: Some(&figure.posed),
+            props: &figure.own,
+        };
+        Landmarks::new(
+            &self.view,
+            self.mesh(),
+            &bare,
+            &head,
+            &figure.over,
+            &figure.covers,
+        )
+    }
+
+    /// Topology of the head.
+    fn mesh(&self) -> &'a Mesh {
+        match self.kin {
+            Kin::Kit(_) => &self.studio.mesh,
+            Kin::Candide(candide, _) => &candide.mesh,
+        }
+    }
+}
+
+impl Studio {
+    fn background(&self, rng: &mut ChaCha8Rng) -> Vec<f32> {
+        let level = rng.random_range(0.4..1.4f32);
+        let mut light = match self.backgrounds.len() {
+            0 => background::procedural(rng, WIDTH, HEIGHT),
+            n => {
+                let photo = &self.backgrounds[rng.random_range(0..n)];
+                background::from_photo(rng, photo, WIDTH, HEIGHT)
+            }
+        };
+        light.iter_mut().for_each(|l| *l *= level);
+        light
+    }
+}
