@@ -5,6 +5,10 @@
  * Stack    A call takes less than 32 KiB.
  * Threads  One thread at a time may use a tracker. Trackers share only the model, which is
  *          read-only.
+ * Floats   Rounding mode, flush-to-zero and unmasked exceptions of the caller do not matter: on x86
+ *          with SSE2, AArch64 and ARM with a floating-point unit, each call sets the default
+ *          environment and restores the caller's. On WebAssembly and without such a unit there is
+ *          only one; elsewhere (RISC-V) the caller's must be the default.
  * Pixels   x right, y down; (0, 0) is the centre of the top-left pixel of the upright image.
  * Camera   Camera frame, in mm: origin at the camera's centre, +x image right, +y down, +z away
  *          from the camera.

@@ -212,6 +212,12 @@ fn example_explains_bad_input() {
 }
 
 #[test]
+fn floating_point_environment_does_not_matter() {
+    let program = program("tests/c/float_env.c", "float_env", &[]);
+    print!("{}", succeed(Command::new(program).args(arguments())));
+}
+
+#[test]
 fn static_memory_is_enough() {
     let program = program("ffi-examples/static_memory.c", "static_memory", &[]);
     succeed(&mut Command::new(program));

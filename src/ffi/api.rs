@@ -9,8 +9,8 @@ use super::block::{self, BLOCK_SIZE};
 use super::convert::{
     config_from, frame_from, intrinsics_from, landmarks_of, load, model_bytes, result_to,
 };
-use super::memory;
 use super::types::*;
+use super::{float_env, memory};
 use crate::shape::{ANIMATION_NAMES, ANIMATIONS, LANDMARKS};
 use crate::track::{Config, StepError};
 use core::ffi::{c_char, c_void};
@@ -80,9 +80,9 @@ pub unsafe extern "C" fn posewise_config_default(out: *mut posewise_config) -> p
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn posewise_memory_size(config: *const posewise_config) -> usize {
     // SAFETY: the caller's contract.
-    match unsafe { config_from(config) } {
-        Ok(_) => BLOCK_SIZE,
-        Err(_) => 0,
+    match status(|| unsafe { config_from(config).map(drop) }) {
+        POSEWISE_OK => BLOCK_SIZE,
+        _ => 0,
     }
 }
 
@@ -318,9 +318,9 @@ pub unsafe extern "C" fn posewise_set_intrinsics(
     })
 }
 
-/// Runs the body of a function and returns its status.
+/// Runs the body of a function in the default floating-point environment; returns its status.
 fn status(body: impl FnOnce() -> Result<(), posewise_status>) -> posewise_status {
-    match body() {
+    match float_env::with_default(body) {
         Ok(()) => POSEWISE_OK,
         Err(status) => status,
     }

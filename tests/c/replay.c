@@ -3,6 +3,7 @@
  * and the peak stack of posewise_init and posewise_step [bytes].
  * C99 with GCC's attributes; reads 8-bit mono y4m. */
 #include "posewise.h"
+#include "float_env.h"
 #include "stack.h"
 
 #include <stdio.h>
@@ -34,11 +35,23 @@ static size_t step_stack;
 
 static posewise_status step(posewise_tracker *tracker, posewise_frame *frame,
                             posewise_result *result) {
+    static unsigned count;
+    const uint32_t own = float_env();
+    uint32_t before, after;
     posewise_status status;
     size_t used;
     stack_walk(1);
+    /* Each step in another floating-point environment, which must not matter. */
+    set_float_env(float_envs[count++ % FLOAT_ENVS]);
+    before = float_env();
     status = posewise_step(tracker, frame, result);
+    after = float_env();
+    set_float_env(own);
     used = stack_walk(0);
+    if (before != after) {
+        fprintf(stderr, "replay: the floating-point environment was changed\n");
+        exit(1);
+    }
     step_stack = used > step_stack ? used : step_stack;
     return status;
 }
