@@ -90,7 +90,7 @@
 
 // A tracker, opaque. It starts at the start of the caller's memory and holds no pointer into
 // itself: a memcpy of posewise_memory_size() bytes to memory of the same alignment is a second,
-// independent tracker.
+// independent tracker. No output of a call may lie in that memory.
 typedef struct posewise_tracker posewise_tracker;
 
 // Return value of a function: POSEWISE_OK, or a negative error code POSEWISE_E_*.

@@ -217,6 +217,41 @@ fn floating_point_environment_does_not_matter() {
     print!("{}", succeed(Command::new(program).args(arguments())));
 }
 
+/// Instructions of a tracking step on a face 12 times as large, over those on the face as it is.
+const LARGE_FACE_COST: f64 = 1.5;
+
+#[test]
+fn large_faces_cost_little_more() {
+    if !require("valgrind") {
+        return;
+    }
+    let program = program("tests/c/large.c", "large", &[]);
+    let instructions = |scale: &str| {
+        let mut command = Command::new("valgrind");
+        command.args(["--tool=callgrind", "--toggle-collect=tracking_step"]);
+        command.arg("--callgrind-out-file=/dev/null").arg(&program);
+        let output = command.args(arguments()).arg(scale).output();
+        let output = output.expect("valgrind runs");
+        let (out, notes) = [&output.stdout, &output.stderr]
+            .map(|b| String::from_utf8_lossy(b))
+            .into();
+        assert!(output.status.success(), "{out}{notes}");
+        let count = notes
+            .lines()
+            .find_map(|line| line.split_once("Collected : "));
+        count
+            .and_then(|(_, n)| n.trim().parse::<f64>().ok())
+            .expect("a number")
+    };
+    let [small, large] = ["1", "12"].map(instructions);
+    println!("{small:.0} instructions, {large:.0} with the large face");
+    assert!(
+        large < LARGE_FACE_COST * small,
+        "{:.2} times as much",
+        large / small
+    );
+}
+
 #[test]
 fn static_memory_is_enough() {
     let program = program("ffi-examples/static_memory.c", "static_memory", &[]);

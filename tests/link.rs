@@ -48,6 +48,43 @@ fn nothing_panics() {
     }
 }
 
+/// A panic, which only builds with checks can reach, ends the program.
+#[test]
+fn a_panic_traps() {
+    let folder = scratch("panic");
+    let (rust, c) = (folder.join("panics.rs"), folder.join("panics.c"));
+    let (library, program) = (folder.join("libpanics.a"), folder.join("panics"));
+    let handler = root().join("src/ffi/panic.rs");
+    let code = CONTROL_RUST.lines().filter(|line| !line.contains("panic"));
+    let code: Vec<&str> = code.collect();
+    let code = code.join("\n").replace(
+        "#![no_std]",
+        &format!(
+            "#![no_std]\n#[path = \"{}\"]\nmod panic;",
+            handler.display()
+        ),
+    );
+    std::fs::write(&rust, code).expect("target/ is writable");
+    std::fs::write(&c, CONTROL_C).expect("target/ is writable");
+    let mut rustc = Command::new(std::env::var("RUSTC").unwrap_or("rustc".into()));
+    rustc.args(["--edition=2024", "--crate-type=staticlib", "-Cpanic=abort"]);
+    rustc
+        .args(["-Copt-level=3", "-Clto=fat", "-o"])
+        .arg(&library);
+    succeed(rustc.arg(&rust));
+    let mut link = Command::new(cc());
+    link.arg(&c).arg(&library).arg("-Wl,--gc-sections");
+    succeed(link.arg("-o").arg(&program));
+    // The element beyond the last; a program that loops would be ended by SIGTERM.
+    let mut run = Command::new("timeout");
+    let status = run.arg("10").arg(&program).args(["a", "b", "c"]).status();
+    use std::os::unix::process::ExitStatusExt;
+    let status = status.expect("timeout runs");
+    let ended = status.code().or(status.signal().map(|signal| 128 + signal));
+    const SIGILL: i32 = 4;
+    assert_eq!(ended, Some(128 + SIGILL));
+}
+
 /// Only the header's functions can be seen: whatever else is in the program, it does not clash.
 #[test]
 fn only_the_functions_of_the_header_are_visible() {

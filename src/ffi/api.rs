@@ -147,10 +147,9 @@ pub unsafe extern "C" fn posewise_init(
         }
         // SAFETY: the caller's contract.
         let model = unsafe { model_bytes(model, model_len)? };
-        let blob = model.as_ptr() as usize;
-        if start < blob.saturating_add(model.len()) && blob < start.saturating_add(BLOCK_SIZE) {
-            return Err(POSEWISE_E_ARG); // the tracker would overwrite its model
-        }
+        // The tracker would overwrite its model, or `out` the tracker.
+        memory::require_disjoint(memory, BLOCK_SIZE, model.as_ptr(), model.len())?;
+        memory::require_disjoint(memory, BLOCK_SIZE, out, size_of::<*mut posewise_tracker>())?;
         // SAFETY: aligned and long enough, as just checked.
         unsafe { block::place(memory.cast(), model, &config)? };
         // SAFETY: checked above.
@@ -172,6 +171,7 @@ pub unsafe extern "C" fn posewise_step(
         let block = unsafe { block::get_mut(tracker)? };
         let given = unsafe { memory::read_struct(frame)? };
         let size = unsafe { memory::checked_size(out)? };
+        memory::require_disjoint(tracker, BLOCK_SIZE, out, size)?;
         let frame = unsafe { frame_from(&given)? };
         let result = block
             .tracker

@@ -39,6 +39,20 @@ pub(super) fn check_pointer<T>(pointer: *const T) -> Result<(), posewise_status>
     Ok(())
 }
 
+/// `POSEWISE_E_ARG` if two blocks of memory share a byte; lengths are in bytes.
+pub(super) fn require_disjoint<A, B>(
+    a: *const A,
+    a_len: usize,
+    b: *const B,
+    b_len: usize,
+) -> Result<(), posewise_status> {
+    let (a, b) = (a as usize, b as usize);
+    if a < b.saturating_add(b_len) && b < a.saturating_add(a_len) {
+        return Err(POSEWISE_E_ARG);
+    }
+    Ok(())
+}
+
 /// Checks the pointer, reads the `struct_size` that it points to, and checks that a header had it.
 ///
 /// # Safety

@@ -235,7 +235,7 @@ pub struct posewise_landmark {
 
 /// A tracker, opaque. It starts at the start of the caller's memory and holds no pointer into
 /// itself: a memcpy of posewise_memory_size() bytes to memory of the same alignment is a second,
-/// independent tracker.
+/// independent tracker. No output of a call may lie in that memory.
 pub struct posewise_tracker {
     _private: [u8; 0],
 }

@@ -53,6 +53,9 @@ const FRACTION: u32 = 16;
 
 /// Most samples averaged along one axis of a crop pixel when the frame is finer than the crop.
 const TAPS_MAX: i32 = 4;
+/// From this scale on \[frame px per crop px\], samples are single pixels of the frame: they are at
+/// least one pixel apart, and interpolation would read four times as many for the same mean.
+const COARSE_SCALE: f32 = TAPS_MAX as f32;
 
 /// Width of a frame's box filter \[frame px\].
 const BOX_PX: f32 = 3.0;
@@ -85,6 +88,7 @@ pub fn warp(frame: &Frame<'_>, to_frame: &Similarity, side: usize, crop: &mut Cr
     let first = |axis: i64| -axis * (taps as i64 - 1) / (2 * taps as i64);
     let (sub_a, sub_b) = (a / taps as i64, b / taps as i64);
     let area = (taps * taps) as u32;
+    let coarse = scale >= COARSE_SCALE;
     for (v, row) in crop
         .luma
         .chunks_exact_mut(side.max(1))
@@ -100,7 +104,10 @@ pub fn warp(frame: &Frame<'_>, to_frame: &Similarity, side: usize, crop: &mut Cr
                 for i in 0..taps as i64 {
                     let sx = x + sub_a * i - sub_b * j;
                     let sy = y + sub_b * i + sub_a * j;
-                    sum += bilinear(frame, sx, sy);
+                    sum += match coarse {
+                        true => nearest(frame, sx, sy),
+                        false => bilinear(frame, sx, sy),
+                    };
                 }
             }
             *pixel = ((sum + area / 2) / area) as u8;
@@ -158,6 +165,13 @@ fn box_filter_line(
         *pixel = mean(sum);
         sum -= u32::from(*old);
     }
+}
+
+/// Luma of the pixel nearest to (x, y) in 16.16 fixed point, 0..=255.
+#[inline]
+fn nearest(frame: &Frame<'_>, x: i64, y: i64) -> u32 {
+    let round = |v: i64| ((v + (1 << (FRACTION - 1))) >> FRACTION) as i32;
+    frame.raw_luma(round(x), round(y)).into()
 }
 
 /// Luma at (x, y) in 16.16 fixed point, 0..=255.

@@ -248,6 +248,11 @@ static void test_init(void) {
                  POSEWISE_E_ARG);
     CHECK_STATUS(posewise_init(&t, memory.start, need, memory.start + 64, need - 64, NULL),
                  POSEWISE_E_ARG);
+    /* `out` would be a part of the tracker. */
+    for (i = 0; i < need; i += i < 4096 ? sizeof t : 64 * sizeof t)
+        CHECK_STATUS(posewise_init((posewise_tracker **)(void *)(memory.start + i), memory.start,
+                                   need, model.start, model.len, NULL),
+                     POSEWISE_E_ARG);
     CHECK(t == NULL);
     CHECK(filled(memory.start, memory.len, 0xA5));
     CHECK_STATUS(posewise_init(&t, memory.start, need, model.start, model.len, NULL), POSEWISE_OK);
@@ -415,6 +420,10 @@ static void test_step_pointers(void) {
     memset(pair, 0, sizeof pair);
     CHECK_STATUS(posewise_step(t, NULL, &r), POSEWISE_E_ARG);
     CHECK_STATUS(posewise_step(t, &f, NULL), POSEWISE_E_ARG);
+    memcpy(memory.start + 4096, &r.struct_size, sizeof r.struct_size);
+    CHECK_STATUS(posewise_step(t, &f, (posewise_result *)(void *)(memory.start + 4096)),
+                 POSEWISE_E_ARG);
+    t = init(memory, NULL);
     CHECK_STATUS(posewise_step(t, (const posewise_frame *)(const void *)((char *)&f + 1), &r),
                  POSEWISE_E_ARG);
     CHECK_STATUS(posewise_step(t, &f, (posewise_result *)(void *)((char *)pair + 1)),
