@@ -23,7 +23,7 @@
  * Sides    Left and right are the person's own, except in "image left" and "image right".
  * Structs  Initialise them with POSEWISE_CONFIG_INIT, _FRAME_INIT or _RESULT_INIT: struct_size
  *          must be the size of the struct in this header or in the header of an earlier release;
- *          any other value is POSEWISE_E_ARG. Fields that an earlier header lacks are read as 0.
+ *          any other value is an error. Fields that an earlier header lacks are read as 0.
  *          0 in any other setting selects its default.
  * Errors   A status below 0 is an error: the tracker and all outputs are unchanged. Every pointer
  *          is checked for NULL and alignment. Status codes are never reused.
@@ -46,7 +46,7 @@
 #define POSEWISE_ANIMATIONS          24u          // Weights, named by posewise_animation_name()
 
 #define POSEWISE_OK                  0            // Success
-#define POSEWISE_E_ARG               (-1)         // Invalid pointer, struct_size, flag or setting
+#define POSEWISE_E_ARG               (-1)         // Another invalid argument; not returned today
 #define POSEWISE_E_MEMORY            (-2)         // Tracker memory too small or misaligned
 #define POSEWISE_E_MODEL             (-3)         // A model section is missing or invalid
 #define POSEWISE_E_FRAME             (-4)         // Inconsistent size, stride, rotation, data_len
@@ -57,6 +57,16 @@
 #define POSEWISE_E_MODEL_MAGIC       (-9)         // Not a .posewise model
 #define POSEWISE_E_MODEL_VERSION     (-10)        // Unsupported model format version
 #define POSEWISE_E_MODEL_CHECKSUM    (-11)        // Checksum mismatch: the model is corrupt
+#define POSEWISE_E_NULL              (-12)        // A pointer is NULL
+#define POSEWISE_E_POINTER_ALIGN     (-13)        // A pointer is not aligned to its type
+#define POSEWISE_E_STRUCT_SIZE       (-14)        // struct_size is not that of a header
+#define POSEWISE_E_TRACKER           (-15)        // No tracker of this library is there
+#define POSEWISE_E_OVERLAP           (-16)        // An output, or the model, in tracker memory
+#define POSEWISE_E_FLAGS             (-17)        // An unknown flag, or reserved is not 0
+#define POSEWISE_E_INTRINSICS        (-18)        // Intrinsics out of range
+#define POSEWISE_E_MIN_FACE          (-19)        // min_face_px out of range
+#define POSEWISE_E_SCAN_BUDGET       (-20)        // scan_budget out of range
+#define POSEWISE_E_SMOOTHING         (-21)        // smoothing_hz or smoothing_beta out of range
 
 #define POSEWISE_FMT_GREY            0x59455247u  // 8-bit grey
 #define POSEWISE_FMT_Y10             0x20303159u  // 10-bit grey in 16-bit little-endian words

@@ -75,7 +75,8 @@ public:
     explicit Tracker(Model model, const posewise_config &config = posewise::config()) {
         size_ = posewise_memory_size(&config);
         if (size_ == 0) {
-            status_ = POSEWISE_E_ARG;
+            // The settings are checked before the memory: this gives their error.
+            status_ = posewise_init(&tracker_, this, 0, model.data, model.size, &config);
             return;
         }
         memory_ = allocate(size_);
@@ -167,7 +168,7 @@ private:
     Memory memory_;
     posewise_tracker *tracker_ = nullptr;
     std::size_t size_ = 0;
-    posewise_status status_ = POSEWISE_E_ARG;
+    posewise_status status_ = POSEWISE_E_NULL;
 };
 
 } // namespace posewise

@@ -7,7 +7,8 @@
 
 use super::block::{self, BLOCK_SIZE};
 use super::convert::{
-    config_from, frame_from, intrinsics_from, landmarks_of, load, model_bytes, result_to,
+    config_error, config_from, frame_from, intrinsics_from, landmarks_of, load, model_bytes,
+    result_to,
 };
 use super::types::*;
 use super::{float_env, memory};
@@ -36,7 +37,7 @@ pub extern "C" fn posewise_abi() -> u32 {
 pub extern "C" fn posewise_strerror(status: posewise_status) -> *const c_char {
     let text = match status {
         POSEWISE_OK => c"success",
-        POSEWISE_E_ARG => c"a pointer, struct_size, flag or setting is invalid",
+        POSEWISE_E_ARG => c"an argument is invalid",
         POSEWISE_E_MEMORY => c"the tracker's memory is too small or not 64-byte aligned",
         POSEWISE_E_MODEL => c"a section of the model is missing or invalid",
         POSEWISE_E_FRAME => {
@@ -51,6 +52,20 @@ pub extern "C" fn posewise_strerror(status: posewise_status) -> *const c_char {
         POSEWISE_E_MODEL_CHECKSUM => {
             c"the checksum of the model does not match: the model is corrupt"
         }
+        POSEWISE_E_NULL => c"a pointer is NULL",
+        POSEWISE_E_POINTER_ALIGN => c"a pointer is not aligned to its type",
+        POSEWISE_E_STRUCT_SIZE => {
+            c"struct_size is not set, or not the size of the struct in a posewise.h"
+        }
+        POSEWISE_E_TRACKER => c"the pointer is not to a tracker of this library",
+        POSEWISE_E_OVERLAP => c"an output or the model lies in the tracker's memory",
+        POSEWISE_E_FLAGS => c"an unknown flag is set, or reserved is not 0",
+        POSEWISE_E_INTRINSICS => {
+            c"intrinsics: fx, fy must be 1..1000000, fy/fx 0.1..10, cx, cy -100000..100000"
+        }
+        POSEWISE_E_MIN_FACE => c"min_face_px must be 24..4096",
+        POSEWISE_E_SCAN_BUDGET => c"scan_budget must be 100..10000000",
+        POSEWISE_E_SMOOTHING => c"smoothing_hz must be 0.01..100 and smoothing_beta 0..1000",
         _ => c"unknown status",
     };
     text.as_ptr()
@@ -312,9 +327,7 @@ pub unsafe extern "C" fn posewise_set_intrinsics(
             // SAFETY: checked above.
             intrinsics_from(unsafe { &*intrinsics })
         };
-        tracker
-            .set_intrinsics(intrinsics)
-            .map_err(|_| POSEWISE_E_ARG)
+        tracker.set_intrinsics(intrinsics).map_err(config_error)
     })
 }
 

@@ -1,6 +1,6 @@
 //! The tracker and its model in the caller's memory.
 
-use super::convert::load;
+use super::convert::{config_error, load};
 use super::memory::check_pointer;
 use super::types::*;
 use crate::track::{Config, Model, Tracker};
@@ -38,12 +38,12 @@ pub(super) unsafe fn place(
     model: &'static [u8],
     config: &Config,
 ) -> Result<(), posewise_status> {
-    config.check().map_err(|_| POSEWISE_E_ARG)?;
+    config.check().map_err(config_error)?;
     let block = memory.cast::<Block>();
     // SAFETY: by the caller's promise, here and below; `MaybeUninit` may hold whatever was there.
     load_into(unsafe { &mut *(&raw mut (*block).model).cast() }, model)?;
     let slot = unsafe { &mut *(&raw mut (*block).tracker).cast::<MaybeUninit<Tracker>>() };
-    Tracker::init_in(slot, config).map_err(|_| POSEWISE_E_ARG)?;
+    Tracker::init_in(slot, config).map_err(config_error)?;
     // SAFETY: as above; the magic comes last, when the block is whole.
     unsafe { (&raw mut (*block).magic).write(MAGIC) };
     Ok(())
@@ -60,7 +60,7 @@ fn load_into(
     Ok(())
 }
 
-/// `POSEWISE_E_ARG` unless the pointer is one to a tracker of this build.
+/// An error unless the pointer is one to a tracker of this build.
 ///
 /// # Safety
 /// As at the head of memory.rs.
@@ -71,7 +71,7 @@ unsafe fn check_block(tracker: *const posewise_tracker) -> Result<*const Block, 
     if unsafe { (&raw const (*block).magic).read_volatile() } == MAGIC {
         Ok(block)
     } else {
-        Err(POSEWISE_E_ARG)
+        Err(POSEWISE_E_TRACKER)
     }
 }
 

@@ -4,11 +4,11 @@ use super::memory;
 use super::types::*;
 use crate::image::{Frame, FrameLayout, PixelFormat, Rotation};
 use crate::shape::{Intrinsics, LANDMARKS};
-use crate::track::{Config, Loss, Model, Smoothing, State, TrackResult};
+use crate::track::{Config, ConfigError, Loss, Model, Smoothing, State, TrackResult};
 use core::ffi::c_void;
 use posewise_format::ModelError;
 
-/// The bytes of a model; `POSEWISE_E_ARG` or `POSEWISE_E_MODEL_TRUNCATED`.
+/// The bytes of a model; or the error.
 ///
 /// # Safety
 /// As at the head of memory.rs; the model outlives its use.
@@ -57,10 +57,21 @@ pub(super) unsafe fn config_from(
             beta: or_f32(given.smoothing_beta, default.smoothing.beta),
         },
     };
-    if given.flags != 0 || config.check().is_err() {
-        return Err(POSEWISE_E_ARG);
+    if given.flags != 0 {
+        return Err(POSEWISE_E_FLAGS);
     }
+    config.check().map_err(config_error)?;
     Ok(config)
+}
+
+/// The status of settings that are out of range.
+pub(super) fn config_error(error: ConfigError) -> posewise_status {
+    match error {
+        ConfigError::Intrinsics => POSEWISE_E_INTRINSICS,
+        ConfigError::MinFace => POSEWISE_E_MIN_FACE,
+        ConfigError::ScanBudget => POSEWISE_E_SCAN_BUDGET,
+        ConfigError::Smoothing => POSEWISE_E_SMOOTHING,
+    }
 }
 
 /// `None`, the default camera, where all are 0. The tracker checks other values.
@@ -69,14 +80,13 @@ pub(super) fn intrinsics_from(given: &posewise_intrinsics) -> Option<Intrinsics>
     ([fx, fy, cx, cy] != [0.0; 4]).then_some(Intrinsics { fx, fy, cx, cy })
 }
 
-/// The frame that a C struct describes; `POSEWISE_E_ARG`, `POSEWISE_E_FORMAT` or
-/// `POSEWISE_E_FRAME`.
+/// The frame that a C struct describes.
 ///
 /// # Safety
 /// As at the head of memory.rs; the pixels are only read during the call.
 pub(super) unsafe fn frame_from<'a>(given: &posewise_frame) -> Result<Frame<'a>, posewise_status> {
     if given.flags & !POSEWISE_FRAME_MIRRORED != 0 || given.reserved != 0 {
-        return Err(POSEWISE_E_ARG);
+        return Err(POSEWISE_E_FLAGS);
     }
     // SAFETY: the caller's contract.
     let data = unsafe { memory::bytes(given.data, given.data_len, POSEWISE_E_FRAME)? };

@@ -31,15 +31,18 @@ unsafe impl Growing for posewise_result {
     const EARLIER_SIZES: &'static [usize] = &[];
 }
 
-/// `POSEWISE_E_ARG` unless the pointer is non-NULL and aligned for `T`.
+/// An error unless the pointer is non-NULL and aligned for `T`.
 pub(super) fn check_pointer<T>(pointer: *const T) -> Result<(), posewise_status> {
-    if pointer.is_null() || !(pointer as usize).is_multiple_of(align_of::<T>()) {
-        return Err(POSEWISE_E_ARG);
+    if pointer.is_null() {
+        return Err(POSEWISE_E_NULL);
+    }
+    if !(pointer as usize).is_multiple_of(align_of::<T>()) {
+        return Err(POSEWISE_E_POINTER_ALIGN);
     }
     Ok(())
 }
 
-/// `POSEWISE_E_ARG` if two blocks of memory share a byte; lengths are in bytes.
+/// `POSEWISE_E_OVERLAP` if two blocks of memory share a byte; lengths are in bytes.
 pub(super) fn require_disjoint<A, B>(
     a: *const A,
     a_len: usize,
@@ -48,7 +51,7 @@ pub(super) fn require_disjoint<A, B>(
 ) -> Result<(), posewise_status> {
     let (a, b) = (a as usize, b as usize);
     if a < b.saturating_add(b_len) && b < a.saturating_add(a_len) {
-        return Err(POSEWISE_E_ARG);
+        return Err(POSEWISE_E_OVERLAP);
     }
     Ok(())
 }
@@ -64,7 +67,7 @@ pub(super) unsafe fn checked_size<T: Growing>(pointer: *const T) -> Result<usize
     if size == size_of::<T>() || T::EARLIER_SIZES.contains(&size) {
         Ok(size)
     } else {
-        Err(POSEWISE_E_ARG)
+        Err(POSEWISE_E_STRUCT_SIZE)
     }
 }
 

@@ -23,7 +23,7 @@ pub type posewise_status = i32;
 
 /// Success.
 pub const POSEWISE_OK: i32 = 0;
-/// Invalid pointer, struct_size, flag or setting.
+/// Another invalid argument; not returned today.
 pub const POSEWISE_E_ARG: i32 = -1;
 /// Tracker memory too small or misaligned.
 pub const POSEWISE_E_MEMORY: i32 = -2;
@@ -45,6 +45,26 @@ pub const POSEWISE_E_MODEL_MAGIC: i32 = -9;
 pub const POSEWISE_E_MODEL_VERSION: i32 = -10;
 /// Checksum mismatch: the model is corrupt.
 pub const POSEWISE_E_MODEL_CHECKSUM: i32 = -11;
+/// A pointer is NULL.
+pub const POSEWISE_E_NULL: i32 = -12;
+/// A pointer is not aligned to its type.
+pub const POSEWISE_E_POINTER_ALIGN: i32 = -13;
+/// struct_size is not that of a header.
+pub const POSEWISE_E_STRUCT_SIZE: i32 = -14;
+/// No tracker of this library is there.
+pub const POSEWISE_E_TRACKER: i32 = -15;
+/// An output, or the model, in tracker memory.
+pub const POSEWISE_E_OVERLAP: i32 = -16;
+/// An unknown flag, or reserved is not 0.
+pub const POSEWISE_E_FLAGS: i32 = -17;
+/// Intrinsics out of range.
+pub const POSEWISE_E_INTRINSICS: i32 = -18;
+/// min_face_px out of range.
+pub const POSEWISE_E_MIN_FACE: i32 = -19;
+/// scan_budget out of range.
+pub const POSEWISE_E_SCAN_BUDGET: i32 = -20;
+/// smoothing_hz or smoothing_beta out of range.
+pub const POSEWISE_E_SMOOTHING: i32 = -21;
 
 /// 8-bit grey.
 pub const POSEWISE_FMT_GREY: u32 = 0x5945_5247;

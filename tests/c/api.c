@@ -94,9 +94,9 @@ static void test_constants(void) {
     CHECK(posewise_memory_align() == POSEWISE_ALIGN);
     CHECK(posewise_memory_size(NULL) > 0);
     CHECK(posewise_memory_size(NULL) <= POSEWISE_MEMORY_SIZE);
-    for (s = -11; s <= 0; s++) {
+    for (s = -21; s <= 0; s++) {
         CHECK(strcmp(posewise_strerror(s), "unknown status") != 0);
-        for (other = -11; other < s; other++)
+        for (other = -21; other < s; other++)
             CHECK(strcmp(posewise_strerror(s), posewise_strerror(other)) != 0);
     }
     CHECK(strcmp(posewise_strerror(1), "unknown status") == 0);
@@ -257,6 +257,37 @@ static void test_init(void) {
     CHECK(filled(memory.start, memory.len, 0xA5));
     CHECK_STATUS(posewise_init(&t, memory.start, need, model.start, model.len, NULL), POSEWISE_OK);
     CHECK(filled(memory.start + need, 64, 0xA5));
+    guarded_free(memory);
+}
+
+/* Each kind of error has its code. */
+static void test_codes(void) {
+    guarded memory = tracker_memory(0);
+    posewise_tracker *t = init(memory, NULL);
+    posewise_config c = POSEWISE_CONFIG_INIT;
+    posewise_frame f = clip_frame(&frames, 0);
+    posewise_result r = POSEWISE_RESULT_INIT, unset;
+    posewise_intrinsics narrow = {0.5f, 0.5f, 0, 0};
+    memset(&unset, 0, sizeof unset);
+    CHECK_STATUS(posewise_step(NULL, &f, &r), POSEWISE_E_NULL);
+    CHECK_STATUS(posewise_step(t, &f, NULL), POSEWISE_E_NULL);
+    CHECK_STATUS(posewise_step(t, &f, (posewise_result *)(void *)((char *)&r + 1)),
+                 POSEWISE_E_POINTER_ALIGN);
+    CHECK_STATUS(posewise_step(t, &f, &unset), POSEWISE_E_STRUCT_SIZE);
+    CHECK_STATUS(posewise_reset((posewise_tracker *)(void *)model.start), POSEWISE_E_TRACKER);
+    CHECK_STATUS(posewise_init(&t, model.start, model.len, model.start, model.len, NULL),
+                 POSEWISE_E_OVERLAP);
+    CHECK_STATUS(posewise_set_intrinsics(t, &narrow), POSEWISE_E_INTRINSICS);
+    f.reserved = 1;
+    CHECK_STATUS(posewise_step(t, &f, &r), POSEWISE_E_FLAGS);
+#define CODE(change, code)                                                                     \
+    (c.flags = 0, c.min_face_px = 0, c.scan_budget = 0, c.smoothing_hz = 0, change);           \
+    CHECK_STATUS(posewise_init(&t, memory.start, memory.len, model.start, model.len, &c), code)
+    CODE(c.flags = 1, POSEWISE_E_FLAGS);
+    CODE(c.min_face_px = 1, POSEWISE_E_MIN_FACE);
+    CODE(c.scan_budget = 1, POSEWISE_E_SCAN_BUDGET);
+    CODE(c.smoothing_hz = -1, POSEWISE_E_SMOOTHING);
+#undef CODE
     guarded_free(memory);
 }
 
@@ -776,6 +807,7 @@ int main(int argc, char **argv) {
     test_config();
     test_model();
     test_init();
+    test_codes();
     test_wrong_order();
     test_any_order();
     test_past_the_end();

@@ -28,17 +28,17 @@ int main(int argc, char **argv) {
 
     const posewise::Model model = posewise::Model::built_in();
     CHECK(model.check() == POSEWISE_OK);
-    CHECK(posewise::Model{}.check() == POSEWISE_E_ARG);
+    CHECK(posewise::Model{}.check() == POSEWISE_E_NULL);
     CHECK(!posewise::Tracker(posewise::Model{}));
     posewise_config wrong = posewise::config();
     wrong.min_face_px = 1;
-    CHECK(posewise::Tracker(model, wrong).status() == POSEWISE_E_ARG);
+    CHECK(posewise::Tracker(model, wrong).status() == POSEWISE_E_MIN_FACE);
 
     posewise::Tracker none;
     posewise_result a = posewise::result(), b = posewise::result();
     posewise::Landmarks points;
     posewise::Animation weights;
-    CHECK(!none && none.step(posewise::frame(), a) == POSEWISE_E_ARG && !none.copy());
+    CHECK(!none && none.step(posewise::frame(), a) == POSEWISE_E_NULL && !none.copy());
     posewise::Tracker first(model), second;
     CHECK(first);
     for (std::size_t i = 0; (i + 1) * len <= bytes.size(); i++) {
@@ -59,7 +59,7 @@ int main(int argc, char **argv) {
     CHECK(second);
     posewise::Tracker moved(std::move(first));
     CHECK(moved && !first && moved.reset() == POSEWISE_OK);
-    CHECK(moved.forget_identity() == POSEWISE_OK && none.forget_identity() == POSEWISE_E_ARG);
+    CHECK(moved.forget_identity() == POSEWISE_OK && none.forget_identity() == POSEWISE_E_NULL);
     CHECK(moved.set_intrinsics({800, 800, 320, 240}) == POSEWISE_OK);
     return failures;
 }
