@@ -2,7 +2,8 @@
 //!
 //! OpenFace 2's columns, names and units come first, so that scripts for its tables read ours;
 //! then what OpenFace does not have. [`COLUMNS`] is the only list: names, units, documentation
-//! and values all come from it, and a test compares docs/command-line.md with it.
+//! and values all come from it, and a test compares docs/command-line.md with it. The list makes
+//! this file longer than others.
 
 use std::io::Write;
 

@@ -23,7 +23,7 @@ pub const STAGES: usize = 4;
 const FOLDS: usize = 4;
 /// Modes of shape that predictions may use beside similarity.
 const SHAPE_MODES: usize = 60;
-/// Crops that features are learnt from, and samples that they are refined on.
+/// Crops that features are trained on, and samples that they are refined on.
 const CROPS: usize = 400;
 const REFINED_ON: usize = 5000;
 

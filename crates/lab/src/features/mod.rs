@@ -58,9 +58,8 @@ struct Row<'a> {
 pub fn run(args: &Args) -> Result<()> {
     let labels = args.data.join("faces68");
     let dev = faces::photographs(&labels.join("dev.csv"), &labels.join("dev"))?;
-    let mut photographs = faces::photographs(&labels.join("train.csv"), &labels.join("train"))?;
-    let mirrors: Vec<Face> = photographs.par_iter().map(Face::mirrored).collect();
-    photographs.extend(mirrors);
+    let photographs = faces::photographs(&labels.join("train.csv"), &labels.join("train"))?;
+    let photographs = with_mirrors(photographs);
     let mut table = Table::new(args, &dev);
     let all = |name: &str, kind, late| Row {
         name: name.into(),
@@ -93,14 +92,8 @@ pub fn run(args: &Args) -> Result<()> {
             late,
         ))?;
     }
-    let mut people: Vec<u32> = photographs.iter().map(|f| f.person).collect();
-    people.sort();
-    people.dedup();
-    people.shuffle(&mut ChaCha8Rng::seed_from_u64(args.seed));
     for share in [4, 2] {
-        let taken: HashSet<u32> = people.iter().take(people.len() / share).copied().collect();
-        let of = |face: &&Face| taken.contains(&face.person);
-        let some: Vec<Face> = photographs.iter().filter(of).cloned().collect();
+        let some = of_some_people(&photographs, share, args.seed);
         let name = format!("{name}; 1/{share} of the people");
         let faces = &some[..];
         table.row(&Row {
@@ -124,6 +117,24 @@ pub fn run(args: &Args) -> Result<()> {
         row("photographs and renders", &faces)?;
     }
     Ok(())
+}
+
+/// The faces and their mirror images.
+fn with_mirrors(mut faces: Vec<Face>) -> Vec<Face> {
+    let mirrors: Vec<Face> = faces.par_iter().map(Face::mirrored).collect();
+    faces.extend(mirrors);
+    faces
+}
+
+/// The faces of one in so many people.
+fn of_some_people(faces: &[Face], share: usize, seed: u64) -> Vec<Face> {
+    let mut people: Vec<u32> = faces.iter().map(|f| f.person).collect();
+    people.sort();
+    people.dedup();
+    people.shuffle(&mut ChaCha8Rng::seed_from_u64(seed));
+    let taken: HashSet<u32> = people.iter().take(people.len() / share).copied().collect();
+    let of = |face: &&Face| taken.contains(&face.person);
+    faces.iter().filter(of).cloned().collect()
 }
 
 struct Table<'a> {

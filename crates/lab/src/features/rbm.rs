@@ -1,5 +1,5 @@
-//! A restricted Boltzmann machine with Gaussian visible units of deviation 1, learnt by contrastive
-//! divergence with one step.
+//! A restricted Boltzmann machine with Gaussian visible units of deviation 1, trained by
+//! contrastive divergence with one step.
 
 use super::filters::Filters;
 use ndarray::{Array1, Array2, Axis};
@@ -28,7 +28,7 @@ impl Default for Options {
     }
 }
 
-/// Hidden units learnt from rows of visible ones.
+/// Hidden units trained on rows of visible ones.
 pub fn train(
     rows: &Array2<f32>,
     hidden: usize,

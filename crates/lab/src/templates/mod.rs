@@ -75,9 +75,21 @@ pub fn run(args: &Args) -> Result<()> {
     let bank = Bank::train(model.align(), &train);
     let dev = faces::photographs(&labels.join("dev.csv"), &labels.join("dev"))?;
 
+    let fits = fits(&model, &bank, &dev, 1.0, 11);
+    print_corrections(&model, &bank, &modes, &dev, &fits);
+    print_confidences(args, &model, &bank, &dev, &fits)
+}
+
+/// Prints the errors of shapes that the templates corrected.
+fn print_corrections(
+    model: &Model<'_>,
+    bank: &Bank,
+    modes: &ShapeModes,
+    dev: &[Face],
+    fits: &[Fit],
+) {
     println!("\n| correction | strength | NME68 | median | NME51 | failures % |");
     println!("|---|---|---|---|---|---|");
-    let fits = fits(&model, &bank, &dev, 1.0, 11);
     let row = |name: &str, strength: &str, shapes: &[Shape]| {
         let rows: Vec<(Shape, f32, f32)> = (dev.iter().zip(shapes))
             .map(|(face, s)| (*s, nme(face, s, 0), nme(face, s, 17)))
@@ -98,7 +110,7 @@ pub fn run(args: &Args) -> Result<()> {
                 .zip(&before)
                 .map(|(face, shape)| {
                     let mut shape = *shape;
-                    let context = (model.align(), &bank, &modes);
+                    let context = (model.align(), bank, modes);
                     correction.apply(context, &face.picture, &mut shape, strength);
                     shape
                 })
@@ -106,11 +118,20 @@ pub fn run(args: &Args) -> Result<()> {
             row(name, &format!("{strength}"), &after);
         }
     }
+}
 
+/// Prints how well the confidences of both separate right from wrong.
+fn print_confidences(
+    args: &Args,
+    model: &Model<'_>,
+    bank: &Bank,
+    dev: &[Face],
+    fits: &[Fit],
+) -> Result<()> {
     println!("\n| area under the ROC | classifiers on learned features | templates |");
     println!("|---|---|---|");
-    let far = self::fits(&model, &bank, &dev, 3.5, 12);
-    let both = || fits.iter().chain(&far).zip(dev.iter().chain(&dev));
+    let far = self::fits(model, bank, dev, 3.5, 12);
+    let both = || fits.iter().chain(&far).zip(dev.iter().chain(dev));
     let right = |pick: fn(&Fit) -> &Confidences| {
         let all = both().flat_map(|(fit, face)| {
             let limit = 0.1 * face.scale();
@@ -125,7 +146,7 @@ pub fn run(args: &Args) -> Result<()> {
     let (learned, templates) = (right(|f| &f.learned), right(|f| &f.templates));
     println!("| landmark right or wrong (dev) | {learned:.3} | {templates:.3} |");
     let fresh = faces::rendered(&args.fresh, RENDERS)?;
-    let seen_fits = self::fits(&model, &bank, &fresh, 1.0, 13);
+    let seen_fits = self::fits(model, bank, &fresh, 1.0, 13);
     let seen = |pick: fn(&Fit) -> &Confidences| {
         let kept = seen_fits.iter().zip(&fresh);
         let kept = kept.filter(|(fit, face)| nme(face, &fit.shape, 0) < 10.0);
@@ -137,7 +158,7 @@ pub fn run(args: &Args) -> Result<()> {
     let (learned, templates) = (seen(|f| &f.learned), seen(|f| &f.templates));
     println!("| landmark seen or hidden (fresh renders) | {learned:.3} | {templates:.3} |");
     let empty = backgrounds::held_out(&args.data)?;
-    let nobody = on_empty(&model, &bank, &empty, 4 * dev.len());
+    let nobody = on_empty(model, bank, &empty, 4 * dev.len());
     let face = |pick: fn(&Fit) -> &Confidences| {
         let faces = fits.iter().map(|f| (pick(f).face, true));
         area(faces.chain(nobody.iter().map(|f| (pick(f).face, false))))

@@ -136,7 +136,7 @@ fn on_faces(model: &AlignModel<'_>, faces: &[Face], seed: u64) -> Vec<Sample> {
         .collect()
 }
 
-/// The `k`-th fit on a face; `count` tells which starts are far off.
+/// The `k`-th fit on a face, `count` in all so far: every [`FAR_STARTS`]-th starts far off.
 fn on_face(
     model: &AlignModel<'_>,
     faces: &[Face],

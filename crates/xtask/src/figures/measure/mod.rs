@@ -72,7 +72,7 @@ pub fn run(args: &Args) -> Result<()> {
     std::fs::write(&out, text + "\n").with_context(|| out.display().to_string())
 }
 
-/// The name of the processor that the times are of, where the system tells it.
+/// The name of the processor that the times are of, where the system has it.
 fn processor() -> String {
     let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let line = info.lines().find(|line| line.starts_with("model name"));
