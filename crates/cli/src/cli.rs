@@ -177,6 +177,9 @@ pub struct LandmarksArgs {
     /// Write one row per picture: found, errors, yaw band, mean shift from the labels
     #[arg(long, value_name = "FILE")]
     pub per_image: Option<PathBuf>,
+    /// Plot the cumulative error distribution up to 10 % (.svg or .png)
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
     /// Model file; without it the embedded model
     #[arg(long, value_name = "FILE")]
     pub model: Option<PathBuf>,

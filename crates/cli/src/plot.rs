@@ -1,4 +1,4 @@
-//! Yaw, pitch, roll and confidence over time, as SVG or PNG.
+//! Plots as SVG or PNG; here that of yaw, pitch, roll and confidence over time.
 
 use std::path::Path;
 
@@ -46,20 +46,31 @@ pub fn check_name(path: &Path) -> Result<()> {
     }
 }
 
-/// Draws and writes the file.
+/// Something that can be drawn.
+pub trait Chart {
+    /// Draws it on a white area.
+    fn draw<DB: DrawingBackend>(&self, root: &DrawingArea<DB, Shift>) -> Drawn<DB>;
+}
+
+/// Draws angles and confidence over time and writes the file.
 pub fn write(path: &Path, samples: &[Sample]) -> Result<()> {
+    save(path, &Angles(samples))
+}
+
+/// Draws and writes the file.
+pub fn save(path: &Path, chart: &impl Chart) -> Result<()> {
     let context = || format!("cannot write {}", path.display());
     if extension(path) == "svg" {
         let mut svg = String::new();
-        draw(
-            &SVGBackend::with_string(&mut svg, SIZE).into_drawing_area(),
-            samples,
-        )
-        .map_err(|e| anyhow!("cannot draw the plot: {e}"))?;
+        let root = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
+        let drawn = root.fill(&WHITE).and_then(|()| chart.draw(&root));
+        drawn.map_err(|e| anyhow!("cannot draw the plot: {e}"))?;
+        drop(root);
         std::fs::write(path, svg).with_context(context)
     } else {
         let mut bitmap = Bitmap(RgbImage::from_pixel(SIZE.0, SIZE.1, image::Rgb([255; 3])));
-        draw(&(&mut bitmap).into_drawing_area(), samples)
+        chart
+            .draw(&(&mut bitmap).into_drawing_area())
             .map_err(|e| anyhow!("cannot draw the plot: {e}"))?;
         bitmap.0.save(path).with_context(context)
     }
@@ -70,52 +81,57 @@ fn extension(path: &Path) -> String {
     extension.unwrap_or("").to_lowercase()
 }
 
-type Drawn<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>>;
+/// What drawing gives.
+pub type Drawn<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>>;
 
-fn draw<DB: DrawingBackend>(root: &DrawingArea<DB, Shift>, samples: &[Sample]) -> Drawn<DB> {
-    root.fill(&WHITE)?;
-    let (upper, lower) = root.split_vertically(SIZE.1 * 2 / 3);
-    let start = samples.first().map_or(0.0, |s| s.time_s);
-    let end = samples.last().map_or(0.0, |s| s.time_s).max(start + 1e-3);
-    let largest = samples.iter().filter_map(|s| s.angles).flatten();
-    let largest = largest.filter(|v| v.is_finite());
-    let largest = largest.fold(20.0f64, |m, v| m.max(v.abs())).ceil() + 5.0;
-    let mut angles = ChartBuilder::on(&upper)
-        .margin(12)
-        .caption("head angles [deg]", ("sans-serif", 16))
-        .x_label_area_size(28)
-        .y_label_area_size(48)
-        .build_cartesian_2d(start..end, -largest..largest)?;
-    angles.configure_mesh().light_line_style(WHITE).draw()?;
-    let lines = [("yaw", RED), ("pitch", GREEN), ("roll", BLUE)];
-    for (i, (name, color)) in lines.into_iter().enumerate() {
-        for run in samples.split(|s| s.angles.is_none()) {
-            let points = run.iter().filter_map(|s| Some((s.time_s, s.angles?[i])));
-            angles.draw_series(LineSeries::new(points, color))?;
+struct Angles<'a>(&'a [Sample]);
+
+impl Chart for Angles<'_> {
+    fn draw<DB: DrawingBackend>(&self, root: &DrawingArea<DB, Shift>) -> Drawn<DB> {
+        let samples = self.0;
+        let (upper, lower) = root.split_vertically(SIZE.1 * 2 / 3);
+        let start = samples.first().map_or(0.0, |s| s.time_s);
+        let end = samples.last().map_or(0.0, |s| s.time_s).max(start + 1e-3);
+        let largest = samples.iter().filter_map(|s| s.angles).flatten();
+        let largest = largest.filter(|v| v.is_finite());
+        let largest = largest.fold(20.0f64, |m, v| m.max(v.abs())).ceil() + 5.0;
+        let mut angles = ChartBuilder::on(&upper)
+            .margin(12)
+            .caption("head angles [deg]", ("sans-serif", 16))
+            .x_label_area_size(28)
+            .y_label_area_size(48)
+            .build_cartesian_2d(start..end, -largest..largest)?;
+        angles.configure_mesh().light_line_style(WHITE).draw()?;
+        let lines = [("yaw", RED), ("pitch", GREEN), ("roll", BLUE)];
+        for (i, (name, color)) in lines.into_iter().enumerate() {
+            for run in samples.split(|s| s.angles.is_none()) {
+                let points = run.iter().filter_map(|s| Some((s.time_s, s.angles?[i])));
+                angles.draw_series(LineSeries::new(points, color))?;
+            }
+            let none: [(f64, f64); 0] = [];
+            angles
+                .draw_series(LineSeries::new(none, color))?
+                .label(name)
+                .legend(move |(x, y)| PathElement::new([(x, y), (x + 16, y)], color));
         }
-        let none: [(f64, f64); 0] = [];
         angles
-            .draw_series(LineSeries::new(none, color))?
-            .label(name)
-            .legend(move |(x, y)| PathElement::new([(x, y), (x + 16, y)], color));
+            .configure_series_labels()
+            .position(SeriesLabelPosition::UpperRight)
+            .border_style(BLACK)
+            .background_style(WHITE)
+            .label_font(("sans-serif", 14))
+            .draw()?;
+        let mut confidence = ChartBuilder::on(&lower)
+            .margin(12)
+            .caption("confidence over time [s]", ("sans-serif", 16))
+            .x_label_area_size(28)
+            .y_label_area_size(48)
+            .build_cartesian_2d(start..end, 0.0..1.05)?;
+        confidence.configure_mesh().light_line_style(WHITE).draw()?;
+        let points = samples.iter().map(|s| (s.time_s, s.confidence));
+        confidence.draw_series(LineSeries::new(points, BLACK))?;
+        root.present()
     }
-    angles
-        .configure_series_labels()
-        .position(SeriesLabelPosition::UpperRight)
-        .border_style(BLACK)
-        .background_style(WHITE)
-        .label_font(("sans-serif", 14))
-        .draw()?;
-    let mut confidence = ChartBuilder::on(&lower)
-        .margin(12)
-        .caption("confidence over time [s]", ("sans-serif", 16))
-        .x_label_area_size(28)
-        .y_label_area_size(48)
-        .build_cartesian_2d(start..end, 0.0..1.05)?;
-    confidence.configure_mesh().light_line_style(WHITE).draw()?;
-    let points = samples.iter().map(|s| (s.time_s, s.confidence));
-    confidence.draw_series(LineSeries::new(points, BLACK))?;
-    root.present()
 }
 
 /// plotters' bitmap, with the built-in font in place of the system's.

@@ -16,6 +16,8 @@ pub type Points = [[f64; 2]; 68];
 pub const FAILURE_NME: f64 = 0.10;
 /// NME at which the area under the cumulative error curve ends.
 pub const AUC_NME: f64 = 0.08;
+/// The same of a second area, which some papers give, and the end of the plotted curve.
+pub const WIDE_AUC_NME: f64 = 0.10;
 /// Overlap of found and labelled box from which on it is the same face.
 pub const SAME_FACE_IOU: f64 = 0.3;
 
@@ -64,6 +66,9 @@ pub struct Outcome {
     /// The face's size that confidences refer to, over the inter-ocular distance: 1 towards the
     /// camera, more where turning shortens that distance.
     scale: f64,
+    /// The inter-ocular distance over the root of the box's area, and over the distance between the
+    /// centres of the eyes: what turns an error into one by these sizes.
+    ratios: [f64; 2],
 }
 
 /// Probabilities that came with a fit.
@@ -85,7 +90,14 @@ impl Outcome {
             shift: same.map(|f| shift(label, f)),
             confidence: None,
             scale: scale(label),
+            ratios: ratios(label),
         }
+    }
+
+    /// Mean errors of landmarks `from..68` by the root of the box's area and by the distance
+    /// between the centres of the eyes.
+    pub fn nme_by_sizes(&self, from: usize) -> Option<[f64; 2]> {
+        self.nme(from, 68).map(|e| self.ratios.map(|r| r * e))
     }
 
     /// The face's probability and whether it was right.
@@ -143,6 +155,16 @@ fn scale(label: &Points) -> f64 {
     (0.42 * ((r - l) * (b - t)).sqrt() / iod).max(1.0)
 }
 
+/// The inter-ocular distance over the root of the area of the box around the landmarks, and over
+/// the distance between the centres of the eyes.
+fn ratios(label: &Points) -> [f64; 2] {
+    let [l, t, r, b] = bounds(label);
+    let iod = distance(label[36], label[45]);
+    let centre = |eye: &[[f64; 2]]| [0, 1].map(|k| eye.iter().map(|p| p[k]).sum::<f64>() / 6.0);
+    let pupils = distance(centre(&label[36..42]), centre(&label[42..48]));
+    [((r - l) * (b - t)).sqrt(), pupils].map(|size| iod / size.max(1e-9))
+}
+
 fn errors(label: &Points, found: &Points) -> [f64; 68] {
     let iod = distance(label[36], label[45]).max(1e-9);
     normalized_errors(label, found, iod)
@@ -179,6 +201,12 @@ pub struct Summary {
     pub nme51: (Option<f64>, Option<f64>),
     /// Area under the cumulative error curve to [`AUC_NME`], over that: 68 and 51 landmarks.
     pub auc: (f64, f64),
+    /// The same to [`WIDE_AUC_NME`].
+    pub wide_auc: (f64, f64),
+    /// Mean NME by the root of the box's area: 68 and 51 landmarks.
+    pub nme_box: (Option<f64>, Option<f64>),
+    /// Mean NME by the distance between the centres of the eyes ("pupils"): 68 and 51 landmarks.
+    pub nme_pupils: (Option<f64>, Option<f64>),
     /// Mean NME of each of [`PARTS`].
     pub parts: [Option<f64>; 5],
     /// Expected calibration errors of the landmarks' confidence and of the face's confidence.
@@ -190,7 +218,11 @@ pub fn summarize<'a>(outcomes: impl Iterator<Item = &'a Outcome>) -> Summary {
     let all: Vec<&Outcome> = outcomes.collect();
     let share = |count: usize| count as f64 / all.len().max(1) as f64;
     let nme = |from, to| -> Vec<f64> { all.iter().filter_map(|o| o.nme(from, to)).collect() };
-    let auc = |errors: &[f64]| area_under_ced(errors, all.len(), AUC_NME);
+    let auc = |errors: &[f64], limit| area_under_ced(errors, all.len(), limit);
+    let by_size = |from: usize, k: usize| -> Option<f64> {
+        let errors = all.iter().filter_map(|o| Some(o.nme_by_sizes(from)?[k]));
+        mean(&errors.collect::<Vec<_>>())
+    };
     let (all68, inner51) = (nme(0, 68), nme(17, 68));
     Summary {
         images: all.len(),
@@ -198,7 +230,10 @@ pub fn summarize<'a>(outcomes: impl Iterator<Item = &'a Outcome>) -> Summary {
         failure: share(all.iter().filter(|o| o.failed()).count()),
         nme68: (mean(&all68), median(&all68)),
         nme51: (mean(&inner51), median(&inner51)),
-        auc: (auc(&all68), auc(&inner51)),
+        auc: (auc(&all68, AUC_NME), auc(&inner51, AUC_NME)),
+        wide_auc: (auc(&all68, WIDE_AUC_NME), auc(&inner51, WIDE_AUC_NME)),
+        nme_box: (by_size(0, 0), by_size(17, 0)),
+        nme_pupils: (by_size(0, 1), by_size(17, 1)),
         parts: PARTS.map(|(_, from, to)| mean(&nme(from, to))),
         calibration: (
             calibration_error(&all.iter().flat_map(|o| o.landmarks()).collect::<Vec<_>>()),
@@ -225,6 +260,12 @@ impl Summary {
             "failure": self.failure,
             "auc68": self.auc.0,
             "auc51": self.auc.1,
+            "auc68_to_10": self.wide_auc.0,
+            "auc51_to_10": self.wide_auc.1,
+            "nme68_box": self.nme_box.0,
+            "nme51_box": self.nme_box.1,
+            "nme68_pupils": self.nme_pupils.0,
+            "nme51_pupils": self.nme_pupils.1,
             "parts": parts,
             "calibration_landmarks": self.calibration.0,
             "calibration_face": self.calibration.1,
@@ -304,6 +345,18 @@ mod tests {
         // (0.75 + 0.5 + 0 + 0) / 4
         assert!(near(Some(s.auc.0), 0.3125));
         assert!(s.parts.iter().all(|p| near(*p, 0.06)));
+        // Eye corners 100 px apart, a box of 100 × 90 px.
+        assert!(near(s.nme_box.0, 0.06 * 100.0 / 9000f64.sqrt()));
+        let apart = |p: &Points, eye: std::ops::Range<usize>, k: usize| -> f64 {
+            p[eye].iter().map(|q| q[k]).sum::<f64>() / 6.0
+        };
+        let pupils = [0, 1].map(|k| apart(&l, 36..42, k) - apart(&l, 42..48, k));
+        assert!(near(
+            s.nme_pupils.1,
+            0.06 * 100.0 / pupils[0].hypot(pupils[1])
+        ));
+        // (0.8 + 0.6 + 0 + 0) / 4
+        assert!(near(Some(s.wide_auc.0), 0.35));
         assert_eq!(summarize([].iter()).nme68, (None, None));
     }
 }

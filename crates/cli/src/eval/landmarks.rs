@@ -16,6 +16,7 @@ use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
 use super::camera;
+use super::ced::Curve;
 use super::landmark_metrics::{
     FitConfidence, Outcome, PARTS, Points, Summary, YawBand, eye_line, summarize,
 };
@@ -25,6 +26,7 @@ use crate::cli::{LandmarksArgs, Start};
 use crate::model_file::ModelFile;
 use crate::output;
 use crate::picture::Picture;
+use crate::plot;
 use crate::source::read_rgb;
 
 const STEP_US: i64 = 33_333;
@@ -43,6 +45,9 @@ struct Label {
 
 /// Runs the command.
 pub fn run(args: &LandmarksArgs) -> Result<()> {
+    if let Some(path) = &args.plot {
+        plot::check_name(path)?;
+    }
     let labels = read_labels(&args.csv)?;
     if !args.images.is_dir() {
         bail!("no such folder: {}", args.images.display());
@@ -83,6 +88,9 @@ pub fn run(args: &LandmarksArgs) -> Result<()> {
     let bands = YawBand::ALL
         .map(|(band, name)| (name, summarize(outcomes.iter().filter(|o| o.band == band))));
     output::print(&report(&total, &bands))?;
+    if let Some(path) = &args.plot {
+        plot::save(path, &Curve::of(&outcomes))?;
+    }
     if let Some(path) = &args.per_image {
         write_per_image(path, &labels, &outcomes)?;
     }
@@ -191,6 +199,16 @@ fn report(total: &Summary, bands: &[(&str, Summary)]) -> String {
         let _ = write!(out, "{name} {}  ", percent(value));
     }
     out.truncate(out.trim_end().len());
+    let _ = write!(
+        out,
+        "\nnme68 and nme51 by box {} {}, by eye centres {} {}; auc to 10 % {} {}",
+        percent(total.nme_box.0),
+        percent(total.nme_box.1),
+        percent(total.nme_pupils.0),
+        percent(total.nme_pupils.1),
+        percent(Some(total.wide_auc.0)),
+        percent(Some(total.wide_auc.1)),
+    );
     let cell = |v: Option<f64>| v.map_or("–".into(), |v| format!("{v:.3}"));
     let (landmarks, face) = total.calibration;
     let _ = writeln!(

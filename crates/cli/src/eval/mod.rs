@@ -3,6 +3,7 @@
 
 pub mod backgrounds;
 pub mod camera;
+mod ced;
 mod clips;
 pub mod drift;
 pub mod eyes;

@@ -227,6 +227,11 @@ fn report(out: &mut String, title: &str, outcomes: &[FrameOutcome]) {
         area(0),
         area(1),
     );
+    report_covered(out, outcomes);
+}
+
+/// Frames in which something covers the face.
+fn report_covered(out: &mut String, outcomes: &[FrameOutcome]) {
     let covered = summarize_covered(outcomes, true).zip(summarize_covered(outcomes, false));
     if let Some((covered, others)) = covered {
         let _ = writeln!(

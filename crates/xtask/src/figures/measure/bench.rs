@@ -29,6 +29,8 @@ pub struct Bench {
     pub data: PathBuf,
     pub programs: Programs,
     pub clips: Vec<Clip>,
+    /// Those of `posewise-lab sweeps`; none unless they are asked for.
+    pub sweeps: Vec<Clip>,
 }
 
 impl Bench {
@@ -55,10 +57,16 @@ impl Bench {
         found.with_context(|| format!("no rendered clip {start}"))
     }
 
+    /// `eval landmarks` on the photographs with automatic labels.
     pub fn photographs(&self, options: &[&str]) -> Result<Value> {
+        self.photographs_of("faces68/dev", options)
+    }
+
+    /// `eval landmarks` on the photographs of a folder, whose labels are in a file beside it.
+    pub fn photographs_of(&self, folder: &str, options: &[&str]) -> Result<Value> {
         let mut args = words(&["eval", "landmarks", "--csv"]);
-        args.extend([text(&self.at("faces68/dev.csv")), "--images".into()]);
-        args.push(text(&self.at("faces68/dev")));
+        args.extend([text(&self.at(&format!("{folder}.csv"))), "--images".into()]);
+        args.push(text(&self.at(folder)));
         args.extend(words(options));
         self.programs.json("posewise", &args, true)
     }

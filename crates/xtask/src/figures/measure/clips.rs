@@ -14,10 +14,10 @@ const STILL: usize = 5;
 /// Upper ends of the bands of true |yaw| of these stills \[deg\].
 const BANDS: [f64; 5] = [15.0, 45.0, 60.0, 75.0, 91.0];
 
-pub fn rendered_clips(data: &Path, scratch: &Path) -> Result<Vec<Clip>> {
-    let folder = data.join("clips-rendered");
+/// The clips of a folder, each with its truth beside it.
+pub fn rendered_clips(folder: &Path, extension: &str, scratch: &Path) -> Result<Vec<Clip>> {
     let mut clips = vec![];
-    for entry in std::fs::read_dir(&folder).with_context(|| text(&folder))? {
+    for entry in std::fs::read_dir(folder).with_context(|| text(folder))? {
         let truth = entry?.path();
         if truth.extension().is_none_or(|e| e != "csv") {
             continue;
@@ -30,7 +30,7 @@ pub fn rendered_clips(data: &Path, scratch: &Path) -> Result<Vec<Clip>> {
         let focal = Table::read(&truth)?.column("fx")?;
         let focal = focal.first().with_context(|| text(&truth))?;
         clips.push(Clip {
-            video: truth.with_extension("mp4"),
+            video: truth.with_extension(extension),
             focal: focal.to_string(),
             csv: scratch.join(format!("{name}.csv")),
             truth,

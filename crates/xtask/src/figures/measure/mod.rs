@@ -4,6 +4,7 @@ mod bench;
 mod clips;
 mod photographs;
 mod search;
+mod sweeps;
 
 use std::path::PathBuf;
 
@@ -23,6 +24,9 @@ pub struct Args {
     /// The model.
     #[arg(long, default_value = "models/default.posewise")]
     model: PathBuf,
+    /// Clips that `posewise-lab sweeps` wrote, to be measured too.
+    #[arg(long)]
+    sweeps: Option<PathBuf>,
     /// The JSON to write; docs/figures/MODEL.json unless given.
     #[arg(long)]
     out: Option<PathBuf>,
@@ -37,16 +41,22 @@ pub fn run(args: &Args) -> Result<()> {
     let data = args.data.canonicalize()?;
     let scratch = root().join("target/measure").join(&name);
     let programs = Programs::build(&root(), &model, scratch)?;
-    let clips = clips::rendered_clips(&data, &programs.scratch)?;
+    let clips = clips::rendered_clips(&data.join("clips-rendered"), "mp4", &programs.scratch)?;
+    let sweeps = match &args.sweeps {
+        Some(folder) => clips::rendered_clips(folder, "y4m.gz", &programs.scratch)?,
+        None => vec![],
+    };
     let bench = Bench {
         data,
         programs,
         clips,
+        sweeps,
     };
     let mut figures = Map::new();
     let crc = super::value::checksum(&std::fs::read(&model)?)?;
     figures.insert("model".into(), json!({"name": name, "crc32": crc}));
-    let parts: [(&str, Part); 13] = [
+    let parts: [(&str, Part); 14] = [
+        ("photographs_manual", photographs::manual),
         ("photographs", |b| b.photographs(&[])),
         ("photographs_turned", photographs::photographs_turned),
         ("photographs_poor", photographs::photographs_poor),
@@ -63,6 +73,9 @@ pub fn run(args: &Args) -> Result<()> {
     ];
     for (key, measure) in parts {
         figures.insert(key.into(), bench.part(key, measure)?);
+    }
+    if !bench.sweeps.is_empty() {
+        figures.insert("sweeps".into(), bench.part("sweeps", sweeps::sweeps)?);
     }
     figures.insert("processor".into(), processor().into());
     if let Some(folder) = out.parent() {

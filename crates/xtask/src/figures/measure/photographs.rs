@@ -16,6 +16,11 @@ const POOR: [&[&str]; 5] = [
     &["--blur", "3"],
 ];
 
+/// Photographs whose landmarks people set: the first figures.
+pub fn manual(bench: &Bench) -> Result<Value> {
+    bench.photographs_of("faces300w/dev", &[])
+}
+
 pub fn photographs_turned(bench: &Bench) -> Result<Value> {
     let one = |roll: &&str| {
         Ok(json!({"roll_deg": roll, "result": bench.photographs(&["--roll", roll])?}))

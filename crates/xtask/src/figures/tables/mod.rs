@@ -3,20 +3,20 @@
 mod clips;
 mod photographs;
 mod search;
+mod sweeps;
 mod table;
 
 pub use table::Model;
 
 use anyhow::Result;
-use table::side_by_side;
-
-/// Writes one table of all models.
-type Render = fn(&[Model]) -> Result<String>;
+use table::{Render, fill, side_by_side};
 
 /// `docs/accuracy.md`.
 pub fn accuracy(models: &[Model]) -> Result<String> {
-    let mut page = include_str!("../accuracy.md").to_string();
-    let tables: [(&str, Render); 18] = [
+    let tables: [(&str, Render); 22] = [
+        ("labels", photographs::labels),
+        ("manual", photographs::manual),
+        ("automatic", photographs::automatic),
         ("photographs", photographs::photographs),
         ("parts", photographs::parts),
         ("calibration", photographs::calibration),
@@ -24,6 +24,7 @@ pub fn accuracy(models: &[Model]) -> Result<String> {
         ("poor", photographs::poor),
         ("clips", clips::clips),
         ("clip-by-clip", clips::clip_by_clip),
+        ("sweeps", sweeps::sweeps),
         ("eyes", clips::eyes),
         ("real-eyes", clips::real_eyes),
         ("stills", clips::stills),
@@ -36,53 +37,54 @@ pub fn accuracy(models: &[Model]) -> Result<String> {
         ("departure", search::departure),
         ("cost", search::cost),
     ];
-    for (name, render) in tables {
-        let place = format!("<!-- table: {name} -->\n");
-        anyhow::ensure!(
-            page.contains(&place),
-            "the template has no place for {name}"
-        );
-        page = page.replace(&place, &render(models)?);
-    }
-    Ok(page)
+    fill(include_str!("../accuracy.md"), &tables, models)
+}
+
+/// Mean angle errors of the rendered clips, below and above 45° of yaw.
+fn angle(m: &Model) -> Result<String> {
+    let band = |name: &str| m.at(&format!("/clips/pose/yaw_bands/{name}/e_m_deg"));
+    Ok(format!(
+        "{}°, {}°",
+        band("0-45")?.fixed(1),
+        band("45-90")?.fixed(1)
+    ))
+}
+
+/// Frames until a lost face is tracked again.
+fn recovery(m: &Model) -> Result<String> {
+    let at = |key: &str| m.at(&format!("/lost_and_found/recovery/not_mirrored/{key}"));
+    Ok(format!(
+        "{}, {}",
+        at("median_frames")?.count(),
+        at("worst_frames")?.count()
+    ))
+}
+
+/// Frames that are tracked in pictures without people.
+fn faceless(m: &Model) -> Result<String> {
+    let at = |key: &str| m.at(&format!("/lost_and_found/faceless/0/result/{key}"));
+    Ok(format!(
+        "{} of {}",
+        at("tracked")?.count(),
+        at("frames")?.count()
+    ))
 }
 
 /// The table of figures in `README.md`.
 pub fn readme(models: &[Model]) -> Result<String> {
-    let angle = |m: &Model| -> Result<String> {
-        let band = |name: &str| m.at(&format!("/clips/pose/yaw_bands/{name}/e_m_deg"));
-        Ok(format!(
-            "{}°, {}°",
-            band("0-45")?.fixed(1),
-            band("45-90")?.fixed(1)
-        ))
-    };
-    let recovery = |m: &Model| -> Result<String> {
-        let at = |key: &str| m.at(&format!("/lost_and_found/recovery/not_mirrored/{key}"));
-        Ok(format!(
-            "{}, {}",
-            at("median_frames")?.count(),
-            at("worst_frames")?.count()
-        ))
-    };
-    let faceless = |m: &Model| -> Result<String> {
-        let at = |key: &str| m.at(&format!("/lost_and_found/faceless/0/result/{key}"));
-        Ok(format!(
-            "{} of {}",
-            at("tracked")?.count(),
-            at("frames")?.count()
-        ))
-    };
+    let (set, pictures) = photographs::first_set(models);
+    let found =
+        |m: &Model| -> Result<String> { Ok(m.at(&format!("{set}/found"))?.percent(1) + " %") };
+    let error =
+        |m: &Model| -> Result<String> { Ok(m.at(&format!("{set}/nme68_mean"))?.percent(2)) };
     side_by_side(
         models,
         "figure",
         &[
-            ("511 photographs of 42 people: faces found", &|m| {
-                Ok(m.at("/photographs/found")?.percent(1) + " %")
-            }),
+            (pictures, &found),
             (
                 "… mean error of 68 landmarks, in % of the distance between the outer eye corners",
-                &|m| Ok(m.at("/photographs/nme68_mean")?.percent(2)),
+                &error,
             ),
             ("12 rendered clips, 4,093 frames: tracked", &|m| {
                 Ok(m.at("/clips/pose/p_s")?.percent(2) + " %")

@@ -84,3 +84,20 @@ pub fn side_by_side(models: &[Model], first: &str, rows: &[(&str, Text<'_>)]) ->
     }
     Ok(table(&header, &cells))
 }
+
+/// Writes one table of all models.
+pub type Render = fn(&[Model]) -> Result<String>;
+
+/// A template with its tables.
+pub fn fill(template: &str, tables: &[(&str, Render)], models: &[Model]) -> Result<String> {
+    let mut page = template.to_string();
+    for (name, render) in tables {
+        let place = format!("<!-- table: {name} -->\n");
+        anyhow::ensure!(
+            page.contains(&place),
+            "the template has no place for {name}"
+        );
+        page = page.replace(&place, &render(models)?);
+    }
+    Ok(page)
+}
