@@ -1,6 +1,6 @@
 //! Labelled faces in memory: photographs from a CSV, and renders turned into the same form.
 
-use crate::labels;
+use crate::labels::{self, Label};
 pub use crate::picture::Picture;
 use crate::render::cache;
 use anyhow::Result;
@@ -21,8 +21,10 @@ pub struct Face {
     pub person: u32,
     /// Yaw \[deg\] where it is known (renders).
     pub yaw_deg: Option<f32>,
-    /// Weight in training.
+    /// What an error against its label weighs.
     pub weight: f32,
+    /// How often it is drawn, against another photograph or another render.
+    pub share: f32,
     /// Landmarks that are seen, as far as it is known.
     pub visible: [bool; LANDMARKS],
 }
@@ -93,26 +95,43 @@ pub fn ratio(p: &Shape, ends: [usize; 2], gaps: &[[usize; 2]]) -> f32 {
     gap / gaps.len() as f32 / distance(ends[0], ends[1]).max(1.0)
 }
 
-/// Reads a CSV of `image,x0,y0,…,x67,y67` and its pictures.
+/// Spread of several annotators at which a label counts half \[outer-eye distances\]. Chosen: about
+/// the median of the labels.
+const HALF_WEIGHT_SPREAD: f32 = 0.02;
+
+/// Reads a table of labels ([`labels`]) and its pictures.
 pub fn photographs(csv_path: &Path, images: &Path) -> Result<Vec<Face>> {
-    let rows = labels::read(csv_path)?;
-    let mut people = std::collections::BTreeMap::new();
-    for row in &rows {
-        let next = people.len() as u32;
-        people.entry(labels::person(&row.image)).or_insert(next);
-    }
-    rows.par_iter()
-        .map(|row| {
+    labelled(&labels::read(csv_path)?, images, 1.0)
+}
+
+/// Faces of labels whose pictures are in a folder.
+pub fn labelled(labels: &[Label], images: &Path, share: f32) -> Result<Vec<Face>> {
+    labels
+        .par_iter()
+        .map(|label| {
             Ok(Face {
-                picture: Arc::new(Picture::read(&images.join(&row.image))?),
-                landmarks: row.points,
-                person: people[labels::person(&row.image)],
+                picture: Arc::new(Picture::read(&images.join(&label.image))?),
+                landmarks: label.points,
+                person: number(labels::person(&label.image)),
                 yaw_deg: None,
-                weight: 1.0,
+                weight: label_weight(label.spread),
+                share,
                 visible: [true; LANDMARKS],
             })
         })
         .collect()
+}
+
+/// 1 where one annotator set a label, less the less several agree.
+fn label_weight(spread: Option<f32>) -> f32 {
+    let spread = spread.unwrap_or(0.0) / HALF_WEIGHT_SPREAD;
+    1.0 / (1.0 + spread * spread)
+}
+
+/// A number for a name (FNV-1a).
+fn number(name: &str) -> u32 {
+    let mix = |h: u32, b: u8| (h ^ u32::from(b)).wrapping_mul(0x0100_0193);
+    name.bytes().fold(0x811c_9dc5, mix)
 }
 
 /// The first `count` samples of a file of renders; a face weighs as much as a photograph when all
@@ -122,7 +141,8 @@ pub fn rendered(path: &Path, count: usize) -> Result<Vec<Face>> {
     Ok(samples
         .into_iter()
         .map(|sample| Face {
-            weight: seen(&sample.visible),
+            weight: visible_weight(&sample.visible),
+            share: 1.0,
             landmarks: sample.landmarks.map(|p| p.to_array()),
             picture: Arc::new(Picture {
                 size: [sample.width as u32, sample.height as u32],
@@ -135,14 +155,24 @@ pub fn rendered(path: &Path, count: usize) -> Result<Vec<Face>> {
         .collect())
 }
 
-fn seen(visible: &[bool; LANDMARKS]) -> f32 {
+/// Weight of a render of which hardly anything is seen. Half of a profile's landmarks are hidden,
+/// and its pose depends on them. Chosen.
+const HIDDEN_WEIGHT: f32 = 0.3;
+
+fn visible_weight(visible: &[bool; LANDMARKS]) -> f32 {
     let share = visible.iter().filter(|v| **v).count() as f32 / LANDMARKS as f32;
-    0.1 + 0.9 * share
+    HIDDEN_WEIGHT + (1.0 - HIDDEN_WEIGHT) * share
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn labels_weigh_less_where_annotators_differ() {
+        assert_eq!(label_weight(None), 1.0);
+        assert_eq!(label_weight(Some(HALF_WEIGHT_SPREAD)), 0.5);
+    }
 
     #[test]
     fn mirror_is_its_own_inverse() {

@@ -45,7 +45,7 @@ impl Default for FitSettings {
 /// The 3D head fitted to one photograph.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct PhotoFit {
-    /// File name.
+    /// File name, relative to the data folder.
     pub image: String,
     /// Name shared by all pictures of the person.
     pub person: String,
@@ -128,8 +128,8 @@ struct Photo {
 }
 
 impl Photo {
-    fn open(label: Label, images: &Path, settings: &FitSettings) -> Result<Photo> {
-        let path = images.join(&label.image);
+    fn open(label: Label, data: &Path, settings: &FitSettings) -> Result<Photo> {
+        let path = data.join(&label.image);
         let (w, h) = image::image_dimensions(&path)
             .with_context(|| format!("cannot read {}", path.display()))?;
         Ok(Photo {
@@ -163,18 +163,17 @@ impl Photo {
     }
 }
 
-/// Fits all pictures of the table. Deterministic.
+/// Fits all labelled pictures, whose names are relative to the data folder. Deterministic.
 pub fn fit_photographs(
     head: &Head,
-    csv: &Path,
-    images: &Path,
+    labels: Vec<Label>,
+    data: &Path,
     settings: &FitSettings,
 ) -> Result<Fits> {
-    let labels = labels::read(csv)?;
-    ensure!(!labels.is_empty(), "{} has no rows", csv.display());
+    ensure!(!labels.is_empty(), "no labels");
     let mut photos = labels
         .into_par_iter()
-        .map(|label| Photo::open(label, images, settings))
+        .map(|label| Photo::open(label, data, settings))
         .collect::<Result<Vec<_>>>()?;
     let mut offsets = vec![[0.0f32; 3]; LANDMARKS];
     for round in 0..settings.rounds.max(1) {

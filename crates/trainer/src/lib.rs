@@ -8,6 +8,7 @@ pub mod faces;
 pub mod fit;
 pub mod head;
 pub mod labels;
+pub mod photographs;
 pub mod picture;
 pub mod pipeline;
 pub mod render;

@@ -15,30 +15,22 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use std::path::Path;
 
-/// Trains section `ALGN` on these faces; goes on from the checkpoint if there is one, else starts
-/// from what the network of another checkpoint has learnt.
-pub fn cascade(
-    faces: &[Face],
-    options: &Options,
-    checkpoint: &Path,
-    taught_by: Option<&Path>,
-) -> Result<SectionWriter> {
+/// Trains section `ALGN` on these faces; goes on from the checkpoint if there is one.
+pub fn cascade(faces: &[Face], options: &Options, checkpoint: &Path) -> Result<SectionWriter> {
     let mean = mean_shape(faces);
     let starts = StartShapes::fit(faces, &mean, &options.turns);
-    let initial = taught_by.and_then(|path| Trained::read(path, &options.sizes));
-    let (trained, samples) = network(faces, &mean, options, checkpoint, initial)?;
+    let (trained, samples) = network(faces, &mean, options, checkpoint)?;
     quantize::face_section(&trained, &mean, &starts, options.iterations, &samples)
 }
 
-/// Trains section `ENSM`, a second network for a global stage with this mean shape; goes on from
-/// the checkpoint if there is one.
+/// Trains section `ENSM`, a second network for a global stage of the same faces; goes on from the
+/// checkpoint if there is one.
 pub fn ensemble_member(
     faces: &[Face],
-    mean: &Shape,
     options: &Options,
     checkpoint: &Path,
 ) -> Result<SectionWriter> {
-    let (trained, samples) = network(faces, mean, options, checkpoint, None)?;
+    let (trained, samples) = network(faces, &mean_shape(faces), options, checkpoint)?;
     quantize::ensemble_section(&trained, &samples)
 }
 
@@ -48,7 +40,6 @@ fn network(
     mean: &Shape,
     options: &Options,
     checkpoint: &Path,
-    initial: Option<Trained>,
 ) -> Result<(Trained, Vec<Sample>)> {
     let source = Faces {
         faces,
@@ -56,7 +47,7 @@ fn network(
         options,
         draw: Draw::new(faces, options, |_| 1.0)?,
     };
-    let trained = train(&source, options, checkpoint, initial.map(|t| t.parameters))?;
+    let trained = train(&source, options, checkpoint, None)?;
     let rng = &mut ChaCha8Rng::seed_from_u64(options.seed ^ 2);
     let samples = source.samples(EXAMPLES, rng);
     Ok((trained, samples))

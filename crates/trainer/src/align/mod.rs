@@ -12,7 +12,6 @@ mod mean;
 mod network;
 mod open;
 mod options;
-pub mod pseudo_labels;
 mod quantize;
 mod rank;
 pub mod refiners;

@@ -27,6 +27,8 @@ pub struct Options {
     pub rendered: f32,
     /// Share of faces with something before them.
     pub occluded: f32,
+    /// Share of faces that the picture's edge cuts off in part.
+    pub cut_off: f32,
     /// How much more often a photograph of a face in profile is drawn than one from the front.
     pub turned: f32,
     /// How much more often a render of a face from the front is drawn than one in profile.
@@ -51,10 +53,11 @@ impl Default for Options {
             sizes: Sizes::default(),
             start: Start::default(),
             augment: Augment::default(),
-            steps: 30_000,
+            steps: 40_000,
             batch: 64,
             rendered: 0.4,
-            occluded: 0.0,
+            occluded: 0.25,
+            cut_off: 0.08,
             turned: 3.0,
             front: 0.0,
             rate: 2e-3,
@@ -63,39 +66,19 @@ impl Default for Options {
             aperture: Aperture {
                 lids: 6.0,
                 lips: 2.0,
-                from: 0.65,
+                from: 0.5,
             },
         }
     }
 }
 
 impl Options {
-    /// As these, for a network that has been trained with them and goes on with better labels.
-    pub fn second_round(self) -> Options {
-        Options {
-            rate: 0.5 * self.rate,
-            occluded: 0.25,
-            steps: self.steps * 4 / 5,
-            aperture: Aperture {
-                from: 0.3,
-                ..self.aperture
-            },
-            ..self
-        }
-    }
-
-    /// As these, for the global stage's second network: other numbers, better labels at once,
-    /// turned heads more often.
+    /// As these, for the global stage's second network: other random numbers, turned heads more
+    /// often.
     pub fn ensemble_member(self) -> Options {
         Options {
             seed: self.seed ^ 0x2ed,
-            occluded: 0.25,
             turned: 2.0 * self.turned,
-            steps: self.steps * 4 / 3,
-            aperture: Aperture {
-                from: 0.5,
-                ..self.aperture
-            },
             ..self
         }
     }

@@ -1,6 +1,6 @@
 //! Where a network's samples come from.
 
-use super::cover::covered;
+use super::cover::{covered, cut_off};
 use super::network::Points;
 use super::options::{Aperture, Options};
 use super::samples::{Sample, sample};
@@ -72,7 +72,9 @@ impl Draw {
         };
         Ok(Draw {
             photographs: Weighted::new(of(false), |k| {
-                interest(&faces[k]) * (1.0 + options.turned * faces[k].turn().abs())
+                faces[k].share
+                    * interest(&faces[k])
+                    * (1.0 + options.turned * faces[k].turn().abs())
             }),
             renders: Weighted::new(of(true), |k| {
                 let straight = 1.0 - faces[k].turn().abs();
@@ -106,10 +108,14 @@ impl Source for Faces<'_> {
     fn draw(&self, rng: &mut ChaCha8Rng) -> Sample {
         let mut face = &self.faces[self.draw.next(rng)];
         let options = self.options;
-        let hidden;
+        let (hidden, cut);
         if rng.random_range(0.0..1.0) < options.occluded {
             hidden = covered(face, &self.faces[self.draw.next(rng)], rng);
             face = &hidden;
+        }
+        if rng.random_range(0.0..1.0) < options.cut_off {
+            cut = cut_off(face, rng);
+            face = &cut;
         }
         let (start, augment) = (&options.start, &options.augment);
         sample(face, self.mean, &options.sizes, start, augment, rng)

@@ -8,12 +8,12 @@ use posewise::shape::MIRROR;
 use rayon::prelude::*;
 
 use crate::align::{self, StartShapes};
-use crate::labels;
+use crate::photographs;
 use crate::picture::Picture;
 
 /// A picture with one labelled face.
 pub struct Face {
-    /// File name, whose first part names the person.
+    /// File name.
     pub name: String,
     pub picture: Picture,
     /// The face's box by the rule of [`Detection`]; `yaw` from the nose's position between the
@@ -21,20 +21,18 @@ pub struct Face {
     pub truth: Detection,
 }
 
-/// All training photographs of `faces68`.
+/// All training photographs that show what is around the face.
 ///
 /// # Errors
 /// When a file is missing or not as documented.
 pub fn load(data: &Path) -> Result<Vec<Face>> {
-    let folder = data.join("faces68");
-    let table = folder.join("train.csv");
-    labels::read(&table)?
+    photographs::labels(data, &photographs::UNCROPPED)?
         .into_par_iter()
-        .map(|row| {
+        .map(|label| {
             Ok(Face {
-                picture: Picture::read(&folder.join("train").join(&row.image))?,
-                truth: face_box(&row.points, None, None),
-                name: row.image,
+                picture: Picture::read(&data.join(&label.image))?,
+                truth: face_box(&label.points, None, None),
+                name: label.image,
             })
         })
         .collect()

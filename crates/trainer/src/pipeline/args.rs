@@ -23,21 +23,21 @@ pub struct Args {
     #[arg(long)]
     pub wireframe: Option<PathBuf>,
     /// Rendered faces to train on.
-    #[arg(long, default_value_t = 12_000)]
+    #[arg(long, default_value_t = 16_000)]
     pub renders: u64,
     /// Close-up renders, for the refiners.
     #[arg(long, default_value_t = 9_000)]
     pub near_renders: u64,
-    /// Further renders of what plain ones lack, for the second round: accessories, lids half way,
-    /// odd eyes, larger yaw.
-    #[arg(long, default_value_t = 0)]
-    pub hard_renders: u64,
-    /// Batches that the network is trained on.
-    #[arg(long, default_value_t = 30_000)]
+    /// Batches that each network of the global stage is trained on; a refiner is trained on three
+    /// quarters of them.
+    #[arg(long, default_value_t = 40_000)]
     pub steps: usize,
     /// Use no photograph: procedural people before procedural backgrounds only.
     #[arg(long)]
     pub clean: bool,
+    /// Stop after this stage, and make only what it needs; a whole model otherwise.
+    #[arg(long, value_enum)]
+    pub until: Option<Until>,
 }
 
 impl Args {
@@ -49,11 +49,23 @@ impl Args {
             count: match kind {
                 Kind::Plain => self.renders,
                 Kind::Near => self.near_renders,
-                Kind::Hard => self.hard_renders,
             },
             seed: self.seed,
             clean: self.clean,
             kind,
         }
     }
+}
+
+/// Stages that can be made alone, so that several can run at a time or on another machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Until {
+    /// Rendered faces, near ones too.
+    Renders,
+    /// The face detector.
+    Detector,
+    /// The global stage's network.
+    GlobalNetwork,
+    /// The second network of the global stage.
+    EnsembleMember,
 }

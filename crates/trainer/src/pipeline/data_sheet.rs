@@ -5,9 +5,10 @@ use super::args::Args;
 use super::context::Context;
 use super::stage::Stage;
 use super::store::Output;
-use super::{second_round, sections};
+use super::{global_network, sections};
 use crate::align::{self, Accuracy, Trained};
-use crate::faces::{self, Face};
+use crate::faces::Face;
+use crate::photographs::{self, DEV};
 use anyhow::Result;
 use posewise::align::AlignModel;
 use posewise_format::Tag;
@@ -18,12 +19,12 @@ const ACCURACY: &str = "accuracy.json";
 /// What else was measured, as it was printed.
 const REPORT: &str = "report.txt";
 
-/// Measures the cascade (second round, ensemble member, refiners, shape regression) from jittered
+/// Measures the cascade (global network, ensemble member, refiners, shape regression) from jittered
 /// true boxes.
 pub fn make(context: &Context<'_>, cascade: &[(&Output, Tag); 4]) -> Result<Output> {
-    let mut stage = Stage::new("data-sheet", 1);
+    let mut stage = Stage::new("data-sheet", 2);
     let names = [
-        "second-round",
+        "global-network",
         "ensemble-member",
         "refiners",
         "shape-regression",
@@ -31,14 +32,13 @@ pub fn make(context: &Context<'_>, cascade: &[(&Output, Tag); 4]) -> Result<Outp
     for (name, (output, _)) in names.iter().zip(cascade) {
         stage = stage.input(name, output.hash(sections::FILE)?);
     }
-    for name in ["faces68/dev.csv", "faces68/dev"] {
+    for name in [DEV.table, DEV.images] {
         stage = stage.input(name, context.store.data(&context.data(name))?);
     }
     let output = context.store.make(&stage, &[ACCURACY, REPORT], |folder| {
-        let (csv, images) = (context.data("faces68/dev.csv"), context.data("faces68/dev"));
-        let dev = faces::photographs(&csv, &images)?;
-        let network = cascade[0].0.path(second_round::NETWORK);
-        let trained = Trained::read(&network, &second_round::options(context).sizes);
+        let dev = photographs::load(&context.args.data, &[DEV])?;
+        let network = cascade[0].0.path(global_network::NETWORK);
+        let trained = Trained::read(&network, &global_network::options(context).sizes);
         let mut report = Vec::new();
         sections::with_model(&cascade[..1], |global| {
             report_global(global, trained.as_ref(), &dev, &mut report);
@@ -96,18 +96,17 @@ fn report_global(
 
 /// The text of the data sheet.
 pub fn text(args: &Args, dev: &Accuracy) -> String {
-    let hard = args.hard_renders;
     format!(
         "\
 # Data sheet of {name}
 
 Made by `cargo run --release -p posewise-train -- model{clean} --seed {seed} --renders {plain}
---near-renders {near} {hard}--steps {steps}`.
+--near-renders {near} --steps {steps}`.
 
 Trained on:
 {made_from}
-Cascade on 511 photographs of 42 other people, from boxes 5 % shifted, 8 % resized and 8 degrees
-turned (r.m.s.): mean error over 68 landmarks {mean:.2} % of the inter-ocular distance, median
+Cascade on 202 photographs with manual landmarks (HELEN, AFW) of other people, from boxes 5 %
+shifted, 8 % resized and 8 degrees turned (r.m.s.): mean error over 68 landmarks {mean:.2} % of the inter-ocular distance, median
 {median:.2} %, above 10 %: {failure:.2} %.
 ",
         made_from = made_from(args),
@@ -120,10 +119,6 @@ turned (r.m.s.): mean error over 68 landmarks {mean:.2} % of the inter-ocular di
         seed = args.seed,
         plain = args.renders,
         near = args.near_renders,
-        hard = match hard {
-            0 => String::new(),
-            _ => format!("--hard-renders {hard} "),
-        },
         steps = args.steps,
         mean = dev.nme68,
         median = dev.nme68_median,
@@ -133,7 +128,7 @@ turned (r.m.s.): mean error over 68 landmarks {mean:.2} % of the inter-ocular di
 
 /// What the model is made from, with licences.
 fn made_from(args: &Args) -> String {
-    let renders = args.renders + args.near_renders + args.hard_renders;
+    let renders = args.renders + args.near_renders;
     if args.clean {
         format!(
             "\
@@ -147,9 +142,14 @@ Model Light.
     } else {
         format!(
             "\
-- 2,986 labelled photographs (video frames of 245 public figures) of the facial-keypoints set
-  published by Udacity (repository MIT) out of the YouTube Faces database (research), with mirrors;
-- news photographs of 115 people out of Labeled Faces in the Wild (research), without labels;
+- 999 photographs of HELEN and AFW with the manual landmarks of the 300-W challenge (research, not
+  commercial);
+- 2,979 photographs (video frames of 245 public figures) of the facial-keypoints set published by
+  Udacity (repository MIT) out of the YouTube Faces database (research);
+- 11,068 photographs of some 5,400 people out of Labeled Faces in the Wild and IMFDB, by way of a
+  public expression set, and 5,992 of UTKFace (all research);
+- landmarks of the latter two as the mean of three public networks (MediaPipe's face mesh, a
+  98-point and a 68-point PFLD), mapped to the 300-W convention;
 - 816 photographs of single eyes, open and shut, of a public drowsiness set (Kaggle, research);
 - {renders} rendered faces: ICT Face Model Light (MIT, (c) 2020 USC Institute for Creative
   Technologies) with procedural skin and skin from those photographs, before procedural backgrounds

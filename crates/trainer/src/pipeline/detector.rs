@@ -6,11 +6,12 @@ use super::sections;
 use super::stage::Stage;
 use super::store::Output;
 use crate::detect;
+use crate::photographs;
 use anyhow::Result;
 use serde::Serialize;
 
 /// Rendered profiles that the box refiner learns from beside the photographs, which have none.
-const PROFILES: usize = 400;
+const PROFILES: usize = 800;
 /// Renders that stand in for photographs where there are none: with more of them the thresholds
 /// open.
 const FRONTS: usize = 3000;
@@ -40,12 +41,12 @@ pub fn make(context: &Context<'_>) -> Result<Output> {
         profiles: PROFILES,
         fronts: clean.then_some(FRONTS),
     };
-    let mut stage = context.with_near(Stage::new("detector", 1).options(&options)?)?;
+    let mut stage = context.with_near(Stage::new("detector", 2).options(&options)?)?;
     if clean {
         stage = context.with_faces(stage)?;
     }
-    let sets = ["faces68/train.csv", "faces68/train", "backgrounds"];
-    let stage = context.with_photographs(stage, &sets)?;
+    let stage = context.with_sets(stage, &photographs::UNCROPPED)?;
+    let stage = context.with_photographs(stage, &["backgrounds"])?;
     context.store.make(&stage, &[sections::FILE], |folder| {
         let near = context.near()?;
         let mut faces;

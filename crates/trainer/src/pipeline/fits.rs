@@ -1,9 +1,11 @@
-//! Stage `fits`: fits the 3D head to every labelled photograph and drops those it does not explain.
+//! Stage `fits`: fits the 3D head to the labelled photographs that are no tight crops, and
+//! drops those it does not explain.
 
 use super::stage::Stage;
 use super::store::{Output, Store};
 use crate::fit::{FitSettings, Fits, fit_photographs};
 use crate::head::Head;
+use crate::photographs::{self, UNCROPPED};
 use anyhow::Result;
 use std::path::Path;
 
@@ -14,14 +16,15 @@ pub const FILE: &str = "fits.json";
 pub fn make(store: &Store, data: &Path) -> Result<Output> {
     let settings = FitSettings::default();
     let path = |name: &str| data.join(name);
-    let mut stage = Stage::new("fits", 1).options(&settings)?;
-    for name in ["facekit.npz", "faces68/train.csv", "faces68/train"] {
+    let mut stage = Stage::new("fits", 2).options(&settings)?;
+    let sets = UNCROPPED.iter().flat_map(|set| [set.table, set.images]);
+    for name in sets.chain(["facekit.npz"]) {
         stage = stage.input(name, store.data(&path(name))?);
     }
     store.make(&stage, &[FILE], |folder| {
         let head = Head::load(&path("facekit.npz"))?;
-        let (csv, images) = (path("faces68/train.csv"), path("faces68/train"));
-        let fits = fit_photographs(&head, &csv, &images, &settings)?;
+        let labels = photographs::labels(data, &UNCROPPED)?;
+        let fits = fit_photographs(&head, labels, data, &settings)?;
         println!(
             "3D head fitted to {} photographs, {} dropped",
             fits.fits.len(),

@@ -7,11 +7,10 @@
 //! | stage | file | makes |
 //! |---|---|---|
 //! | `fits` | [`fits`] | the 3D head fitted to every photograph |
-//! | `renders`, `renders-near`, `renders-hard` | [`renders`] | rendered faces |
+//! | `renders`, `renders-near` | [`renders`] | rendered faces |
 //! | `face` | [`face`] | section `FACE`, the 3D face |
 //! | `detector` | [`detector`] | section `DTCT` |
-//! | `first-network` | [`first_network`] | section `ALGN`, trained on the labels as they are |
-//! | `second-round` | [`second_round`] | section `ALGN`, goes on with better labels |
+//! | `global-network` | [`global_network`] | section `ALGN` |
 //! | `ensemble-member` | [`ensemble_member`] | section `ENSM` |
 //! | `refiners` | [`refiners`] | section `RFIN` |
 //! | `shape-regression` | [`shape_regression`] | section `SREG` |
@@ -26,14 +25,13 @@ pub mod data_sheet;
 pub mod detector;
 pub mod ensemble_member;
 pub mod face;
-pub mod first_network;
 pub mod fits;
+pub mod global_network;
 pub mod hash;
 pub mod pack;
 pub mod refiners;
 pub mod renders;
 mod run;
-pub mod second_round;
 mod sections;
 pub mod shape_regression;
 pub mod stage;

@@ -8,20 +8,19 @@ use crate::align;
 use anyhow::Result;
 use posewise::align::{AlignModel, EnsembleMember};
 
-/// Makes the section for a global stage of these two networks. No hard renders: lids half way that
-/// are hardly seen would teach the networks to predict the middle.
+/// Makes the section for a global stage of these two networks.
 pub fn make(context: &Context<'_>, global: &Output, member: &Output) -> Result<Output> {
     let args = context.args;
-    let options = align::refiners::options(args.seed, args.steps);
-    let stage = Stage::new("refiners", 1)
+    let options = align::refiners::options(args.seed, args.steps * 3 / 4);
+    let stage = Stage::new("refiners", 2)
         .options(&options)?
-        .input("second-round", global.hash(sections::FILE)?)
+        .input("global-network", global.hash(sections::FILE)?)
         .input("ensemble-member", member.hash(sections::FILE)?);
-    let stage = context.with_near(context.with_pseudo_labelled(stage)?)?;
+    let stage = context.with_near(context.with_faces(stage)?)?;
     let stage = context.with_photographs(stage, &["eyes"])?;
     context.store.make(&stage, &[sections::FILE], |folder| {
         let global = [(global, AlignModel::TAG), (member, EnsembleMember::TAG)];
-        let faces = [&context.pseudo_labelled(&global)?, context.near()?].concat();
+        let faces = [context.faces()?, context.near()?].concat();
         let eyes = context.data("eyes");
         let [first, second] = [sections::read(&global[0])?, sections::read(&global[1])?];
         let training = align::refiners::Training {

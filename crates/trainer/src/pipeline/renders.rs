@@ -1,9 +1,10 @@
-//! Stages `renders`, `renders-near` and `renders-hard`: rendered faces with exact landmarks. An
+//! Stages `renders` and `renders-near`: rendered faces with exact landmarks. An
 //! interrupted one goes on after the last whole sample of its file.
 
 use super::fits;
 use super::stage::Stage;
 use super::store::{Output, Store};
+use crate::photographs::UNCROPPED;
 use crate::render::{self, Args, Kind, SampleSpec};
 use anyhow::Result;
 use serde::Serialize;
@@ -28,7 +29,6 @@ pub fn make(store: &Store, args: &Args, fits: Option<&Output>) -> Result<Output>
     let name = match args.kind {
         Kind::Plain => "renders",
         Kind::Near => "renders-near",
-        Kind::Hard => "renders-hard",
     };
     let options = Options {
         seed: args.seed,
@@ -39,14 +39,18 @@ pub fn make(store: &Store, args: &Args, fits: Option<&Output>) -> Result<Output>
         pictures: args.kind.pictures(),
     };
     let data = |name: &str| store.data(&args.data.join(name));
-    let mut stage = Stage::new(name, 1)
+    let mut stage = Stage::new(name, 2)
         .options(&options)?
         .input("facekit.npz", data("facekit.npz")?);
     if let Some(fits) = fits {
-        stage = stage
-            .input("fits", fits.hash(fits::FILE)?)
-            .input("faces68/train", data("faces68/train")?)
-            .input("backgrounds", data("backgrounds")?);
+        stage = stage.input("fits", fits.hash(fits::FILE)?);
+        for name in UNCROPPED
+            .map(|set| set.images)
+            .into_iter()
+            .chain(["backgrounds"])
+        {
+            stage = stage.input(name, data(name)?);
+        }
     }
     store.make(&stage, &[FILE], |folder| {
         let fits = fits.map(fits::read).transpose()?;

@@ -1,11 +1,11 @@
 //! Runs all stages in order.
 
-use super::args::Args;
+use super::args::{Args, Until};
 use super::context::Context;
 use super::store::Store;
 use super::{
-    data_sheet, detector, ensemble_member, face, first_network, fits, pack, refiners, renders,
-    second_round, sections, shape_regression, verifier,
+    data_sheet, detector, ensemble_member, face, fits, global_network, pack, refiners, renders,
+    sections, shape_regression, verifier,
 };
 use crate::render::Kind;
 use anyhow::Result;
@@ -27,12 +27,17 @@ pub fn run(args: &Args) -> Result<()> {
     let face = face::make(&store, args, fits)?;
     let render = |kind| renders::make(&store, &args.render(kind), fits);
     let renders = [render(Kind::Plain)?, render(Kind::Near)?];
-    let hard = (args.hard_renders > 0).then(|| render(Kind::Hard));
-    let context = Context::new(args, &store, renders, hard.transpose()?);
+    let context = Context::new(args, &store, renders);
+    match args.until {
+        None => {}
+        Some(Until::Renders) => return Ok(()),
+        Some(Until::Detector) => return detector::make(&context).map(drop),
+        Some(Until::GlobalNetwork) => return global_network::make(&context).map(drop),
+        Some(Until::EnsembleMember) => return ensemble_member::make(&context).map(drop),
+    }
     let detector = detector::make(&context)?;
-    let first = first_network::make(&context)?;
-    let global = second_round::make(&context, &first)?;
-    let member = ensemble_member::make(&context, &global)?;
+    let global = global_network::make(&context)?;
+    let member = ensemble_member::make(&context)?;
     let refiners = refiners::make(&context, &global, &member)?;
     let regression = shape_regression::make(&context, [&global, &member, &refiners])?;
     let cascade = [

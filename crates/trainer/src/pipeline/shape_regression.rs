@@ -9,11 +9,10 @@ use crate::align;
 use anyhow::Result;
 use posewise::align::{AlignModel, EnsembleMember, Refiners};
 
-/// Makes the section for a cascade of these: second round, ensemble member, refiners. It learns
-/// from the annotators' labels: pseudo-labels lack what the networks lack.
+/// Makes the section for a cascade of these: global network, ensemble member, refiners.
 pub fn make(context: &Context<'_>, [global, member, refiners]: [&Output; 3]) -> Result<Output> {
-    let stage = Stage::new("shape-regression", 1)
-        .input("second-round", global.hash(sections::FILE)?)
+    let stage = Stage::new("shape-regression", 2)
+        .input("global-network", global.hash(sections::FILE)?)
         .input("ensemble-member", member.hash(sections::FILE)?)
         .input("refiners", refiners.hash(sections::FILE)?);
     let stage = context.with_near(context.with_faces(stage)?)?;

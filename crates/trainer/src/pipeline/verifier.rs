@@ -16,19 +16,18 @@ struct Options {
     seed: u64,
 }
 
-/// Makes the section for a finished cascade and detector. Plain renders: with hard ones it rejects
-/// occluded faces too soon.
+/// Makes the section for a finished cascade and detector.
 pub fn make(
     context: &Context<'_>,
     cascade: &[(&Output, Tag); 4],
     detector: &Output,
 ) -> Result<Output> {
     let seed = context.args.seed;
-    let mut stage = Stage::new("verifier", 2)
+    let mut stage = Stage::new("verifier", 3)
         .options(&Options { seed })?
         .input("detector", detector.hash(sections::FILE)?);
     let names = [
-        "second-round",
+        "global-network",
         "ensemble-member",
         "refiners",
         "shape-regression",

@@ -13,6 +13,7 @@ pub mod background;
 pub mod cache;
 pub mod contour;
 pub mod dead_leaves;
+pub mod deform;
 pub mod draw;
 pub mod effects;
 pub mod expression;
@@ -44,7 +45,7 @@ use std::path::{Path, PathBuf};
 /// Settings of `posewise-train render`.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Args {
-    /// The shared data: `facekit.npz`, `backgrounds/`, `faces68/`.
+    /// The shared data: `facekit.npz`, `backgrounds/`, `faces300w/`, `faces68/`.
     #[arg(long, default_value = "../shared/data")]
     pub data: PathBuf,
     /// Folder for the outputs of stages.
@@ -69,8 +70,6 @@ pub struct Args {
 pub enum Kind {
     /// Poses, expressions and lights that photographs lack.
     Plain,
-    /// What plain ones lack: things worn, lids half way, odd eyes, larger turns.
-    Hard,
     /// Faces seen from near, for the fine stages: sharp, lids in detail and half way too.
     Near,
 }
@@ -81,7 +80,7 @@ impl Kind {
         match (self, clean) {
             (Kind::Plain, true) => 2048,
             (Kind::Plain, false) => 256,
-            (Kind::Hard | Kind::Near, _) => 600,
+            (Kind::Near, _) => 600,
         }
     }
 
@@ -89,7 +88,7 @@ impl Kind {
     pub fn pictures(self) -> usize {
         match self {
             Kind::Plain => 2,
-            Kind::Hard | Kind::Near => 3,
+            Kind::Near => 3,
         }
     }
 }
@@ -111,23 +110,18 @@ pub fn renderer(args: &Args, fits: Option<&Fits>) -> Result<Renderer> {
     let offsets_mm = match fits {
         None => head.conventional_offsets_mm(),
         Some(fits) => {
-            let images = args.data.join("faces68/train");
-            people.add_photographs(&head, &mesh, &fits.fits, &images, args.kind.pictures())?;
+            let pictures = args.kind.pictures();
+            people.add_photographs(&head, &mesh, &fits.fits, &args.data, pictures)?;
             fits.offsets_mm.clone()
         }
     };
-    let renderer = Renderer::new(mesh, people, backgrounds, &offsets_mm);
-    Ok(match args.clean {
-        true => renderer.by_convention(),
-        false => renderer,
-    })
+    Ok(Renderer::new(mesh, people, backgrounds, &offsets_mm))
 }
 
 /// The spec that goes with `args`.
 pub fn spec(args: &Args) -> SampleSpec {
     let kind = match args.kind {
         Kind::Plain => SampleSpec::default(),
-        Kind::Hard => SampleSpec::hard(),
         Kind::Near => SampleSpec::near(),
     };
     SampleSpec {

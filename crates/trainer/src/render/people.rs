@@ -54,14 +54,14 @@ impl People {
         }
     }
 
-    /// Adds people from fitted photographs in `images`: of each person at most `per_person`
+    /// Adds people from fitted photographs below `data`: of each person at most `per_person`
     /// pictures, those that show most of the face.
     pub fn add_photographs(
         &mut self,
         head: &Head,
         mesh: &Mesh,
         fits: &[PhotoFit],
-        images: &Path,
+        data: &Path,
         per_person: usize,
     ) -> Result<()> {
         let photographer = Photographer {
@@ -78,7 +78,7 @@ impl People {
             .into_par_iter()
             .progress_with(bar)
             .map(|(id, fit)| {
-                let path = images.join(&fit.image);
+                let path = data.join(&fit.image);
                 let photo = image::open(&path).with_context(|| path.display().to_string())?;
                 Ok(photographer.person(id, fit, &photo.to_luma8(), self.seed))
             })

@@ -82,7 +82,8 @@ impl Prop {
     }
 }
 
-/// Shoulders and chest. They follow the head's turns only in part.
+/// Shoulders and chest. They follow the head's turns only in part. Neck and shoulders are as wide
+/// and as high as the seed says.
 pub fn torso(angles: HeadAngles, rotation: Mat3, at: Vec3, albedo: f32, seed: u32) -> Prop {
     // (down from the neck's base, half width, half depth) in mm
     const RINGS: [(f32, f32, f32); 9] = [
@@ -98,12 +99,15 @@ pub fn torso(angles: HeadAngles, rotation: Mat3, at: Vec3, albedo: f32, seed: u3
     ];
     const SIDES: usize = 40;
     let mut prop = Prop::opaque(0.0);
+    let [wide, high, neck] = [0, 8, 16].map(|bit| (seed >> bit & 0xff) as f32 / 255.0 - 0.5);
     let rings: Vec<Vec<Vec3>> = RINGS
         .iter()
         .map(|(y, half, deep)| {
+            // A neck is as wide as the first rings, shoulders begin below.
+            let grow = 1.0 + if *y < 20.0 { 0.35 * neck } else { 0.4 * wide };
             let point = |i: usize| {
                 let (s, c) = (i as f32 / SIDES as f32 * std::f32::consts::TAU).sin_cos();
-                Vec3::new(half * c, *y, deep * s)
+                Vec3::new(half * grow * c, *y + 30.0 * high, deep * grow * s)
             };
             (0..SIDES).map(point).collect()
         })

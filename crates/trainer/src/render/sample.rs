@@ -1,6 +1,7 @@
 //! Draws random samples: a person, an expression, a pose, lights, surroundings, a camera.
 
 use super::contour::{Landmarker, Points};
+use super::deform::Deformation;
 use super::draw::{Eyes, Posed, Prop, Scene, View, draw};
 use super::effects::Camera;
 use super::expression::{Expression, random_gaze};
@@ -50,8 +51,6 @@ pub struct Renderer {
     pub mesh: Mesh,
     /// Finds the 68 points.
     pub landmarker: Landmarker,
-    /// Whether the outline is that of the head without its hair.
-    bare: bool,
     people: super::people::People,
     backgrounds: Vec<GrayImage>,
 }
@@ -66,21 +65,10 @@ impl Renderer {
         offsets_mm: &[[f32; 3]],
     ) -> Renderer {
         Renderer {
-            landmarker: Landmarker::new(&mesh, offsets_mm),
+            landmarker: Landmarker::new(&mesh, offsets_mm).levelled(&mesh),
             mesh,
-            bare: false,
             people,
             backgrounds,
-        }
-    }
-
-    /// Puts the jaw where the convention has it: on the skin, not on hair that stands off it, each
-    /// point beside the cheeks at a height of its own however the head turns.
-    pub fn by_convention(self) -> Renderer {
-        Renderer {
-            landmarker: self.landmarker.levelled(&self.mesh),
-            bare: true,
-            ..self
         }
     }
 
@@ -95,9 +83,11 @@ impl Renderer {
         if some(rng, spec.closing) {
             expression.close(rng);
         }
-        let head = self
+        let mut head = self
             .mesh
             .vertices(&identity, &expression.weights(&self.mesh));
+        let deformation = Deformation::random(rng, &self.mesh, deformation_of(&person));
+        head.iter_mut().for_each(|v| *v = deformation.apply(*v));
         let angles = random_angles(rng, spec);
         let pose = Pose::random(rng, angles);
         let posed = Posed::new(
@@ -139,13 +129,11 @@ impl Renderer {
         let level = rng.random_range(0.3..1.6);
         behind.iter_mut().for_each(|b| *b *= level);
         let drawn = draw(&scene, &view, &behind);
-        let skin = self
-            .bare
-            .then(|| Posed::new(&self.mesh, &head, &[], pose.rotation, pose.at));
-        let labelled = skin.as_ref().unwrap_or(&posed);
+        // The jaw is on the skin, not on hair that stands off it.
+        let skin = Posed::new(&self.mesh, &head, &[], pose.rotation, pose.at);
         let points = self
             .landmarker
-            .points(labelled, &view, &drawn, angles.roll_deg);
+            .points(&skin, &view, &drawn, angles.roll_deg);
         let camera = Camera::random(
             rng,
             face_px,
@@ -171,15 +159,11 @@ impl Renderer {
 
     fn identity(&self, rng: &mut ChaCha8Rng, person: &Person) -> Vec<f32> {
         // A procedural skin fits anybody; a photographed one mostly its owner.
-        let spread = if person.identity.is_empty() {
-            0.85
-        } else {
-            0.25
-        };
+        let spread = if person.identity.is_empty() { 1.1 } else { 0.4 };
         (0..IDENTITIES)
             .map(|k| {
                 let own = person.identity.get(k).copied().unwrap_or(0.0);
-                own + spread * normal(rng).clamp(-2.3, 2.3)
+                own + spread * normal(rng).clamp(-2.5, 2.5)
             })
             .collect()
     }
@@ -288,6 +272,11 @@ impl Renderer {
         let ears = [at(0), at(16)].map(|p| p + Vec3::new(p.x.signum() * 2.0, 2.0, 42.0));
         accessories::glasses(rng, at(27), eyes, ears)
     }
+}
+
+/// How strongly a person's head is deformed: a photographed skin fits others than its owner less.
+fn deformation_of(person: &Person) -> f32 {
+    if person.identity.is_empty() { 1.0 } else { 0.5 }
 }
 
 /// True in that share of the cases; a share of 0 draws nothing from the generator.

@@ -48,17 +48,17 @@ impl Default for SampleSpec {
         SampleSpec {
             face_px: (40.0, 110.0),
             margin: 0.6,
-            yaw_deg: 90.0,
-            inner_share: 0.75,
-            pitch_deg: 35.0,
+            yaw_deg: 100.0,
+            inner_share: 0.55,
+            pitch_deg: 40.0,
             roll_deg: 35.0,
-            occluders: 0.15,
+            occluders: 0.2,
             glasses: 0.15,
-            long_hair: 0.0,
-            caps: 0.0,
-            masks: 0.0,
-            closing: 0.0,
-            odd_eyes: 0.0,
+            long_hair: 0.25,
+            caps: 0.06,
+            masks: 0.04,
+            closing: 0.1,
+            odd_eyes: 0.1,
             infrared: 0.12,
             photo_backgrounds: 0.75,
             defects: 1.0,
@@ -72,28 +72,11 @@ impl SampleSpec {
     pub fn near() -> SampleSpec {
         SampleSpec {
             face_px: (50.0, 240.0),
-            inner_share: 0.85,
+            inner_share: 0.75,
             closing: 0.25,
-            odd_eyes: 0.1,
             glasses: 0.12,
             infrared: 0.1,
             defects: 0.5,
-            ..SampleSpec::default()
-        }
-    }
-
-    /// What plain samples lack: things worn, lids half way, odd eyes, larger turns, small faces.
-    pub fn hard() -> SampleSpec {
-        SampleSpec {
-            face_px: (30.0, 110.0),
-            pitch_deg: 45.0,
-            roll_deg: 45.0,
-            occluders: 0.2,
-            long_hair: 0.35,
-            caps: 0.08,
-            masks: 0.08,
-            closing: 0.3,
-            odd_eyes: 0.2,
             ..SampleSpec::default()
         }
     }

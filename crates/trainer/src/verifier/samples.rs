@@ -6,7 +6,7 @@
 //! in [`POOR`] is shown as by a poor camera.
 
 use super::linear::{Example, FOLDS};
-use crate::align::cover::covered;
+use crate::align::cover::{covered, cut_off};
 use crate::align::evaluate::{mean_error, start_of};
 use crate::align::{Jitter, jittered_box, normal, start_from_box};
 use crate::faces::{Face, Picture};
@@ -29,8 +29,9 @@ const MAX_PER_FACE: usize = 6;
 /// Of so many fits on a face one starts from a box [`FAR`] times as far off.
 const FAR_STARTS: usize = 3;
 const FAR: f32 = 3.5;
-/// Of so many faces one has something before it.
-const OCCLUDED: usize = 4;
+/// Of so many faces one has something before it, and one is cut off by the picture's edge.
+const OCCLUDED: usize = 3;
+const CUT_OFF: usize = 12;
 /// Largest turn (−1 … 1) of a photographed face whose landmarks are known to be visible:
 /// photographs do not label what turning hides.
 const FRONTAL_TURN: f32 = 0.3;
@@ -146,12 +147,17 @@ fn on_face(
     rng: &mut ChaCha8Rng,
     work: &mut Workspace,
 ) -> Option<Sample> {
-    let mut shape = jittered_start(model, bare, count % FAR_STARTS == FAR_STARTS - 1, rng);
+    // Views of both sides learn from every face.
+    let mirrored = rng.random_bool(0.5).then(|| bare.mirrored());
+    let bare = mirrored.as_ref().unwrap_or(bare);
     let occluded = (rng.random_range(0..OCCLUDED) == 0).then(|| {
         let other = &faces[rng.random_range(0..faces.len())];
         covered(bare, other, rng)
     });
     let face = occluded.as_ref().unwrap_or(bare);
+    let cut = (rng.random_range(0..CUT_OFF) == 0).then(|| cut_off(face, rng));
+    let face = cut.as_ref().unwrap_or(face);
+    let mut shape = jittered_start(model, face, count % FAR_STARTS == FAR_STARTS - 1, rng);
     let poor = sometimes_poor(&face.picture, face.width(), rng);
     let frame = poor.as_ref().unwrap_or(&face.picture).frame();
     let fitted = model.run(&frame, model.iterations() + k % 2, &mut shape, work)
@@ -164,7 +170,7 @@ fn on_face(
     let correct = pairs.map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1]) <= limit);
     // Hidden landmarks are estimates: hardly a profile would be well fitted if they counted.
     let visible = (0..LANDMARKS).filter(|k| bare.visible[*k]);
-    let well_fitted = mean_error(bare, &shape, visible, bare.scale()) < CORRECT_PERCENT;
+    let well_fitted = mean_error(face, &shape, visible, face.scale()) < CORRECT_PERCENT;
     let known = face.yaw_deg.is_some() || face.turn().abs() < FRONTAL_TURN;
     Some(Sample {
         features: work.features().to_vec(),

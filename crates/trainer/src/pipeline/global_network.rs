@@ -1,5 +1,4 @@
-//! Stage `first-network`: the global stage's network (section `ALGN`), trained on the annotators'
-//! labels and on renders.
+//! Stage `global-network`: the global stage's network (section `ALGN`).
 
 use super::context::Context;
 use super::sections;
@@ -8,15 +7,19 @@ use super::store::Output;
 use crate::align;
 use anyhow::Result;
 
-/// The network before it is quantized, from which the second round goes on.
+/// The network before it is quantized.
 pub const NETWORK: &str = "network.checkpoint";
+
+/// How much more often a clean model draws a render seen from the front than one in profile. Faces
+/// are mostly seen from the front, which photographs show by themselves.
+const CLEAN_FRONT: f32 = 4.0;
 
 /// How it is trained.
 pub fn options(context: &Context<'_>) -> align::Options {
     align::Options {
         seed: context.args.seed,
         steps: context.args.steps,
-        occluded: if context.args.clean { 0.25 } else { 0.0 },
+        front: if context.args.clean { CLEAN_FRONT } else { 0.0 },
         ..align::Options::default()
     }
 }
@@ -24,12 +27,11 @@ pub fn options(context: &Context<'_>) -> align::Options {
 /// Makes section and network.
 pub fn make(context: &Context<'_>) -> Result<Output> {
     let options = options(context);
-    let stage = context.with_faces(Stage::new("first-network", 1).options(&options)?)?;
+    let stage = context.with_faces(Stage::new("global-network", 1).options(&options)?)?;
     context
         .store
         .make(&stage, &[sections::FILE, NETWORK], |folder| {
-            let checkpoint = folder.join(NETWORK);
-            let section = align::cascade(context.faces()?, &options, &checkpoint, None)?;
+            let section = align::cascade(context.faces()?, &options, &folder.join(NETWORK))?;
             sections::write(folder, &section)
         })
 }
