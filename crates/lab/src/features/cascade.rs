@@ -343,6 +343,7 @@ mod tests {
             person,
             yaw_deg: Some(0.0),
             weight: 1.0,
+            share: 1.0,
             visible: [true; LANDMARKS],
         }
     }
