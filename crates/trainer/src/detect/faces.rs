@@ -1,41 +1,45 @@
 //! Faces with their boxes: photographs and renders with 68 landmarks.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use anyhow::Result;
 use posewise::detect::Detection;
 use posewise::shape::MIRROR;
-use rayon::prelude::*;
 
+use super::options::rng_for;
+use crate::align::cover::cut_off;
 use crate::align::{self, StartShapes};
 use crate::photographs;
 use crate::picture::Picture;
 
 /// A picture with one labelled face.
 pub struct Face {
-    /// File name.
-    pub name: String,
     pub picture: Picture,
     /// The face's box by the rule of [`Detection`]; `yaw` from the nose's position between the
     /// eyes.
     pub truth: Detection,
 }
 
-/// All training photographs that show what is around the face.
+/// Of so many photographs one is added again with a part of the face beyond the picture's edge.
+const CUT_OFF: usize = 8;
+
+/// All training photographs that show what is around the face, some of them cut off too.
 ///
 /// # Errors
 /// When a file is missing or not as documented.
-pub fn load(data: &Path) -> Result<Vec<Face>> {
-    photographs::labels(data, &photographs::UNCROPPED)?
-        .into_par_iter()
-        .map(|label| {
-            Ok(Face {
-                picture: Picture::read(&data.join(&label.image))?,
-                truth: face_box(&label.points, None, None),
-                name: label.image,
-            })
-        })
-        .collect()
+pub fn load(data: &Path, seed: u64) -> Result<Vec<Face>> {
+    let mut whole = photographs::load(data, &photographs::UNCROPPED)?;
+    let some = whole.iter().enumerate().step_by(CUT_OFF);
+    let cut: Vec<_> = some
+        .map(|(k, face)| cut_off(face, &mut rng_for(seed, 0x4355_5446, k as u64)))
+        .collect();
+    whole.extend(cut);
+    let face = |face: crate::faces::Face| Face {
+        truth: face_box(&face.landmarks, None, None),
+        picture: Arc::unwrap_or_clone(face.picture),
+    };
+    Ok(whole.into_iter().map(face).collect())
 }
 
 /// Renders as faces with boxes: those whose roll follows from the eye line and whose sides towards
@@ -43,11 +47,11 @@ pub fn load(data: &Path) -> Result<Vec<Face>> {
 pub fn fronts(renders: &[crate::faces::Face]) -> Vec<Face> {
     const MOST_YAW_DEG: f32 = 60.0;
     const BOTH_SIDES_DEG: f32 = 15.0;
-    let chosen = renders.iter().enumerate().filter_map(|(k, face)| {
+    let chosen = renders.iter().filter_map(|face| {
         let yaw_deg = face.yaw_deg.filter(|yaw| yaw.abs() <= MOST_YAW_DEG)?;
         let both = yaw_deg.abs() <= BOTH_SIDES_DEG;
         let bare = is_bare(face, yaw_deg) && (!both || is_bare(face, -yaw_deg));
-        bare.then(|| of_render(k, face, yaw_deg, None))
+        bare.then(|| of_render(face, yaw_deg, None))
     });
     chosen.collect()
 }
@@ -59,17 +63,16 @@ pub fn profiles(renders: &[crate::faces::Face], most: usize) -> Vec<Face> {
     const LEAST_YAW_DEG: f32 = 50.0;
     let turns = align::Options::default().turns;
     let starts = StartShapes::fit(renders, &align::mean_shape(renders), &turns);
-    let chosen = renders.iter().enumerate().filter_map(|(k, face)| {
+    let chosen = renders.iter().filter_map(|face| {
         let yaw_deg = face.yaw_deg.filter(|yaw| yaw.abs() >= LEAST_YAW_DEG)?;
         let roll = starts.views().of(&face.landmarks)?.roll;
-        is_bare(face, yaw_deg).then(|| of_render(k, face, yaw_deg, Some(roll)))
+        is_bare(face, yaw_deg).then(|| of_render(face, yaw_deg, Some(roll)))
     });
     chosen.take(most).collect()
 }
 
-fn of_render(index: usize, face: &crate::faces::Face, yaw_deg: f32, roll: Option<f32>) -> Face {
+fn of_render(face: &crate::faces::Face, yaw_deg: f32, roll: Option<f32>) -> Face {
     Face {
-        name: format!("render_{index}"),
         picture: Picture::clone(&face.picture),
         truth: face_box(&face.landmarks, roll, Some(yaw_deg.to_radians())),
     }

@@ -12,8 +12,8 @@ use posewise_format::SectionWriter;
 /// the jitter of training covers half a step each way.
 const RATIO_Q8: u32 = 213;
 const STEP_Q8: u32 = 31;
-/// Centres come within 0.36 of the size to the edge.
-const MARGIN_Q8: u32 = 92;
+/// Centres come within a sixth of the size to the edge: a third of a face may lie beyond it.
+const MARGIN_Q8: u32 = 43;
 /// 0 and ±30° \[1/65536 turn\].
 const ROLLS: [i16; 3] = [0, 5461, -5461];
 

@@ -9,6 +9,7 @@ use crate::detect::backgrounds;
 use crate::faces::{self, Face};
 use crate::photographs::{self, Set};
 use crate::picture::Picture;
+use crate::render::Kind;
 use anyhow::Result;
 use std::cell::OnceCell;
 use std::path::PathBuf;
@@ -20,24 +21,38 @@ const MADE_UP_BACKGROUNDS: u64 = 600;
 pub struct Context<'a> {
     pub args: &'a Args,
     pub store: &'a Store,
-    /// Outputs of the stages that render.
-    pub plain: Output,
-    pub near: Output,
+    fits: Option<&'a Output>,
+    plain: OnceCell<Output>,
+    near: OnceCell<Output>,
     loaded: OnceCell<Vec<Face>>,
     loaded_near: OnceCell<Vec<Face>>,
 }
 
 impl<'a> Context<'a> {
-    /// With these renders.
-    pub fn new(args: &'a Args, store: &'a Store, [plain, near]: [Output; 2]) -> Context<'a> {
+    /// Of these options. A model of photographs has `fits`.
+    pub fn new(args: &'a Args, store: &'a Store, fits: Option<&'a Output>) -> Context<'a> {
         Context {
             args,
             store,
-            plain,
-            near,
+            fits,
+            plain: OnceCell::new(),
+            near: OnceCell::new(),
             loaded: OnceCell::new(),
             loaded_near: OnceCell::new(),
         }
+    }
+
+    /// The output of a stage that renders, which is made when it is first asked for.
+    pub fn renders(&self, kind: Kind) -> Result<&Output> {
+        let cell = match kind {
+            Kind::Plain => &self.plain,
+            Kind::Near => &self.near,
+        };
+        if let Some(output) = cell.get() {
+            return Ok(output);
+        }
+        let output = renders::make(self.store, &self.args.render(kind), self.fits)?;
+        Ok(cell.get_or_init(|| output))
     }
 
     /// A data set of `--data`.
@@ -57,7 +72,7 @@ impl<'a> Context<'a> {
 
     /// The stage with the training faces of [`Context::faces`] as input.
     pub fn with_faces(&self, stage: Stage) -> Result<Stage> {
-        let stage = stage.input("renders", self.plain.hash(renders::FILE)?);
+        let stage = stage.input("renders", self.renders(Kind::Plain)?.hash(renders::FILE)?);
         self.with_sets(stage, &photographs::TRAINING)
     }
 
@@ -69,7 +84,8 @@ impl<'a> Context<'a> {
 
     /// The stage with the close-up renders as input.
     pub fn with_near(&self, stage: Stage) -> Result<Stage> {
-        Ok(stage.input("renders-near", self.near.hash(renders::FILE)?))
+        let near = self.renders(Kind::Near)?;
+        Ok(stage.input("renders-near", near.hash(renders::FILE)?))
     }
 
     /// Photographs and renders; of a clean model renders only.
@@ -81,7 +97,7 @@ impl<'a> Context<'a> {
         if !self.args.clean {
             faces = photographs::load(&self.args.data, &photographs::TRAINING)?;
         }
-        let renders = self.plain.path(renders::FILE);
+        let renders = self.renders(Kind::Plain)?.path(renders::FILE);
         faces.extend(faces::rendered(&renders, self.args.renders as usize)?);
         Ok(self.loaded.get_or_init(|| faces))
     }
@@ -91,7 +107,7 @@ impl<'a> Context<'a> {
         if let Some(faces) = self.loaded_near.get() {
             return Ok(faces);
         }
-        let path = self.near.path(renders::FILE);
+        let path = self.renders(Kind::Near)?.path(renders::FILE);
         let faces = faces::rendered(&path, self.args.near_renders as usize)?;
         Ok(self.loaded_near.get_or_init(|| faces))
     }

@@ -41,7 +41,7 @@ pub fn make(context: &Context<'_>) -> Result<Output> {
         profiles: PROFILES,
         fronts: clean.then_some(FRONTS),
     };
-    let mut stage = context.with_near(Stage::new("detector", 2).options(&options)?)?;
+    let mut stage = context.with_near(Stage::new("detector", 3).options(&options)?)?;
     if clean {
         stage = context.with_faces(stage)?;
     }
@@ -55,7 +55,7 @@ pub fn make(context: &Context<'_>) -> Result<Output> {
             faces.extend(detect::faces::fronts(context.faces()?));
             PROFILES + FRONTS
         } else {
-            faces = detect::faces::load(&context.args.data)?;
+            faces = detect::faces::load(&context.args.data, context.args.seed)?;
             faces.extend(detect::faces::profiles(near, PROFILES));
             faces.len()
         };

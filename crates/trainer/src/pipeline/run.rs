@@ -4,8 +4,8 @@ use super::args::{Args, Until};
 use super::context::Context;
 use super::store::Store;
 use super::{
-    data_sheet, detector, ensemble_member, face, fits, global_network, pack, refiners, renders,
-    sections, shape_regression, verifier,
+    data_sheet, detector, ensemble_member, face, fits, global_network, pack, refiners, sections,
+    shape_regression, verifier,
 };
 use crate::render::Kind;
 use anyhow::Result;
@@ -25,12 +25,13 @@ pub fn run(args: &Args) -> Result<()> {
     };
     let fits = fits.as_ref();
     let face = face::make(&store, args, fits)?;
-    let render = |kind| renders::make(&store, &args.render(kind), fits);
-    let renders = [render(Kind::Plain)?, render(Kind::Near)?];
-    let context = Context::new(args, &store, renders);
+    let context = Context::new(args, &store, fits);
     match args.until {
         None => {}
-        Some(Until::Renders) => return Ok(()),
+        Some(Until::Renders) => {
+            context.renders(Kind::Plain)?;
+            return context.renders(Kind::Near).map(drop);
+        }
         Some(Until::Detector) => return detector::make(&context).map(drop),
         Some(Until::GlobalNetwork) => return global_network::make(&context).map(drop),
         Some(Until::EnsembleMember) => return ensemble_member::make(&context).map(drop),
