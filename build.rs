@@ -7,9 +7,10 @@ use std::path::Path;
 const MODEL: &str = "models/default.posewise";
 
 /// Sections that only one feature reads, by the name that cargo gives it here.
-const READ_BY: [(&str, Tag); 3] = [
+const READ_BY: [(&str, Tag); 4] = [
     ("CARGO_FEATURE_REFINERS", *b"RFIN"),
     ("CARGO_FEATURE_REFINERS", *b"SREG"),
+    ("CARGO_FEATURE_VERIFIER", *b"ROTN"),
     ("CARGO_FEATURE_VERIFIER", *b"VRFY"),
 ];
 

@@ -6,7 +6,7 @@ use super::posit::{mirrored, posit};
 use super::state::FaceState;
 use super::step::stepped;
 use super::{ANIMATIONS, Contour, FaceModel, Identity, Intrinsics, LANDMARKS};
-use super::{Observed, Pose, Shape};
+use super::{Observed, Pose, RotationPrior, Shape};
 use crate::math::solve_spd;
 use glam::Vec3;
 use nalgebra::{Cholesky, Matrix6};
@@ -38,6 +38,8 @@ pub struct FitOptions {
     pub iterations: usize,
     /// Factor on the weight of landmarks that the head itself hides at the initial pose.
     pub hidden_weight: f32,
+    /// What is known of the rotation beside the landmarks.
+    pub rotation: Option<RotationPrior>,
 }
 
 impl Default for FitOptions {
@@ -45,6 +47,7 @@ impl Default for FitOptions {
         FitOptions {
             iterations: 6,
             hidden_weight: 0.5,
+            rotation: None,
         }
     }
 }
@@ -66,6 +69,8 @@ pub struct FaceFit {
     pub rms_px: f32,
     /// Mean robust cost per landmark, by which fits from several initial states are compared.
     pub cost: f32,
+    /// The prior of the rotation that it was fitted with.
+    pub rotation: Option<RotationPrior>,
     /// Covariance of the pose, animation marginalised: rotation vector about the camera's axes
     /// \[rad\], then translation \[mm\].
     pub covariance: [[f32; 6]; 6],
@@ -73,8 +78,8 @@ pub struct FaceFit {
 
 /// Fits pose and animation of a person to observed landmarks under perspective.
 ///
-/// Levenberg–Marquardt with analytic derivatives, a Cauchy loss, a Gaussian prior on animation
-/// weights, and bounds 0..1 on them. Starts from `start`; without one, from the pose of POSIT and
+/// Levenberg–Marquardt with analytic derivatives, a Cauchy loss, Gaussian priors on animation
+/// weights and, if there is one, on the rotation, and bounds 0..1 on the weights. Starts from `start`; without one, from the pose of POSIT and
 /// from its mirrored pose, of which the better fit is taken. `options.iterations` bounds the work.
 ///
 /// `None` when there are fewer than eight usable landmarks, the camera or the result is not finite,
@@ -278,6 +283,7 @@ impl Fit<'_> {
             state,
             shape,
             contour,
+            rotation: self.options.rotation.as_ref(),
         }
     }
 
@@ -318,6 +324,7 @@ impl Fit<'_> {
             contour: at.contour,
             rms_px: libm::sqrtf(system.squares_px / system.weight.max(1e-6)),
             cost: system.mean_cost(),
+            rotation: self.options.rotation,
             covariance: pose_covariance(&mut system.matrix, system.squares / freedom)?,
         })
     }

@@ -77,6 +77,7 @@ impl IdentityEstimator {
             state,
             shape: &shape,
             contour: &fit.contour,
+            rotation: fit.rotation.as_ref(),
         };
         system.set(&residuals);
         let mut frame = Frame::new();

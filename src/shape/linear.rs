@@ -1,7 +1,9 @@
 //! Whitened landmark residuals, their derivatives, and the normal equations of one linearisation.
 
 use super::face::contour_directions;
-use super::{ANIMATIONS, Contour, FaceModel, FaceState, Intrinsics, LANDMARKS, Shape};
+use super::{
+    ANIMATIONS, Contour, FaceModel, FaceState, Intrinsics, LANDMARKS, RotationPrior, Shape,
+};
 use glam::{Mat3, Vec3};
 
 /// Unknowns of the fit: animation weights, then a rotation vector \[rad\], then a translation
@@ -54,6 +56,7 @@ pub(super) struct Residuals<'a> {
     /// The face of `state`, head frame.
     pub shape: &'a Shape,
     pub contour: &'a Contour,
+    pub rotation: Option<&'a RotationPrior>,
 }
 
 /// A landmark as observed.
@@ -146,12 +149,34 @@ pub(super) fn gradients(face: &FaceModel<'_>, row: &Row) -> [[f32; UNKNOWNS]; 2]
     out
 }
 
+/// What the prior of the rotation adds to the cost.
+struct RotationTerm {
+    /// Half the descent of the squared distance by a rotation vector about the camera's axes.
+    slope: Vec3,
+    /// Weight after the robust loss.
+    weight: f32,
+    cost: f32,
+}
+
+impl RotationTerm {
+    fn new(prior: &RotationPrior, rotation: &Mat3) -> RotationTerm {
+        let residual = prior.residual(rotation);
+        let slope = prior.information * residual;
+        let ratio = slope.dot(residual).max(0.0) / (CAUCHY * CAUCHY);
+        RotationTerm {
+            slope,
+            weight: 1.0 / (1.0 + ratio),
+            cost: CAUCHY * CAUCHY * libm::logf(1.0 + ratio),
+        }
+    }
+}
+
 /// Normal equations of one linearisation, `matrix · step = rhs`, and sums over the landmarks.
 pub(super) struct System {
     /// Symmetric; only the lower triangle is complete.
     pub matrix: [[f32; UNKNOWNS]; UNKNOWNS],
     pub rhs: [f32; UNKNOWNS],
-    /// Robust cost of the residuals and of the animation prior.
+    /// Robust cost of the residuals and of the priors.
     pub cost: f32,
     /// Σ weight · distance² \[px²\].
     pub squares_px: f32,
@@ -181,6 +206,9 @@ impl System {
         *self = Self::EMPTY;
         residuals.rows(|row| self.add(residuals.face, &row));
         self.add_prior(residuals.face, residuals.state);
+        if let Some(prior) = residuals.rotation {
+            self.add_rotation(prior, residuals.state);
+        }
     }
 
     /// The cost alone, with the same bits as that of the system.
@@ -191,6 +219,9 @@ impl System {
         let sigmas = residuals.face.animation_sigma();
         for (w, sigma) in residuals.state.animation.iter().zip(sigmas) {
             cost += 1.0 / (sigma * sigma) * w * w;
+        }
+        if let Some(prior) = residuals.rotation {
+            cost += RotationTerm::new(prior, &residuals.state.pose.rotation).cost;
         }
         cost
     }
@@ -217,6 +248,20 @@ impl System {
         self.squares_px += row.weight * row.distance_px * row.distance_px;
         self.weight += row.weight;
         self.count += 1;
+    }
+
+    /// Adds the prior of the rotation, with the same robust loss as the landmarks.
+    fn add_rotation(&mut self, prior: &RotationPrior, state: &FaceState) {
+        let term = RotationTerm::new(prior, &state.pose.rotation);
+        let information = (term.weight * prior.information).to_cols_array_2d();
+        let slope = (term.weight * term.slope).to_array();
+        let rows = self.matrix.iter_mut().zip(&mut self.rhs).skip(ANIMATIONS);
+        for ((row, rhs), (sums, slope)) in rows.zip(information.iter().zip(slope)) {
+            let entries = row.iter_mut().skip(ANIMATIONS).zip(sums);
+            entries.for_each(|(entry, value)| *entry += value);
+            *rhs += slope;
+        }
+        self.cost += term.cost;
     }
 
     /// Adds the prior N(0, σ²) of the animation weights.

@@ -7,6 +7,7 @@ mod identity;
 mod lids;
 mod linear;
 mod posit;
+mod rotation_prior;
 mod state;
 mod step;
 
@@ -19,6 +20,7 @@ pub use identity::{FRAME_WEIGHT, IdentityEstimator};
 pub use lids::eye_open;
 pub use linear::Observed;
 pub use posit::posit;
+pub use rotation_prior::{RotationPrior, rotation_vector};
 pub use state::FaceState;
 
 /// Number of landmarks: the iBUG 68 scheme. "Left" and "right" are the person's own.

@@ -2,7 +2,9 @@
 //! explains them, they become the target's, and the result is written.
 
 use super::output::{Fitted, write};
-use super::policy::{FIT_WEIGHT_HIDDEN, FIT_WEIGHT_MIN, UNTRUSTED_KEEP_CONFIDENCE};
+use super::policy::{
+    FIT_WEIGHT_HIDDEN, FIT_WEIGHT_MIN, ROTATION_PRIOR_WEIGHT, UNTRUSTED_KEEP_CONFIDENCE,
+};
 use super::step::{Outcome, Step};
 use super::target::Origin;
 use super::{Loss, Model, Tracker};
@@ -37,7 +39,13 @@ impl Tracker {
             points: shape,
             weights: &weights,
         };
-        let fit = self.target.fit(face, camera, &observed, origin);
+        let (work, align) = (&self.work, &step.model.align);
+        let rotation = step
+            .model
+            .rotation
+            .predict(work.features(), work.view(), align.mean(), shape, camera)
+            .map(|prior| prior.weighted(ROTATION_PRIOR_WEIGHT));
+        let fit = self.target.fit(face, camera, &observed, rotation, origin);
         let Some(fit) = &fit else {
             return Outcome::Reject(Loss::NoPose);
         };

@@ -1,6 +1,6 @@
 //! All of a model's sections, opened and checked once.
 
-use crate::align::{AlignModel, EnsembleMember, Refiners};
+use crate::align::{AlignModel, EnsembleMember, Refiners, RotationRegression};
 use crate::detect::{self, DetectorModel};
 use crate::shape::{FACE_TAG, FaceModel};
 use crate::verifier::Verifier;
@@ -16,6 +16,8 @@ pub struct Model<'m> {
     pub(crate) align: AlignModel<'m>,
     /// Face and landmark probabilities.
     pub(crate) verifier: Verifier<'m>,
+    /// The head's rotation by what the cascade sees.
+    pub(crate) rotation: RotationRegression<'m>,
     /// The 3D face.
     pub(crate) face: FaceModel<'m>,
 }
@@ -33,6 +35,7 @@ impl<'m> Model<'m> {
             blob,
             detector: DetectorModel::open(blob.section(&detect::TAG)?)?,
             verifier: Verifier::open(&blob, align.features(), align.signed_views())?,
+            rotation: RotationRegression::open(&blob, align.features(), align.signed_views())?,
             align,
             face: FaceModel::open(blob.section(&FACE_TAG)?)?,
         })

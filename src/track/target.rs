@@ -10,7 +10,7 @@ use super::policy::{
 use crate::align::Shape;
 use crate::shape::{
     FRAME_WEIGHT, FaceFit, FaceModel, FaceState, FitOptions, IdentityEstimator, Intrinsics,
-    LANDMARKS, MAX_IDENTITIES, Observed, fit,
+    LANDMARKS, MAX_IDENTITIES, Observed, RotationPrior, fit,
 };
 
 /// Where a face on this frame comes from: what is known of it when the 3D face is fitted.
@@ -126,6 +126,7 @@ impl Target {
         face: &FaceModel<'_>,
         camera: &Intrinsics,
         observed: &Observed<'_>,
+        rotation: Option<RotationPrior>,
         origin: Origin,
     ) -> Option<FaceFit> {
         let start = (origin == Origin::Tracked).then_some(&self.face);
@@ -133,7 +134,10 @@ impl Target {
             Origin::NewFace => [0.0; MAX_IDENTITIES],
             Origin::Reacquired | Origin::Tracked => self.face.identity,
         };
-        let options = FitOptions::default();
+        let options = FitOptions {
+            rotation,
+            ..FitOptions::default()
+        };
         fit(face, camera, observed, start, &identity, &options)
     }
 

@@ -2,13 +2,18 @@
 
 use crate::labels::{self, Label};
 pub use crate::picture::Picture;
-use crate::render::cache;
+use crate::render::{Sample, cache};
 use anyhow::Result;
-use posewise::align::Shape;
+use glam::{Mat3, Vec3};
+use posewise::align::{Shape, crop_to_camera};
+use posewise::math::head_rotation;
 use posewise::shape::{LANDMARKS, MIRROR};
 use rayon::prelude::*;
 use std::path::Path;
 use std::sync::Arc;
+
+/// Exchanges left and right of a rotation, applied on both sides.
+const MIRRORED: Mat3 = Mat3::from_diagonal(Vec3::new(-1.0, 1.0, 1.0));
 
 /// One face with its 68 landmarks.
 #[derive(Clone)]
@@ -21,6 +26,9 @@ pub struct Face {
     pub person: u32,
     /// Yaw \[deg\] where it is known (renders).
     pub yaw_deg: Option<f32>,
+    /// The head's rotation as a camera sees it that looks straight at the landmarks' middle, where
+    /// it is known (renders).
+    pub rotation: Option<Mat3>,
     /// What an error against its label weighs.
     pub weight: f32,
     /// How often it is drawn, against another photograph or another render.
@@ -42,6 +50,7 @@ impl Face {
             picture: Arc::new(self.picture.mirrored()),
             landmarks,
             yaw_deg: self.yaw_deg.map(|yaw| -yaw),
+            rotation: self.rotation.map(|r| MIRRORED * r * MIRRORED),
             visible: MIRROR.map(|from| self.visible[from]),
             ..self.clone()
         }
@@ -114,6 +123,7 @@ pub fn labelled(labels: &[Label], images: &Path, share: f32) -> Result<Vec<Face>
                 landmarks: label.points,
                 person: number(labels::person(&label.image)),
                 yaw_deg: None,
+                rotation: None,
                 weight: label_weight(label.spread),
                 share,
                 visible: [true; LANDMARKS],
@@ -141,6 +151,7 @@ pub fn rendered(path: &Path, count: usize) -> Result<Vec<Face>> {
     Ok(samples
         .into_iter()
         .map(|sample| Face {
+            rotation: Some(rotation_of(&sample)),
             weight: visible_weight(&sample.visible),
             share: 1.0,
             landmarks: sample.landmarks.map(|p| p.to_array()),
@@ -153,6 +164,13 @@ pub fn rendered(path: &Path, count: usize) -> Result<Vec<Face>> {
             visible: sample.visible,
         })
         .collect())
+}
+
+/// The head's rotation relative to a camera that looks straight at the landmarks' middle.
+fn rotation_of(sample: &Sample) -> Mat3 {
+    let landmarks = sample.landmarks.map(|p| p.to_array());
+    let to_camera = crop_to_camera(&landmarks, 0.0, &sample.camera);
+    to_camera.transpose() * head_rotation(sample.angles)
 }
 
 /// Weight of a render of which hardly anything is seen. Half of a profile's landmarks are hidden,

@@ -83,6 +83,7 @@ pub fn for_training(model: &AlignModel<'_>, folder: &Path) -> Result<Vec<Single>
                     landmarks: if shut { with_shut_lids(found) } else { found },
                     person: u32::MAX,
                     yaw_deg: None,
+                    rotation: None,
                     weight: 1.0,
                     share: 1.0,
                     visible,

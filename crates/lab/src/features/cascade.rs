@@ -342,6 +342,7 @@ mod tests {
             landmarks,
             person,
             yaw_deg: Some(0.0),
+            rotation: None,
             weight: 1.0,
             share: 1.0,
             visible: [true; LANDMARKS],

@@ -175,6 +175,7 @@ mod tests {
             landmarks: std::array::from_fn(|i| [20.0 + i as f32, 10.0 + i as f32]),
             person: 1,
             yaw_deg: None,
+            rotation: None,
             weight: 1.0,
             share: 1.0,
             visible: [true; LANDMARKS],

@@ -15,6 +15,7 @@ mod options;
 mod quantize;
 mod rank;
 pub mod refiners;
+pub mod rotation_regression;
 mod samples;
 pub mod shape_regression;
 mod source;

@@ -28,8 +28,8 @@ pub struct Args {
     /// Close-up renders, for the refiners.
     #[arg(long, default_value_t = 9_000)]
     pub near_renders: u64,
-    /// Batches that each network of the global stage is trained on; a refiner is trained on three
-    /// quarters of them.
+    /// Batches that each network of the global stage is trained on; a refiner is trained on half of
+    /// them.
     #[arg(long, default_value_t = 40_000)]
     pub steps: usize,
     /// Use no photograph: procedural people before procedural backgrounds only.

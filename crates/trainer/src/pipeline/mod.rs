@@ -14,6 +14,7 @@
 //! | `ensemble-member` | [`ensemble_member`] | section `ENSM` |
 //! | `refiners` | [`refiners`] | section `RFIN` |
 //! | `shape-regression` | [`shape_regression`] | section `SREG` |
+//! | `rotation-regression` | [`rotation_regression`] | section `ROTN` |
 //! | `verifier` | [`verifier`] | section `VRFY` |
 //! | `data-sheet` | [`data_sheet`] | errors on the dev photographs, for section `INFO` |
 //!
@@ -31,6 +32,7 @@ pub mod hash;
 pub mod pack;
 pub mod refiners;
 pub mod renders;
+pub mod rotation_regression;
 mod run;
 mod sections;
 pub mod shape_regression;

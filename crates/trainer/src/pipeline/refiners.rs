@@ -11,7 +11,7 @@ use posewise::align::{AlignModel, EnsembleMember};
 /// Makes the section for a global stage of these two networks.
 pub fn make(context: &Context<'_>, global: &Output, member: &Output) -> Result<Output> {
     let args = context.args;
-    let options = align::refiners::options(args.seed, args.steps * 3 / 4);
+    let options = align::refiners::options(args.seed, args.steps / 2);
     let stage = Stage::new("refiners", 2)
         .options(&options)?
         .input("global-network", global.hash(sections::FILE)?)

@@ -4,12 +4,12 @@ use super::args::{Args, Until};
 use super::context::Context;
 use super::store::Store;
 use super::{
-    data_sheet, detector, ensemble_member, face, fits, global_network, pack, refiners, sections,
-    shape_regression, verifier,
+    data_sheet, detector, ensemble_member, face, fits, global_network, pack, refiners,
+    rotation_regression, sections, shape_regression, verifier,
 };
 use crate::render::Kind;
 use anyhow::Result;
-use posewise::align::{AlignModel, EnsembleMember, Refiners, ShapeRegression};
+use posewise::align::{AlignModel, EnsembleMember, Refiners, RotationRegression, ShapeRegression};
 use posewise::detect;
 use posewise::shape::FACE_TAG;
 use posewise::verifier::Verifier;
@@ -47,13 +47,17 @@ pub fn run(args: &Args) -> Result<()> {
         (&refiners, Refiners::TAG),
         (&regression, ShapeRegression::TAG),
     ];
+    let rotation = rotation_regression::make(&context, &cascade)?;
     let verifier = verifier::make(&context, &cascade, &detector)?;
     let sheet = data_sheet::make(&context, &cascade)?;
     let sheet = data_sheet::text(args, &data_sheet::read(&sheet)?);
     let sections = [(&face, FACE_TAG), (&detector, detect::TAG)]
         .iter()
         .chain(&cascade)
-        .chain(&[(&verifier, Verifier::TAG)])
+        .chain(&[
+            (&rotation, RotationRegression::TAG),
+            (&verifier, Verifier::TAG),
+        ])
         .map(sections::read)
         .collect::<Result<Vec<_>>>()?;
     let size = pack::write(args, sections, &sheet)?;

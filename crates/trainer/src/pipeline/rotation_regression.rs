@@ -1,0 +1,42 @@
+//! Stage `rotation-regression`: the head's rotation by what the cascade sees (section `ROTN`).
+
+use super::context::Context;
+use super::sections;
+use super::stage::Stage;
+use super::store::Output;
+use crate::align;
+use crate::render::Kind;
+use anyhow::Result;
+use posewise_format::Tag;
+use serde::Serialize;
+
+#[derive(Serialize)]
+struct Options {
+    seed: u64,
+}
+
+/// Makes the section for a finished cascade, from renders alone.
+pub fn make(context: &Context<'_>, cascade: &[(&Output, Tag); 4]) -> Result<Output> {
+    let seed = context.args.seed;
+    let plain = context.renders(Kind::Plain)?.hash(super::renders::FILE)?;
+    let mut stage = Stage::new("rotation-regression", 1)
+        .options(&Options { seed })?
+        .input("renders", plain);
+    let names = [
+        "global-network",
+        "ensemble-member",
+        "refiners",
+        "shape-regression",
+    ];
+    for (name, (output, _)) in names.iter().zip(cascade) {
+        stage = stage.input(name, output.hash(sections::FILE)?);
+    }
+    let stage = context.with_near(stage)?;
+    context.store.make(&stage, &[sections::FILE], |folder| {
+        let faces = [context.faces()?, context.near()?].concat();
+        let section = sections::with_model(cascade, |model| {
+            align::rotation_regression::train(model, &faces, seed)
+        })?;
+        sections::write(folder, &section)
+    })
+}
