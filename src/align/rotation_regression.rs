@@ -132,6 +132,7 @@ impl<'m> RotationRegression<'m> {
         Some(RotationPrior {
             rotation: from_crop * local,
             information: from_crop * information * from_crop.transpose(),
+            weight: 1.0,
         })
     }
 }

@@ -165,8 +165,8 @@ impl RotationTerm {
         let ratio = slope.dot(residual).max(0.0) / (CAUCHY * CAUCHY);
         RotationTerm {
             slope,
-            weight: 1.0 / (1.0 + ratio),
-            cost: CAUCHY * CAUCHY * libm::logf(1.0 + ratio),
+            weight: prior.weight / (1.0 + ratio),
+            cost: prior.weight * CAUCHY * CAUCHY * libm::logf(1.0 + ratio),
         }
     }
 }

@@ -9,17 +9,11 @@ pub struct RotationPrior {
     pub rotation: Mat3,
     /// Inverse covariance of a rotation vector about the camera's axes \[1/rad²\], symmetric.
     pub information: Mat3,
+    /// Independent observations that it counts as.
+    pub weight: f32,
 }
 
 impl RotationPrior {
-    /// The prior as of so many independent observations.
-    pub fn weighted(self, weight: f32) -> RotationPrior {
-        RotationPrior {
-            information: weight * self.information,
-            ..self
-        }
-    }
-
     /// The rotation vector about the camera's axes that turns `rotation` into the mean \[rad\].
     pub fn residual(&self, rotation: &Mat3) -> Vec3 {
         rotation_vector(&(self.rotation * rotation.transpose()))
@@ -63,6 +57,7 @@ mod tests {
         let prior = RotationPrior {
             rotation: b,
             information: Mat3::IDENTITY,
+            weight: 1.0,
         };
         let turn = prior.residual(&a);
         let turned = Mat3::from_axis_angle(turn.normalize(), turn.length()) * a;

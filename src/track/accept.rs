@@ -9,7 +9,7 @@ use super::step::{Outcome, Step};
 use super::target::Origin;
 use super::{Loss, Model, Tracker};
 use crate::align::Shape;
-use crate::shape::{LANDMARKS, Observed};
+use crate::shape::{LANDMARKS, Observed, RotationPrior};
 use crate::verifier::Confidence;
 #[cfg(not(feature = "verifier"))]
 use crate::verifier::geometric_confidence;
@@ -44,7 +44,10 @@ impl Tracker {
             .model
             .rotation
             .predict(work.features(), work.view(), align.mean(), shape, camera)
-            .map(|prior| prior.weighted(ROTATION_PRIOR_WEIGHT));
+            .map(|prior| RotationPrior {
+                weight: ROTATION_PRIOR_WEIGHT,
+                ..prior
+            });
         let fit = self.target.fit(face, camera, &observed, rotation, origin);
         let Some(fit) = &fit else {
             return Outcome::Reject(Loss::NoPose);

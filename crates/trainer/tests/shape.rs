@@ -2,11 +2,11 @@
 
 mod common;
 
-use glam::Vec3;
+use glam::{Mat3, Vec3};
 use posewise::math::HeadAngles;
 use posewise::shape::{
     ANIMATIONS, Animation, FaceFit, FaceModel, FaceState, FitOptions, Identity, IdentityEstimator,
-    Intrinsics, LANDMARKS, MAX_IDENTITIES, Observed, Pose, fit,
+    Intrinsics, LANDMARKS, MAX_IDENTITIES, Observed, Pose, RotationPrior, fit,
 };
 use posewise_format::{AlignedBytes, Blob, blob, reseal};
 use posewise_train::face_section::{face_section, open};
@@ -113,6 +113,39 @@ fn poses_come_back_to_profile() {
             );
         }
     }
+}
+
+#[test]
+fn a_prior_of_the_rotation_counts_by_its_weight() {
+    let face = &face();
+    let mut rng = ChaCha8Rng::seed_from_u64(9);
+    let truth = FaceState {
+        pose: pose(70.0, 0.0, 0.0),
+        ..FaceState::default()
+    };
+    let points = seen(face, &truth, 0.5, &mut rng);
+    let prior = pose(80.0, 0.0, 0.0);
+    let yaw_with = |weight: f32| {
+        let information = 1.0 / 5f32.to_radians().powi(2);
+        let options = FitOptions {
+            rotation: Some(RotationPrior {
+                rotation: prior.rotation,
+                information: Mat3::from_diagonal(Vec3::splat(information)),
+                weight,
+            }),
+            ..FitOptions::default()
+        };
+        let observed = Observed {
+            points: &points,
+            weights: &ALL,
+        };
+        let fit = fit(face, &CAMERA, &observed, None, &NOBODY, &options).expect("a fit");
+        fit.state.pose.angles().yaw_deg
+    };
+    let alone = fitted(face, &points, None).state.pose.angles().yaw_deg;
+    let (weak, strong) = (yaw_with(0.01), yaw_with(1e4));
+    assert!((weak - alone).abs() < 0.3, "{alone} {weak}");
+    assert!(strong > alone + 3.0 && strong < 80.5, "{alone} {strong}");
 }
 
 #[test]
