@@ -80,7 +80,7 @@ pub fn evaluate_float(
 ) -> Vec<(Shape, f32, f32)> {
     from_boxes(model, faces, boxes, |face, shape, _| {
         for _ in 0..model.iterations() {
-            *shape = trained.pass(face, model.mean(), shape, heads);
+            *shape = trained.iterate(face, model.mean(), shape, heads);
         }
     })
 }

@@ -23,7 +23,7 @@ pub fn cascade(faces: &[Face], options: &Options, checkpoint: &Path) -> Result<S
     quantize::face_section(&trained, &mean, &starts, options.iterations, &samples)
 }
 
-/// Trains section `ENSM`, a second network for a global stage of the same faces; goes on from the
+/// Trains section `ENSM`, the ensemble member of a global stage of the same faces; goes on from the
 /// checkpoint if there is one.
 pub fn ensemble_member(
     faces: &[Face],

@@ -73,7 +73,7 @@ impl Default for Options {
 }
 
 impl Options {
-    /// As these, for the global stage's second network: other random numbers, turned heads more
+    /// As these, for the global stage's ensemble member: other random numbers, turned heads more
     /// often.
     pub fn ensemble_member(self) -> Options {
         Options {

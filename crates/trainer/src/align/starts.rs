@@ -1,4 +1,4 @@
-//! First guesses: what the cascade is started from, at work and in training.
+//! Initial shapes of the cascade, at work and in training.
 
 use super::mean::align;
 use crate::faces::Face;

@@ -266,12 +266,18 @@ impl Trained {
         })
     }
 
-    /// One pass of a global stage in `f32`: a guess in frame px in, the landmarks out, as they are
-    /// after so many of the network's answers.
-    pub fn pass(&self, face: &Face, mean: &Shape, guess: &Shape, answers: usize) -> Shape {
+    /// One iteration of a global stage in `f32`: an initial shape in frame px in, the landmarks
+    /// out, as they are after so many of the network's predictions.
+    pub fn iterate(
+        &self,
+        face: &Face,
+        mean: &Shape,
+        initial_shape: &Shape,
+        predictions: usize,
+    ) -> Shape {
         let sizes = &self.network.sizes;
-        let Some(placed) = place(mean, guess, sizes.zoom, sizes.side) else {
-            return *guess;
+        let Some(placed) = place(mean, initial_shape, sizes.zoom, sizes.side) else {
+            return *initial_shape;
         };
         let mut crop = cut_at(face, &placed.centred_to_frame, sizes.side);
         standardise(&mut crop);
@@ -280,11 +286,11 @@ impl Trained {
         let start = vec![[0.0; 2]; LANDMARKS];
         let still = || [0.0; 2];
         let (parameters, scratch) = (&self.parameters, &mut Scratch::default());
-        let answer = self
+        let prediction = self
             .network
             .forward(parameters, &mut maps, scratch, &start, still);
-        let points = answer.shapes[..answers].last();
-        let points = points.expect("at least one answer");
+        let points = prediction.shapes[..predictions].last();
+        let points = points.expect("at least one prediction");
         std::array::from_fn(|i| placed.centred_to_frame.apply(points[i]))
     }
 }

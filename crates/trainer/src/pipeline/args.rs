@@ -66,6 +66,6 @@ pub enum Until {
     Detector,
     /// The global stage's network.
     GlobalNetwork,
-    /// The second network of the global stage.
+    /// The global stage's ensemble member.
     EnsembleMember,
 }

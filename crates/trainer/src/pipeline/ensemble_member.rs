@@ -1,5 +1,5 @@
-//! Stage `ensemble-member`: a second network of the global stage, whose predictions are averaged
-//! with the first one's (section `ENSM`).
+//! Stage `ensemble-member`: a second network of the global stage, whose predictions are
+//! averaged with those of the first (section `ENSM`).
 
 use super::context::Context;
 use super::stage::Stage;

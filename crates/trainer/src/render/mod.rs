@@ -70,7 +70,7 @@ pub struct Args {
 pub enum Kind {
     /// Poses, expressions and lights that photographs lack.
     Plain,
-    /// Faces seen from near, for the fine stages: sharp, lids in detail and half way too.
+    /// Faces seen from near, for the refiners: sharp, lids in detail and half way too.
     Near,
 }
 

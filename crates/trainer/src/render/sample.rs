@@ -78,16 +78,7 @@ impl Renderer {
         rng.set_stream(index);
         let rng = &mut rng;
         let person = self.people.pick(rng, &self.mesh, spec.persons);
-        let identity = self.identity(rng, &person);
-        let mut expression = Expression::random(rng);
-        if some(rng, spec.closing) {
-            expression.close(rng);
-        }
-        let mut head = self
-            .mesh
-            .vertices(&identity, &expression.weights(&self.mesh));
-        let deformation = Deformation::random(rng, &self.mesh, deformation_of(&person));
-        head.iter_mut().for_each(|v| *v = deformation.apply(*v));
+        let (head, expression) = self.head(rng, &person, spec);
         let angles = random_angles(rng, spec);
         let pose = Pose::random(rng, angles);
         let posed = Posed::new(
@@ -101,22 +92,7 @@ impl Renderer {
         let infrared = rng.random_bool(spec.infrared);
         let lights = Lights::random(rng, infrared);
         let props = self.props(rng, spec, &head, &posed, &pose, &person);
-        let mut eyes = Eyes {
-            gaze: random_gaze(rng, &expression),
-            // Shaded and seen through a wet film it is hardly brighter than pale skin.
-            white: rng.random_range(0.2..0.32) + 0.4 * person.skin,
-            iris: person.iris,
-            pupil: rng.random_range(0.25..0.6),
-            mottled: 0.0,
-        };
-        if some(rng, spec.odd_eyes) {
-            eyes.white = rng.random_range(0.05..1.1);
-            eyes.mottled = rng.random_range(0.0..0.8f32).max(0.2) - 0.2;
-            if rng.random_bool(0.3) {
-                eyes.iris = eyes.white;
-                eyes.pupil = 0.0;
-            }
-        }
+        let eyes = random_eyes(rng, &expression, &person, spec);
         let scene = Scene {
             mesh: &self.mesh,
             head: &posed,
@@ -155,6 +131,25 @@ impl Renderer {
             animation: expression.animation(),
             person: person.id,
         }
+    }
+
+    /// The vertices of a head of this person (head axes), and its expression.
+    fn head(
+        &self,
+        rng: &mut ChaCha8Rng,
+        person: &Person,
+        spec: &SampleSpec,
+    ) -> (Vec<Vec3>, Expression) {
+        let identity = self.identity(rng, person);
+        let mut expression = Expression::random(rng);
+        if some(rng, spec.closing) {
+            expression.close(rng);
+        }
+        let weights = expression.weights(&self.mesh);
+        let mut head = self.mesh.vertices(&identity, &weights);
+        let deformation = Deformation::random(rng, &self.mesh, deformation_of(person));
+        head.iter_mut().for_each(|v| *v = deformation.apply(*v));
+        (head, expression)
     }
 
     fn identity(&self, rng: &mut ChaCha8Rng, person: &Person) -> Vec<f32> {
@@ -272,6 +267,31 @@ impl Renderer {
         let ears = [at(0), at(16)].map(|p| p + Vec3::new(p.x.signum() * 2.0, 2.0, 42.0));
         accessories::glasses(rng, at(27), eyes, ears)
     }
+}
+
+fn random_eyes(
+    rng: &mut ChaCha8Rng,
+    expression: &Expression,
+    person: &Person,
+    spec: &SampleSpec,
+) -> Eyes {
+    let mut eyes = Eyes {
+        gaze: random_gaze(rng, expression),
+        // Shaded and seen through a wet film it is hardly brighter than pale skin.
+        white: rng.random_range(0.2..0.32) + 0.4 * person.skin,
+        iris: person.iris,
+        pupil: rng.random_range(0.25..0.6),
+        mottled: 0.0,
+    };
+    if some(rng, spec.odd_eyes) {
+        eyes.white = rng.random_range(0.05..1.1);
+        eyes.mottled = rng.random_range(0.0..0.8f32).max(0.2) - 0.2;
+        if rng.random_bool(0.3) {
+            eyes.iris = eyes.white;
+            eyes.pupil = 0.0;
+        }
+    }
+    eyes
 }
 
 /// How strongly a person's head is deformed: a photographed skin fits others than its owner less.
