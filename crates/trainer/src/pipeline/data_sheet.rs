@@ -106,8 +106,8 @@ Made by `cargo run --release -p posewise-train -- model{clean} --seed {seed} --r
 Trained on:
 {made_from}
 Cascade on 202 photographs with manual landmarks (HELEN, AFW) of other people, from boxes 5 %
-shifted, 8 % resized and 8 degrees turned (r.m.s.): mean error over 68 landmarks {mean:.2} % of the inter-ocular distance, median
-{median:.2} %, above 10 %: {failure:.2} %.
+shifted, 8 % resized and 8 degrees turned (r.m.s.): mean error over 68 landmarks {mean:.2} % of the
+inter-ocular distance, median {median:.2} %, above 10 %: {failure:.2} %.
 ",
         made_from = made_from(args),
         name = args
