@@ -53,12 +53,12 @@ pub fn labels(models: &[Model]) -> Result<String> {
     let text = match has_manual(models) {
         true => {
             "- Of the photographs, the first set has labels that people set. Those of the second \
-             come from\n  an automatic annotator: their own error is 2 to 3 %, and their convention \
-             is another.\n"
+             come from\n  an automatic annotator: their own error is 2 to 3 %, and their \
+             convention is another.\n"
         }
         false => {
-            "- The labels of the photographs come from an automatic annotator. Their own error is 2 \
-             to 3 %.\n"
+            "- The labels of the photographs come from an automatic annotator. Their own error is \
+             2 to 3 %.\n"
         }
     };
     Ok(text.into())
