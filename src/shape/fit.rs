@@ -79,8 +79,9 @@ pub struct FaceFit {
 /// Fits pose and animation of a person to observed landmarks under perspective.
 ///
 /// Levenberg–Marquardt with analytic derivatives, a Cauchy loss, Gaussian priors on animation
-/// weights and, if there is one, on the rotation, and bounds 0..1 on the weights. Starts from `start`; without one, from the pose of POSIT and
-/// from its mirrored pose, of which the better fit is taken. `options.iterations` bounds the work.
+/// weights and, if there is one, on the rotation, and bounds 0..1 on the weights. Starts from
+/// `start`; without one, from the pose of POSIT and from its mirrored pose, of which the better fit
+/// is taken. `options.iterations` bounds the work.
 ///
 /// `None` when there are fewer than eight usable landmarks, the camera or the result is not finite,
 /// or no pose in front of the camera fits the landmarks.
