@@ -33,10 +33,7 @@ impl Curve {
             }
         };
         Curve {
-            lines: [
-                line("68 landmarks", 0, BLUE),
-                line("51 inner landmarks", 17, RED),
-            ],
+            lines: [line("68 landmarks", 0, BLUE), line("51 inner", 17, RED)],
         }
     }
 }
@@ -45,7 +42,7 @@ impl Chart for Curve {
     fn draw<DB: DrawingBackend>(&self, root: &DrawingArea<DB, Shift>) -> Drawn<DB> {
         let caption = "pictures [%] over error [% of the distance of the outer eye corners]";
         let mut chart = ChartBuilder::on(root)
-            .margin(12)
+            .margin(24)
             .caption(caption, ("sans-serif", 16))
             .x_label_area_size(28)
             .y_label_area_size(48)
