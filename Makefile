@@ -2,6 +2,7 @@
 #
 #   make            builds the library: target/dist/lib/libposewise.a, or target/TARGET/dist/…
 #   make install    installs library, headers, model, pkg-config and CMake files
+#   make uninstall  removes what install put there
 #   make dist       packs what is installed: target/posewise-VERSION-TARGET.tar.gz
 #
 #   PREFIX=…        where to install (/usr/local)
@@ -85,20 +86,25 @@ install: lib
 	install -d $(TO)/include $(TO)/share/posewise $(TO)/lib/pkgconfig $(CMAKE)
 	install -m 644 $(LIB) $(TO)/lib/
 	install -m 644 $(ROOT)/include/posewise.h $(ROOT)/include/posewise.hpp $(TO)/include/
-	install -m 644 $(ROOT)/models/default.posewise $(TO)/share/posewise/
+	install -m 644 $(ROOT)/models/default.posewise $(ROOT)/models/default.md $(ROOT)/LICENSE \
+		$(ROOT)/packaging/NOTICES.txt $(TO)/share/posewise/
 	install -m 644 $(ROOT)/packaging/posewise-config.cmake $(CMAKE)/
 	sed 's/@VERSION@/$(VERSION)/' $(ROOT)/packaging/posewise-config-version.cmake.in \
 		> $(CMAKE)/posewise-config-version.cmake
 	sed 's/@VERSION@/$(VERSION)/' $(ROOT)/packaging/posewise.pc.in > $(TO)/lib/pkgconfig/posewise.pc
+
+uninstall:
+	rm -f $(TO)/lib/libposewise.a $(TO)/lib/pkgconfig/posewise.pc
+	rm -f $(TO)/include/posewise.h $(TO)/include/posewise.hpp
+	rm -rf $(TO)/share/posewise $(CMAKE)
 
 override PACKAGE = posewise-$(VERSION)-$(or $(TARGET),$(shell rustc --print host-tuple))
 override STAGE = $(abspath $(TARGET_DIR))/package/$(PACKAGE)
 dist:
 	rm -rf $(STAGE)
 	$(MAKE) -f $(ROOT)/Makefile install DESTDIR=$(STAGE) PREFIX=
-	install -m 644 $(ROOT)/LICENSE $(STAGE)/share/posewise/
 	tar -C $(STAGE)/.. --sort=name --owner=0 --group=0 --numeric-owner --mtime=@0 \
 		-czf $(TARGET_DIR)/$(PACKAGE).tar.gz $(PACKAGE)
 	@echo $(TARGET_DIR)/$(PACKAGE).tar.gz
 
-.PHONY: lib install dist
+.PHONY: lib install uninstall dist

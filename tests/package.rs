@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::OnceLock;
 
-const FILES: [&str; 8] = [
+const FILES: [&str; 10] = [
     "include/posewise.h",
     "include/posewise.hpp",
     "lib/cmake/posewise/posewise-config-version.cmake",
@@ -17,6 +17,8 @@ const FILES: [&str; 8] = [
     "lib/libposewise.a",
     "lib/pkgconfig/posewise.pc",
     "share/posewise/LICENSE",
+    "share/posewise/NOTICES.txt",
+    "share/posewise/default.md",
     "share/posewise/default.posewise",
 ];
 
@@ -43,6 +45,15 @@ fn installed() -> Option<&'static Path> {
         Some(moved)
     });
     tree.as_deref()
+}
+
+/// The archive that `make dist` makes, once: two runs in one folder would disturb each other.
+fn archive() -> &'static str {
+    static ARCHIVE: OnceLock<String> = OnceLock::new();
+    ARCHIVE.get_or_init(|| {
+        library();
+        make(&["dist".into()])
+    })
 }
 
 /// The demo clip, unpacked once.
@@ -137,13 +148,62 @@ endforeach()
 ";
 
 #[test]
-fn archive_holds_all() {
+fn uninstall_removes_what_install_put_there() {
     if !require("make") {
         return;
     }
     library();
-    let archive = make(&["dist".into()]);
-    let list = succeed(Command::new("tar").arg("-tzf").arg(archive.trim()));
+    let folder = tempfile::tempdir().expect("a folder");
+    let other = folder.path().join("lib/libother.a");
+    let prefix = format!("PREFIX={}", folder.path().display());
+    make(&["install".into(), prefix.clone()]);
+    std::fs::write(&other, "another library").expect("writable");
+    make(&["uninstall".into(), prefix]);
+    let mut left = Vec::new();
+    let mut folders = vec![folder.path().to_path_buf()];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            match path.is_dir() {
+                true => folders.push(path),
+                false => left.push(path),
+            }
+        }
+    }
+    assert_eq!(left, [other]);
+}
+
+#[test]
+fn notices_are_of_what_is_linked_in() {
+    let file = std::fs::read_to_string(root().join(xtask::notices::FILE)).expect("a file");
+    let current = xtask::notices::text().expect("sources of all crates");
+    assert!(file == current, "run `cargo xtask notices`");
+}
+
+/// Built in another folder, the archive has the same bytes.
+#[test]
+fn archive_is_reproducible() {
+    if !require("make") {
+        return;
+    }
+    let elsewhere = format!("TARGET_DIR={}", scratch("dist-elsewhere").display());
+    let second = make(&["dist".into(), elsewhere]);
+    let read = |path: &str| std::fs::read(path.trim()).expect("written");
+    let (first, second) = (read(archive()), read(&second));
+    assert!(
+        first == second,
+        "{} and {} bytes",
+        first.len(),
+        second.len()
+    );
+}
+
+#[test]
+fn archive_holds_all() {
+    if !require("make") {
+        return;
+    }
+    let list = succeed(Command::new("tar").arg("-tzf").arg(archive().trim()));
     let mut files: Vec<_> = list
         .lines()
         .filter(|line| !line.ends_with('/'))

@@ -5,6 +5,7 @@
 pub mod figures;
 mod library;
 mod machine;
+pub mod notices;
 pub mod picture;
 mod replay;
 mod size;

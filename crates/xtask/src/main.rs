@@ -3,7 +3,7 @@
 use anyhow::{Context, Result};
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
-use xtask::{Library, code_size, demo_clip, figures, picture, replay, root, size_table};
+use xtask::{Library, code_size, demo_clip, figures, notices, picture, replay, root, size_table};
 
 /// Measures the static library and the models.
 #[derive(Parser)]
@@ -41,6 +41,8 @@ enum Task {
     Measure(figures::measure::Args),
     /// Writes docs/accuracy.md and the figures in README.md from the JSON of `measure`
     Accuracy,
+    /// Writes packaging/NOTICES.txt, the licences of what is linked in
+    Notices,
     /// Writes docs/tracked.png, the picture in README.md
     Picture,
 }
@@ -106,6 +108,7 @@ fn main() -> Result<()> {
         }
         Task::Measure(args) => figures::measure::run(&args)?,
         Task::Accuracy => figures::pages::write()?,
+        Task::Notices => notices::write()?,
         Task::Picture => picture::write()?,
     }
     Ok(())

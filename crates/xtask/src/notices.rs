@@ -1,0 +1,101 @@
+//! The licences of what is linked into the static library, for packages: `packaging/NOTICES.txt`.
+
+use crate::root;
+use anyhow::{Context, Result, ensure};
+use serde_json::Value;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Where the notices are.
+pub const FILE: &str = "packaging/NOTICES.txt";
+
+/// Files of a licence in a crate, the wanted ones first: of a choice, MIT.
+const LICENCES: [&str; 3] = ["LICENSE-MIT", "LICENSE.txt", "LICENSE"];
+
+const HEAD: &str = "\
+The posewise library is under the MIT License, see LICENSE. These crates are linked into it. Where a
+crate lets the user choose among licences, the MIT License is chosen.
+";
+
+/// Writes the file.
+pub fn write() -> Result<()> {
+    Ok(std::fs::write(root().join(FILE), text()?)?)
+}
+
+/// What the file has to hold.
+pub fn text() -> Result<String> {
+    let folders = folders()?;
+    let mut by_text: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    for name in linked()? {
+        let folder = folders
+            .get(&name)
+            .with_context(|| format!("no sources of {name}"))?;
+        let text = licence(folder).with_context(|| name.clone())?;
+        by_text.entry(text).or_default().push(name);
+    }
+    let mut out = HEAD.to_owned();
+    for (text, crates) in by_text {
+        let line = "-".repeat(80);
+        write!(
+            out,
+            "\n{line}\n{}\n{line}\n\n{}\n",
+            crates.join(", "),
+            text.trim()
+        )?;
+    }
+    Ok(out)
+}
+
+/// Names with versions of the crates that the library is made of, its own crates left out.
+fn linked() -> Result<BTreeSet<String>> {
+    let mut tree = cargo("tree");
+    tree.args(["--package", "posewise", "--edges", "normal,no-proc-macro"]);
+    tree.args(["--features", "ffi", "--prefix", "none", "--format", "{p}"]);
+    let list = output(&mut tree)?;
+    let name = |line: &str| {
+        let mut words = line.split_whitespace();
+        let (name, version) = (words.next()?, words.next()?.trim_start_matches('v'));
+        (!name.starts_with("posewise")).then(|| format!("{name} {version}"))
+    };
+    Ok(list.lines().filter_map(name).collect())
+}
+
+/// The folder of each crate's sources.
+fn folders() -> Result<BTreeMap<String, PathBuf>> {
+    let metadata: Value =
+        serde_json::from_str(&output(cargo("metadata").args(["--format-version", "1"]))?)?;
+    let packages = metadata["packages"].as_array().context("no packages")?;
+    let folder = |package: &Value| {
+        let text = |key: &str| package[key].as_str().map(str::to_owned);
+        let manifest = PathBuf::from(text("manifest_path")?);
+        let name = format!("{} {}", text("name")?, text("version")?);
+        Some((name, manifest.parent()?.to_owned()))
+    };
+    Ok(packages.iter().filter_map(folder).collect())
+}
+
+fn licence(folder: &Path) -> Result<String> {
+    let file = LICENCES.iter().map(|name| folder.join(name));
+    let file = file.into_iter().find(|path| path.is_file());
+    let text = std::fs::read_to_string(file.context("it has no file of its licence")?)?;
+    Ok(text
+        .lines()
+        .map(str::trim_end)
+        .collect::<Vec<_>>()
+        .join("\n"))
+}
+
+fn cargo(subcommand: &str) -> Command {
+    let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    cargo.args([subcommand, "--offline"]).current_dir(root());
+    cargo
+}
+
+fn output(command: &mut Command) -> Result<String> {
+    let output = command.output()?;
+    let why = String::from_utf8_lossy(&output.stderr);
+    ensure!(output.status.success(), "{command:?}: {why}");
+    Ok(String::from_utf8(output.stdout)?)
+}
