@@ -8,6 +8,7 @@
 //! | `demo`, `demo_clip` | `posewise demo` |
 //! | `eval/` | `posewise eval …` |
 //! | `bench`, `scenes`, `steps`, `stages`, `stack` | `posewise bench` |
+//! | `destination`, `interrupt`, `output` | output files, signals, standard output |
 //! | `clip`, `random` | clips in memory and reproducible chance, for the two above |
 //! | `model_file`, `model_info` | reading models, `posewise model info` |
 
@@ -17,7 +18,9 @@ mod clip;
 mod csv;
 mod demo;
 mod demo_clip;
+mod destination;
 mod eval;
+mod interrupt;
 mod jsonl;
 mod model_file;
 mod model_info;
@@ -45,26 +48,30 @@ const STACK_BYTES: usize = 64 << 20;
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
-    let run = || match cli.command {
-        Command::Track(args) => track::run(&args),
-        Command::Demo(args) => demo::run(&args),
-        Command::Eval(EvalCommand::Landmarks(args)) => eval::landmarks::run(&args),
-        Command::Eval(EvalCommand::Pose(args)) => eval::pose::run(&args),
-        Command::Eval(EvalCommand::Eyes(args)) => eval::eyes::run(&args),
-        Command::Eval(EvalCommand::Jitter(args)) => eval::jitter::run(&args),
-        Command::Eval(EvalCommand::Recovery(args)) => eval::recovery::run(&args),
-        Command::Eval(EvalCommand::Faceless(args)) => eval::faceless::run(&args),
-        Command::Eval(EvalCommand::Drift(args)) => eval::drift::run(&args),
-        Command::Bench(args) => bench::run(&args),
-        Command::Model(ModelCommand::Info { file }) => model_info::run(&file),
-        Command::Columns => output::print(&csv::documentation()),
+    let run = || {
+        match cli.command {
+            Command::Track(args) => return track::run(&args),
+            Command::Demo(args) => demo::run(&args),
+            Command::Eval(EvalCommand::Landmarks(args)) => eval::landmarks::run(&args),
+            Command::Eval(EvalCommand::Pose(args)) => eval::pose::run(&args),
+            Command::Eval(EvalCommand::Eyes(args)) => eval::eyes::run(&args),
+            Command::Eval(EvalCommand::Jitter(args)) => eval::jitter::run(&args),
+            Command::Eval(EvalCommand::Recovery(args)) => eval::recovery::run(&args),
+            Command::Eval(EvalCommand::Faceless(args)) => eval::faceless::run(&args),
+            Command::Eval(EvalCommand::Drift(args)) => eval::drift::run(&args),
+            Command::Bench(args) => bench::run(&args),
+            Command::Model(ModelCommand::Info { file }) => model_info::run(&file),
+            Command::Columns => output::print(&csv::documentation()),
+        }
+        .map(|()| None)
     };
     let outcome = std::thread::Builder::new()
         .stack_size(STACK_BYTES)
         .spawn(run)
         .map(|thread| thread.join());
     match outcome {
-        Ok(Ok(Ok(()))) => ExitCode::SUCCESS,
+        Ok(Ok(Ok(None))) => ExitCode::SUCCESS,
+        Ok(Ok(Ok(Some(status)))) => ExitCode::from(status),
         Ok(Ok(Err(error))) if output::is_broken_pipe(&error) => ExitCode::SUCCESS,
         Ok(Ok(Err(error))) => {
             eprintln!("posewise: {error:#}");

@@ -6,6 +6,13 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 
+use crate::destination::Destination;
+
+/// Opens a destination for writing.
+pub fn open(destination: &Destination) -> Result<Box<dyn Write>> {
+    create(destination.path())
+}
+
 /// Opens a file for writing; `-` is standard output.
 pub fn create(path: &Path) -> Result<Box<dyn Write>> {
     if path == Path::new("-") {

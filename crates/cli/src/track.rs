@@ -1,6 +1,7 @@
 //! `posewise track`: source → tracker → CSV, JSON lines, overlay, plot.
 
 use std::io::Write;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, anyhow, bail};
@@ -11,6 +12,8 @@ use posewise::track::{Config, Model, State, TrackResult, Tracker};
 
 use crate::cli::{TrackArgs, TrackerArgs};
 use crate::csv::{CsvWriter, Row};
+use crate::destination::{self, Destination, Named};
+use crate::interrupt::Interrupt;
 use crate::model_file::ModelFile;
 use crate::overlay::{Overlay, Painter};
 use crate::picture::Picture;
@@ -117,6 +120,8 @@ impl Counts {
 }
 
 struct Outputs {
+    /// The files, renamed when they are complete.
+    destinations: Vec<Destination>,
     csv: Option<CsvWriter<Box<dyn Write>>>,
     jsonl: Option<Box<dyn Write>>,
     overlay: Option<Overlay>,
@@ -127,13 +132,19 @@ struct Outputs {
 
 impl Outputs {
     fn open(args: &TrackArgs, source: &dyn Source) -> Result<Self> {
+        let mut destinations = Vec::new();
+        let mut open = |path: &Path| {
+            let destination = Destination::new(path);
+            let out = output::open(&destination);
+            destinations.push(destination);
+            out
+        };
+        let csv = args.csv.as_deref().map(&mut open).transpose()?;
+        let jsonl = args.jsonl.as_deref().map(&mut open).transpose()?;
         Ok(Outputs {
-            csv: args
-                .csv
-                .as_deref()
-                .map(|path| CsvWriter::new(output::create(path)?))
-                .transpose()?,
-            jsonl: args.jsonl.as_deref().map(output::create).transpose()?,
+            destinations,
+            csv: csv.map(CsvWriter::new).transpose()?,
+            jsonl,
             overlay: args
                 .overlay
                 .as_deref()
@@ -184,6 +195,24 @@ impl Outputs {
         Ok(())
     }
 
+    /// Closes all files and gives them their names; draws the plot.
+    fn finish(mut self, args: &TrackArgs) -> Result<()> {
+        self.flush()?;
+        (self.csv, self.jsonl) = (None, None);
+        for destination in self.destinations.drain(..) {
+            destination.finish()?;
+        }
+        if let Some(overlay) = self.overlay.take() {
+            overlay.finish()?;
+        }
+        if let (Some(path), false) = (&args.plot, self.samples.is_empty()) {
+            let destination = Destination::new(path);
+            plot::write(destination.path(), &self.samples)?;
+            destination.finish()?;
+        }
+        Ok(())
+    }
+
     /// Whether results go to standard output, where a summary would be in the way.
     fn on_stdout(args: &TrackArgs) -> bool {
         let dash = Some(std::path::Path::new("-"));
@@ -191,35 +220,58 @@ impl Outputs {
     }
 }
 
-/// Runs the command.
-pub fn run(args: &TrackArgs) -> Result<()> {
+/// Refuses outputs that would overwrite what is read, or each other.
+fn check_outputs(args: &TrackArgs) -> Result<()> {
+    let files = source::files(&args.input);
+    let mut inputs: Vec<Named<'_>> = (files.iter())
+        .map(|path| Named {
+            option: "INPUT",
+            path,
+        })
+        .collect();
+    fn named<'a>(option: &'a str, path: &'a Option<PathBuf>) -> Option<Named<'a>> {
+        path.as_deref().map(|path| Named { option, path })
+    }
+    inputs.extend(named("--model", &args.tracker.model));
+    let outputs = [
+        named("--csv", &args.csv),
+        named("--jsonl", &args.jsonl),
+        named("--overlay", &args.overlay),
+        named("--plot", &args.plot),
+    ];
+    let outputs: Vec<Named<'_>> = outputs.into_iter().flatten().collect();
+    destination::check(&inputs, &outputs)
+}
+
+/// Runs the command; returns the exit status that a signal asked for.
+pub fn run(args: &TrackArgs) -> Result<Option<u8>> {
     if !(args.fps.is_finite() && args.fps > 0.0 && args.fps <= 1e5) {
         bail!("--fps must be positive");
     }
     if let Some(path) = &args.plot {
         plot::check_name(path)?;
     }
+    check_outputs(args)?;
     let file = ModelFile::read(args.tracker.model.as_deref())?;
     let model = file.model()?;
     let mut source = source::open(&args.input, args.fps)?;
     let mut session = Session::new(&model, &args.tracker, source.is_live())?;
+    let interrupt = Interrupt::listen().context("cannot listen for signals")?;
     let mut outputs = Outputs::open(args, source.as_ref())?;
-    let progress = progress_bar(source.as_ref(), args.quiet);
+    let progress = progress_bar(source.as_ref(), args);
     let mut counts = Counts::default();
     let ended = follow(args, source.as_mut(), &mut session, &mut outputs, |state| {
         counts.add(state);
         progress.inc(1);
+        interrupt.status().is_none()
     });
     progress.finish_and_clear();
     // What was tracked before an input broke off is kept.
-    outputs.flush()?;
-    if let Some(overlay) = outputs.overlay.take() {
-        overlay.finish()?;
+    outputs.finish(args)?;
+    // A signal reaches the programs at the other end of a pipe too.
+    if interrupt.status().is_none() {
+        ended?;
     }
-    if let (Some(path), false) = (&args.plot, outputs.samples.is_empty()) {
-        plot::write(path, &outputs.samples)?;
-    }
-    ended?;
     if let Some(warning) = source.warning() {
         eprintln!("posewise: warning: {warning}");
     }
@@ -231,15 +283,16 @@ pub fn run(args: &TrackArgs) -> Result<()> {
             output::print(&text)?;
         }
     }
-    Ok(())
+    Ok(interrupt.status())
 }
 
+/// Tracks frame by frame, until `go_on` says that the last one was enough.
 fn follow(
     args: &TrackArgs,
     source: &mut dyn Source,
     session: &mut Session<'_>,
     outputs: &mut Outputs,
-    mut count: impl FnMut(State),
+    mut go_on: impl FnMut(State) -> bool,
 ) -> Result<()> {
     let rotation = match args.rotate.as_str() {
         "90" => Rotation::Cw90,
@@ -257,16 +310,19 @@ fn follow(
         let result = *session.step(&picture)?;
         let camera = session.intrinsics();
         outputs.write(args, frame, &picture, &camera, &result)?;
-        count(result.state);
+        if !go_on(result.state) {
+            break;
+        }
     }
     Ok(())
 }
 
-fn progress_bar(source: &dyn Source, quiet: bool) -> ProgressBar {
-    if quiet {
+fn progress_bar(source: &dyn Source, args: &TrackArgs) -> ProgressBar {
+    if args.quiet {
         return ProgressBar::hidden();
     }
-    let (bar, template) = match source.total() {
+    let total = [source.total(), args.frames].into_iter().flatten().min();
+    let (bar, template) = match total {
         Some(total) => (
             ProgressBar::new(total),
             "{bar:40} {pos}/{len} frames {per_sec} eta {eta}",

@@ -8,9 +8,14 @@ use std::process::{Child, ChildStdin, Command, Stdio};
 use anyhow::{Context, Result, anyhow, bail};
 use image::RgbImage;
 
+use crate::destination::Destination;
+
 /// A place for pictures.
 pub struct Overlay {
+    /// As given; a folder's pictures are written there.
     path: PathBuf,
+    /// The file of a video.
+    destination: Option<Destination>,
     fps: f64,
     size: Option<(u32, u32)>,
     sink: Sink,
@@ -43,8 +48,10 @@ impl Overlay {
         } else {
             Sink::Later(Kind::Video)
         };
+        let is_folder = matches!(sink, Sink::Folder(_));
         Ok(Overlay {
             path: path.to_path_buf(),
+            destination: (!is_folder).then(|| Destination::new(path)),
             fps,
             size: None,
             sink,
@@ -90,7 +97,18 @@ impl Overlay {
 
     /// Closes the file.
     pub fn finish(mut self) -> Result<()> {
-        self.close()
+        let is_written = !matches!(self.sink, Sink::Later(_));
+        self.close()?;
+        match self.destination.take().filter(|_| is_written) {
+            Some(destination) => destination.finish(),
+            None => Ok(()),
+        }
+    }
+
+    /// Where a video is written.
+    fn file(&self) -> &Path {
+        let file = self.destination.as_ref().map(Destination::path);
+        file.unwrap_or(&self.path)
     }
 
     fn close(&mut self) -> Result<()> {
@@ -116,7 +134,7 @@ impl Overlay {
 
     fn open_y4m(&self, (width, height): (u32, u32)) -> Result<Sink> {
         let name = self.path.display();
-        let file = File::create(&self.path).with_context(|| format!("cannot write {name}"))?;
+        let file = File::create(self.file()).with_context(|| format!("cannot write {name}"))?;
         let mut out = BufWriter::new(file);
         let (num, den) = ratio(self.fps);
         writeln!(
@@ -130,8 +148,9 @@ impl Overlay {
     fn open_ffmpeg(&self, (width, height): (u32, u32)) -> Result<Sink> {
         let (num, den) = ratio(self.fps);
         let mut url = std::ffi::OsString::from("file:");
-        url.push(&self.path);
-        let mut child = Command::new("ffmpeg")
+        url.push(self.file());
+        let mut command = Command::new("ffmpeg");
+        command
             .args(["-v", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24"])
             .args(["-s", &format!("{width}x{height}")])
             .args(["-r", &format!("{num}/{den}"), "-i", "-"])
@@ -141,16 +160,18 @@ impl Overlay {
             .arg(url)
             .stdin(Stdio::piped())
             .stdout(Stdio::null())
-            .stderr(Stdio::piped())
-            .spawn()
-            .map_err(|e| match e.kind() {
-                std::io::ErrorKind::NotFound => anyhow!(
-                    "the program `ffmpeg` is needed to write {}, and it is not installed \
+            .stderr(Stdio::piped());
+        // Ctrl-C is for this program, which then closes the pipe.
+        #[cfg(unix)]
+        std::os::unix::process::CommandExt::process_group(&mut command, 0);
+        let mut child = command.spawn().map_err(|e| match e.kind() {
+            std::io::ErrorKind::NotFound => anyhow!(
+                "the program `ffmpeg` is needed to write {}, and it is not installed \
                      (Debian: apt install ffmpeg); --overlay also writes .y4m and folders of PNGs",
-                    self.path.display()
-                ),
-                _ => anyhow!("cannot start ffmpeg: {e}"),
-            })?;
+                self.path.display()
+            ),
+            _ => anyhow!("cannot start ffmpeg: {e}"),
+        })?;
         let pipe = child.stdin.take().ok_or_else(|| anyhow!("no pipe"))?;
         let pipe = BufWriter::with_capacity(1 << 20, pipe);
         Ok(Sink::Ffmpeg(child, pipe))

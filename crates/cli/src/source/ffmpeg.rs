@@ -37,19 +37,22 @@ impl FfmpegSource {
     pub fn open(path: &Path) -> Result<Self> {
         let name = path.display().to_string();
         // "file:" keeps names with colons or leading dashes from being taken for something else.
-        let mut child = Command::new("ffmpeg")
+        let mut command = Command::new("ffmpeg");
+        command
             .args(["-v", "error", "-nostdin", "-i"])
             .arg(file_url(path))
             .args(["-map", "0:v:0", "-pix_fmt", "yuv420p"])
             .args(["-f", "yuv4mpegpipe", "-"])
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .map_err(|e| match e.kind() {
-                std::io::ErrorKind::NotFound => anyhow!(missing("ffmpeg", &format!("read {name}"))),
-                _ => anyhow!("cannot start ffmpeg: {e}"),
-            })?;
+            .stderr(Stdio::piped());
+        // Ctrl-C is for this program, which then reads no further.
+        #[cfg(unix)]
+        std::os::unix::process::CommandExt::process_group(&mut command, 0);
+        let mut child = command.spawn().map_err(|e| match e.kind() {
+            std::io::ErrorKind::NotFound => anyhow!(missing("ffmpeg", &format!("read {name}"))),
+            _ => anyhow!("cannot start ffmpeg: {e}"),
+        })?;
         let mut stderr = child.stderr.take().ok_or_else(|| anyhow!("no pipe"))?;
         let messages = std::thread::spawn(move || {
             let mut bytes = Vec::new();

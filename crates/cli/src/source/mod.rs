@@ -7,7 +7,7 @@ mod stream;
 mod y4m;
 
 use std::io::{BufRead, BufReader, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use flate2::bufread::MultiGzDecoder;
@@ -36,13 +36,15 @@ pub fn open(input: &str, image_fps: f64) -> Result<Box<dyn Source>> {
         }
         bail!("no such file or folder: {input}");
     }
-    if std::fs::metadata(path)?.len() == 0 {
+    let found = std::fs::metadata(path)?;
+    if found.is_file() && found.len() == 0 {
         bail!("{input} is empty");
     }
     let lower = input.to_lowercase();
     if lower.ends_with(".y4m") || lower.ends_with(".y4m.gz") {
         let file = std::fs::File::open(path).with_context(|| format!("cannot open {input}"))?;
-        let plain_len = (!lower.ends_with(".gz")).then(|| file.metadata().map_or(0, |m| m.len()));
+        let is_plain = found.is_file() && !lower.ends_with(".gz");
+        let plain_len = is_plain.then_some(found.len());
         let reader = sniff_gzip(BufReader::new(file))?;
         return Ok(Box::new(
             Y4mSource::new(reader, input)?.with_file_len(plain_len),
@@ -52,6 +54,30 @@ pub fn open(input: &str, image_fps: f64) -> Result<Box<dyn Source>> {
         return Ok(Box::new(images::ImageSource::single(path, image_fps)?));
     }
     Ok(Box::new(ffmpeg::FfmpegSource::open(path)?))
+}
+
+/// The files that INPUT names, and the folders of those that a pattern or folder gives.
+pub fn files(input: &str) -> Vec<PathBuf> {
+    if input == "-" {
+        return Vec::new();
+    }
+    let path = Path::new(input);
+    if path.is_dir() {
+        let entries = std::fs::read_dir(path).into_iter().flatten().flatten();
+        return std::iter::once(path.to_path_buf())
+            .chain(entries.map(|entry| entry.path()))
+            .collect();
+    }
+    match input.contains(['*', '?', '[']) && !path.exists() {
+        true => (glob::glob(input).into_iter().flatten())
+            .filter_map(Result::ok)
+            .flat_map(|file| {
+                let folder = file.parent().map(Path::to_path_buf);
+                folder.into_iter().chain([file])
+            })
+            .collect(),
+        false => vec![path.to_path_buf()],
+    }
 }
 
 /// Unpacks what starts with gzip's magic, passes the rest through.
