@@ -208,6 +208,8 @@ pub unsafe extern "C" fn posewise_landmarks(
     status(|| {
         // SAFETY: the caller's contract.
         let result = unsafe { block::get(tracker)? }.tracker.result();
+        let most = size_of::<posewise_landmark>() * capacity.min(LANDMARKS);
+        memory::require_disjoint(tracker, BLOCK_SIZE, out, most)?;
         // SAFETY: the caller's contract.
         unsafe { memory::write_first(out, capacity, landmarks_of(result)) }
     })
@@ -224,6 +226,7 @@ pub unsafe extern "C" fn posewise_animation(
     status(|| {
         // SAFETY: the caller's contract.
         let result = unsafe { block::get(tracker)? }.tracker.result();
+        memory::require_disjoint(tracker, BLOCK_SIZE, out, 4 * capacity.min(ANIMATIONS))?;
         // SAFETY: the caller's contract.
         unsafe { memory::write_first(out, capacity, result.animation.into_iter()) }
     })
@@ -240,6 +243,7 @@ pub unsafe extern "C" fn posewise_smoothed(
         // SAFETY: the caller's contract, here and below.
         let result = unsafe { block::get(tracker)? }.tracker.smoothed();
         let size = unsafe { memory::checked_size(out)? };
+        memory::require_disjoint(tracker, BLOCK_SIZE, out, size)?;
         unsafe { memory::write_struct(out, size, &result_to(result)) };
         Ok(())
     })
@@ -255,6 +259,8 @@ pub unsafe extern "C" fn posewise_smoothed_landmarks(
     status(|| {
         // SAFETY: the caller's contract.
         let result = unsafe { block::get(tracker)? }.tracker.smoothed();
+        let most = size_of::<posewise_landmark>() * capacity.min(LANDMARKS);
+        memory::require_disjoint(tracker, BLOCK_SIZE, out, most)?;
         // SAFETY: the caller's contract.
         unsafe { memory::write_first(out, capacity, landmarks_of(result)) }
     })
@@ -270,6 +276,7 @@ pub unsafe extern "C" fn posewise_smoothed_animation(
     status(|| {
         // SAFETY: the caller's contract.
         let result = unsafe { block::get(tracker)? }.tracker.smoothed();
+        memory::require_disjoint(tracker, BLOCK_SIZE, out, 4 * capacity.min(ANIMATIONS))?;
         // SAFETY: the caller's contract.
         unsafe { memory::write_first(out, capacity, result.animation.into_iter()) }
     })

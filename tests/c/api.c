@@ -454,6 +454,15 @@ static void test_step_pointers(void) {
     memcpy(memory.start + 4096, &r.struct_size, sizeof r.struct_size);
     CHECK_STATUS(posewise_step(t, &f, (posewise_result *)(void *)(memory.start + 4096)),
                  POSEWISE_E_ARG);
+    CHECK_STATUS(posewise_smoothed(t, (posewise_result *)(void *)(memory.start + 4096)),
+                 POSEWISE_E_OVERLAP);
+    CHECK_STATUS(posewise_landmarks(t, (posewise_landmark *)(void *)memory.start, 1),
+                 POSEWISE_E_OVERLAP);
+    CHECK_STATUS(posewise_smoothed_landmarks(t, (posewise_landmark *)(void *)memory.start, 68),
+                 POSEWISE_E_OVERLAP);
+    CHECK_STATUS(posewise_animation(t, (float *)(void *)memory.start, 1), POSEWISE_E_OVERLAP);
+    CHECK_STATUS(posewise_smoothed_animation(t, (float *)(void *)memory.start, 24),
+                 POSEWISE_E_OVERLAP);
     t = init(memory, NULL);
     CHECK_STATUS(posewise_step(t, (const posewise_frame *)(const void *)((char *)&f + 1), &r),
                  POSEWISE_E_ARG);
