@@ -21,7 +21,7 @@
  *          it clockwise in the image. The nose points along d = R (0, 0, -1):
  *          yaw = atan2(d.x, -d.z), pitch = asin(-d.y).
  * Sides    Left and right are the person's own, except in "image left" and "image right".
- * Structs  Initialise them with POSEWISE_CONFIG_INIT, _FRAME_INIT or _RESULT_INIT: struct_size
+ * Structs  Initialise them with POSEWISE_CONFIG_INIT, _FRAME_INIT and the like: struct_size
  *          must be the size of the struct in this header or in the header of an earlier release;
  *          any other value is an error. Fields that an earlier header lacks are read as 0.
  *          0 in any other setting selects its default.
@@ -67,6 +67,7 @@
 #define POSEWISE_E_MIN_FACE          (-19)        // min_face_px out of range
 #define POSEWISE_E_SCAN_BUDGET       (-20)        // scan_budget out of range
 #define POSEWISE_E_SMOOTHING         (-21)        // smoothing_hz or smoothing_beta out of range
+#define POSEWISE_E_HINT              (-22)        // A number of the hint is out of range
 
 #define POSEWISE_FMT_GREY            0x59455247u  // 8-bit grey
 #define POSEWISE_FMT_Y10             0x20303159u  // 10-bit grey in 16-bit little-endian words
@@ -219,6 +220,24 @@ typedef struct posewise_result {
     {sizeof(posewise_result), 0, 0, 0, 0, 0, {0, 0, 0, 0}, {0, 0, 0, 0}, 0, 0, 0, {0, 0, 0}, \
      {0, 0}, 0, 0, {0, 0, 0}, {0, 0, 0}}
 
+// Where a face is expected, for posewise_step_at(): found by another detector, or by a tracker of
+// another camera.
+typedef struct posewise_hint {
+    // sizeof(posewise_hint).
+    uint32_t struct_size;
+    // Box of the landmarks in the upright image: x, y, width, height [px]. It reaches from the
+    // brows to below the chin and from ear to ear; boxes of whole heads are larger. The longer
+    // side is at least 16.
+    float face_box[4];
+    // Yaw [deg] as in posewise_result, 0 where it is not known.
+    float yaw_deg;
+    // Roll [deg] as in posewise_result, 0 where it is not known.
+    float roll_deg;
+} posewise_hint;
+// Initialises a posewise_hint: struct_size is set, all other fields are 0.
+#define POSEWISE_HINT_INIT \
+    {sizeof(posewise_hint), {0, 0, 0, 0}, 0, 0}
+
 // One landmark. This struct never grows, so the layout of arrays stays the same.
 typedef struct posewise_landmark {
     // Position in the upright image [px]. Points 0..16 follow the visible contour of the jaw.
@@ -284,6 +303,14 @@ posewise_status posewise_init(posewise_tracker **out,
 posewise_status posewise_step(posewise_tracker *tracker,
                               const posewise_frame *frame,
                               posewise_result *out);
+
+// As posewise_step(), for a caller who expects a face somewhere: while searching, it is attempted
+// there first, then at what the detector finds near it, then the search goes on. A face that is
+// tracked, or was a moment ago, stays: call posewise_reset() first to change it.
+posewise_status posewise_step_at(posewise_tracker *tracker,
+                                 const posewise_frame *frame,
+                                 const posewise_hint *hint,
+                                 posewise_result *out);
 
 // Writes the first min(capacity, POSEWISE_LANDMARKS) landmarks of the last step; all zero while
 // searching.

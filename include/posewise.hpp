@@ -32,6 +32,11 @@ inline posewise_frame frame() {
     return f;
 }
 
+inline posewise_hint hint() {
+    posewise_hint h = POSEWISE_HINT_INIT;
+    return h;
+}
+
 inline posewise_result result() {
     posewise_result r = POSEWISE_RESULT_INIT;
     return r;
@@ -99,6 +104,12 @@ public:
 
     posewise_status step(const posewise_frame &frame, posewise_result &out) {
         return posewise_step(tracker_, &frame, &out);
+    }
+
+    // As step(), for a face that is expected at the hint.
+    posewise_status step_at(const posewise_frame &frame, const posewise_hint &hint,
+                            posewise_result &out) {
+        return posewise_step_at(tracker_, &frame, &hint, &out);
     }
 
     posewise_status landmarks(Landmarks &out) const {

@@ -69,6 +69,7 @@ fn layouts_agree() {
         smoothing_hz smoothing_beta);
     layout!(posewise_frame: struct_size format timestamp_us width height stride rotation_deg flags
         reserved data_len data);
+    layout!(posewise_hint: struct_size face_box yaw_deg roll_deg);
     layout!(posewise_result: struct_size state timestamp_us age_us landmark_count confidence
         face_box rotation yaw_deg pitch_deg roll_deg translation_mm eye_open
         loss visible_share rotation_sigma_deg translation_sigma_mm);

@@ -4,7 +4,9 @@
 mod common;
 
 use common::{Clip, demo};
-use posewise::{Config, Frame, FrameLayout, Loss, Model, State, TrackResult, Tracker};
+use posewise::{
+    Config, FaceHint, Frame, FrameLayout, Loss, Model, State, StepError, TrackResult, Tracker,
+};
 
 const WIDTH: usize = 640;
 const HEIGHT: usize = 360;
@@ -83,6 +85,22 @@ impl Watch<'_> {
             .expect("time goes on")
     }
 
+    /// One step for a caller who expects this face, whose box is off by a share of its size.
+    fn see_at(&mut self, faces: &[Pasted], expected: Pasted, off: f32) -> TrackResult {
+        let luma = picture(&self.clip, self.frame, faces);
+        let layout = FrameLayout::grey(WIDTH as u32, HEIGHT as u32);
+        let frame = Frame::new(&layout, &luma).expect("a frame");
+        let time = self.frame as i64 * FRAME_US;
+        self.frame += 1;
+        let side = FACE.1 * expected.scale;
+        let [x, y] = expected.at.map(|v| v + (off - 0.5) * side);
+        let hint = FaceHint::new([x, y, side, side]);
+        *self
+            .tracker
+            .step_at(self.model, &frame, time, &hint)
+            .expect("time goes on")
+    }
+
     /// Shows the same until a face is tracked; how many frames that took.
     fn until_tracked(&mut self, faces: &[Pasted], most: usize) -> (usize, TrackResult) {
         for n in 1..=most {
@@ -143,6 +161,53 @@ fn the_largest_face_is_picked() {
     watch(patient(), |watch| {
         let (_, result) = watch.until_tracked(&[SMALL, LARGE], 3);
         assert!(is_at(&result, LARGE), "{:?}", result.face_box);
+    });
+}
+
+/// A camera's budget finds a small face much later.
+#[test]
+fn an_expected_face_is_tracked_at_once() {
+    for off in [0.0, 0.1, -0.2] {
+        watch(Config::default(), |watch| {
+            let result = watch.see_at(&[SMALL, LARGE], SMALL, off);
+            assert_eq!(result.state, State::Tracking, "{off}");
+            assert!(is_at(&result, SMALL), "{off}: {:?}", result.face_box);
+        });
+    }
+}
+
+#[test]
+fn where_no_face_is_expected_the_search_goes_on() {
+    watch(Config::default(), |watch| {
+        let result = (0..60)
+            .map(|_| watch.see_at(&[LARGE], SMALL, 0.0))
+            .find(|result| result.state == State::Tracking);
+        assert!(is_at(&result.expect("found"), LARGE));
+    });
+}
+
+#[test]
+fn a_tracked_face_stays_where_another_is_expected() {
+    watch(patient(), |watch| {
+        watch.until_tracked(&[LARGE], 3);
+        for _ in 0..5 {
+            let result = watch.see_at(&[SMALL, LARGE], SMALL, 0.0);
+            assert!(is_at(&result, LARGE), "{:?}", result.face_box);
+        }
+    });
+}
+
+#[test]
+fn a_hint_out_of_range_changes_nothing() {
+    watch(Config::default(), |watch| {
+        let luma = picture(&watch.clip, 0, &[LARGE]);
+        let layout = FrameLayout::grey(WIDTH as u32, HEIGHT as u32);
+        let frame = Frame::new(&layout, &luma).expect("a frame");
+        let hint = FaceHint::new([0.0, 0.0, f32::NAN, 50.0]);
+        let step = watch.tracker.step_at(watch.model, &frame, 0, &hint);
+        assert_eq!(step.err(), Some(StepError::Hint));
+        // The timestamp was not used up.
+        assert!(watch.tracker.step(watch.model, &frame, 0).is_ok());
     });
 }
 

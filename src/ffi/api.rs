@@ -7,13 +7,13 @@
 
 use super::block::{self, BLOCK_SIZE};
 use super::convert::{
-    config_error, config_from, frame_from, intrinsics_from, landmarks_of, load, model_bytes,
-    result_to,
+    config_error, config_from, frame_from, hint_from, intrinsics_from, landmarks_of, load,
+    model_bytes, result_to, step_error,
 };
 use super::types::*;
 use super::{float_env, memory};
 use crate::shape::{ANIMATION_NAMES, ANIMATIONS, LANDMARKS};
-use crate::track::{Config, StepError};
+use crate::track::Config;
 use core::ffi::{c_char, c_void};
 
 const _: () = assert!(POSEWISE_LANDMARKS as usize == LANDMARKS);
@@ -65,6 +65,9 @@ pub extern "C" fn posewise_strerror(status: posewise_status) -> *const c_char {
         }
         POSEWISE_E_MIN_FACE => c"min_face_px must be 24..4096",
         POSEWISE_E_SCAN_BUDGET => c"scan_budget must be 100..10000000",
+        POSEWISE_E_HINT => {
+            c"the hint: its box must be 16..32768 px, its angles within -360..360 degrees"
+        }
         POSEWISE_E_SMOOTHING => c"smoothing_hz must be 0.01..100 and smoothing_beta 0..1000",
         _ => c"unknown status",
     };
@@ -191,7 +194,34 @@ pub unsafe extern "C" fn posewise_step(
         let result = block
             .tracker
             .step(&block.model, &frame, given.timestamp_us)
-            .map_err(|StepError::Time| POSEWISE_E_TIME)?;
+            .map_err(step_error)?;
+        unsafe { memory::write_struct(out, size, &result_to(result)) };
+        Ok(())
+    })
+}
+
+/// As posewise_step(), for a caller who expects a face somewhere: while searching, it is attempted
+/// there first, then at what the detector finds near it, then the search goes on. A face that is
+/// tracked, or was a moment ago, stays: call posewise_reset() first to change it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn posewise_step_at(
+    tracker: *mut posewise_tracker,
+    frame: *const posewise_frame,
+    hint: *const posewise_hint,
+    out: *mut posewise_result,
+) -> posewise_status {
+    status(|| {
+        // SAFETY: the caller's contract, here and below.
+        let block = unsafe { block::get_mut(tracker)? };
+        let given = unsafe { memory::read_struct(frame)? };
+        let hint = hint_from(&unsafe { memory::read_struct(hint)? });
+        let size = unsafe { memory::checked_size(out)? };
+        memory::require_disjoint(tracker, BLOCK_SIZE, out, size)?;
+        let frame = unsafe { frame_from(&given)? };
+        let result = block
+            .tracker
+            .step_at(&block.model, &frame, given.timestamp_us, &hint)
+            .map_err(step_error)?;
         unsafe { memory::write_struct(out, size, &result_to(result)) };
         Ok(())
     })

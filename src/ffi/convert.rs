@@ -4,7 +4,9 @@ use super::memory;
 use super::types::*;
 use crate::image::{Frame, FrameLayout, PixelFormat, Rotation};
 use crate::shape::{Intrinsics, LANDMARKS};
-use crate::track::{Config, ConfigError, Loss, Model, Smoothing, State, TrackResult};
+use crate::track::{
+    Config, ConfigError, FaceHint, Loss, Model, Smoothing, State, StepError, TrackResult,
+};
 use core::ffi::c_void;
 use posewise_format::ModelError;
 
@@ -106,6 +108,19 @@ pub(super) unsafe fn frame_from<'a>(given: &posewise_frame) -> Result<Frame<'a>,
         mirrored: given.flags & POSEWISE_FRAME_MIRRORED != 0,
     };
     Frame::new(&layout, data).map_err(|_| POSEWISE_E_FRAME)
+}
+
+/// The hint that a C struct describes; the tracker checks its numbers.
+pub(super) fn hint_from(given: &posewise_hint) -> FaceHint {
+    FaceHint::new(given.face_box).with_angles(given.yaw_deg, given.roll_deg)
+}
+
+/// The status of a frame that the tracker rejects.
+pub(super) fn step_error(error: StepError) -> posewise_status {
+    match error {
+        StepError::Time => POSEWISE_E_TIME,
+        StepError::Hint => POSEWISE_E_HINT,
+    }
 }
 
 /// A result as its C struct, with `struct_size` 0.

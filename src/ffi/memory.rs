@@ -27,6 +27,10 @@ unsafe impl Growing for posewise_frame {
     const EARLIER_SIZES: &'static [usize] = &[];
 }
 // SAFETY: as above.
+unsafe impl Growing for posewise_hint {
+    const EARLIER_SIZES: &'static [usize] = &[];
+}
+// SAFETY: as above.
 unsafe impl Growing for posewise_result {
     const EARLIER_SIZES: &'static [usize] = &[];
 }

@@ -65,6 +65,8 @@ pub const POSEWISE_E_MIN_FACE: i32 = -19;
 pub const POSEWISE_E_SCAN_BUDGET: i32 = -20;
 /// smoothing_hz or smoothing_beta out of range.
 pub const POSEWISE_E_SMOOTHING: i32 = -21;
+/// A number of the hint is out of range.
+pub const POSEWISE_E_HINT: i32 = -22;
 
 /// 8-bit grey.
 pub const POSEWISE_FMT_GREY: u32 = 0x5945_5247;
@@ -188,6 +190,23 @@ pub struct posewise_frame {
     pub data: *const u8,
 }
 
+/// Where a face is expected, for posewise_step_at(): found by another detector, or by a tracker of
+/// another camera.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default)]
+pub struct posewise_hint {
+    /// sizeof(posewise_hint).
+    pub struct_size: u32,
+    /// Box of the landmarks in the upright image: x, y, width, height \[px\]. It reaches from the
+    /// brows to below the chin and from ear to ear; boxes of whole heads are larger. The longer
+    /// side is at least 16.
+    pub face_box: [f32; 4],
+    /// Yaw \[deg\] as in posewise_result, 0 where it is not known.
+    pub yaw_deg: f32,
+    /// Roll \[deg\] as in posewise_result, 0 where it is not known.
+    pub roll_deg: f32,
+}
+
 /// The result of one frame. Every number is finite.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
@@ -280,6 +299,8 @@ assert_no_padding!(posewise_config: struct_size: u32, flags: u32, min_face_px: u
 assert_no_padding!(posewise_frame: struct_size: u32, format: u32, timestamp_us: i64, width: u32,
     height: u32, stride: u32, rotation_deg: u32, flags: u32, reserved: u32, data_len: usize,
     data: *const u8);
+assert_no_padding!(posewise_hint: struct_size: u32, face_box: [f32; 4], yaw_deg: f32,
+    roll_deg: f32);
 assert_no_padding!(posewise_result: struct_size: u32, state: u32, timestamp_us: i64, age_us: i64,
     landmark_count: u32, confidence: f32, face_box: [f32; 4], rotation: [f32; 4], yaw_deg: f32,
     pitch_deg: f32, roll_deg: f32, translation_mm: [f32; 3], eye_open: [f32; 2],

@@ -8,12 +8,15 @@ use core::fmt;
 pub enum StepError {
     /// The timestamp is not after that of the frame before.
     Time,
+    /// A number of the hint is out of range.
+    Hint,
 }
 
 impl fmt::Display for StepError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             StepError::Time => "the timestamp is not after that of the frame before",
+            StepError::Hint => "a number of the hint is out of range",
         })
     }
 }

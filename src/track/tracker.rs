@@ -18,6 +18,7 @@
 use core::mem::MaybeUninit;
 
 use super::geometry::{detection_of, is_in_frame};
+use super::hint::FaceHint;
 use super::one_euro::Smoother;
 use super::policy::{
     ACCEPT_CONFIDENCE, COAST_US, LOCAL_SEARCH_PERIOD, LOCAL_SEARCH_UNITS, NO_LONGER_NOISY, NOISY,
@@ -114,23 +115,52 @@ impl Tracker {
         frame: &Frame<'_>,
         timestamp_us: i64,
     ) -> Result<&TrackResult, StepError> {
+        self.step_with(model, frame, timestamp_us, None)
+    }
+
+    /// As [`Tracker::step`], for a caller who expects a face somewhere: while searching, it is
+    /// attempted there first, then at what the detector finds near it, then the search goes on. A
+    /// face that is tracked, or was a moment ago, stays the target: call [`Tracker::reset`] first
+    /// to change it.
+    ///
+    /// # Errors
+    /// [`StepError`]; the tracker is then unchanged.
+    pub fn step_at(
+        &mut self,
+        model: &Model<'_>,
+        frame: &Frame<'_>,
+        timestamp_us: i64,
+        hint: &FaceHint,
+    ) -> Result<&TrackResult, StepError> {
+        let hint = hint.detection().ok_or(StepError::Hint)?;
+        self.step_with(model, frame, timestamp_us, Some(&hint))
+    }
+
+    fn step_with(
+        &mut self,
+        model: &Model<'_>,
+        frame: &Frame<'_>,
+        timestamp_us: i64,
+        hint: Option<&Detection>,
+    ) -> Result<&TrackResult, StepError> {
         self.advance_clock(timestamp_us)?;
         let step = &Step {
             model,
             frame: &self.filtered(frame),
             now_us: timestamp_us,
         };
-        self.advance(step);
+        self.advance(step, hint);
         self.smoother.follow(&self.result, &self.config.smoothing);
         Ok(&self.result)
     }
 
-    /// As [`Tracker::step`], at a face that the caller has found, without any search.
+    /// Attempts a face whose exact box is known, in whatever state the tracker is, and nothing
+    /// else.
     ///
     /// # Errors
     /// [`StepError`]; the tracker is then unchanged.
     #[cfg(feature = "unstable-internals")]
-    pub fn step_at(
+    pub fn fit_at(
         &mut self,
         model: &Model<'_>,
         frame: &Frame<'_>,
@@ -204,10 +234,10 @@ impl Tracker {
     // --- The state machine -----------------------------------------------------------------------
 
     /// One step of the state machine.
-    fn advance(&mut self, step: &Step<'_>) {
+    fn advance(&mut self, step: &Step<'_>, hint: Option<&Detection>) {
         let state = self.result.state;
         let outcome = match state {
-            State::Searching => self.search(step),
+            State::Searching => self.search(step, hint),
             State::Tracking => self.track(step),
             State::Coasting => self.coast(step),
         };
@@ -219,8 +249,12 @@ impl Tracker {
         }
     }
 
-    /// Searching: compares the keyframes of a lost target, then scans.
-    fn search(&mut self, step: &Step<'_>) -> Outcome {
+    /// Searching: attempts the caller's hint, compares the keyframes of a lost target, then scans.
+    fn search(&mut self, step: &Step<'_>, hint: Option<&Detection>) -> Outcome {
+        if hint.is_some_and(|hint| self.attempt_hint(step, hint).is_accept()) {
+            self.end_search();
+            return Outcome::Accept;
+        }
         self.scanner.count_step();
         let plan = self.scanner.plan(&self.config, step);
         let mut budget = WorkBudget::new(self.config.scan_budget);
@@ -304,6 +338,20 @@ impl Tracker {
     }
 
     // --- Parts of a step -------------------------------------------------------------------------
+
+    /// Attempts a face that the caller expects: where it says, then where the detector finds one
+    /// near there, because boxes of other detectors differ.
+    #[inline(never)]
+    fn attempt_hint(&mut self, step: &Step<'_>, hint: &Detection) -> Outcome {
+        let outcome = self.attempt_detection(step, hint, Origin::NewFace, ACCEPT_CONFIDENCE);
+        if outcome.is_accept() {
+            return outcome;
+        }
+        match local_search(&step.model.detector, step.frame, hint, LOCAL_SEARCH_UNITS) {
+            Some(face) => self.attempt_detection(step, &face, Origin::NewFace, ACCEPT_CONFIDENCE),
+            None => Outcome::NotFound,
+        }
+    }
 
     /// Attempts the target at its predicted place.
     #[inline(never)]

@@ -268,6 +268,7 @@ static void test_codes(void) {
     posewise_frame f = clip_frame(&frames, 0);
     posewise_result r = POSEWISE_RESULT_INIT, unset;
     posewise_intrinsics narrow = {0.5f, 0.5f, 0, 0};
+    posewise_hint hint = POSEWISE_HINT_INIT;
     memset(&unset, 0, sizeof unset);
     CHECK_STATUS(posewise_step(NULL, &f, &r), POSEWISE_E_NULL);
     CHECK_STATUS(posewise_step(t, &f, NULL), POSEWISE_E_NULL);
@@ -280,6 +281,13 @@ static void test_codes(void) {
     CHECK_STATUS(posewise_set_intrinsics(t, &narrow), POSEWISE_E_INTRINSICS);
     f.reserved = 1;
     CHECK_STATUS(posewise_step(t, &f, &r), POSEWISE_E_FLAGS);
+    f.reserved = 0;
+    CHECK_STATUS(posewise_step_at(t, &f, NULL, &r), POSEWISE_E_NULL);
+    CHECK_STATUS(posewise_step_at(t, &f, &hint, &r), POSEWISE_E_HINT);
+    hint.face_box[2] = hint.face_box[3] = 80;
+    CHECK_STATUS(posewise_step_at(t, &f, &hint, &r), POSEWISE_OK);
+    hint.struct_size = 4;
+    CHECK_STATUS(posewise_step_at(t, &f, &hint, &r), POSEWISE_E_STRUCT_SIZE);
 #define CODE(change, code)                                                                     \
     (c.flags = 0, c.min_face_px = 0, c.scan_budget = 0, c.smoothing_hz = 0, change);           \
     CHECK_STATUS(posewise_init(&t, memory.start, memory.len, model.start, model.len, &c), code)

@@ -32,6 +32,11 @@ int main(void) {
     FIELD(posewise_frame, reserved);
     FIELD(posewise_frame, data_len);
     FIELD(posewise_frame, data);
+    SIZE(posewise_hint);
+    FIELD(posewise_hint, struct_size);
+    FIELD(posewise_hint, face_box);
+    FIELD(posewise_hint, yaw_deg);
+    FIELD(posewise_hint, roll_deg);
     SIZE(posewise_result);
     FIELD(posewise_result, struct_size);
     FIELD(posewise_result, state);

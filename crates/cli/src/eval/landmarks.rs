@@ -135,7 +135,7 @@ fn fit_still(
         let frame = picture.frame()?;
         let time = picture.timestamp_us;
         let result = match start.take() {
-            Some(face) => tracker.step_at(model, &frame, time, &face),
+            Some(face) => tracker.fit_at(model, &frame, time, &face),
             None => tracker.step(model, &frame, time),
         };
         let result = result.map_err(|e| anyhow!("{e}"))?;
