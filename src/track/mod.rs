@@ -3,8 +3,8 @@
 //! A frame goes through these files:
 //!
 //! - `tracker` holds the API and the state machine; `step` its input, outcome and work budget.
-//! - `hint` is a place that the caller proposes; `scan`, `reacquire` and `motion` propose others, by
-//!   the detector, by keyframes, by the last frames.
+//! - `hint` is a place that the caller proposes; `scan`, `reacquire` and `motion` propose others,
+//!   by the detector, by keyframes, by the last frames.
 //! - `scanner`, `reacquirer` and `rejected` hold what the search keeps between frames.
 //! - `candidate` aligns and verifies a proposal; `accept` fits the 3D face; `target` and
 //!   `appearance` hold what is known of the tracked face; `output` writes the result; `one_euro`
