@@ -9,7 +9,7 @@ use super::step::{Outcome, Step};
 use super::target::Origin;
 use super::{Loss, Model, Tracker};
 use crate::align::Shape;
-use crate::shape::{LANDMARKS, Observed, RotationPrior};
+use crate::shape::{Intrinsics, LANDMARKS, Observed, RotationPrior};
 use crate::verifier::Confidence;
 #[cfg(not(feature = "verifier"))]
 use crate::verifier::geometric_confidence;
@@ -20,6 +20,25 @@ impl Tracker {
         model
             .verifier
             .evaluate(self.work.features(), self.work.view())
+    }
+
+    /// The rotation by what the last alignment has seen. Landmarks that are hidden are estimates
+    /// whose errors are alike: the more there are, the more the prior counts.
+    fn rotation_prior(
+        &self,
+        step: &Step<'_>,
+        shape: &Shape,
+        camera: &Intrinsics,
+        confidence: &Confidence,
+    ) -> Option<RotationPrior> {
+        let (work, mean) = (&self.work, step.model.align.mean());
+        let regression = &step.model.rotation;
+        let prior = regression.predict(work.features(), work.view(), mean, shape, camera)?;
+        let visible = confidence.visibility.iter().sum::<f32>() / LANDMARKS as f32;
+        Some(RotationPrior {
+            weight: ROTATION_PRIOR_WEIGHT * (1.0 - visible),
+            ..prior
+        })
     }
 
     /// Fits the 3D face, and on success updates target and result. Returns
@@ -39,15 +58,7 @@ impl Tracker {
             points: shape,
             weights: &weights,
         };
-        let (work, align) = (&self.work, &step.model.align);
-        let rotation = step
-            .model
-            .rotation
-            .predict(work.features(), work.view(), align.mean(), shape, camera)
-            .map(|prior| RotationPrior {
-                weight: ROTATION_PRIOR_WEIGHT,
-                ..prior
-            });
+        let rotation = self.rotation_prior(step, shape, camera, confidence);
         let fit = self.target.fit(face, camera, &observed, rotation, origin);
         let Some(fit) = &fit else {
             return Outcome::Reject(Loss::NoPose);

@@ -207,11 +207,12 @@ pub(super) const FIT_WEIGHT_MIN: f32 = 0.05;
 /// Source: chosen.
 pub(super) const FIT_WEIGHT_HIDDEN: f32 = 0.2;
 
-/// Weight of the rotation's prior in the 3D fit, in which each landmark counts as independent of
-/// the others though their errors are alike.
+/// Weight of the rotation's prior in the 3D fit when no landmark is visible; it falls to 0 with the
+/// visible share. It is large because in the fit each landmark counts as independent of the others,
+/// though the errors of hidden ones are alike.
 ///
 /// Source: chosen.
-pub(super) const ROTATION_PRIOR_WEIGHT: f32 = 20.0;
+pub(super) const ROTATION_PRIOR_WEIGHT: f32 = 500.0;
 
 /// So many trusted frames after the acquisition each update the identity \[frames\].
 ///
