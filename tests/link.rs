@@ -15,17 +15,12 @@ fn panics(program: &Path) -> Vec<String> {
     names.map(String::from).collect()
 }
 
-#[test]
-fn nothing_panics() {
-    if !exists("nm") {
-        eprintln!("skipped: no nm");
-        return;
-    }
-    // The control shows that a panic would be seen.
-    let folder = scratch("control");
+/// The program of `CONTROL_C` with a Rust library of this code, in a folder of this name.
+fn control(name: &str, code: &str) -> PathBuf {
+    let folder = scratch(name);
     let (rust, c) = (folder.join("control.rs"), folder.join("control.c"));
     let (library, program) = (folder.join("libcontrol.a"), folder.join("control"));
-    std::fs::write(&rust, CONTROL_RUST).expect("target/ is writable");
+    std::fs::write(&rust, code).expect("target/ is writable");
     std::fs::write(&c, CONTROL_C).expect("target/ is writable");
     let mut rustc = Command::new(std::env::var("RUSTC").unwrap_or("rustc".into()));
     rustc.args(["--edition=2024", "--crate-type=staticlib", "-Cpanic=abort"]);
@@ -36,6 +31,17 @@ fn nothing_panics() {
     let mut link = Command::new(cc());
     link.arg(&c).arg(&library).arg("-Wl,--gc-sections");
     succeed(link.arg("-o").arg(&program));
+    program
+}
+
+#[test]
+fn nothing_panics() {
+    if !exists("nm") {
+        eprintln!("skipped: no nm");
+        return;
+    }
+    // The control shows that a panic would be seen.
+    let program = control("control", CONTROL_RUST);
     assert!(!panics(&program).is_empty(), "the control panics");
 
     for program in [example(), whole()] {
@@ -51,9 +57,6 @@ fn nothing_panics() {
 /// A panic, which only builds with checks can reach, ends the program.
 #[test]
 fn a_panic_traps() {
-    let folder = scratch("panic");
-    let (rust, c) = (folder.join("panics.rs"), folder.join("panics.c"));
-    let (library, program) = (folder.join("libpanics.a"), folder.join("panics"));
     let handler = root().join("src/ffi/panic.rs");
     let code = CONTROL_RUST.lines().filter(|line| !line.contains("panic"));
     let code: Vec<&str> = code.collect();
@@ -64,17 +67,7 @@ fn a_panic_traps() {
             handler.display()
         ),
     );
-    std::fs::write(&rust, code).expect("target/ is writable");
-    std::fs::write(&c, CONTROL_C).expect("target/ is writable");
-    let mut rustc = Command::new(std::env::var("RUSTC").unwrap_or("rustc".into()));
-    rustc.args(["--edition=2024", "--crate-type=staticlib", "-Cpanic=abort"]);
-    rustc
-        .args(["-Copt-level=3", "-Clto=fat", "-o"])
-        .arg(&library);
-    succeed(rustc.arg(&rust));
-    let mut link = Command::new(cc());
-    link.arg(&c).arg(&library).arg("-Wl,--gc-sections");
-    succeed(link.arg("-o").arg(&program));
+    let program = control("panics", &code);
     // The element beyond the last; a program that loops would be ended by SIGTERM.
     let mut run = Command::new("timeout");
     let status = run.arg("10").arg(&program).args(["a", "b", "c"]).status();

@@ -22,16 +22,7 @@ const REPORT: &str = "report.txt";
 /// Measures the cascade (global network, ensemble member, refiners, shape regression) from jittered
 /// true boxes.
 pub fn make(context: &Context<'_>, cascade: &[(&Output, Tag); 4]) -> Result<Output> {
-    let mut stage = Stage::new("data-sheet", 2);
-    let names = [
-        "global-network",
-        "ensemble-member",
-        "refiners",
-        "shape-regression",
-    ];
-    for (name, (output, _)) in names.iter().zip(cascade) {
-        stage = stage.input(name, output.hash(sections::FILE)?);
-    }
+    let mut stage = sections::with_cascade(Stage::new("data-sheet", 2), cascade)?;
     for name in [DEV.table, DEV.images] {
         stage = stage.input(name, context.store.data(&context.data(name))?);
     }

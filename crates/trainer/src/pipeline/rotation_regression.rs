@@ -19,19 +19,10 @@ struct Options {
 pub fn make(context: &Context<'_>, cascade: &[(&Output, Tag); 4]) -> Result<Output> {
     let seed = context.args.seed;
     let plain = context.renders(Kind::Plain)?.hash(super::renders::FILE)?;
-    let mut stage = Stage::new("rotation-regression", 1)
+    let stage = Stage::new("rotation-regression", 1)
         .options(&Options { seed })?
         .input("renders", plain);
-    let names = [
-        "global-network",
-        "ensemble-member",
-        "refiners",
-        "shape-regression",
-    ];
-    for (name, (output, _)) in names.iter().zip(cascade) {
-        stage = stage.input(name, output.hash(sections::FILE)?);
-    }
-    let stage = context.with_near(stage)?;
+    let stage = context.with_near(sections::with_cascade(stage, cascade)?)?;
     context.store.make(&stage, &[sections::FILE], |folder| {
         let faces = [context.faces()?, context.near()?].concat();
         let section = sections::with_model(cascade, |model| {

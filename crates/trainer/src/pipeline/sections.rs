@@ -1,5 +1,6 @@
 //! Sections of the model as outputs of stages.
 
+use super::stage::Stage;
 use super::store::Output;
 use crate::align;
 use anyhow::Result;
@@ -18,6 +19,20 @@ pub fn write(folder: &Path, section: &SectionWriter) -> Result<()> {
 /// Reads it back.
 pub fn read((output, tag): &(&Output, Tag)) -> Result<SectionWriter> {
     Ok(SectionWriter::of_bytes(*tag, output.read(FILE)?))
+}
+
+/// The stage with a finished cascade as input: the outputs of its four stages, in their order.
+pub fn with_cascade(mut stage: Stage, cascade: &[(&Output, Tag); 4]) -> Result<Stage> {
+    let names = [
+        "global-network",
+        "ensemble-member",
+        "refiners",
+        "shape-regression",
+    ];
+    for (name, (output, _)) in names.iter().zip(cascade) {
+        stage = stage.input(name, output.hash(FILE)?);
+    }
+    Ok(stage)
 }
 
 /// Opens the cascade of these sections.

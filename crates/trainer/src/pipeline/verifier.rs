@@ -23,18 +23,10 @@ pub fn make(
     detector: &Output,
 ) -> Result<Output> {
     let seed = context.args.seed;
-    let mut stage = Stage::new("verifier", 3)
+    let stage = Stage::new("verifier", 3)
         .options(&Options { seed })?
         .input("detector", detector.hash(sections::FILE)?);
-    let names = [
-        "global-network",
-        "ensemble-member",
-        "refiners",
-        "shape-regression",
-    ];
-    for (name, (output, _)) in names.iter().zip(cascade) {
-        stage = stage.input(name, output.hash(sections::FILE)?);
-    }
+    let stage = sections::with_cascade(stage, cascade)?;
     let stage = context.with_photographs(context.with_faces(stage)?, &["backgrounds"])?;
     context.store.make(&stage, &[sections::FILE], |folder| {
         let detector = sections::read(&(detector, posewise::detect::TAG))?;
