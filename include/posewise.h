@@ -68,6 +68,7 @@
 #define POSEWISE_E_SCAN_BUDGET       (-20)        // scan_budget out of range
 #define POSEWISE_E_SMOOTHING         (-21)        // smoothing_hz or smoothing_beta out of range
 #define POSEWISE_E_HINT              (-22)        // A number of the hint is out of range
+#define POSEWISE_E_ROI               (-23)        // The region of interest is out of range
 
 #define POSEWISE_FMT_GREY            0x59455247u  // 8-bit grey
 #define POSEWISE_FMT_Y10             0x20303159u  // 10-bit grey in 16-bit little-endian words
@@ -257,6 +258,17 @@ typedef struct posewise_landmark {
     float z_mm;
 } posewise_landmark;
 
+// A region of interest for posewise_set_roi(): a rectangle of the upright image [px]. All four 0:
+// the whole frame. This struct never grows.
+typedef struct posewise_roi {
+    // Upper left corner.
+    uint32_t x;
+    uint32_t y;
+    // Width and height, at least 1; x + width and y + height are at most 16384.
+    uint32_t width;
+    uint32_t height;
+} posewise_roi;
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -354,6 +366,11 @@ posewise_status posewise_forget_identity(posewise_tracker *tracker);
 // default, a horizontal field of view of 60 degrees.
 posewise_status posewise_set_intrinsics(posewise_tracker *tracker,
                                         const posewise_intrinsics *intrinsics);
+
+// Changes the region of interest from the next step on: only faces that are centred in it are
+// found, and only it is scanned, which takes less time. A face that is tracked may leave it. A
+// frame that does not hold all of it is POSEWISE_E_ROI. NULL or all zero: the whole frame.
+posewise_status posewise_set_roi(posewise_tracker *tracker, const posewise_roi *roi);
 
 #ifdef __cplusplus
 }  // extern "C"

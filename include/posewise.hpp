@@ -137,6 +137,9 @@ public:
         return posewise_set_intrinsics(tracker_, &camera);
     }
 
+    // Where faces are searched for from the next step on; all zero: the whole frame.
+    posewise_status set_roi(const posewise_roi &roi) { return posewise_set_roi(tracker_, &roi); }
+
     posewise_status reset() { return posewise_reset(tracker_); }
 
     posewise_status forget_identity() { return posewise_forget_identity(tracker_); }

@@ -104,7 +104,7 @@ mod verifier;
 #[cfg(feature = "ffi")]
 pub mod ffi;
 
-pub use image::{Frame, FrameError, FrameLayout, MAX_SIDE, PixelFormat, Rotation};
+pub use image::{Frame, FrameError, FrameLayout, MAX_SIDE, PixelFormat, Roi, Rotation};
 pub use posewise_format::{Aligned, ModelError};
 pub use shape::{ANIMATION_NAMES, ANIMATIONS, Intrinsics, LANDMARKS};
 pub use track::{Config, ConfigError, FaceHint, Landmark, Loss, Model, Smoothing};

@@ -65,6 +65,7 @@ fn layouts_agree() {
         };
     }
     layout!(posewise_intrinsics: fx fy cx cy);
+    layout!(posewise_roi: x y width height);
     layout!(posewise_config: struct_size flags min_face_px scan_budget intrinsics
         smoothing_hz smoothing_beta);
     layout!(posewise_frame: struct_size format timestamp_us width height stride rotation_deg flags

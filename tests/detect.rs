@@ -3,7 +3,7 @@
 use posewise::detect::{
     Detection, DetectorModel, GRID, Scan, ScanOutcome, Sizes, TAG, local_search,
 };
-use posewise::{Frame, FrameLayout, Rotation};
+use posewise::{Frame, FrameLayout, Roi, Rotation};
 use posewise_format::{AlignedBytes, Blob, ModelError, SectionWriter, blob};
 
 fn with_model<T>(
@@ -102,6 +102,39 @@ fn assert_close(found: Option<Detection>, x: f32, y: f32, size: f32) {
     assert!(off < 0.2 * size, "{d:?}");
     assert!((0.7..1.4).contains(&(d.size / size)), "{d:?}");
     assert!(d.score >= 0.0, "{d:?}");
+}
+
+/// Calls of 500 units until the pattern is reported or the scan ends.
+fn calls_in(model: &DetectorModel<'_>, frame: &Frame<'_>, roi: Roi) -> (u32, Option<Detection>) {
+    let (mut scan, mut calls) = (Scan::new(), 0);
+    loop {
+        calls += 1;
+        match scan.advance_in(model, frame, roi, Sizes::from(24), 500) {
+            ScanOutcome::BudgetSpent => {}
+            ScanOutcome::Candidate(found) => return (calls, Some(found)),
+            ScanOutcome::Finished => return (calls, None),
+        }
+    }
+}
+
+#[test]
+fn only_the_region_is_scanned() {
+    let pixels = image(120.0, 60.0, 48.0, 0.0);
+    let frame = Frame::new(&layout(), &pixels).unwrap();
+    with_model(section(false, &[0]), |model| {
+        let model = model.expect("a valid model");
+        let around = Roi::new(112, 52, 16, 16);
+        let (calls, found) = calls_in(&model, &frame, around);
+        assert_close(found, 120.0, 60.0, 48.0);
+        assert!(calls <= calls_in(&model, &frame, Roi::whole(&frame)).0);
+        // One pixel, at a corner too, is a region.
+        for roi in [Roi::new(20, 130, 30, 20), Roi::new(159, 159, 1, 1)] {
+            let (calls, found) = calls_in(&model, &frame, roi);
+            assert!(found.is_none() && calls <= 3, "{calls} {found:?}");
+        }
+        // Beyond the frame there is nothing, and no overflow.
+        calls_in(&model, &frame, Roi::new(u32::MAX, 9, u32::MAX, 1));
+    });
 }
 
 #[test]

@@ -5,7 +5,8 @@ mod common;
 
 use common::{Clip, demo};
 use posewise::{
-    Config, FaceHint, Frame, FrameLayout, Loss, Model, State, StepError, TrackResult, Tracker,
+    Config, ConfigError, FaceHint, Frame, FrameLayout, Loss, Model, Roi, State, StepError,
+    TrackResult, Tracker,
 };
 
 const WIDTH: usize = 640;
@@ -206,6 +207,95 @@ fn a_hint_out_of_range_changes_nothing() {
         let hint = FaceHint::new([0.0, 0.0, f32::NAN, 50.0]);
         let step = watch.tracker.step_at(watch.model, &frame, 0, &hint);
         assert_eq!(step.err(), Some(StepError::Hint));
+        // The timestamp was not used up.
+        assert!(watch.tracker.step(watch.model, &frame, 0).is_ok());
+    });
+}
+
+/// The half of the picture with the small face.
+const LEFT: Roi = Roi::new(0, 0, 260, HEIGHT as u32);
+
+#[test]
+fn only_faces_centred_in_the_region_are_found() {
+    // The largest comes first without a region, as another test shows.
+    watch(patient().with_roi(LEFT), |watch| {
+        let (frames, result) = watch.until_tracked(&[SMALL, LARGE], 3);
+        assert!(is_at(&result, SMALL), "{frames}: {:?}", result.face_box);
+    });
+    watch(patient().with_roi(LEFT), |watch| {
+        for n in 0..10 {
+            assert_eq!(watch.see(&[LARGE]).state, State::Searching, "{n}");
+            let result = watch.see_at(&[LARGE], LARGE, 0.0);
+            assert_eq!(result.state, State::Searching, "{n}: by a hint");
+        }
+        // From the next step on.
+        watch.tracker.set_roi(None).expect("the whole frame");
+        watch.until_tracked(&[LARGE], 3);
+    });
+}
+
+#[test]
+fn a_lost_face_is_not_found_again_outside_of_the_region() {
+    for outside in [[360.0, 180.0], [520.0, 180.0]] {
+        watch(patient(), |watch| {
+            let at = |x: f32| Pasted {
+                at: [x, 180.0],
+                ..LARGE
+            };
+            watch.until_tracked(&[at(200.0)], 3);
+            for _ in 0..20 {
+                watch.see(&[at(200.0)]);
+            }
+            watch.tracker.set_roi(Some(LEFT)).expect("in the frame");
+            // It jumps there: local search, scan and keyframes would find it.
+            for n in 0..30 {
+                let moved = Pasted {
+                    at: outside,
+                    ..LARGE
+                };
+                let result = watch.see(&[moved]);
+                let found = result.state == State::Tracking;
+                assert!(!found, "{n}: {:?}", result.face_box);
+            }
+            let (_, result) = watch.until_tracked(&[at(200.0)], 3);
+            assert!(is_at(&result, at(200.0)));
+        });
+    }
+}
+
+#[test]
+fn a_tracked_face_may_leave_the_region() {
+    watch(patient().with_roi(LEFT), |watch| {
+        let at = |x: f32| Pasted {
+            scale: 1.2,
+            at: [x, 180.0],
+        };
+        watch.until_tracked(&[at(200.0)], 3);
+        for n in 0..40 {
+            let result = watch.see(&[at(200.0 + 4.0 * n as f32)]);
+            assert_eq!(result.state, State::Tracking, "{n}");
+        }
+    });
+}
+
+#[test]
+fn a_region_must_lie_in_the_frame() {
+    watch(Config::default(), |watch| {
+        let luma = picture(&watch.clip, 0, &[LARGE]);
+        let layout = FrameLayout::grey(WIDTH as u32, HEIGHT as u32);
+        let frame = Frame::new(&layout, &luma).expect("a frame");
+        let whole = Roi::new(0, 0, WIDTH as u32, HEIGHT as u32);
+        let beyond = Roi::new(1, 0, WIDTH as u32, HEIGHT as u32);
+        watch.tracker.set_roi(Some(beyond)).expect("some frame");
+        let step = watch.tracker.step(watch.model, &frame, 0);
+        assert_eq!(step.err(), Some(StepError::Roi));
+        let empty = Roi::new(5, 5, 0, 5);
+        assert_eq!(
+            watch.tracker.set_roi(Some(empty)).err(),
+            Some(ConfigError::Roi)
+        );
+        assert_eq!(watch.tracker.config().roi, Some(beyond));
+        watch.tracker.set_roi(Some(whole)).expect("the whole frame");
         // The timestamp was not used up.
         assert!(watch.tracker.step(watch.model, &frame, 0).is_ok());
     });

@@ -14,7 +14,7 @@ use super::cluster::{Clusters, Hit, radians};
 use super::evaluate::{EMPTY_TABLE, WindowGrid};
 use super::window::Q4;
 use super::{Detection, DetectorModel, Window, local_search, refine};
-use crate::image::{Frame, MAX_SIDE};
+use crate::image::{Frame, MAX_SIDE, Roi};
 
 /// Smallest face that can be asked for \[px\].
 const FACE_MIN_PX: i32 = 16;
@@ -57,9 +57,10 @@ impl Sizes {
 /// State of a scan: plain data of fixed size.
 #[derive(Clone, Debug)]
 pub struct Scan {
-    // What the scan was started for; another frame size or range of sizes restarts it.
+    // What the scan was started for; another frame size, region or range of sizes restarts it.
     width: i32,
     height: i32,
+    roi: Roi,
     min_px: i32,
     max_px: i32,
     // Size of this level [1/16 px]; 0 before the start.
@@ -87,14 +88,21 @@ struct Axis {
 }
 
 impl Axis {
-    /// Spread symmetrically over `length` pixels, `margin` away from both edges.
-    fn new(length: i32, margin: i32, step: i32) -> Self {
-        let last = (length - 1) * Q4;
-        let span = (last - 2 * margin).max(0) as u32;
+    /// Spread symmetrically over `length` pixels of the frame from `start`, and a step beyond
+    /// both, because a face at an edge is hit from both sides; `margin` away from the edges of a
+    /// frame of `frame_length`.
+    fn new([start, length]: [u32; 2], frame_length: i32, margin: i32, step: i32) -> Self {
+        let last = (frame_length - 1) * Q4;
         let step = step.max(Q4 / 2);
+        // A region never begins beyond the largest frame.
+        let pixel = |at: u64| at.min(MAX_SIDE as u64) as i32 * Q4;
+        let (start, end) = (start as u64, start as u64 + length as u64);
+        let low = (pixel(start) - step).max(margin);
+        let high = (pixel(end) + step).min(last - margin);
+        let span = (high - low).max(0) as u32;
         let count = (span / step.max(1) as u32) as i32 + 1;
         Axis {
-            first: (last - (count - 1) * step) / 2,
+            first: (low + high - (count - 1) * step) / 2,
             step,
             count,
         }
@@ -117,6 +125,7 @@ impl Scan {
         Scan {
             width: 0,
             height: 0,
+            roi: Roi::new(0, 0, 0, 0),
             min_px: 0,
             max_px: 0,
             size: 0,
@@ -135,7 +144,7 @@ impl Scan {
         *self = Self::new();
     }
 
-    /// Continues the scan for about `budget` units of work.
+    /// Continues the scan of the whole frame for about `budget` units of work.
     ///
     /// A window costs one unit plus one for every 16 trees that it needs (three times as much on a
     /// box-filtered frame). So a call evaluates at most 16·`budget` trees plus those of one window,
@@ -148,10 +157,24 @@ impl Scan {
         sizes: Sizes,
         budget: u32,
     ) -> ScanOutcome {
+        self.advance_in(model, frame, Roi::whole(frame), sizes, budget)
+    }
+
+    /// As [`Scan::advance`], for faces that are centred in a region; some that are centred a step
+    /// beyond it are reported too.
+    pub fn advance_in(
+        &mut self,
+        model: &DetectorModel<'_>,
+        frame: &Frame<'_>,
+        roi: Roi,
+        sizes: Sizes,
+        budget: u32,
+    ) -> ScanOutcome {
         // Not `clamp`: it may panic.
         let min_px = sizes.min_px.min(MAX_SIDE as i32).max(FACE_MIN_PX);
         let wanted = [frame.width(), frame.height(), min_px, sizes.max_px];
-        if self.size == 0 || wanted != self.wanted() {
+        if self.size == 0 || wanted != self.wanted() || roi != self.roi {
+            self.roi = roi;
             self.begin(wanted, false);
         }
         self.clusters.begin_call();
@@ -194,6 +217,7 @@ impl Scan {
         *self = Scan {
             width,
             height,
+            roi: self.roi,
             min_px,
             max_px,
             size: width.min(height).min(max_px).max(min_px) * Q4,
@@ -214,8 +238,14 @@ impl Scan {
     ) {
         let q8 = |v: i32| ((self.size as i64 * v as i64) >> 8) as i32;
         let (step, margin) = (q8(model.step_q8), q8(model.margin_q8));
-        let across = Axis::new(self.width, margin, step);
-        let down = Axis::new(self.height, margin, step);
+        let Roi {
+            x,
+            y,
+            width,
+            height,
+        } = self.roi;
+        let across = Axis::new([x, width], self.width, margin, step);
+        let down = Axis::new([y, height], self.height, margin, step);
         let window = Window::new(0, 0, q8(model.side_q8), radians(roll));
         let mut table = EMPTY_TABLE;
         let windows = WindowGrid::new(frame, window, &mut table);

@@ -8,7 +8,7 @@
 use super::block::{self, BLOCK_SIZE};
 use super::convert::{
     config_error, config_from, frame_from, hint_from, intrinsics_from, landmarks_of, load,
-    model_bytes, result_to, step_error,
+    model_bytes, result_to, roi_from, step_error,
 };
 use super::types::*;
 use super::{float_env, memory};
@@ -67,6 +67,9 @@ pub extern "C" fn posewise_strerror(status: posewise_status) -> *const c_char {
         POSEWISE_E_SCAN_BUDGET => c"scan_budget must be 100..10000000",
         POSEWISE_E_HINT => {
             c"the hint: its box must be 16..32768 px, its angles within -360..360 degrees"
+        }
+        POSEWISE_E_ROI => {
+            c"the region of interest is empty, ends beyond 16384 px or is not in the frame"
         }
         POSEWISE_E_SMOOTHING => c"smoothing_hz must be 0.01..100 and smoothing_beta 0..1000",
         _ => c"unknown status",
@@ -365,6 +368,28 @@ pub unsafe extern "C" fn posewise_set_intrinsics(
             intrinsics_from(unsafe { &*intrinsics })
         };
         tracker.set_intrinsics(intrinsics).map_err(config_error)
+    })
+}
+
+/// Changes the region of interest from the next step on: only faces that are centred in it are
+/// found, and only it is scanned, which takes less time. A face that is tracked may leave it. A
+/// frame that does not hold all of it is POSEWISE_E_ROI. NULL or all zero: the whole frame.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn posewise_set_roi(
+    tracker: *mut posewise_tracker,
+    roi: *const posewise_roi,
+) -> posewise_status {
+    status(|| {
+        // SAFETY: the caller's contract.
+        let tracker = &mut unsafe { block::get_mut(tracker)? }.tracker;
+        let roi = if roi.is_null() {
+            None
+        } else {
+            memory::check_pointer(roi)?;
+            // SAFETY: checked above.
+            roi_from(unsafe { &*roi })
+        };
+        tracker.set_roi(roi).map_err(config_error)
     })
 }
 

@@ -2,7 +2,7 @@
 
 use super::memory;
 use super::types::*;
-use crate::image::{Frame, FrameLayout, PixelFormat, Rotation};
+use crate::image::{Frame, FrameLayout, PixelFormat, Roi, Rotation};
 use crate::shape::{Intrinsics, LANDMARKS};
 use crate::track::{
     Config, ConfigError, FaceHint, Loss, Model, Smoothing, State, StepError, TrackResult,
@@ -58,6 +58,7 @@ pub(super) unsafe fn config_from(
             cutoff_hz: or_f32(given.smoothing_hz, default.smoothing.cutoff_hz),
             beta: or_f32(given.smoothing_beta, default.smoothing.beta),
         },
+        ..default
     };
     if given.flags != 0 {
         return Err(POSEWISE_E_FLAGS);
@@ -73,6 +74,7 @@ pub(super) fn config_error(error: ConfigError) -> posewise_status {
         ConfigError::MinFace => POSEWISE_E_MIN_FACE,
         ConfigError::ScanBudget => POSEWISE_E_SCAN_BUDGET,
         ConfigError::Smoothing => POSEWISE_E_SMOOTHING,
+        ConfigError::Roi => POSEWISE_E_ROI,
     }
 }
 
@@ -80,6 +82,17 @@ pub(super) fn config_error(error: ConfigError) -> posewise_status {
 pub(super) fn intrinsics_from(given: &posewise_intrinsics) -> Option<Intrinsics> {
     let posewise_intrinsics { fx, fy, cx, cy } = *given;
     ([fx, fy, cx, cy] != [0.0; 4]).then_some(Intrinsics { fx, fy, cx, cy })
+}
+
+/// `None`, the whole frame, where all are 0. The tracker checks other values.
+pub(super) fn roi_from(given: &posewise_roi) -> Option<Roi> {
+    let posewise_roi {
+        x,
+        y,
+        width,
+        height,
+    } = *given;
+    ([x, y, width, height] != [0; 4]).then_some(Roi::new(x, y, width, height))
 }
 
 /// The frame that a C struct describes.
@@ -120,6 +133,7 @@ pub(super) fn step_error(error: StepError) -> posewise_status {
     match error {
         StepError::Time => POSEWISE_E_TIME,
         StepError::Hint => POSEWISE_E_HINT,
+        StepError::Roi => POSEWISE_E_ROI,
     }
 }
 

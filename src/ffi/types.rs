@@ -67,6 +67,8 @@ pub const POSEWISE_E_SCAN_BUDGET: i32 = -20;
 pub const POSEWISE_E_SMOOTHING: i32 = -21;
 /// A number of the hint is out of range.
 pub const POSEWISE_E_HINT: i32 = -22;
+/// The region of interest is out of range.
+pub const POSEWISE_E_ROI: i32 = -23;
 
 /// 8-bit grey.
 pub const POSEWISE_FMT_GREY: u32 = 0x5945_5247;
@@ -136,6 +138,19 @@ pub struct posewise_intrinsics {
     /// Principal point \[px\], -100000..100000.
     pub cx: f32,
     pub cy: f32,
+}
+
+/// A region of interest for posewise_set_roi(): a rectangle of the upright image \[px\]. All four 0:
+/// the whole frame. This struct never grows.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default)]
+pub struct posewise_roi {
+    /// Upper left corner.
+    pub x: u32,
+    pub y: u32,
+    /// Width and height, at least 1; x + width and y + height are at most 16384.
+    pub width: u32,
+    pub height: u32,
 }
 
 /// Settings. A NULL pointer to this struct selects all defaults.
@@ -294,6 +309,7 @@ macro_rules! assert_no_padding {
 }
 
 assert_no_padding!(posewise_intrinsics: fx: f32, fy: f32, cx: f32, cy: f32);
+assert_no_padding!(posewise_roi: x: u32, y: u32, width: u32, height: u32);
 assert_no_padding!(posewise_config: struct_size: u32, flags: u32, min_face_px: u32,
     scan_budget: u32, intrinsics: posewise_intrinsics, smoothing_hz: f32, smoothing_beta: f32);
 assert_no_padding!(posewise_frame: struct_size: u32, format: u32, timestamp_us: i64, width: u32,

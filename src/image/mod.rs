@@ -13,9 +13,11 @@ mod format;
 mod frame;
 mod layout;
 mod noise;
+mod roi;
 
 pub use crop::{CROP_MAX, Crop, warp};
 pub use format::PixelFormat;
 pub use frame::Frame;
 pub use layout::{FrameError, FrameLayout, MAX_SIDE, Rotation};
 pub use noise::noise_share;
+pub use roi::Roi;

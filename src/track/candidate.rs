@@ -6,9 +6,10 @@
 //! | first, at a detection near a lost target or of the caller | all | `ACCEPT_CONFIDENCE` |
 //! | retry of a rejected detection, or a keyframe match | 1 | `ACCEPT_CONFIDENCE` |
 //!
-//! In the suppressed region each needs `TRUST_CONFIDENCE`.
+//! In the suppressed region each needs `TRUST_CONFIDENCE`. A face that is centred outside of the
+//! region of interest is never accepted.
 
-use super::geometry::{detection_of, initial_shape};
+use super::geometry::{centre, detection_of, initial_shape};
 use super::policy::{ACCEPT_CONFIDENCE, RETRY_CONFIDENCE, TRUST_CONFIDENCE};
 use super::step::{Outcome, Step};
 use super::target::Origin;
@@ -86,6 +87,10 @@ impl Tracker {
         let iterations = attempt.iterations;
         if !model.align.run(frame, iterations, shape, &mut self.work) {
             return Outcome::Reject(Loss::LowConfidence);
+        }
+        let roi = self.config.roi;
+        if roi.is_some_and(|roi| !roi.contains(centre(shape))) {
+            return Outcome::NotFound;
         }
         let mut confidence = self.verify(model);
         if confidence.face < TRUST_CONFIDENCE

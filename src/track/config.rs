@@ -1,5 +1,6 @@
 //! A tracker's settings, their defaults and ranges.
 
+use crate::image::{MAX_SIDE, Roi};
 use crate::shape::{FOCAL_PX, Intrinsics, PIXEL_ASPECT, PRINCIPAL_PX};
 use core::fmt;
 use core::ops::RangeInclusive;
@@ -31,6 +32,10 @@ pub struct Config {
     pub scan_budget: u32,
     /// The filter of [`crate::Tracker::smoothed`].
     pub smoothing: Smoothing,
+    /// Region of interest: only faces that are centred in it are found, and only it is scanned.
+    /// A face that is tracked may leave it. It must lie in every frame. `None` for the whole
+    /// frame. Default: `None`.
+    pub roi: Option<Roi>,
 }
 
 impl Default for Config {
@@ -40,6 +45,7 @@ impl Default for Config {
             min_face_px: 40,
             scan_budget: 3000,
             smoothing: Smoothing::default(),
+            roi: None,
         }
     }
 }
@@ -74,6 +80,14 @@ impl Config {
         Config { smoothing, ..self }
     }
 
+    /// With another [`Config::roi`].
+    pub fn with_roi(self, roi: impl Into<Option<Roi>>) -> Self {
+        Config {
+            roi: roi.into(),
+            ..self
+        }
+    }
+
     /// Whether every setting is in range.
     ///
     /// # Errors
@@ -91,6 +105,9 @@ impl Config {
         let Smoothing { cutoff_hz, beta } = self.smoothing;
         if !CUTOFF_HZ.contains(&cutoff_hz) || !BETA.contains(&beta) {
             return Err(ConfigError::Smoothing);
+        }
+        if self.roi.is_some_and(|roi| !roi.is_valid()) {
+            return Err(ConfigError::Roi);
         }
         Ok(())
     }
@@ -133,6 +150,8 @@ pub enum ConfigError {
     ScanBudget,
     /// `smoothing` is out of range.
     Smoothing,
+    /// `roi` is empty or reaches beyond the largest frame.
+    Roi,
 }
 
 impl fmt::Display for ConfigError {
@@ -147,11 +166,25 @@ impl fmt::Display for ConfigError {
                      {wide}, the principal point within {PRINCIPAL_PX} px of 0"
                 )
             }
-            ConfigError::MinFace => write!(f, "min_face_px must lie in {MIN_FACE_PX:?}"),
-            ConfigError::ScanBudget => write!(f, "scan_budget must lie in {SCAN_BUDGET:?}"),
-            ConfigError::Smoothing => write!(
+            ConfigError::MinFace => {
+                let (least, most) = (MIN_FACE_PX.start(), MIN_FACE_PX.end());
+                write!(f, "min_face_px must be {least} to {most} px")
+            }
+            ConfigError::ScanBudget => {
+                let (least, most) = (SCAN_BUDGET.start(), SCAN_BUDGET.end());
+                write!(f, "scan_budget must be {least} to {most}")
+            }
+            ConfigError::Smoothing => {
+                let (slow, fast) = (CUTOFF_HZ.start(), CUTOFF_HZ.end());
+                let (least, most) = (BETA.start(), BETA.end());
+                write!(
+                    f,
+                    "smoothing: cutoff_hz must be {slow} to {fast} Hz, beta {least} to {most}"
+                )
+            }
+            ConfigError::Roi => write!(
                 f,
-                "smoothing must lie in {CUTOFF_HZ:?} Hz, its beta in {BETA:?}"
+                "roi must be at least 1 px wide and high, and end within {MAX_SIDE} px"
             ),
         }
     }

@@ -10,6 +10,8 @@ pub enum StepError {
     Time,
     /// A number of the hint is out of range.
     Hint,
+    /// The region of interest does not lie in the frame.
+    Roi,
 }
 
 impl fmt::Display for StepError {
@@ -17,6 +19,7 @@ impl fmt::Display for StepError {
         f.write_str(match self {
             StepError::Time => "the timestamp is not after that of the frame before",
             StepError::Hint => "a number of the hint is out of range",
+            StepError::Roi => "the region of interest does not lie in the frame",
         })
     }
 }

@@ -3,7 +3,7 @@
 use super::Model;
 use crate::align::Shape;
 use crate::detect::Detection;
-use crate::image::Frame;
+use crate::image::{Frame, Roi};
 use crate::math::Similarity;
 use crate::shape::LANDMARKS;
 
@@ -59,11 +59,15 @@ pub(super) fn bounds(shape: &[[f32; 2]]) -> [f32; 4] {
     [low[0], low[1], high[0] - low[0], high[1] - low[1]]
 }
 
+/// Centre of the axis-aligned box.
+pub(super) fn centre(shape: &Shape) -> [f32; 2] {
+    let [x, y, width, height] = bounds(shape);
+    [x + width / 2.0, y + height / 2.0]
+}
+
 /// Whether the centre of the face is in the frame.
 pub(super) fn is_in_frame(shape: &Shape, frame: &Frame<'_>) -> bool {
-    let [x, y, width, height] = bounds(shape);
-    let (cx, cy) = (x + width / 2.0, y + height / 2.0);
-    cx >= 0.0 && cy >= 0.0 && cx <= frame.width() as f32 && cy <= frame.height() as f32
+    Roi::whole(frame).contains(centre(shape))
 }
 
 pub(super) fn length([x, y]: [f32; 2]) -> f32 {

@@ -37,7 +37,8 @@ impl Tracker {
             budget.spend(RETRY_UNITS);
         }
         budget.leave_one();
-        while let Some(face) = self.scanner.next(step, &mut plan, budget) {
+        let roi = step.roi(&self.config);
+        while let Some(face) = self.scanner.next(step, roi, &mut plan, budget) {
             let least = FIRST_ATTEMPT_CONFIDENCE;
             let outcome = self.attempt_detection(step, &face, Origin::NewFace, least);
             if outcome.is_accept() {

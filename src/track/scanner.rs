@@ -9,7 +9,7 @@ use super::policy::{
 };
 use super::step::{Step, WorkBudget};
 use crate::detect::{Detection, Scan, ScanOutcome, Sizes};
-use crate::image::Frame;
+use crate::image::{Frame, Roi};
 
 /// How large the target was when it was last seen, how it was turned, and when.
 #[derive(Clone, Copy)]
@@ -156,10 +156,12 @@ impl Scanner {
         self.is_one_in(affordable.max(wanted))
     }
 
-    /// The next detection of the plan; `None` when the budget is spent or the scan is finished.
+    /// The next detection of the plan in a region; `None` when the budget is spent or the scan is
+    /// finished.
     pub(super) fn next(
         &mut self,
         step: &Step<'_>,
+        roi: Roi,
         plan: &mut ScanPlan,
         budget: &mut WorkBudget,
     ) -> Option<Detection> {
@@ -169,7 +171,8 @@ impl Scanner {
                 None => (&mut self.all, plan.all),
             };
             let given = budget.left();
-            let outcome = scan.advance(&step.model.detector, step.frame, sizes, given);
+            let detector = &step.model.detector;
+            let outcome = scan.advance_in(detector, step.frame, roi, sizes, given);
             budget.spend(given.saturating_sub(scan.units_left()));
             match outcome {
                 ScanOutcome::Candidate(face) => return Some(face),

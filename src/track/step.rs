@@ -1,7 +1,7 @@
 //! What one step is given, how much work it may do, and how an attempt to find a face ends.
 
 use super::{Config, Loss, Model};
-use crate::image::Frame;
+use crate::image::{Frame, Roi};
 use crate::shape::Intrinsics;
 
 /// The input of one step.
@@ -21,6 +21,11 @@ impl Step<'_> {
             Some(camera) => camera,
             None => Intrinsics::of_frame(self.frame.width(), self.frame.height()),
         }
+    }
+
+    /// The configured region of interest, or the whole frame.
+    pub(super) fn roi(&self, config: &Config) -> Roi {
+        config.roi.unwrap_or_else(|| Roi::whole(self.frame))
     }
 }
 

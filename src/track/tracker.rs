@@ -32,7 +32,7 @@ use super::target::{Origin, Target};
 use super::{Config, ConfigError, Loss, Model, Smoothing, State, StepError, TrackResult};
 use crate::align::Workspace;
 use crate::detect::{Detection, local_search};
-use crate::image::{Frame, noise_share};
+use crate::image::{Frame, Roi, noise_share};
 use crate::shape::Intrinsics;
 
 /// All state of one tracked face. Plain data: a copy of it is an independent tracker.
@@ -65,6 +65,7 @@ impl Tracker {
                 cutoff_hz: 0.0,
                 beta: 0.0,
             },
+            roi: None,
         },
         result: TrackResult::EMPTY,
         smoother: Smoother::EMPTY,
@@ -143,6 +144,9 @@ impl Tracker {
         timestamp_us: i64,
         hint: Option<&Detection>,
     ) -> Result<&TrackResult, StepError> {
+        if self.config.roi.is_some_and(|roi| !roi.is_in(frame)) {
+            return Err(StepError::Roi);
+        }
         self.advance_clock(timestamp_us)?;
         let step = &Step {
             model,
@@ -228,6 +232,18 @@ impl Tracker {
         };
         config.check()?;
         self.config = config;
+        Ok(())
+    }
+
+    /// Changes the region of interest from the next step on; see [`Config::roi`].
+    ///
+    /// # Errors
+    /// [`ConfigError::Roi`].
+    pub fn set_roi(&mut self, roi: Option<Roi>) -> Result<(), ConfigError> {
+        if roi.is_some_and(|roi| !roi.is_valid()) {
+            return Err(ConfigError::Roi);
+        }
+        self.config.roi = roi;
         Ok(())
     }
 

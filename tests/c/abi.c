@@ -14,6 +14,7 @@ FIELD(posewise_intrinsics, fy, 4);
 FIELD(posewise_intrinsics, cx, 8);
 FIELD(posewise_intrinsics, cy, 12);
 
+SIZE(posewise_roi, 16);
 SIZE(posewise_config, 40);
 FIELD(posewise_config, struct_size, 0);
 FIELD(posewise_config, flags, 4);

@@ -269,6 +269,8 @@ static void test_codes(void) {
     posewise_result r = POSEWISE_RESULT_INIT, unset;
     posewise_intrinsics narrow = {0.5f, 0.5f, 0, 0};
     posewise_hint hint = POSEWISE_HINT_INIT;
+    const posewise_roi empty = {1, 1, 0, 1}, beyond = {4294967295u, 0, 4294967295u, 1};
+    const posewise_roi wide = {1, 0, f.width, f.height};
     memset(&unset, 0, sizeof unset);
     CHECK_STATUS(posewise_step(NULL, &f, &r), POSEWISE_E_NULL);
     CHECK_STATUS(posewise_step(t, &f, NULL), POSEWISE_E_NULL);
@@ -288,6 +290,15 @@ static void test_codes(void) {
     CHECK_STATUS(posewise_step_at(t, &f, &hint, &r), POSEWISE_OK);
     hint.struct_size = 4;
     CHECK_STATUS(posewise_step_at(t, &f, &hint, &r), POSEWISE_E_STRUCT_SIZE);
+    CHECK_STATUS(posewise_set_roi(t, &empty), POSEWISE_E_ROI);
+    CHECK_STATUS(posewise_set_roi(t, &beyond), POSEWISE_E_ROI);
+    CHECK_STATUS(posewise_set_roi(t, (posewise_roi *)(void *)((char *)&wide + 1)),
+                 POSEWISE_E_POINTER_ALIGN);
+    CHECK_STATUS(posewise_set_roi(t, &wide), POSEWISE_OK);
+    f.timestamp_us += 1;
+    CHECK_STATUS(posewise_step(t, &f, &r), POSEWISE_E_ROI);
+    CHECK_STATUS(posewise_set_roi(t, NULL), POSEWISE_OK);
+    CHECK_STATUS(posewise_step(t, &f, &r), POSEWISE_OK);
 #define CODE(change, code)                                                                     \
     (c.flags = 0, c.min_face_px = 0, c.scan_budget = 0, c.smoothing_hz = 0, change);           \
     CHECK_STATUS(posewise_init(&t, memory.start, memory.len, model.start, model.len, &c), code)
@@ -315,6 +326,7 @@ static void no_tracker(posewise_tracker *t) {
     CHECK_STATUS(posewise_reset(t), POSEWISE_E_ARG);
     CHECK_STATUS(posewise_forget_identity(t), POSEWISE_E_ARG);
     CHECK_STATUS(posewise_set_intrinsics(t, NULL), POSEWISE_E_ARG);
+    CHECK_STATUS(posewise_set_roi(t, NULL), POSEWISE_E_ARG);
     CHECK(memcmp(&a, &before, sizeof a) == 0);
 }
 

@@ -12,6 +12,11 @@ int main(void) {
     FIELD(posewise_intrinsics, fy);
     FIELD(posewise_intrinsics, cx);
     FIELD(posewise_intrinsics, cy);
+    SIZE(posewise_roi);
+    FIELD(posewise_roi, x);
+    FIELD(posewise_roi, y);
+    FIELD(posewise_roi, width);
+    FIELD(posewise_roi, height);
     SIZE(posewise_config);
     FIELD(posewise_config, struct_size);
     FIELD(posewise_config, flags);

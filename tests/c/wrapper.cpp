@@ -61,5 +61,6 @@ int main(int argc, char **argv) {
     CHECK(moved && !first && moved.reset() == POSEWISE_OK);
     CHECK(moved.forget_identity() == POSEWISE_OK && none.forget_identity() == POSEWISE_E_NULL);
     CHECK(moved.set_intrinsics({800, 800, 320, 240}) == POSEWISE_OK);
+    CHECK(moved.set_roi({0, 0, 10, 10}) == POSEWISE_OK && moved.set_roi({}) == POSEWISE_OK);
     return failures;
 }

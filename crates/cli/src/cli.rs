@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use posewise::{Config, Roi};
 
 /// Head pose, 68 landmarks and facial animation from camera frames.
 #[derive(Parser)]
@@ -82,6 +83,10 @@ pub struct TrackArgs {
     /// The frames are mirrored left to right (a selfie preview)
     #[arg(long)]
     pub mirror: bool,
+    /// Search for faces only where they are centred in this rectangle of the upright frame [px];
+    /// without it the whole frame
+    #[arg(long, value_name = "X,Y,W,H", value_parser = roi, allow_hyphen_values = true)]
+    pub roi: Option<Roi>,
     /// Frame rate of a folder or glob of pictures
     #[arg(long, value_name = "N", default_value_t = 30.0)]
     pub fps: f64,
@@ -132,6 +137,19 @@ fn within(least: f64, most: f64) -> impl Fn(&str) -> Result<f64, String> + Clone
     move |text| match text.parse() {
         Ok(v) if (least..=most).contains(&v) => Ok(v),
         _ => Err(format!("not a number from {least} to {most}")),
+    }
+}
+
+/// Parses a region of interest.
+fn roi(text: &str) -> Result<Roi, String> {
+    let numbers: Result<Vec<u32>, _> = text.split(',').map(|n| n.trim().parse()).collect();
+    let Ok([x, y, width, height]) = numbers.as_deref() else {
+        return Err("not four whole numbers X,Y,W,H [px]".into());
+    };
+    let roi = Roi::new(*x, *y, *width, *height);
+    match Config::default().with_roi(roi).check() {
+        Ok(()) => Ok(roi),
+        Err(error) => Err(error.to_string()),
     }
 }
 

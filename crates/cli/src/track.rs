@@ -6,9 +6,9 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, anyhow, bail};
 use indicatif::{ProgressBar, ProgressStyle};
-use posewise::image::Rotation;
+use posewise::image::{Roi, Rotation};
 use posewise::shape::Intrinsics;
-use posewise::track::{Config, Model, State, TrackResult, Tracker};
+use posewise::track::{Config, Model, State, StepError, TrackResult, Tracker};
 
 use crate::cli::{TrackArgs, TrackerArgs};
 use crate::csv::{CsvWriter, Row};
@@ -63,6 +63,11 @@ impl<'m> Session<'m> {
         })
     }
 
+    /// Searches only this region of the frames.
+    pub fn set_roi(&mut self, roi: Option<Roi>) -> Result<()> {
+        self.tracker.set_roi(roi).map_err(|e| anyhow!("--roi: {e}"))
+    }
+
     /// The camera that the tracker assumes for the current frame.
     pub fn intrinsics(&self) -> Intrinsics {
         let mut camera = Intrinsics::of_frame(self.size.0, self.size.1);
@@ -87,7 +92,14 @@ impl<'m> Session<'m> {
         let start = Instant::now();
         let stepped = self.tracker.step(self.model, &frame, picture.timestamp_us);
         self.busy += start.elapsed();
-        stepped.map_err(|e| anyhow!("{e}"))?;
+        stepped.map_err(|e| match e {
+            StepError::Roi => anyhow!(
+                "--roi: does not lie in the frame of {}×{} px",
+                size.0,
+                size.1
+            ),
+            e => anyhow!("{e}"),
+        })?;
         Ok(match self.smooth {
             false => self.tracker.result(),
             true => self.tracker.smoothed(),
@@ -256,6 +268,7 @@ pub fn run(args: &TrackArgs) -> Result<Option<u8>> {
     let model = file.model()?;
     let mut source = source::open(&args.input, args.fps)?;
     let mut session = Session::new(&model, &args.tracker, source.is_live())?;
+    session.set_roi(args.roi)?;
     let interrupt = Interrupt::listen().context("cannot listen for signals")?;
     let mut outputs = Outputs::open(args, source.as_ref())?;
     let progress = progress_bar(source.as_ref(), args);

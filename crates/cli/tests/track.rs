@@ -254,3 +254,31 @@ fn a_missing_ffmpeg_is_said() {
     let said = String::from_utf8_lossy(&run.get_output().stderr).into_owned();
     assert!(said.contains("`ffmpeg` is needed"), "{said}");
 }
+
+#[test]
+fn a_region_of_interest_is_checked_and_used() {
+    let clip = gradient_clip(64, 48, 2);
+    let run = |roi: &str| {
+        let run = posewise()
+            .args(["track", "-", "--quiet", "--roi", roi])
+            .write_stdin(clip.clone())
+            .assert();
+        let output = run.get_output();
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        (output.status.code(), said)
+    };
+    assert_eq!(run("0,0,64,48"), (Some(0), String::new()));
+    for (roi, status, word) in [
+        ("1,0,64,48", 1, "64×48 px"),
+        ("0,0,0,48", 2, "at least 1 px"),
+        ("0,0,9", 2, "X,Y,W,H"),
+        ("-1,0,9,9", 2, "X,Y,W,H"),
+    ] {
+        let (code, said) = run(roi);
+        assert_eq!(code, Some(status), "{roi}: {said}");
+        assert!(
+            said.contains("--roi") && said.contains(word),
+            "{roi}: {said}"
+        );
+    }
+}

@@ -81,6 +81,21 @@ pub(super) fn intrinsics(input: &mut Input<'_>) -> (posewise_intrinsics, bool) {
     (posewise_intrinsics { fx, fy, cx, cy }, default || valid)
 }
 
+/// A region of interest, x, y, width, height, and whether it is valid.
+pub(super) fn roi(input: &mut Input<'_>) -> ([u32; 4], bool) {
+    let mut next = || match input.u8() {
+        255 => input.u32(),
+        254 => u32::MAX,
+        253 => 16_384,
+        small => small as u32 / 4,
+    };
+    let [x, y, width, height] = [next(), next(), next(), next()];
+    let ends = |from: u32, length: u32| from as u64 + length as u64 <= 16_384;
+    let is_whole = [x, y, width, height] == [0; 4];
+    let valid = width > 0 && height > 0 && ends(x, width) && ends(y, height);
+    ([x, y, width, height], is_whole || valid)
+}
+
 /// Settings in memory, and whether they are valid.
 pub(super) fn config(input: &mut Input<'_>) -> (Exact, bool) {
     let struct_size = stated(input, CONFIG);

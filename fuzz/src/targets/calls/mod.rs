@@ -15,7 +15,7 @@ use super::memory::{Exact, Guarded};
 use super::outputs::Outputs;
 use super::tiny;
 use crate::ffi::{api::*, types::*};
-use arguments::{CONFIG, config, intrinsics, is_good, spoilt, stated};
+use arguments::{CONFIG, config, intrinsics, is_good, roi, spoilt, stated};
 use std::ffi::{CStr, c_char};
 use std::ptr::null;
 
@@ -66,6 +66,8 @@ struct Slot {
 struct Live {
     last_us: Option<i64>,
     outputs: Option<Outputs>,
+    /// Region of interest: x, y, width, height; all 0 for the whole frame.
+    roi: [u32; 4],
 }
 
 struct World {
@@ -92,6 +94,7 @@ impl World {
             8 => self.forget(slot, pointer),
             9 => self.set_intrinsics(input, slot, pointer),
             10 => self.copy(input, slot),
+            12 => self.set_roi(input, slot, pointer),
             11 => {
                 self.slots[slot].memory.get_mut().fill(fill);
                 self.slots[slot].live = None;
@@ -103,7 +106,7 @@ impl World {
     /// Checks the status of a call on one tracker: a call that failed must have changed nothing.
     fn check_status(&mut self, slot: usize, status: posewise_status, good: bool, before: &[u8]) {
         assert_eq!(status == POSEWISE_OK, good, "status {status}");
-        assert!((-21..=0).contains(&status) && status != POSEWISE_E_ARG);
+        assert!((-23..=0).contains(&status) && status != POSEWISE_E_ARG);
         let same = good || self.is_as(slot, before);
         assert!(same, "a call that failed has changed the tracker");
         self.log.extend(status.to_le_bytes());
@@ -308,8 +311,11 @@ impl World {
         let before = self.snapshot(slot);
         // SAFETY: the memory is there.
         let status = unsafe { posewise_reset(tracker) };
-        if good {
-            self.slots[slot].live = Some(Live::default());
+        if let Some(live) = self.slots[slot].live.as_mut().filter(|_| good) {
+            *live = Live {
+                roi: live.roi,
+                ..Live::default()
+            };
         }
         self.check_status(slot, status, good, &before);
     }
@@ -333,6 +339,23 @@ impl World {
         let before = self.snapshot(slot);
         // SAFETY: the memory is there.
         let status = unsafe { posewise_set_intrinsics(tracker, spoilt(bytes.ptr(), how).cast()) };
+        self.check_status(slot, status, good, &before);
+    }
+
+    fn set_roi(&mut self, input: &mut Input<'_>, slot: usize, pointer: u8) {
+        let (tracker, live) = self.tracker(slot, pointer);
+        let how = input.u8();
+        let (roi, sound) = roi(input);
+        let bytes = Exact::new(size_of::<posewise_roi>(), 4, 0);
+        // SAFETY: as long as the struct.
+        unsafe { bytes.ptr().cast::<[u32; 4]>().write(roi) };
+        let good = live && (how & 7 == 6 || is_good(how) && sound);
+        let before = self.snapshot(slot);
+        // SAFETY: the memory is there.
+        let status = unsafe { posewise_set_roi(tracker, spoilt(bytes.ptr(), how).cast()) };
+        if let Some(live) = self.slots[slot].live.as_mut().filter(|_| good) {
+            live.roi = if how & 7 == 6 { [0; 4] } else { roi };
+        }
         self.check_status(slot, status, good, &before);
     }
 

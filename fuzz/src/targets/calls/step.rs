@@ -16,7 +16,11 @@ impl World {
         let image = Image::new(input);
         let arguments = Arguments::new(input, wrong, image.frame(timestamp_us));
         let in_order = last_us.is_none_or(|last| timestamp_us > last);
-        let good = live && in_order && arguments.are_good();
+        let roi = self.slots[slot]
+            .live
+            .as_ref()
+            .map_or([0; 4], |live| live.roi);
+        let good = live && in_order && arguments.are_good() && image.holds(roi);
         let Arguments {
             frame,
             frame_size,
@@ -48,6 +52,7 @@ impl World {
             self.slots[slot].live = Some(Live {
                 last_us: Some(timestamp_us),
                 outputs: Some(outputs),
+                roi,
             });
         } else {
             assert!(out.get() == untouched, "a step that failed has written");
@@ -176,6 +181,12 @@ impl Image {
             data_len: self.before.len(),
             data: self.data.ptr(),
         }
+    }
+
+    /// Whether a region of interest lies in it.
+    fn holds(&self, [x, y, width, height]: [u32; 4]) -> bool {
+        x as u64 + width as u64 <= self.width as u64
+            && y as u64 + height as u64 <= self.height as u64
     }
 
     fn check(&self) {
