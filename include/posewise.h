@@ -44,6 +44,7 @@
 #define POSEWISE_MEMORY_SIZE         (208 * 1024) // Upper bound of posewise_memory_size() [bytes]
 #define POSEWISE_LANDMARKS           68u          // Landmarks, iBUG 68 scheme
 #define POSEWISE_ANIMATIONS          24u          // Weights, named by posewise_animation_name()
+#define POSEWISE_EVENTS              64u          // Unread events that a tracker keeps
 
 #define POSEWISE_OK                  0            // Success
 #define POSEWISE_E_ARG               (-1)         // Another invalid argument; not returned today
@@ -99,6 +100,16 @@
 #define POSEWISE_LOSS_LOW_CONFIDENCE 1u           // The confidence fell below its threshold
 #define POSEWISE_LOSS_LEFT_FRAME     2u           // The centre of the face left the frame
 #define POSEWISE_LOSS_NO_POSE        3u           // No head pose fits the landmarks
+
+#define POSEWISE_EVENT_ACQUIRED      0u           // A new face is tracked
+#define POSEWISE_EVENT_REACQUIRED    1u           // A lost face is tracked again, with its identity
+#define POSEWISE_EVENT_COASTING      2u           // Not found: its last fit is repeated
+#define POSEWISE_EVENT_LOST          3u           // The face is given up; the search begins
+#define POSEWISE_EVENT_SUPPRESSED    4u           // Probably no face; its region needs more
+#define POSEWISE_EVENT_FILTER_ON     5u           // Noisy frames are box-filtered from here on
+#define POSEWISE_EVENT_FILTER_OFF    6u           // Frames are no longer filtered
+#define POSEWISE_EVENT_RESET         7u           // posewise_reset() was called
+#define POSEWISE_EVENT_FORGOTTEN     8u           // posewise_forget_identity() was called
 
 // A tracker, opaque. It starts at the start of the caller's memory and holds no pointer into
 // itself: a memcpy of posewise_memory_size() bytes to memory of the same alignment is a second,
@@ -258,8 +269,27 @@ typedef struct posewise_landmark {
     float z_mm;
 } posewise_landmark;
 
-// A region of interest for posewise_set_roi(): a rectangle of the upright image [px]. All four 0:
-// the whole frame. This struct never grows.
+// An event of the log that posewise_events() reads. confidence and face_box are those of the fit
+// that was accepted, or the last ones of the face that is lost; 0 where there is no face. This
+// struct never grows, so the layout of arrays stays the same. Later libraries may have kinds that
+// this header lacks.
+typedef struct posewise_event {
+    // Capture time of the frame [us]; of a call between two frames, that of the first.
+    int64_t timestamp_us;
+    // POSEWISE_EVENT_*.
+    uint32_t kind;
+    // POSEWISE_LOSS_*: why the face is lost; while searching, why the last one was.
+    uint32_t loss;
+    // Bounding box of the landmarks: x, y, width, height [px].
+    float face_box[4];
+    // As in posewise_result.
+    float confidence;
+    // 0. Keeps the struct free of padding.
+    uint32_t reserved;
+} posewise_event;
+
+// A region of interest for posewise_set_roi(): a rectangle of the upright image [px]. All four
+// 0: the whole frame. This struct never grows.
 typedef struct posewise_roi {
     // Upper left corner.
     uint32_t x;
@@ -355,7 +385,16 @@ posewise_status posewise_smoothed_animation(const posewise_tracker *tracker,
 // Static; NULL from POSEWISE_ANIMATIONS on.
 const char *posewise_animation_name(uint32_t index);
 
-// Forgets the face, its identity and the last timestamp; model and settings stay.
+// Takes the unread events out of the tracker's log, oldest first, and writes the first capacity of
+// them; *count is how many were written. *overwritten is how many were lost since the last call,
+// because more than POSEWISE_EVENTS came unread.
+posewise_status posewise_events(posewise_tracker *tracker,
+                                posewise_event *out,
+                                size_t capacity,
+                                size_t *count,
+                                size_t *overwritten);
+
+// Forgets the face, its identity and the last timestamp; model, settings and unread events stay.
 posewise_status posewise_reset(posewise_tracker *tracker);
 
 // Forgets the identity, as for a change of driver: the shape of the head is estimated anew from

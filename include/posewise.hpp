@@ -19,6 +19,7 @@
 namespace posewise {
 
 using Landmarks = std::array<posewise_landmark, POSEWISE_LANDMARKS>;
+using Events = std::array<posewise_event, POSEWISE_EVENTS>;
 using Animation = std::array<float, POSEWISE_ANIMATIONS>;
 
 // Structs with struct_size set and all other fields 0, their defaults.
@@ -131,6 +132,11 @@ public:
 
     posewise_status smoothed_animation(Animation &out) const {
         return posewise_smoothed_animation(tracker_, out.data(), out.size());
+    }
+
+    // Takes the unread events, oldest first, and counts those that were overwritten unread.
+    posewise_status events(Events &out, std::size_t &count, std::size_t &overwritten) {
+        return posewise_events(tracker_, out.data(), out.size(), &count, &overwritten);
     }
 
     posewise_status set_intrinsics(const posewise_intrinsics &camera) {

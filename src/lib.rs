@@ -107,7 +107,10 @@ pub mod ffi;
 pub use image::{Frame, FrameError, FrameLayout, MAX_SIDE, PixelFormat, Roi, Rotation};
 pub use posewise_format::{Aligned, ModelError};
 pub use shape::{ANIMATION_NAMES, ANIMATIONS, Intrinsics, LANDMARKS};
-pub use track::{Config, ConfigError, FaceHint, Landmark, Loss, Model, Smoothing};
+pub use track::{
+    Config, ConfigError, EVENTS, Event, EventKind, EventLog, FaceHint, Landmark, Loss, Model,
+    Smoothing,
+};
 pub use track::{State, StepError, TrackResult, Tracker};
 
 #[cfg(feature = "alloc")]

@@ -75,6 +75,7 @@ fn layouts_agree() {
         face_box rotation yaw_deg pitch_deg roll_deg translation_mm eye_open
         loss visible_share rotation_sigma_deg translation_sigma_mm);
     layout!(posewise_landmark: x y confidence visibility x_mm y_mm z_mm);
+    layout!(posewise_event: timestamp_us kind loss face_box confidence reserved);
     let c = succeed(&mut Command::new(program(
         "tests/c/layout.c",
         "layout",

@@ -128,7 +128,7 @@ fn family(name: &str) -> &str {
     match name.split('_').nth(1) {
         Some("OK") => "E",
         Some("SEARCHING" | "TRACKING" | "COASTING") => "state",
-        Some(family @ ("E" | "FMT" | "FRAME" | "LOSS")) => family,
+        Some(family @ ("E" | "EVENT" | "FMT" | "FRAME" | "LOSS")) => family,
         _ => "",
     }
 }

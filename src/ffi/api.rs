@@ -7,17 +7,18 @@
 
 use super::block::{self, BLOCK_SIZE};
 use super::convert::{
-    config_error, config_from, frame_from, hint_from, intrinsics_from, landmarks_of, load,
-    model_bytes, result_to, roi_from, step_error,
+    config_error, config_from, event_to, frame_from, hint_from, intrinsics_from, landmarks_of,
+    load, model_bytes, result_to, roi_from, step_error,
 };
 use super::types::*;
 use super::{float_env, memory};
 use crate::shape::{ANIMATION_NAMES, ANIMATIONS, LANDMARKS};
-use crate::track::Config;
+use crate::track::{Config, EVENTS};
 use core::ffi::{c_char, c_void};
 
 const _: () = assert!(POSEWISE_LANDMARKS as usize == LANDMARKS);
 const _: () = assert!(POSEWISE_ANIMATIONS as usize == ANIMATIONS);
+const _: () = assert!(POSEWISE_EVENTS as usize == EVENTS);
 const _: () = assert!(POSEWISE_ALIGN as usize == posewise_format::ALIGN);
 
 /// POSEWISE_VERSION of the linked library.
@@ -325,7 +326,39 @@ pub extern "C" fn posewise_animation_name(index: u32) -> *const c_char {
     }
 }
 
-/// Forgets the face, its identity and the last timestamp; model and settings stay.
+/// Takes the unread events out of the tracker's log, oldest first, and writes the first capacity of
+/// them; *count is how many were written. *overwritten is how many were lost since the last call,
+/// because more than POSEWISE_EVENTS came unread.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn posewise_events(
+    tracker: *mut posewise_tracker,
+    out: *mut posewise_event,
+    capacity: usize,
+    count: *mut usize,
+    overwritten: *mut usize,
+) -> posewise_status {
+    status(|| {
+        // SAFETY: the caller's contract, here and below.
+        let log = unsafe { block::get_mut(tracker)? }.tracker.events();
+        memory::check_pointer(out)?;
+        memory::check_pointer(count)?;
+        memory::check_pointer(overwritten)?;
+        let written = capacity.min(log.unread());
+        let most = size_of::<posewise_event>() * capacity.min(EVENTS);
+        memory::require_disjoint(tracker, BLOCK_SIZE, out, most)?;
+        memory::require_disjoint(tracker, BLOCK_SIZE, count, size_of::<usize>())?;
+        memory::require_disjoint(tracker, BLOCK_SIZE, overwritten, size_of::<usize>())?;
+        let events = core::iter::from_fn(|| log.pop());
+        unsafe {
+            memory::write_first(out, written, events.map(|event| event_to(&event)))?;
+            count.write(written);
+            overwritten.write(log.take_overwritten() as usize);
+        }
+        Ok(())
+    })
+}
+
+/// Forgets the face, its identity and the last timestamp; model, settings and unread events stay.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn posewise_reset(tracker: *mut posewise_tracker) -> posewise_status {
     status(|| {

@@ -5,7 +5,8 @@ use super::types::*;
 use crate::image::{Frame, FrameLayout, PixelFormat, Roi, Rotation};
 use crate::shape::{Intrinsics, LANDMARKS};
 use crate::track::{
-    Config, ConfigError, FaceHint, Loss, Model, Smoothing, State, StepError, TrackResult,
+    Config, ConfigError, Event, EventKind, FaceHint, Loss, Model, Smoothing, State, StepError,
+    TrackResult,
 };
 use core::ffi::c_void;
 use posewise_format::ModelError;
@@ -158,15 +159,41 @@ pub(super) fn result_to(result: &TrackResult) -> posewise_result {
         roll_deg: result.roll_deg,
         translation_mm: result.translation_mm,
         eye_open: result.eye_open,
-        loss: match result.loss {
-            Loss::None => POSEWISE_LOSS_NONE,
-            Loss::LowConfidence => POSEWISE_LOSS_LOW_CONFIDENCE,
-            Loss::LeftFrame => POSEWISE_LOSS_LEFT_FRAME,
-            Loss::NoPose => POSEWISE_LOSS_NO_POSE,
-        },
+        loss: loss_to(result.loss),
         visible_share: result.visible_share,
         rotation_sigma_deg: result.rotation_sigma_deg,
         translation_sigma_mm: result.translation_sigma_mm,
+    }
+}
+
+fn loss_to(loss: Loss) -> u32 {
+    match loss {
+        Loss::None => POSEWISE_LOSS_NONE,
+        Loss::LowConfidence => POSEWISE_LOSS_LOW_CONFIDENCE,
+        Loss::LeftFrame => POSEWISE_LOSS_LEFT_FRAME,
+        Loss::NoPose => POSEWISE_LOSS_NO_POSE,
+    }
+}
+
+/// An event as its C struct.
+pub(super) fn event_to(event: &Event) -> posewise_event {
+    posewise_event {
+        timestamp_us: event.timestamp_us,
+        kind: match event.kind {
+            EventKind::Acquired => POSEWISE_EVENT_ACQUIRED,
+            EventKind::Reacquired => POSEWISE_EVENT_REACQUIRED,
+            EventKind::Coasting => POSEWISE_EVENT_COASTING,
+            EventKind::Lost => POSEWISE_EVENT_LOST,
+            EventKind::Suppressed => POSEWISE_EVENT_SUPPRESSED,
+            EventKind::FilterOn => POSEWISE_EVENT_FILTER_ON,
+            EventKind::FilterOff => POSEWISE_EVENT_FILTER_OFF,
+            EventKind::Reset => POSEWISE_EVENT_RESET,
+            EventKind::Forgotten => POSEWISE_EVENT_FORGOTTEN,
+        },
+        loss: loss_to(event.loss),
+        face_box: event.face_box,
+        confidence: event.confidence,
+        reserved: 0,
     }
 }
 

@@ -17,6 +17,9 @@ pub const POSEWISE_LANDMARKS: u32 = 68;
 /// Weights, named by posewise_animation_name().
 pub const POSEWISE_ANIMATIONS: u32 = 24;
 
+/// Unread events that a tracker keeps.
+pub const POSEWISE_EVENTS: u32 = 64;
+
 /// Return value of a function: POSEWISE_OK, or a negative error code POSEWISE_E_*.
 /// Not an enum, because the width of an enum is a compiler option on ARM.
 pub type posewise_status = i32;
@@ -126,6 +129,25 @@ pub const POSEWISE_LOSS_LEFT_FRAME: u32 = 2;
 /// No head pose fits the landmarks.
 pub const POSEWISE_LOSS_NO_POSE: u32 = 3;
 
+/// A new face is tracked.
+pub const POSEWISE_EVENT_ACQUIRED: u32 = 0;
+/// A lost face is tracked again, with its identity.
+pub const POSEWISE_EVENT_REACQUIRED: u32 = 1;
+/// Not found: its last fit is repeated.
+pub const POSEWISE_EVENT_COASTING: u32 = 2;
+/// The face is given up; the search begins.
+pub const POSEWISE_EVENT_LOST: u32 = 3;
+/// Probably no face; its region needs more.
+pub const POSEWISE_EVENT_SUPPRESSED: u32 = 4;
+/// Noisy frames are box-filtered from here on.
+pub const POSEWISE_EVENT_FILTER_ON: u32 = 5;
+/// Frames are no longer filtered.
+pub const POSEWISE_EVENT_FILTER_OFF: u32 = 6;
+/// posewise_reset() was called.
+pub const POSEWISE_EVENT_RESET: u32 = 7;
+/// posewise_forget_identity() was called.
+pub const POSEWISE_EVENT_FORGOTTEN: u32 = 8;
+
 /// A pinhole camera without distortion, in pixels of the upright image. All four 0 select the
 /// default: a horizontal field of view of 60 degrees and the principal point at the image centre.
 /// This struct never grows.
@@ -140,8 +162,8 @@ pub struct posewise_intrinsics {
     pub cy: f32,
 }
 
-/// A region of interest for posewise_set_roi(): a rectangle of the upright image \[px\]. All four 0:
-/// the whole frame. This struct never grows.
+/// A region of interest for posewise_set_roi(): a rectangle of the upright image \[px\]. All four
+/// 0: the whole frame. This struct never grows.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
 pub struct posewise_roi {
@@ -287,6 +309,27 @@ pub struct posewise_landmark {
     pub z_mm: f32,
 }
 
+/// An event of the log that posewise_events() reads. confidence and face_box are those of the fit
+/// that was accepted, or the last ones of the face that is lost; 0 where there is no face. This
+/// struct never grows, so the layout of arrays stays the same. Later libraries may have kinds that
+/// this header lacks.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default)]
+pub struct posewise_event {
+    /// Capture time of the frame \[us\]; of a call between two frames, that of the first.
+    pub timestamp_us: i64,
+    /// POSEWISE_EVENT_*.
+    pub kind: u32,
+    /// POSEWISE_LOSS_*: why the face is lost; while searching, why the last one was.
+    pub loss: u32,
+    /// Bounding box of the landmarks: x, y, width, height \[px\].
+    pub face_box: [f32; 4],
+    /// As in posewise_result.
+    pub confidence: f32,
+    /// 0. Keeps the struct free of padding.
+    pub reserved: u32,
+}
+
 /// A tracker, opaque. It starts at the start of the caller's memory and holds no pointer into
 /// itself: a memcpy of posewise_memory_size() bytes to memory of the same alignment is a second,
 /// independent tracker. No output of a call may lie in that memory.
@@ -323,3 +366,5 @@ assert_no_padding!(posewise_result: struct_size: u32, state: u32, timestamp_us: 
     loss: u32, visible_share: f32, rotation_sigma_deg: [f32; 3], translation_sigma_mm: [f32; 3]);
 assert_no_padding!(posewise_landmark: x: f32, y: f32, confidence: f32, visibility: f32,
     x_mm: f32, y_mm: f32, z_mm: f32);
+assert_no_padding!(posewise_event: timestamp_us: i64, kind: u32, loss: u32, face_box: [f32; 4],
+    confidence: f32, reserved: u32);

@@ -9,6 +9,7 @@
 //! In the suppressed region each needs `TRUST_CONFIDENCE`. A face that is centred outside of the
 //! region of interest is never accepted.
 
+use super::event::EventKind;
 use super::geometry::{centre, detection_of, initial_shape};
 use super::policy::{ACCEPT_CONFIDENCE, RETRY_CONFIDENCE, TRUST_CONFIDENCE};
 use super::step::{Outcome, Step};
@@ -104,6 +105,12 @@ impl Tracker {
             true => self.accept(step, shape, attempt.origin, &mut confidence),
             false => Outcome::Reject(Loss::LowConfidence),
         };
+        if outcome.is_accept() {
+            self.record(match attempt.origin {
+                Origin::NewFace => EventKind::Acquired,
+                Origin::Reacquired | Origin::Tracked => EventKind::Reacquired,
+            });
+        }
         let retry = RETRY_CONFIDENCE..attempt.min_confidence;
         match outcome {
             Outcome::Reject(_) if retry.contains(&confidence.face) => Outcome::Retry {

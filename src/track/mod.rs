@@ -8,7 +8,7 @@
 //! - `scanner`, `reacquirer` and `rejected` hold what the search keeps between frames.
 //! - `candidate` aligns and verifies a proposal; `accept` fits the 3D face; `target` and
 //!   `appearance` hold what is known of the tracked face; `output` writes the result; `one_euro`
-//!   smooths it.
+//!   smooths it; `event` and `record` log what happens to the face.
 //! - `policy` holds every threshold, timeout and work cost.
 
 mod accept;
@@ -16,6 +16,7 @@ mod appearance;
 mod candidate;
 mod config;
 mod error;
+mod event;
 mod geometry;
 mod hint;
 mod model;
@@ -25,6 +26,7 @@ mod output;
 mod policy;
 mod reacquire;
 mod reacquirer;
+mod record;
 mod rejected;
 mod result;
 mod scan;
@@ -35,6 +37,7 @@ mod tracker;
 
 pub use config::{Config, ConfigError, Smoothing};
 pub use error::StepError;
+pub use event::{EVENTS, Event, EventKind, EventLog};
 pub use hint::FaceHint;
 pub use model::Model;
 pub use result::{Landmark, Loss, State, TrackResult};

@@ -17,6 +17,7 @@
 
 use core::mem::MaybeUninit;
 
+use super::event::{EventKind, EventLog};
 use super::geometry::{detection_of, is_in_frame};
 use super::hint::FaceHint;
 use super::one_euro::Smoother;
@@ -41,7 +42,7 @@ pub struct Tracker {
     pub(super) config: Config,
     pub(super) result: TrackResult,
     smoother: Smoother,
-    last_timestamp_us: Option<i64>,
+    pub(super) last_timestamp_us: Option<i64>,
     /// Whether the last frame was box-filtered.
     is_noisy: bool,
     pub(super) scanner: Scanner,
@@ -51,6 +52,7 @@ pub struct Tracker {
     /// Meaningful unless Searching.
     pub(super) target: Target,
     pub(super) work: Workspace,
+    pub(super) events: EventLog,
 }
 
 impl Tracker {
@@ -77,6 +79,7 @@ impl Tracker {
         reacquirer: Reacquirer::EMPTY,
         target: Target::EMPTY,
         work: Workspace::new(),
+        events: EventLog::EMPTY,
     };
 
     /// A tracker that has seen nothing.
@@ -202,8 +205,9 @@ impl Tracker {
         &self.config
     }
 
-    /// Forgets the target, its identity and the clock; settings stay.
+    /// Forgets the target, its identity and the clock; settings and unread events stay.
     pub fn reset(&mut self) {
+        self.record(EventKind::Reset);
         self.result = TrackResult::default();
         self.smoother = Smoother::EMPTY;
         self.last_timestamp_us = None;
@@ -217,6 +221,7 @@ impl Tracker {
     /// Forgets the identity, as when somebody else takes the seat: it is estimated anew from the
     /// next trusted frames. The face goes on being tracked.
     pub fn forget_identity(&mut self) {
+        self.record(EventKind::Forgotten);
         self.target.forget_identity();
         self.reacquirer.forget();
     }
@@ -335,7 +340,9 @@ impl Tracker {
         if loss == Loss::LowConfidence {
             let region = detection_of(step.model, &self.target.shape);
             self.suppressed = Suppressed::at(&region, step.now_us);
+            self.record(EventKind::Suppressed);
         }
+        self.record(EventKind::Lost);
         self.clear_result(step.now_us);
     }
 
@@ -343,12 +350,16 @@ impl Tracker {
     fn coast_or_search(&mut self, step: &Step<'_>) {
         let age_us = step.now_us.saturating_sub(self.target.fitted_us);
         if age_us <= COAST_US {
+            if self.result.state != State::Coasting {
+                self.record(EventKind::Coasting);
+            }
             self.result.state = State::Coasting;
             self.result.timestamp_us = step.now_us;
             self.result.age_us = age_us;
         } else {
             let place = detection_of(step.model, &self.target.shape);
             self.scanner.expect(LastSeen::at(&place, step.now_us));
+            self.record(EventKind::Lost);
             self.clear_result(step.now_us);
         }
     }
@@ -404,8 +415,15 @@ impl Tracker {
             true => NO_LONGER_NOISY,
             false => NOISY,
         };
-        self.is_noisy = noise_share(frame) >= threshold;
-        match self.is_noisy {
+        let is_noisy = noise_share(frame) >= threshold;
+        if is_noisy != self.is_noisy {
+            self.is_noisy = is_noisy;
+            self.record(match is_noisy {
+                true => EventKind::FilterOn,
+                false => EventKind::FilterOff,
+            });
+        }
+        match is_noisy {
             true => frame.box_filtered(),
             false => *frame,
         }

@@ -314,6 +314,8 @@ static void test_codes(void) {
 static void no_tracker(posewise_tracker *t) {
     const posewise_frame f = clip_frame(&frames, 0);
     outputs a, before;
+    posewise_event event;
+    size_t count = 7, lost = 7;
     memset(&a, 0x77, sizeof a);
     a.result.struct_size = sizeof a.result;
     before = a;
@@ -327,6 +329,8 @@ static void no_tracker(posewise_tracker *t) {
     CHECK_STATUS(posewise_forget_identity(t), POSEWISE_E_ARG);
     CHECK_STATUS(posewise_set_intrinsics(t, NULL), POSEWISE_E_ARG);
     CHECK_STATUS(posewise_set_roi(t, NULL), POSEWISE_E_ARG);
+    CHECK_STATUS(posewise_events(t, &event, 1, &count, &lost), POSEWISE_E_ARG);
+    CHECK(count == 7 && lost == 7);
     CHECK(memcmp(&a, &before, sizeof a) == 0);
 }
 
@@ -760,6 +764,56 @@ static void test_zoom(void) {
     guarded_free(memory);
 }
 
+/* Events are read once, in order, into memory with guards. A log that is full counts what it lost;
+ * a call that fails takes nothing out. */
+static void test_events(void) {
+    guarded memory = tracker_memory(0), out = guarded_new(3 * sizeof(posewise_event), 0x77);
+    posewise_tracker *t = init(memory, NULL);
+    posewise_event *e = (posewise_event *)(void *)out.start, *own = (posewise_event *)(void *)t;
+    size_t i, count = 7, lost = 7, *inside = (size_t *)(void *)(memory.start + 4096);
+    uint32_t state = POSEWISE_SEARCHING;
+    posewise_result r = POSEWISE_RESULT_INIT;
+    CHECK_STATUS(posewise_events(t, e, 3, &count, &lost), POSEWISE_OK);
+    CHECK(count == 0 && lost == 0 && filled(out.start, out.len, 0x77));
+    for (i = 0; i < frames.count && state == POSEWISE_SEARCHING; i++) {
+        const posewise_frame f = clip_frame(&frames, i);
+        CHECK_STATUS(posewise_step(t, &f, &r), POSEWISE_OK);
+        state = r.state;
+    }
+    CHECK_STATUS(posewise_forget_identity(t), POSEWISE_OK);
+    CHECK_STATUS(posewise_reset(t), POSEWISE_OK);
+    CHECK_STATUS(posewise_events(t, NULL, 3, &count, &lost), POSEWISE_E_NULL);
+    CHECK_STATUS(posewise_events(t, e, 3, NULL, &lost), POSEWISE_E_NULL);
+    CHECK_STATUS(posewise_events(t, e, 3, &count, NULL), POSEWISE_E_NULL);
+    CHECK_STATUS(posewise_events(t, own, 3, &count, &lost), POSEWISE_E_OVERLAP);
+    CHECK_STATUS(posewise_events(t, e, 3, inside, &lost), POSEWISE_E_OVERLAP);
+    CHECK_STATUS(posewise_events(t, e, 3, &count, inside), POSEWISE_E_OVERLAP);
+    CHECK_STATUS(posewise_events(t, e, 0, &count, &lost), POSEWISE_OK);
+    CHECK(count == 0 && lost == 0 && filled(out.start, out.len, 0x77));
+    if (state == POSEWISE_TRACKING) {
+        CHECK_STATUS(posewise_events(t, e, 2, &count, &lost), POSEWISE_OK);
+        CHECK(count == 2 && lost == 0);
+        CHECK(e[0].kind == POSEWISE_EVENT_ACQUIRED && e[0].loss == POSEWISE_LOSS_NONE);
+        CHECK(e[0].timestamp_us == r.timestamp_us && e[0].confidence == r.confidence);
+        CHECK(memcmp(e[0].face_box, r.face_box, sizeof r.face_box) == 0 && e[0].reserved == 0);
+        CHECK(e[1].kind == POSEWISE_EVENT_FORGOTTEN);
+        CHECK(e[1].timestamp_us == r.timestamp_us);
+        CHECK_STATUS(posewise_events(t, e, 3, &count, &lost), POSEWISE_OK);
+        CHECK(count == 1 && lost == 0 && e[0].kind == POSEWISE_EVENT_RESET);
+    }
+    for (i = 0; i < POSEWISE_EVENTS + 5; i++)
+        CHECK_STATUS(posewise_forget_identity(t), POSEWISE_OK);
+    CHECK_STATUS(posewise_events(t, e, 3, &count, &lost), POSEWISE_OK);
+    CHECK(count == 3 && lost >= 5);
+    for (i = 3; count != 0 && i < 100; i += count) {
+        CHECK_STATUS(posewise_events(t, e, 3, &count, &lost), POSEWISE_OK);
+        CHECK(lost == 0);
+    }
+    CHECK(i == POSEWISE_EVENTS && count == 0);
+    guarded_free(out);
+    guarded_free(memory);
+}
+
 /* Tracking continues, and the shape of the head is estimated anew. */
 static void test_forget_person(void) {
     guarded kept = tracker_memory(0), forgot = tracker_memory(0);
@@ -849,6 +903,7 @@ int main(int argc, char **argv) {
     test_extreme_times();
     test_intrinsics();
     test_zoom();
+    test_events();
     test_forget_person();
     test_same_results();
     CHECK(memcmp(model.start, before.start, model.len) == 0);

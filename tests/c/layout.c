@@ -68,5 +68,12 @@ int main(void) {
     FIELD(posewise_landmark, x_mm);
     FIELD(posewise_landmark, y_mm);
     FIELD(posewise_landmark, z_mm);
+    SIZE(posewise_event);
+    FIELD(posewise_event, timestamp_us);
+    FIELD(posewise_event, kind);
+    FIELD(posewise_event, loss);
+    FIELD(posewise_event, face_box);
+    FIELD(posewise_event, confidence);
+    FIELD(posewise_event, reserved);
     return 0;
 }

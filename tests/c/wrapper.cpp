@@ -60,6 +60,10 @@ int main(int argc, char **argv) {
     posewise::Tracker moved(std::move(first));
     CHECK(moved && !first && moved.reset() == POSEWISE_OK);
     CHECK(moved.forget_identity() == POSEWISE_OK && none.forget_identity() == POSEWISE_E_NULL);
+    posewise::Events events;
+    std::size_t count, overwritten;
+    CHECK(moved.events(events, count, overwritten) == POSEWISE_OK && overwritten == 0);
+    CHECK(count >= 2 && events[count - 1].kind == POSEWISE_EVENT_FORGOTTEN);
     CHECK(moved.set_intrinsics({800, 800, 320, 240}) == POSEWISE_OK);
     CHECK(moved.set_roi({0, 0, 10, 10}) == POSEWISE_OK && moved.set_roi({}) == POSEWISE_OK);
     return failures;

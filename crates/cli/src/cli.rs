@@ -75,6 +75,10 @@ pub struct TrackArgs {
     /// Plot angles and confidence over time (.svg or .png)
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
+    /// Write what happens to the face (acquired, coasting, lost and why), one event a line; without
+    /// FILE to standard error
+    #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true)]
+    pub log: Option<Option<PathBuf>>,
     #[command(flatten)]
     pub tracker: TrackerArgs,
     /// Turn the frames clockwise to make them upright [deg]

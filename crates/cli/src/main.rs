@@ -22,6 +22,7 @@ mod destination;
 mod eval;
 mod interrupt;
 mod jsonl;
+mod log;
 mod model_file;
 mod model_info;
 mod output;

@@ -8,7 +8,7 @@ use anyhow::{Context, Result, anyhow, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 use posewise::image::{Roi, Rotation};
 use posewise::shape::Intrinsics;
-use posewise::track::{Config, Model, State, StepError, TrackResult, Tracker};
+use posewise::track::{Config, EventLog, Model, State, StepError, TrackResult, Tracker};
 
 use crate::cli::{TrackArgs, TrackerArgs};
 use crate::csv::{CsvWriter, Row};
@@ -19,7 +19,7 @@ use crate::overlay::{Overlay, Painter};
 use crate::picture::Picture;
 use crate::plot::{self, Sample};
 use crate::source::Source;
-use crate::{jsonl, output, source};
+use crate::{jsonl, log, output, source};
 
 /// A tracker that follows the frame's size with its camera.
 pub struct Session<'m> {
@@ -75,6 +75,11 @@ impl<'m> Session<'m> {
             (camera.fx, camera.fy) = (focal, focal);
         }
         camera
+    }
+
+    /// The events that were not written yet.
+    fn events(&mut self) -> &mut EventLog {
+        self.tracker.events()
     }
 
     /// One frame.
@@ -136,6 +141,7 @@ struct Outputs {
     destinations: Vec<Destination>,
     csv: Option<CsvWriter<Box<dyn Write>>>,
     jsonl: Option<Box<dyn Write>>,
+    log: Option<Box<dyn Write>>,
     overlay: Option<Overlay>,
     painter: Painter,
     samples: Vec<Sample>,
@@ -153,10 +159,16 @@ impl Outputs {
         };
         let csv = args.csv.as_deref().map(&mut open).transpose()?;
         let jsonl = args.jsonl.as_deref().map(&mut open).transpose()?;
+        let log = match &args.log {
+            None => None,
+            Some(None) => Some(Box::new(std::io::stderr()) as Box<dyn Write>),
+            Some(Some(path)) => Some(open(path)?),
+        };
         Ok(Outputs {
             destinations,
             csv: csv.map(CsvWriter::new).transpose()?,
             jsonl,
+            log,
             overlay: args
                 .overlay
                 .as_deref()
@@ -197,6 +209,13 @@ impl Outputs {
         Ok(())
     }
 
+    fn write_log(&mut self, events: &mut EventLog) -> Result<()> {
+        match &mut self.log {
+            Some(out) => log::write(out, events).context("cannot write the log"),
+            None => Ok(()),
+        }
+    }
+
     fn flush(&mut self) -> Result<()> {
         if let Some(csv) = &mut self.csv {
             csv.flush()?;
@@ -204,13 +223,16 @@ impl Outputs {
         if let Some(out) = &mut self.jsonl {
             out.flush().context("cannot write the JSON lines")?;
         }
+        if let Some(out) = &mut self.log {
+            out.flush().context("cannot write the log")?;
+        }
         Ok(())
     }
 
     /// Closes all files and gives them their names; draws the plot.
     fn finish(mut self, args: &TrackArgs) -> Result<()> {
         self.flush()?;
-        (self.csv, self.jsonl) = (None, None);
+        (self.csv, self.jsonl, self.log) = (None, None, None);
         for destination in self.destinations.drain(..) {
             destination.finish()?;
         }
@@ -228,8 +250,14 @@ impl Outputs {
     /// Whether results go to standard output, where a summary would be in the way.
     fn on_stdout(args: &TrackArgs) -> bool {
         let dash = Some(std::path::Path::new("-"));
-        args.csv.as_deref() == dash || args.jsonl.as_deref() == dash
+        let outputs = [&args.csv, &args.jsonl, log_file(args)];
+        outputs.iter().any(|path| path.as_deref() == dash)
     }
+}
+
+/// The file of the log; `None` is standard error, or no log.
+fn log_file(args: &TrackArgs) -> &Option<PathBuf> {
+    args.log.as_ref().unwrap_or(&None)
 }
 
 /// Refuses outputs that would overwrite what is read, or each other.
@@ -250,6 +278,7 @@ fn check_outputs(args: &TrackArgs) -> Result<()> {
         named("--jsonl", &args.jsonl),
         named("--overlay", &args.overlay),
         named("--plot", &args.plot),
+        named("--log", log_file(args)),
     ];
     let outputs: Vec<Named<'_>> = outputs.into_iter().flatten().collect();
     destination::check(&inputs, &outputs)
@@ -321,6 +350,7 @@ fn follow(
         picture.layout.rotation = rotation;
         picture.layout.mirrored = args.mirror;
         let result = *session.step(&picture)?;
+        outputs.write_log(session.events())?;
         let camera = session.intrinsics();
         outputs.write(args, frame, &picture, &camera, &result)?;
         if !go_on(result.state) {
@@ -331,7 +361,8 @@ fn follow(
 }
 
 fn progress_bar(source: &dyn Source, args: &TrackArgs) -> ProgressBar {
-    if args.quiet {
+    // The log and a bar would write over each other.
+    if args.quiet || args.log == Some(None) {
         return ProgressBar::hidden();
     }
     let total = [source.total(), args.frames].into_iter().flatten().min();

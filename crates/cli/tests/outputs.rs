@@ -64,6 +64,7 @@ fn inputs_are_not_overwritten() {
         &["--csv", arg(&new), "--jsonl", arg(&same)],
     );
     refused(arg(&clip_path), &["--csv", "-", "--jsonl", "-"]);
+    refused(arg(&clip_path), &[&format!("--log={}", arg(&clip_path))]);
 
     assert_eq!(std::fs::read(&clip_path).unwrap(), clip);
     assert_eq!(std::fs::read(&model).unwrap(), b"not touched");

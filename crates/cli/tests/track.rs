@@ -282,3 +282,29 @@ fn a_region_of_interest_is_checked_and_used() {
         );
     }
 }
+
+#[test]
+fn the_log_has_what_happens_to_the_face() {
+    let demo = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/demo.y4m.gz");
+    if !std::path::Path::new(demo).exists() {
+        eprintln!("skipped: there is no {demo}");
+        return;
+    }
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("log.txt");
+    let log = |option: &str| {
+        let run = posewise()
+            .args(["track", demo, "--frames", "5", option])
+            .assert()
+            .success();
+        String::from_utf8_lossy(&run.get_output().stderr).into_owned()
+    };
+    let on_stderr = log("--log");
+    assert_eq!(on_stderr.lines().count(), 1, "{on_stderr}");
+    assert!(
+        on_stderr.contains(" s  acquired  confidence "),
+        "{on_stderr}"
+    );
+    assert_eq!(log(&format!("--log={}", arg(&file))), "");
+    assert_eq!(std::fs::read_to_string(&file).unwrap(), on_stderr);
+}

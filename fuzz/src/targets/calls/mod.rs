@@ -99,6 +99,7 @@ impl World {
                 self.slots[slot].memory.get_mut().fill(fill);
                 self.slots[slot].live = None;
             }
+            13 => self.events(input, slot, pointer),
             _ => self.step(input, slot, pointer),
         }
     }
@@ -356,6 +357,31 @@ impl World {
         if let Some(live) = self.slots[slot].live.as_mut().filter(|_| good) {
             live.roi = if how & 7 == 6 { [0; 4] } else { roi };
         }
+        self.check_status(slot, status, good, &before);
+    }
+
+    fn events(&mut self, input: &mut Input<'_>, slot: usize, pointer: u8) {
+        let (tracker, good) = self.tracker(slot, pointer);
+        let (wrong, capacity) = (input.u8(), input.u8() as usize % 80);
+        let good = good && is_good(wrong);
+        let before = self.snapshot(slot);
+        let out = Guarded::new(capacity * size_of::<posewise_event>(), 0x33);
+        let (mut count, mut overwritten) = (usize::MAX, usize::MAX);
+        // SAFETY: as long as the capacity says.
+        let status = unsafe {
+            let events = spoilt(out.ptr(), wrong).cast();
+            posewise_events(tracker, events, capacity, &mut count, &mut overwritten)
+        };
+        out.check();
+        let written = match good {
+            true => count * size_of::<posewise_event>(),
+            false => 0,
+        };
+        assert_eq!(good, count <= capacity.min(POSEWISE_EVENTS as usize));
+        assert_eq!(good, overwritten <= 1 << 20);
+        let (events, rest) = out.get().split_at(written);
+        assert!(rest.iter().all(|b| *b == 0x33));
+        self.log.extend(events);
         self.check_status(slot, status, good, &before);
     }
 

@@ -1,0 +1,44 @@
+//! The tracker's events as lines of text: what `track --log` writes.
+
+use std::io::{self, Write};
+
+use posewise::track::{Event, EventLog, Loss};
+
+/// Writes the unread events, one a line, and how many were overwritten unread.
+pub fn write(out: &mut dyn Write, events: &mut EventLog) -> io::Result<()> {
+    match events.take_overwritten() {
+        0 => {}
+        count => writeln!(out, "{count} events overwritten")?,
+    }
+    while let Some(event) = events.pop() {
+        writeln!(out, "{}", line(&event))?;
+    }
+    Ok(())
+}
+
+/// Time, event and what is known of the face, as
+/// `3.240000 s  lost  low-confidence  confidence 0.912  box 210,96 104x118`.
+fn line(event: &Event) -> String {
+    let seconds = event.timestamp_us as f64 / 1e6;
+    let mut line = format!("{seconds:.6} s  {}", event.kind.name());
+    if event.loss != Loss::None {
+        line += &format!("  {}", loss_name(event.loss));
+    }
+    let [x, y, width, height] = event.face_box;
+    if width > 0.0 {
+        let confidence = event.confidence;
+        line += &format!("  confidence {confidence:.3}  box {x:.0},{y:.0} {width:.0}x{height:.0}");
+    }
+    line
+}
+
+/// The name of a reason.
+fn loss_name(loss: Loss) -> &'static str {
+    match loss {
+        Loss::None => "none",
+        Loss::LowConfidence => "low-confidence",
+        Loss::LeftFrame => "left-frame",
+        Loss::NoPose => "no-pose",
+        _ => "unknown",
+    }
+}
