@@ -1,7 +1,8 @@
-# The static library with its C ABI, and its package.
+# The libraries with their C ABI, and their package.
 #
-#   make            builds the library: target/dist/lib/libposewise.a, or target/TARGET/dist/…
-#   make install    installs library, headers, model, pkg-config and CMake files
+#   make            builds target/dist/lib/libposewise.a and, on Linux, libposewise.so beside it;
+#                   for another machine in target/TARGET/dist/…
+#   make install    installs libraries, headers, model, pkg-config and CMake files
 #   make uninstall  removes what install put there
 #   make dist       packs what is installed: target/posewise-VERSION-TARGET.tar.gz
 #
@@ -11,6 +12,7 @@
 #   MODEL=none      builds no model in
 #   WITHOUT="…"     leaves out any of the default features of Cargo.toml; see docs/memory.md
 #   TARGET_DIR=…    cargo's build folder (target)
+#   SHARED=none     builds no shared library
 #   BINUTILS=…      prefix of ld, objcopy and ar for TARGET; known for the machines of the tests
 #
 # What developers measure (sizes, results on emulated machines) is in `cargo xtask --help`.
@@ -23,6 +25,10 @@ override MANIFEST := $(ROOT)/Cargo.toml
 override VERSION := $(shell sed -n 's/^version = "\(.*\)"/\1/p' $(MANIFEST))
 override DIST := $(abspath $(TARGET_DIR))/$(if $(TARGET),$(TARGET)/)dist
 override LIB := $(DIST)/lib/libposewise.a
+# Programs remember the shared library by this name: one that changes the ABI has another.
+override ABI := $(shell sed -n 's/^pub const POSEWISE_ABI: u32 = \(.*\);/\1/p' \
+	$(ROOT)/src/ffi/types.rs)
+override SONAME := libposewise.so.$(ABI)
 
 # Features: the default ones, less what is left out.
 override DEFAULT := $(shell sed -n 's/^default = \[\(.*\)\]$$/\1/p' $(MANIFEST) | tr -d '",')
@@ -58,11 +64,20 @@ endif
 BINUTILS_aarch64-unknown-linux-gnu := aarch64-linux-gnu-
 BINUTILS_armv7-unknown-linux-gnueabihf := arm-linux-gnueabihf-
 BINUTILS_thumbv7em-none-eabihf := arm-none-eabi-
+BINUTILS_x86_64-pc-windows-gnu := x86_64-w64-mingw32-
 BINUTILS ?= $(BINUTILS_$(TARGET))
 override TOOL = $(shell command -v $(BINUTILS)$(1))
 ifneq ($(BINUTILS)$(if $(TARGET),,$(filter Linux,$(shell uname -s))),)
 override CAN_HIDE := $(and $(call TOOL,ld),$(call TOOL,objcopy),$(call TOOL,ar))
 endif
+
+# The shared library is linked on Linux, by the C compiler, from the object in which all symbols but
+# posewise_* are local. Of the C library it needs memcpy, memmove, memset and memcmp.
+override LINKER := $(if $(TARGET),$(BINUTILS)gcc,$(CC))
+override CAN_SHARE := $(and $(CAN_HIDE),$(if $(filter none,$(SHARED)),,yes),$(if \
+	$(TARGET),$(findstring linux,$(TARGET)),yes),$(shell command -v $(firstword $(LINKER))))
+override LINK_SHARED = $(LINKER) -shared -nostartfiles -s -Wl,-soname,$(SONAME) -Wl,-z,defs \
+	-Wl,-z,relro -Wl,-z,now -Wl,-z,noexecstack -Wl,--gc-sections
 
 # Cargo knows whether the library is up to date. The file is replaced by renaming, because two runs
 # of make may share a folder. One object of the archive has all functions, and needs few others.
@@ -78,6 +93,8 @@ lib:
 		$(BINUTILS)ld -r -u posewise_version -o posewise.o libposewise.a && \
 		$(BINUTILS)objcopy --wildcard --keep-global-symbol='posewise_*' posewise.o && \
 		rm libposewise.a && $(BINUTILS)ar rcsD libposewise.a posewise.o &&) \
+	$(if $(CAN_SHARE),$(LINK_SHARED) -o $(SONAME) posewise.o && \
+		mv $(SONAME) $(DIST)/lib/$(SONAME) &&) \
 	mv libposewise.a $(LIB)
 
 override TO := $(DESTDIR)$(PREFIX)
@@ -85,6 +102,8 @@ override CMAKE := $(TO)/lib/cmake/posewise
 install: lib
 	install -d $(TO)/include $(TO)/share/posewise $(TO)/lib/pkgconfig $(CMAKE)
 	install -m 644 $(LIB) $(TO)/lib/
+	$(if $(CAN_SHARE),install -m 755 $(DIST)/lib/$(SONAME) $(TO)/lib/)
+	$(if $(CAN_SHARE),ln -sf $(SONAME) $(TO)/lib/libposewise.so)
 	install -m 644 $(ROOT)/include/posewise.h $(ROOT)/include/posewise.hpp $(TO)/include/
 	install -m 644 $(ROOT)/models/default.posewise $(ROOT)/models/default.md $(ROOT)/LICENSE \
 		$(ROOT)/packaging/NOTICES.txt $(TO)/share/posewise/
@@ -92,9 +111,12 @@ install: lib
 	sed 's/@VERSION@/$(VERSION)/' $(ROOT)/packaging/posewise-config-version.cmake.in \
 		> $(CMAKE)/posewise-config-version.cmake
 	sed 's/@VERSION@/$(VERSION)/' $(ROOT)/packaging/posewise.pc.in > $(TO)/lib/pkgconfig/posewise.pc
+	$(if $(CAN_SHARE),sed 's/@VERSION@/$(VERSION)/' $(ROOT)/packaging/posewise-shared.pc.in \
+		> $(TO)/lib/pkgconfig/posewise-shared.pc)
 
 uninstall:
-	rm -f $(TO)/lib/libposewise.a $(TO)/lib/pkgconfig/posewise.pc
+	rm -f $(TO)/lib/libposewise.a $(TO)/lib/libposewise.so $(TO)/lib/$(SONAME)
+	rm -f $(TO)/lib/pkgconfig/posewise.pc $(TO)/lib/pkgconfig/posewise-shared.pc
 	rm -f $(TO)/include/posewise.h $(TO)/include/posewise.hpp
 	rm -rf $(TO)/share/posewise $(CMAKE)
 

@@ -27,6 +27,24 @@ fn header_stands_alone_in_c99_and_cpp11() {
     }
 }
 
+/// As Microsoft's compiler reads it, in C and C++, with the structs laid out as on every machine.
+#[test]
+fn header_is_clean_for_windows() {
+    if !require("clang") {
+        return;
+    }
+    for file in ["tests/c/alone.c", "tests/c/abi.c"] {
+        for language in [["-x", "c", "-std=c99"], ["-x", "c++", "-std=c++14"]] {
+            let mut clang = Command::new("clang");
+            clang.args(["--target=x86_64-pc-windows-msvc", "-fms-extensions"]);
+            clang.args(["-fms-compatibility", "-ffreestanding", "-fsyntax-only"]);
+            clang.args(language).args(STRICT).args(["-Wpadded", "-I"]);
+            clang.arg(root().join("include"));
+            succeed(clang.arg(root().join(file)));
+        }
+    }
+}
+
 #[test]
 fn cpp_wrapper_does_what_the_header_says() {
     let Some(cxx) = cxx() else { return };

@@ -1,4 +1,4 @@
-//! What a program gets when it links the static library: no panics, no heap, no stray symbols.
+//! What a program gets when it links one of the libraries: no panics, no heap, no stray symbols.
 
 mod common;
 
@@ -85,20 +85,61 @@ fn only_the_functions_of_the_header_are_visible() {
         eprintln!("skipped: no make or nm");
         return;
     }
-    let nm = succeed(
-        Command::new("nm")
-            .args(["--extern-only", "--defined-only"])
-            .arg(library()),
-    );
-    let mut names: Vec<_> = nm
-        .lines()
-        .filter_map(|line| line.split(' ').nth(2))
-        .collect();
-    names.sort_unstable();
     let mut functions = exported();
     functions.sort_unstable();
-    assert_eq!(names, functions);
+    let shared = shared_library();
+    for (which, library) in [("--extern-only", library()), ("--dynamic", &shared)] {
+        let mut nm = Command::new("nm");
+        let nm = succeed(nm.args([which, "--defined-only"]).arg(library));
+        let names = nm.lines().filter_map(|line| line.split(' ').nth(2));
+        let mut names: Vec<_> = names.collect();
+        names.sort_unstable();
+        assert_eq!(names, functions, "{}", library.display());
+    }
 }
+
+/// The shared library beside the static one; its name has the number of the ABI.
+fn shared_library() -> PathBuf {
+    let abi = posewise::ffi::types::POSEWISE_ABI;
+    library().with_file_name(format!("libposewise.so.{abi}"))
+}
+
+#[test]
+fn the_shared_library_is_hardened_and_needs_little() {
+    if !exists("make") || !exists("readelf") || !exists("nm") {
+        eprintln!("skipped: no make, readelf or nm");
+        return;
+    }
+    let library = shared_library();
+    let elf = |options: &str| succeed(Command::new("readelf").args([options, "-W"]).arg(&library));
+    let dynamic = elf("--dynamic");
+    let soname = library.file_name().expect("a name").display();
+    assert!(
+        dynamic.contains(&format!("soname: [{soname}]")),
+        "{dynamic}"
+    );
+    assert!(
+        dynamic.contains("NOW") && !dynamic.contains("TEXTREL"),
+        "{dynamic}"
+    );
+    let segments = elf("--segments");
+    let stack = segments
+        .lines()
+        .find(|line| line.contains("GNU_STACK"))
+        .expect("a header");
+    assert!(!stack.contains("RWE"), "{stack}");
+    let mut nm = Command::new("nm");
+    let undefined = succeed(nm.args(["--dynamic", "--undefined-only"]).arg(&library));
+    let names = undefined
+        .lines()
+        .map(|line| line.trim().trim_start_matches("U "));
+    let names = names.map(|name| name.split('@').next().unwrap_or(name));
+    let unexpected: Vec<_> = names.filter(|name| !C_LIBRARY.contains(name)).collect();
+    assert!(unexpected.is_empty(), "{unexpected:?}");
+}
+
+/// What every C compiler, freestanding too, may ask for.
+const C_LIBRARY: [&str; 5] = ["memcpy", "memmove", "memset", "memcmp", "bcmp"];
 
 /// A program may hold other static libraries in Rust, whichever comes first; panics of the other
 /// one are still caught. What cargo makes alone links too, where not all of it is asked for.
@@ -202,16 +243,8 @@ fn nothing_is_asked_of_the_system() {
     let names = undefined
         .lines()
         .map(|line| line.trim().trim_start_matches("U "));
-    // What every C compiler, freestanding too, may ask for.
-    let allowed = [
-        "memcpy",
-        "memmove",
-        "memset",
-        "memcmp",
-        "bcmp",
-        "_GLOBAL_OFFSET_TABLE_",
-    ];
-    let unexpected: Vec<_> = names.filter(|name| !allowed.contains(name)).collect();
+    let is_allowed = |name: &&str| C_LIBRARY.contains(name) || *name == "_GLOBAL_OFFSET_TABLE_";
+    let unexpected: Vec<_> = names.filter(|name| !is_allowed(name)).collect();
     assert!(unexpected.is_empty(), "{unexpected:?}");
 }
 

@@ -9,12 +9,15 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::OnceLock;
 
-const FILES: [&str; 10] = [
+const FILES: [&str; 13] = [
     "include/posewise.h",
     "include/posewise.hpp",
     "lib/cmake/posewise/posewise-config-version.cmake",
     "lib/cmake/posewise/posewise-config.cmake",
     "lib/libposewise.a",
+    "lib/libposewise.so",
+    "lib/libposewise.so.1",
+    "lib/pkgconfig/posewise-shared.pc",
     "lib/pkgconfig/posewise.pc",
     "share/posewise/LICENSE",
     "share/posewise/NOTICES.txt",
@@ -90,20 +93,27 @@ fn pkg_config_finds_it() {
     let ask = |what: &[&str]| {
         let mut command = Command::new("pkg-config");
         command.env("PKG_CONFIG_PATH", tree.join("lib/pkgconfig"));
-        succeed(command.args(what).arg("posewise"))
-            .trim()
-            .to_string()
+        succeed(command.args(what)).trim().to_string()
     };
-    assert_eq!(ask(&["--modversion"]), env!("CARGO_PKG_VERSION"));
-    let program = scratch("package").join("by-pkg-config");
-    let mut compile = Command::new(cc());
-    compile
-        .arg("-std=c99")
-        .arg(root().join("ffi-examples/y4m.c"));
-    compile.args(ask(&["--cflags", "--libs"]).split_whitespace());
-    succeed(compile.arg("-o").arg(&program));
-    let model = Path::new(&ask(&["--variable=modeldir"])).join("default.posewise");
-    assert_eq!(track(&program, &model), expected());
+    for name in ["posewise", "posewise-shared"] {
+        assert_eq!(ask(&["--modversion", name]), env!("CARGO_PKG_VERSION"));
+        let program = scratch("package").join(format!("by-pkg-config-{name}"));
+        let mut compile = Command::new(cc());
+        compile
+            .arg("-std=c99")
+            .arg(root().join("ffi-examples/y4m.c"));
+        compile.args(ask(&["--cflags", "--libs", name]).split_whitespace());
+        // A program that is linked with the shared library has to find it.
+        if name == "posewise-shared" {
+            compile.arg(format!("-Wl,-rpath,{}", tree.join("lib").display()));
+        }
+        succeed(compile.arg("-o").arg(&program));
+        let needs = succeed(Command::new("readelf").arg("--dynamic").arg(&program));
+        let is_shared = needs.contains("[libposewise.so.1]");
+        assert_eq!(is_shared, name == "posewise-shared", "{needs}");
+        let model = Path::new(&ask(&["--variable=modeldir", name])).join("default.posewise");
+        assert_eq!(track(&program, &model), expected());
+    }
 }
 
 #[test]
@@ -112,17 +122,23 @@ fn cmake_finds_it() {
     if !require("cmake") {
         return;
     }
-    let build = scratch("package/cmake");
-    // CMake refuses a folder that another checkout has configured.
-    std::fs::remove_dir_all(&build).expect("its own folder");
-    let mut configure = Command::new("cmake");
-    configure.arg("-S").arg(root().join("ffi-examples"));
-    configure.arg("-B").arg(&build);
-    configure.arg(format!("-DCMAKE_PREFIX_PATH={}", tree.display()));
-    succeed(&mut configure);
-    succeed(Command::new("cmake").arg("--build").arg(&build));
-    let model = tree.join("share/posewise/default.posewise");
-    assert_eq!(track(&build.join("y4m"), &model), expected());
+    for shared in ["OFF", "ON"] {
+        let build = scratch("package/cmake").join(shared);
+        // CMake refuses a folder that another checkout has configured.
+        let _ = std::fs::remove_dir_all(&build);
+        let mut configure = Command::new("cmake");
+        configure.arg("-S").arg(root().join("ffi-examples"));
+        configure.arg("-B").arg(&build);
+        configure.arg(format!("-DCMAKE_PREFIX_PATH={}", tree.display()));
+        configure.arg(format!("-DPOSEWISE_SHARED={shared}"));
+        succeed(&mut configure);
+        succeed(Command::new("cmake").arg("--build").arg(&build));
+        let model = tree.join("share/posewise/default.posewise");
+        let program = build.join("y4m");
+        let needs = succeed(Command::new("readelf").arg("--dynamic").arg(&program));
+        assert_eq!(needs.contains("[libposewise.so.1]"), shared == "ON");
+        assert_eq!(track(&program, &model), expected());
+    }
 
     // Another series of versions is refused.
     std::fs::write(scratch("package/other").join("CMakeLists.txt"), OTHER).expect("writable");

@@ -107,6 +107,16 @@ fn cortex_m_answers_alike() {
     check_target("thumbv7em-none-eabihf", "Cortex-M4", &programs);
 }
 
+/// Compiled with MinGW and run with Wine.
+#[test]
+fn windows_answers_alike() {
+    let target = "x86_64-pc-windows-gnu";
+    if require("make") && possible(target, &["x86_64-w64-mingw32-gcc", xtask::WINE]) {
+        let replay = replay(Some(target));
+        assert_eq!(replay.line, expected(), "this machine at the right");
+    }
+}
+
 /// `POSEWISE_MEMORY_SIZE` may exceed the true need by this factor, no more: it is what a C program
 /// sets aside.
 const MEMORY_SLACK: f64 = 1.15;

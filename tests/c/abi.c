@@ -64,3 +64,11 @@ FIELD(posewise_landmark, visibility, 12);
 FIELD(posewise_landmark, x_mm, 16);
 FIELD(posewise_landmark, y_mm, 20);
 FIELD(posewise_landmark, z_mm, 24);
+
+SIZE(posewise_event, 40);
+FIELD(posewise_event, timestamp_us, 0);
+FIELD(posewise_event, kind, 8);
+FIELD(posewise_event, loss, 12);
+FIELD(posewise_event, face_box, 16);
+FIELD(posewise_event, confidence, 32);
+FIELD(posewise_event, reserved, 36);

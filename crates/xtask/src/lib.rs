@@ -11,7 +11,7 @@ mod replay;
 mod size;
 
 pub use library::{Library, optional_parts};
-pub use machine::Machine;
+pub use machine::{Machine, WINE};
 pub use replay::{Replay, demo_clip, replay};
 pub use size::{code_size, size_table};
 

@@ -8,6 +8,9 @@ use std::process::Command;
 /// Seconds after which an emulated program is taken to hang.
 const EMULATION_TIMEOUT_S: &str = "300";
 
+/// Where Debian's package wine64 has it; it puts nothing on the path.
+pub const WINE: &str = "/usr/lib/wine/wine64";
+
 /// A machine with a C compiler and, where it is another one than this, an emulator.
 pub struct Machine {
     compiler: Vec<String>,
@@ -48,6 +51,12 @@ impl Machine {
                 emulator: &["qemu-system-arm", "-M", "mps2-an386"],
                 bare: true,
             },
+            Some("x86_64-pc-windows-gnu") => Machine {
+                compiler: words("x86_64-w64-mingw32-gcc -static"),
+                size: "x86_64-w64-mingw32-size",
+                emulator: &[WINE],
+                bare: false,
+            },
             Some(other) => bail!("no compiler and emulator are known for {other}"),
         })
     }
@@ -57,6 +66,14 @@ impl Machine {
         let mut command = Command::new(&self.compiler[0]);
         command.args(&self.compiler[1..]);
         command
+    }
+
+    /// What the names of programs end with.
+    pub fn suffix(&self) -> &'static str {
+        match self.emulator {
+            [WINE, ..] => ".exe",
+            _ => "",
+        }
     }
 
     /// The `size` of binutils.
@@ -88,6 +105,9 @@ impl Machine {
             return command;
         };
         let mut command = Command::new("timeout");
+        // Wine keeps its files beside the program, and says nothing of what it lacks.
+        command.env("WINEPREFIX", program.with_file_name("wine"));
+        command.env("WINEDEBUG", "-all");
         command.args([EMULATION_TIMEOUT_S, emulator]);
         command.args(&self.emulator[1..]);
         if !self.bare {

@@ -31,7 +31,7 @@ impl Replay {
 pub fn replay(library: &Library, clip: &Path, frames: usize) -> Result<Replay> {
     let machine = Machine::named(library.target.as_deref())?;
     let archive = library.build()?;
-    let name = format!("replay-{}", library.target_name());
+    let name = format!("replay-{}{}", library.target_name(), machine.suffix());
     let program = library.target_dir.join(name);
     let mut compile = machine.compiler();
     compile.args([
@@ -49,9 +49,11 @@ pub fn replay(library: &Library, clip: &Path, frames: usize) -> Result<Replay> {
 
     let arguments = [clip.display().to_string(), frames.to_string()];
     let output = output_of(machine.run(&program, &arguments).stdin(Stdio::null()))?;
+    // Windows ends lines with two characters.
+    let text = |bytes| String::from_utf8(bytes).map(|text| text.replace("\r\n", "\n"));
     Ok(Replay {
-        line: String::from_utf8(output.stdout)?,
-        notes: String::from_utf8(output.stderr)?,
+        line: text(output.stdout)?,
+        notes: text(output.stderr)?,
     })
 }
 
