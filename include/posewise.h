@@ -44,6 +44,7 @@
 #define POSEWISE_MEMORY_SIZE         (208 * 1024) // Upper bound of posewise_memory_size() [bytes]
 #define POSEWISE_LANDMARKS           68u          // Landmarks, iBUG 68 scheme
 #define POSEWISE_ANIMATIONS          24u          // Weights, named by posewise_animation_name()
+#define POSEWISE_EXCLUDED            16u          // Most boxes of posewise_set_excluded()
 #define POSEWISE_EVENTS              64u          // Unread events that a tracker keeps
 
 #define POSEWISE_OK                  0            // Success
@@ -70,6 +71,7 @@
 #define POSEWISE_E_SMOOTHING         (-21)        // smoothing_hz or smoothing_beta out of range
 #define POSEWISE_E_HINT              (-22)        // A number of the hint is out of range
 #define POSEWISE_E_ROI               (-23)        // The region of interest is out of range
+#define POSEWISE_E_EXCLUDED          (-24)        // Excluded boxes: too many or out of range
 
 #define POSEWISE_FMT_GREY            0x59455247u  // 8-bit grey
 #define POSEWISE_FMT_Y10             0x20303159u  // 10-bit grey in 16-bit little-endian words
@@ -100,6 +102,7 @@
 #define POSEWISE_LOSS_LOW_CONFIDENCE 1u           // The confidence fell below its threshold
 #define POSEWISE_LOSS_LEFT_FRAME     2u           // The centre of the face left the frame
 #define POSEWISE_LOSS_NO_POSE        3u           // No head pose fits the landmarks
+#define POSEWISE_LOSS_EXCLUDED       4u           // Another tracker has this face
 
 #define POSEWISE_EVENT_ACQUIRED      0u           // A new face is tracked
 #define POSEWISE_EVENT_REACQUIRED    1u           // A lost face is tracked again, with its identity
@@ -250,6 +253,18 @@ typedef struct posewise_hint {
 #define POSEWISE_HINT_INIT \
     {sizeof(posewise_hint), {0, 0, 0, 0}, 0, 0}
 
+// A face of a frame, from posewise_detect(). This struct never grows.
+typedef struct posewise_face {
+    // Box of the landmarks in the upright image: x, y, width, height [px].
+    float face_box[4];
+    // Yaw [deg] as in posewise_result; rough.
+    float yaw_deg;
+    // Roll [deg] as in posewise_result.
+    float roll_deg;
+    // As in posewise_result. In a library built without the verifier: always 1.
+    float confidence;
+} posewise_face;
+
 // One landmark. This struct never grows, so the layout of arrays stays the same.
 typedef struct posewise_landmark {
     // Position in the upright image [px]. Points 0..16 follow the visible contour of the jaw.
@@ -353,6 +368,29 @@ posewise_status posewise_step_at(posewise_tracker *tracker,
                                  const posewise_frame *frame,
                                  const posewise_hint *hint,
                                  posewise_result *out);
+
+// Looks for faces in a frame, whatever the tracker does, and writes the largest first: at most
+// min(capacity, 16) of them, and their number. frame->timestamp_us is not read.
+//
+// A call does the work of posewise_config.scan_budget and at most one alignment more, and ends
+// early when out is full. The next call, on the same frame or the next one of a video, goes on
+// from there, until *finished is 1: then every place was searched, and the call after that begins
+// anew. Only faces in the region of interest that are not excluded are found. A face may be found
+// again by a later call.
+posewise_status posewise_detect(posewise_tracker *tracker,
+                                const posewise_frame *frame,
+                                posewise_face *out,
+                                size_t capacity,
+                                size_t *count,
+                                uint32_t *finished);
+
+// Gives the boxes of faces that other trackers follow, which replace those given before: `count`
+// boxes, at most POSEWISE_EXCLUDED, of four numbers each: x, y, width, height [px]. From the
+// next step on, this tracker neither finds nor follows a face there. Its own face, if it is one of
+// them, is lost with POSEWISE_LOSS_EXCLUDED. boxes may be NULL if count is 0.
+posewise_status posewise_set_excluded(posewise_tracker *tracker,
+                                      const float *boxes,
+                                      size_t count);
 
 // Writes the first min(capacity, POSEWISE_LANDMARKS) landmarks of the last step; all zero while
 // searching.

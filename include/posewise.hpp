@@ -146,6 +146,17 @@ public:
     // Where faces are searched for from the next step on; all zero: the whole frame.
     posewise_status set_roi(const posewise_roi &roi) { return posewise_set_roi(tracker_, &roi); }
 
+    // Boxes x, y, width, height of faces that other trackers follow.
+    posewise_status set_excluded(const float *boxes, std::size_t count) {
+        return posewise_set_excluded(tracker_, boxes, count);
+    }
+
+    // Faces of a frame; see posewise.h.
+    posewise_status detect(const posewise_frame &frame, posewise_face *out, std::size_t capacity,
+                           std::size_t &count, std::uint32_t &finished) {
+        return posewise_detect(tracker_, &frame, out, capacity, &count, &finished);
+    }
+
     posewise_status reset() { return posewise_reset(tracker_); }
 
     posewise_status forget_identity() { return posewise_forget_identity(tracker_); }

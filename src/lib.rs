@@ -108,8 +108,8 @@ pub use image::{Frame, FrameError, FrameLayout, MAX_SIDE, PixelFormat, Roi, Rota
 pub use posewise_format::{Aligned, ModelError};
 pub use shape::{ANIMATION_NAMES, ANIMATIONS, Intrinsics, LANDMARKS};
 pub use track::{
-    Config, ConfigError, EVENTS, Event, EventKind, EventLog, FaceHint, Landmark, Loss, Model,
-    Smoothing,
+    Config, ConfigError, Detected, EVENTS, Event, EventKind, EventLog, FaceHint, FoundFace,
+    Landmark, Loss, MAX_EXCLUDED, Model, Smoothing,
 };
 pub use track::{State, StepError, TrackResult, Tracker};
 

@@ -92,6 +92,7 @@ fn layouts_agree() {
     layout!(posewise_result: struct_size state timestamp_us age_us landmark_count confidence
         face_box rotation yaw_deg pitch_deg roll_deg translation_mm eye_open
         loss visible_share rotation_sigma_deg translation_sigma_mm);
+    layout!(posewise_face: face_box yaw_deg roll_deg confidence);
     layout!(posewise_landmark: x y confidence visibility x_mm y_mm z_mm);
     layout!(posewise_event: timestamp_us kind loss face_box confidence reserved);
     let c = succeed(&mut Command::new(program(
@@ -147,6 +148,32 @@ fn every_wrong_call_is_answered_under_valgrind() {
     let mut command = Command::new("valgrind");
     command.args(["--quiet", "--error-exitcode=9"]).arg(api);
     succeed(command.args(arguments()));
+}
+
+/// Two faces, each tracked by its own tracker all the time.
+#[test]
+fn faces_example_tracks_two_faces() {
+    use common::watch::{LARGE, SMALL, picture};
+    let Some(clip) = common::demo() else { return };
+    let program = program("ffi-examples/faces.c", "faces", &[]);
+    let frames: Vec<u8> = (0..150)
+        .flat_map(|n| picture(&clip, n, &[SMALL, LARGE]))
+        .collect();
+    let output = y4m(&program, &[Path::new("640"), Path::new("360")], &frames);
+    let csv = String::from_utf8(output.stdout).expect("UTF-8");
+    let mut seen = [0; 3];
+    for row in csv.lines().skip(1) {
+        let row: Vec<f32> = row
+            .split(',')
+            .map(|v| v.parse().expect("a number"))
+            .collect();
+        let (id, x) = (row[1] as usize, row[3] + row[5] / 2.0);
+        // The larger one is found first.
+        let expected = [LARGE.at[0], SMALL.at[0]];
+        assert!((x - expected[id]).abs() < 30.0, "{row:?}");
+        seen[id] += 1;
+    }
+    assert!(seen[0] > 135 && seen[1] > 75, "{seen:?}");
 }
 
 /// Feeds a video to the y4m example.
@@ -292,7 +319,7 @@ fn makefile_builds_the_examples() {
     make.arg("all");
     let linux = cfg!(target_os = "linux").then_some("v4l2");
     succeed(make.args(linux).arg("CFLAGS=-O2 -Werror"));
-    for example in ["y4m", "static_memory"].into_iter().chain(linux) {
+    for example in ["y4m", "static_memory", "faces"].into_iter().chain(linux) {
         assert!(
             target.join("ffi-examples").join(example).exists(),
             "{example}"

@@ -1,24 +1,26 @@
 //! The functions of `include/posewise.h`.
 //!
-//! The header is generated from this file: the comments below are written for the C reader.
+//! The header is generated from this file: the comments below are written for the C reader. It is
+//! longer than others, because the header has one place for each group of functions.
 
 // The contract of all pointers stands at the head of the header and of memory.rs.
 #![allow(clippy::missing_safety_doc)]
 
 use super::block::{self, BLOCK_SIZE};
 use super::convert::{
-    config_error, config_from, event_to, frame_from, hint_from, intrinsics_from, landmarks_of,
-    load, model_bytes, result_to, roi_from, step_error,
+    config_error, config_from, event_to, face_of, frame_from, hint_from, intrinsics_from,
+    landmarks_of, load, model_bytes, result_to, roi_from, step_error,
 };
 use super::types::*;
 use super::{float_env, memory};
 use crate::shape::{ANIMATION_NAMES, ANIMATIONS, LANDMARKS};
-use crate::track::{Config, EVENTS};
+use crate::track::{Config, EVENTS, FoundFace, MAX_EXCLUDED};
 use core::ffi::{c_char, c_void};
 
 const _: () = assert!(POSEWISE_LANDMARKS as usize == LANDMARKS);
 const _: () = assert!(POSEWISE_ANIMATIONS as usize == ANIMATIONS);
 const _: () = assert!(POSEWISE_EVENTS as usize == EVENTS);
+const _: () = assert!(POSEWISE_EXCLUDED as usize == MAX_EXCLUDED);
 const _: () = assert!(POSEWISE_ALIGN as usize == posewise_format::ALIGN);
 
 /// POSEWISE_VERSION of the linked library.
@@ -68,6 +70,9 @@ pub extern "C" fn posewise_strerror(status: posewise_status) -> *const c_char {
         POSEWISE_E_SCAN_BUDGET => c"scan_budget must be 100..10000000",
         POSEWISE_E_HINT => {
             c"the hint: its box must be 16..32768 px, its angles within -360..360 degrees"
+        }
+        POSEWISE_E_EXCLUDED => {
+            c"more than 16 excluded boxes, or one whose sides are not 1..32768 px"
         }
         POSEWISE_E_ROI => {
             c"the region of interest is empty, ends beyond 16384 px or is not in the frame"
@@ -228,6 +233,77 @@ pub unsafe extern "C" fn posewise_step_at(
             .map_err(step_error)?;
         unsafe { memory::write_struct(out, size, &result_to(result)) };
         Ok(())
+    })
+}
+
+/// Looks for faces in a frame, whatever the tracker does, and writes the largest first: at most
+/// min(capacity, 16) of them, and their number. frame->timestamp_us is not read.
+///
+/// A call does the work of posewise_config.scan_budget and at most one alignment more, and ends
+/// early when out is full. The next call, on the same frame or the next one of a video, goes on
+/// from there, until *finished is 1: then every place was searched, and the call after that begins
+/// anew. Only faces in the region of interest that are not excluded are found. A face may be found
+/// again by a later call.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn posewise_detect(
+    tracker: *mut posewise_tracker,
+    frame: *const posewise_frame,
+    out: *mut posewise_face,
+    capacity: usize,
+    count: *mut usize,
+    finished: *mut u32,
+) -> posewise_status {
+    status(|| {
+        // SAFETY: the caller's contract, here and below.
+        let block = unsafe { block::get_mut(tracker)? };
+        let given = unsafe { memory::read_struct(frame)? };
+        memory::check_pointer(out)?;
+        memory::check_pointer(count)?;
+        memory::check_pointer(finished)?;
+        let mut found = [FoundFace::default(); MAX_FOUND];
+        let most = capacity.min(found.len());
+        memory::require_disjoint(tracker, BLOCK_SIZE, out, size_of::<posewise_face>() * most)?;
+        memory::require_disjoint(tracker, BLOCK_SIZE, count, size_of::<usize>())?;
+        memory::require_disjoint(tracker, BLOCK_SIZE, finished, size_of::<u32>())?;
+        let frame = unsafe { frame_from(&given)? };
+        let found = found.get_mut(..most).unwrap_or_default();
+        let detected = block
+            .tracker
+            .detect(&block.model, &frame, found)
+            .map_err(step_error)?;
+        unsafe {
+            memory::write_first(out, detected.count, found.iter().map(face_of))?;
+            count.write(detected.count);
+            finished.write(u32::from(detected.finished));
+        }
+        Ok(())
+    })
+}
+
+/// Gives the boxes of faces that other trackers follow, which replace those given before: `count`
+/// boxes, at most POSEWISE_EXCLUDED, of four numbers each: x, y, width, height \[px\]. From the
+/// next step on, this tracker neither finds nor follows a face there. Its own face, if it is one of
+/// them, is lost with POSEWISE_LOSS_EXCLUDED. boxes may be NULL if count is 0.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn posewise_set_excluded(
+    tracker: *mut posewise_tracker,
+    boxes: *const f32,
+    count: usize,
+) -> posewise_status {
+    status(|| {
+        // SAFETY: the caller's contract.
+        let tracker = &mut unsafe { block::get_mut(tracker)? }.tracker;
+        if count > MAX_EXCLUDED {
+            return Err(POSEWISE_E_EXCLUDED);
+        }
+        let boxes: &[[f32; 4]] = if count == 0 {
+            &[]
+        } else {
+            memory::check_pointer(boxes)?;
+            // SAFETY: non-NULL, aligned, and `count` boxes by the caller's contract.
+            unsafe { core::slice::from_raw_parts(boxes.cast(), count) }
+        };
+        tracker.set_excluded(boxes).map_err(config_error)
     })
 }
 
@@ -433,6 +509,9 @@ fn status(body: impl FnOnce() -> Result<(), posewise_status>) -> posewise_status
         Err(status) => status,
     }
 }
+
+/// Most faces of one call of posewise_detect(): they lie on its stack.
+const MAX_FOUND: usize = 16;
 
 /// Capacity for the longest animation name and its NUL \[bytes\].
 const NAME_LEN: usize = 24;

@@ -5,8 +5,8 @@ use super::types::*;
 use crate::image::{Frame, FrameLayout, PixelFormat, Roi, Rotation};
 use crate::shape::{Intrinsics, LANDMARKS};
 use crate::track::{
-    Config, ConfigError, Event, EventKind, FaceHint, Loss, Model, Smoothing, State, StepError,
-    TrackResult,
+    Config, ConfigError, Event, EventKind, FaceHint, FoundFace, Loss, Model, Smoothing, State,
+    StepError, TrackResult,
 };
 use core::ffi::c_void;
 use posewise_format::ModelError;
@@ -76,6 +76,7 @@ pub(super) fn config_error(error: ConfigError) -> posewise_status {
         ConfigError::ScanBudget => POSEWISE_E_SCAN_BUDGET,
         ConfigError::Smoothing => POSEWISE_E_SMOOTHING,
         ConfigError::Roi => POSEWISE_E_ROI,
+        ConfigError::Excluded => POSEWISE_E_EXCLUDED,
     }
 }
 
@@ -172,6 +173,7 @@ fn loss_to(loss: Loss) -> u32 {
         Loss::LowConfidence => POSEWISE_LOSS_LOW_CONFIDENCE,
         Loss::LeftFrame => POSEWISE_LOSS_LEFT_FRAME,
         Loss::NoPose => POSEWISE_LOSS_NO_POSE,
+        Loss::Excluded => POSEWISE_LOSS_EXCLUDED,
     }
 }
 
@@ -194,6 +196,16 @@ pub(super) fn event_to(event: &Event) -> posewise_event {
         face_box: event.face_box,
         confidence: event.confidence,
         reserved: 0,
+    }
+}
+
+/// A face of a frame as its C struct.
+pub(super) fn face_of(face: &FoundFace) -> posewise_face {
+    posewise_face {
+        face_box: face.face_box,
+        yaw_deg: face.yaw_deg,
+        roll_deg: face.roll_deg,
+        confidence: face.confidence,
     }
 }
 

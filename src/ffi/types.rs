@@ -16,6 +16,8 @@ pub const POSEWISE_MEMORY_SIZE: u32 = 208 * 1024;
 pub const POSEWISE_LANDMARKS: u32 = 68;
 /// Weights, named by posewise_animation_name().
 pub const POSEWISE_ANIMATIONS: u32 = 24;
+/// Most boxes of posewise_set_excluded().
+pub const POSEWISE_EXCLUDED: u32 = 16;
 
 /// Unread events that a tracker keeps.
 pub const POSEWISE_EVENTS: u32 = 64;
@@ -72,6 +74,8 @@ pub const POSEWISE_E_SMOOTHING: i32 = -21;
 pub const POSEWISE_E_HINT: i32 = -22;
 /// The region of interest is out of range.
 pub const POSEWISE_E_ROI: i32 = -23;
+/// Excluded boxes: too many or out of range.
+pub const POSEWISE_E_EXCLUDED: i32 = -24;
 
 /// 8-bit grey.
 pub const POSEWISE_FMT_GREY: u32 = 0x5945_5247;
@@ -128,6 +132,8 @@ pub const POSEWISE_LOSS_LOW_CONFIDENCE: u32 = 1;
 pub const POSEWISE_LOSS_LEFT_FRAME: u32 = 2;
 /// No head pose fits the landmarks.
 pub const POSEWISE_LOSS_NO_POSE: u32 = 3;
+/// Another tracker has this face.
+pub const POSEWISE_LOSS_EXCLUDED: u32 = 4;
 
 /// A new face is tracked.
 pub const POSEWISE_EVENT_ACQUIRED: u32 = 0;
@@ -330,6 +336,20 @@ pub struct posewise_event {
     pub reserved: u32,
 }
 
+/// A face of a frame, from posewise_detect(). This struct never grows.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default)]
+pub struct posewise_face {
+    /// Box of the landmarks in the upright image: x, y, width, height \[px\].
+    pub face_box: [f32; 4],
+    /// Yaw \[deg\] as in posewise_result; rough.
+    pub yaw_deg: f32,
+    /// Roll \[deg\] as in posewise_result.
+    pub roll_deg: f32,
+    /// As in posewise_result. In a library built without the verifier: always 1.
+    pub confidence: f32,
+}
+
 /// A tracker, opaque. It starts at the start of the caller's memory and holds no pointer into
 /// itself: a memcpy of posewise_memory_size() bytes to memory of the same alignment is a second,
 /// independent tracker. No output of a call may lie in that memory.
@@ -364,6 +384,8 @@ assert_no_padding!(posewise_result: struct_size: u32, state: u32, timestamp_us: 
     landmark_count: u32, confidence: f32, face_box: [f32; 4], rotation: [f32; 4], yaw_deg: f32,
     pitch_deg: f32, roll_deg: f32, translation_mm: [f32; 3], eye_open: [f32; 2],
     loss: u32, visible_share: f32, rotation_sigma_deg: [f32; 3], translation_sigma_mm: [f32; 3]);
+assert_no_padding!(posewise_face: face_box: [f32; 4], yaw_deg: f32, roll_deg: f32,
+    confidence: f32);
 assert_no_padding!(posewise_landmark: x: f32, y: f32, confidence: f32, visibility: f32,
     x_mm: f32, y_mm: f32, z_mm: f32);
 assert_no_padding!(posewise_event: timestamp_us: i64, kind: u32, loss: u32, face_box: [f32; 4],

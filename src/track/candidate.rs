@@ -7,7 +7,7 @@
 //! | retry of a rejected detection, or a keyframe match | 1 | `ACCEPT_CONFIDENCE` |
 //!
 //! In the suppressed region each needs `TRUST_CONFIDENCE`. A face that is centred outside of the
-//! region of interest is never accepted.
+//! region of interest, or is excluded, is never accepted.
 
 use super::event::EventKind;
 use super::geometry::{centre, detection_of, initial_shape};
@@ -17,6 +17,7 @@ use super::target::Origin;
 use super::{Loss, Tracker};
 use crate::align::Shape;
 use crate::detect::Detection;
+use crate::image::Roi;
 
 /// One attempt at a candidate.
 pub(super) struct Attempt {
@@ -39,6 +40,12 @@ impl Attempt {
 }
 
 impl Tracker {
+    /// Whether a face with this centre may be found.
+    pub(super) fn may_find(&self, centre: [f32; 2]) -> bool {
+        let in_roi = |roi: Roi| roi.contains(centre);
+        self.config.roi.is_none_or(in_roi) && !self.excluded.contains(centre)
+    }
+
     /// First attempt at a detection. A rejected one may be left for a retry.
     #[inline(never)]
     pub(super) fn attempt_detection(
@@ -89,8 +96,7 @@ impl Tracker {
         if !model.align.run(frame, iterations, shape, &mut self.work) {
             return Outcome::Reject(Loss::LowConfidence);
         }
-        let roi = self.config.roi;
-        if roi.is_some_and(|roi| !roi.contains(centre(shape))) {
+        if !self.may_find(centre(shape)) {
             return Outcome::NotFound;
         }
         let mut confidence = self.verify(model);

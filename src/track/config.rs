@@ -1,5 +1,6 @@
 //! A tracker's settings, their defaults and ranges.
 
+use super::MAX_EXCLUDED;
 use crate::image::{MAX_SIDE, Roi};
 use crate::shape::{FOCAL_PX, Intrinsics, PIXEL_ASPECT, PRINCIPAL_PX};
 use core::fmt;
@@ -152,6 +153,8 @@ pub enum ConfigError {
     Smoothing,
     /// `roi` is empty or reaches beyond the largest frame.
     Roi,
+    /// There are too many excluded boxes, or a number is out of range.
+    Excluded,
 }
 
 impl fmt::Display for ConfigError {
@@ -182,6 +185,10 @@ impl fmt::Display for ConfigError {
                     "smoothing: cutoff_hz must be {slow} to {fast} Hz, beta {least} to {most}"
                 )
             }
+            ConfigError::Excluded => write!(
+                f,
+                "excluded boxes: at most {MAX_EXCLUDED}, with sides of 1 to 32768 px"
+            ),
             ConfigError::Roi => write!(
                 f,
                 "roi must be at least 1 px wide and high, and end within {MAX_SIDE} px"

@@ -9,14 +9,17 @@
 //! - `candidate` aligns and verifies a proposal; `accept` fits the 3D face; `target` and
 //!   `appearance` hold what is known of the tracked face; `output` writes the result; `one_euro`
 //!   smooths it; `event` and `record` log what happens to the face.
+//! - `detect` lists the faces of a frame; `excluded` holds those that other trackers follow.
 //! - `policy` holds every threshold, timeout and work cost.
 
 mod accept;
 mod appearance;
 mod candidate;
 mod config;
+mod detect;
 mod error;
 mod event;
+mod excluded;
 mod geometry;
 mod hint;
 mod model;
@@ -36,8 +39,10 @@ mod target;
 mod tracker;
 
 pub use config::{Config, ConfigError, Smoothing};
+pub use detect::{Detected, FoundFace};
 pub use error::StepError;
 pub use event::{EVENTS, Event, EventKind, EventLog};
+pub use excluded::MAX_EXCLUDED;
 pub use hint::FaceHint;
 pub use model::Model;
 pub use result::{Landmark, Loss, State, TrackResult};

@@ -27,6 +27,8 @@ pub enum Loss {
     LeftFrame,
     /// No head pose explains the landmarks.
     NoPose,
+    /// It is a face that another tracker follows; see [`crate::Tracker::set_excluded`].
+    Excluded,
 }
 
 /// One landmark in the image.

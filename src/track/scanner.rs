@@ -156,6 +156,20 @@ impl Scanner {
         self.is_one_in(affordable.max(wanted))
     }
 
+    /// The next outcome of the scan of all sizes.
+    pub(super) fn next_of_all(
+        &mut self,
+        config: &Config,
+        step: &Step<'_>,
+        budget: &mut WorkBudget,
+    ) -> ScanOutcome {
+        let (roi, sizes) = (step.roi(config), all_sizes(config));
+        let (detector, given) = (&step.model.detector, budget.left());
+        let outcome = (self.all).advance_in(detector, step.frame, roi, sizes, given);
+        budget.spend(given.saturating_sub(self.all.units_left()));
+        outcome
+    }
+
     /// The next detection of the plan in a region; `None` when the budget is spent or the scan is
     /// finished.
     pub(super) fn next(

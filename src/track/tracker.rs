@@ -12,13 +12,16 @@
 //! Every attempt at a face ends with an [`Outcome`]; [`Outcome::Accept`] has written the result.
 //! All thresholds, timeouts and work costs are in `policy.rs`.
 //!
+//! The interface and the state machine stand together, which makes this file longer than others.
+//!
 //! Stack: functions of this module that are `#[inline(never)]` hold whole shapes or fits. Kept
 //! apart, their frames are not on the stack at the same time.
 
 use core::mem::MaybeUninit;
 
 use super::event::{EventKind, EventLog};
-use super::geometry::{detection_of, is_in_frame};
+use super::excluded::Excluded;
+use super::geometry::{centre, detection_of, is_in_frame};
 use super::hint::FaceHint;
 use super::one_euro::Smoother;
 use super::policy::{
@@ -49,6 +52,7 @@ pub struct Tracker {
     pub(super) retry: PendingRetry,
     pub(super) suppressed: Suppressed,
     pub(super) reacquirer: Reacquirer,
+    pub(super) excluded: Excluded,
     /// Meaningful unless Searching.
     pub(super) target: Target,
     pub(super) work: Workspace,
@@ -77,6 +81,7 @@ impl Tracker {
         retry: PendingRetry::NONE,
         suppressed: Suppressed::NONE,
         reacquirer: Reacquirer::EMPTY,
+        excluded: Excluded::NONE,
         target: Target::EMPTY,
         work: Workspace::new(),
         events: EventLog::EMPTY,
@@ -147,9 +152,7 @@ impl Tracker {
         timestamp_us: i64,
         hint: Option<&Detection>,
     ) -> Result<&TrackResult, StepError> {
-        if self.config.roi.is_some_and(|roi| !roi.is_in(frame)) {
-            return Err(StepError::Roi);
-        }
+        self.check_roi(frame)?;
         self.advance_clock(timestamp_us)?;
         let step = &Step {
             model,
@@ -205,7 +208,8 @@ impl Tracker {
         &self.config
     }
 
-    /// Forgets the target, its identity and the clock; settings and unread events stay.
+    /// Forgets the target, its identity and the clock; settings, excluded boxes and unread events
+    /// stay.
     pub fn reset(&mut self) {
         self.record(EventKind::Reset);
         self.result = TrackResult::default();
@@ -391,6 +395,10 @@ impl Tracker {
         let initial_shape = self.target.predict(now_us);
         let mut shape = initial_shape;
         let is_aligned = model.align.run(frame, 1, &mut shape, &mut self.work);
+        // Before the appearance is updated from it.
+        if self.excluded.contains(centre(&shape)) {
+            return Outcome::Reject(Loss::Excluded);
+        }
         let mut confidence = self.verify(model);
         let is_trusted = confidence.face >= TRUST_CONFIDENCE;
         let appearance = &mut self.target.appearance;
@@ -407,6 +415,13 @@ impl Tracker {
             self.reacquirer.tracked();
         }
         outcome
+    }
+
+    pub(super) fn check_roi(&self, frame: &Frame<'_>) -> Result<(), StepError> {
+        match self.config.roi {
+            Some(roi) if !roi.is_in(frame) => Err(StepError::Roi),
+            _ => Ok(()),
+        }
     }
 
     /// The frame, box-filtered if it is noisy.

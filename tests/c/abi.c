@@ -56,6 +56,7 @@ FIELD(posewise_result, visible_share, 100);
 FIELD(posewise_result, rotation_sigma_deg, 104);
 FIELD(posewise_result, translation_sigma_mm, 116);
 
+SIZE(posewise_face, 28);
 SIZE(posewise_landmark, 28);
 FIELD(posewise_landmark, x, 0);
 FIELD(posewise_landmark, y, 4);

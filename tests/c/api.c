@@ -270,6 +270,10 @@ static void test_codes(void) {
     posewise_intrinsics narrow = {0.5f, 0.5f, 0, 0};
     posewise_hint hint = POSEWISE_HINT_INIT;
     const posewise_roi empty = {1, 1, 0, 1}, beyond = {4294967295u, 0, 4294967295u, 1};
+    const float boxes[8] = {1, 2, 30, 40, 1, 2, -30, -40};
+    posewise_face faces[16];
+    size_t count = 77, i;
+    uint32_t finished = 77;
     const posewise_roi wide = {1, 0, f.width, f.height};
     memset(&unset, 0, sizeof unset);
     CHECK_STATUS(posewise_step(NULL, &f, &r), POSEWISE_E_NULL);
@@ -299,6 +303,32 @@ static void test_codes(void) {
     CHECK_STATUS(posewise_step(t, &f, &r), POSEWISE_E_ROI);
     CHECK_STATUS(posewise_set_roi(t, NULL), POSEWISE_OK);
     CHECK_STATUS(posewise_step(t, &f, &r), POSEWISE_OK);
+    f.timestamp_us += 1;
+    CHECK_STATUS(posewise_set_excluded(t, NULL, 0), POSEWISE_OK);
+    CHECK_STATUS(posewise_set_excluded(t, NULL, 1), POSEWISE_E_NULL);
+    CHECK_STATUS(posewise_set_excluded(t, boxes, 1), POSEWISE_OK);
+    CHECK_STATUS(posewise_set_excluded(t, boxes, 2), POSEWISE_E_EXCLUDED);
+    CHECK_STATUS(posewise_set_excluded(t, boxes, POSEWISE_EXCLUDED + 1), POSEWISE_E_EXCLUDED);
+    CHECK_STATUS(posewise_set_excluded(t, boxes, SIZE_MAX), POSEWISE_E_EXCLUDED);
+    CHECK_STATUS(posewise_set_excluded(t, NULL, 0), POSEWISE_OK);
+    CHECK_STATUS(posewise_detect(t, &f, NULL, 1, &count, &finished), POSEWISE_E_NULL);
+    CHECK_STATUS(posewise_detect(t, &f, faces, 2, NULL, &finished), POSEWISE_E_NULL);
+    CHECK_STATUS(posewise_detect(t, &f, faces, 2, &count, NULL), POSEWISE_E_NULL);
+    CHECK_STATUS(posewise_detect(t, NULL, faces, 2, &count, &finished), POSEWISE_E_NULL);
+    CHECK_STATUS(posewise_detect(t, &f, (posewise_face *)(void *)memory.start, 1, &count,
+                                 &finished),
+                 POSEWISE_E_OVERLAP);
+    CHECK_STATUS(posewise_detect(t, &f, faces, 2, (size_t *)(void *)memory.start, &finished),
+                 POSEWISE_E_OVERLAP);
+    CHECK_STATUS(posewise_detect(t, &f, faces, 2, &count, (uint32_t *)(void *)memory.start),
+                 POSEWISE_E_OVERLAP);
+    CHECK(count == 77 && finished == 77);
+    CHECK_STATUS(posewise_detect(t, &f, faces, 0, &count, &finished), POSEWISE_OK);
+    CHECK(count == 0 && finished == 0);
+    for (i = 0; i < 400 && !count; i++)
+        CHECK_STATUS(posewise_detect(t, &f, faces, SIZE_MAX, &count, &finished), POSEWISE_OK);
+    CHECK(count == 1 && faces[0].confidence >= 0.8f && faces[0].face_box[2] > 40);
+    CHECK_STATUS(posewise_step(t, &f, &r), POSEWISE_OK);
 #define CODE(change, code)                                                                     \
     (c.flags = 0, c.min_face_px = 0, c.scan_budget = 0, c.smoothing_hz = 0, change);           \
     CHECK_STATUS(posewise_init(&t, memory.start, memory.len, model.start, model.len, &c), code)
@@ -315,7 +345,9 @@ static void no_tracker(posewise_tracker *t) {
     const posewise_frame f = clip_frame(&frames, 0);
     outputs a, before;
     posewise_event event;
+    posewise_face face;
     size_t count = 7, lost = 7;
+    uint32_t finished = 7;
     memset(&a, 0x77, sizeof a);
     a.result.struct_size = sizeof a.result;
     before = a;
@@ -330,7 +362,9 @@ static void no_tracker(posewise_tracker *t) {
     CHECK_STATUS(posewise_set_intrinsics(t, NULL), POSEWISE_E_ARG);
     CHECK_STATUS(posewise_set_roi(t, NULL), POSEWISE_E_ARG);
     CHECK_STATUS(posewise_events(t, &event, 1, &count, &lost), POSEWISE_E_ARG);
-    CHECK(count == 7 && lost == 7);
+    CHECK_STATUS(posewise_set_excluded(t, NULL, 0), POSEWISE_E_ARG);
+    CHECK_STATUS(posewise_detect(t, &f, &face, 1, &count, &finished), POSEWISE_E_ARG);
+    CHECK(count == 7 && lost == 7 && finished == 7);
     CHECK(memcmp(&a, &before, sizeof a) == 0);
 }
 

@@ -60,6 +60,11 @@ int main(void) {
     FIELD(posewise_result, visible_share);
     FIELD(posewise_result, rotation_sigma_deg);
     FIELD(posewise_result, translation_sigma_mm);
+    SIZE(posewise_face);
+    FIELD(posewise_face, face_box);
+    FIELD(posewise_face, yaw_deg);
+    FIELD(posewise_face, roll_deg);
+    FIELD(posewise_face, confidence);
     SIZE(posewise_landmark);
     FIELD(posewise_landmark, x);
     FIELD(posewise_landmark, y);

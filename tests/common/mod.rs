@@ -2,6 +2,7 @@
 #![allow(dead_code)] // each test uses its part
 
 pub mod c;
+pub mod watch;
 
 use std::io::Read;
 use std::path::{Path, PathBuf};

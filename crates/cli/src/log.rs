@@ -39,6 +39,7 @@ fn loss_name(loss: Loss) -> &'static str {
         Loss::LowConfidence => "low-confidence",
         Loss::LeftFrame => "left-frame",
         Loss::NoPose => "no-pose",
+        Loss::Excluded => "excluded",
         _ => "unknown",
     }
 }

@@ -81,6 +81,20 @@ pub(super) fn intrinsics(input: &mut Input<'_>) -> (posewise_intrinsics, bool) {
     (posewise_intrinsics { fx, fy, cx, cy }, default || valid)
 }
 
+/// Boxes, and whether they are valid.
+pub(super) fn boxes(input: &mut Input<'_>, count: usize) -> (Vec<f32>, bool) {
+    let numbers: Vec<f32> = (0..4 * count).map(|_| number(input)).collect();
+    let valid = numbers.chunks_exact(4).all(|b| {
+        let longer = b[2].max(b[3]);
+        b[2] > 0.0
+            && b[3] > 0.0
+            && (1.0..=32_768.0).contains(&longer)
+            && b[0].abs() <= 65_536.0
+            && b[1].abs() <= 65_536.0
+    });
+    (numbers, valid)
+}
+
 /// A region of interest, x, y, width, height, and whether it is valid.
 pub(super) fn roi(input: &mut Input<'_>) -> ([u32; 4], bool) {
     let mut next = || match input.u8() {

@@ -15,7 +15,7 @@ use super::memory::{Exact, Guarded};
 use super::outputs::Outputs;
 use super::tiny;
 use crate::ffi::{api::*, types::*};
-use arguments::{CONFIG, config, intrinsics, is_good, roi, spoilt, stated};
+use arguments::{CONFIG, boxes, config, intrinsics, is_good, roi, spoilt, stated};
 use std::ffi::{CStr, c_char};
 use std::ptr::null;
 
@@ -95,6 +95,7 @@ impl World {
             9 => self.set_intrinsics(input, slot, pointer),
             10 => self.copy(input, slot),
             12 => self.set_roi(input, slot, pointer),
+            14 => self.set_excluded(input, slot, pointer),
             11 => {
                 self.slots[slot].memory.get_mut().fill(fill);
                 self.slots[slot].live = None;
@@ -107,7 +108,7 @@ impl World {
     /// Checks the status of a call on one tracker: a call that failed must have changed nothing.
     fn check_status(&mut self, slot: usize, status: posewise_status, good: bool, before: &[u8]) {
         assert_eq!(status == POSEWISE_OK, good, "status {status}");
-        assert!((-23..=0).contains(&status) && status != POSEWISE_E_ARG);
+        assert!((-24..=0).contains(&status) && status != POSEWISE_E_ARG);
         let same = good || self.is_as(slot, before);
         assert!(same, "a call that failed has changed the tracker");
         self.log.extend(status.to_le_bytes());
@@ -382,6 +383,21 @@ impl World {
         let (events, rest) = out.get().split_at(written);
         assert!(rest.iter().all(|b| *b == 0x33));
         self.log.extend(events);
+        self.check_status(slot, status, good, &before);
+    }
+
+    fn set_excluded(&mut self, input: &mut Input<'_>, slot: usize, pointer: u8) {
+        let (tracker, live) = self.tracker(slot, pointer);
+        let (how, count) = (input.u8(), input.u8() as usize % 20);
+        let (boxes, sound) = boxes(input, count);
+        let given = Exact::new((count * 16).max(1), 4, 0);
+        // SAFETY: as long as the boxes.
+        unsafe { (given.ptr().cast::<f32>()).copy_from(boxes.as_ptr(), boxes.len()) };
+        let good = live && count <= 16 && (count == 0 || is_good(how) && sound);
+        let before = self.snapshot(slot);
+        // SAFETY: the memory is there.
+        let status =
+            unsafe { posewise_set_excluded(tracker, spoilt(given.ptr(), how).cast(), count) };
         self.check_status(slot, status, good, &before);
     }
 
