@@ -91,6 +91,12 @@ pub struct TrackArgs {
     /// without it the whole frame
     #[arg(long, value_name = "X,Y,W,H", value_parser = roi, allow_hyphen_values = true)]
     pub roi: Option<Roi>,
+    /// Track up to this many faces; with more than one, a row is written for each face that is
+    /// tracked or coasted, and none for a frame without any
+    #[arg(long, value_name = "N", default_value_t = 1,
+        value_parser = clap::builder::RangedU64ValueParser::<usize>::new()
+            .range(1..=crate::faces::MAX_FACES as u64))]
+    pub faces: usize,
     /// Frame rate of a folder or glob of pictures
     #[arg(long, value_name = "N", default_value_t = 30.0)]
     pub fps: f64,

@@ -17,6 +17,8 @@ use posewise::track::{State, TrackResult};
 pub struct Row<'a> {
     /// Number of the frame, from 1 as in OpenFace.
     pub frame: u64,
+    /// Number of the tracker, from 0.
+    pub face_id: usize,
     /// The tracker's result.
     pub result: &'a TrackResult,
 }
@@ -97,8 +99,8 @@ pub const COLUMNS: &[Column] = &[
     one("frame", "", "number of the frame, from 1", |r, _| {
         Cell::Number(r.frame as f64, 0)
     }),
-    one("face_id", "", "always 0: one face is tracked", |_, _| {
-        Cell::Number(0.0, 0)
+    one("face_id", "", "number of the face, from 0", |r, _| {
+        Cell::Number(r.face_id as f64, 0)
     }),
     one("timestamp", "s", "time of the frame", |r, _| {
         Cell::Number(r.result.timestamp_us as f64 / 1e6, 6)
@@ -243,8 +245,8 @@ pub const COLUMNS: &[Column] = &[
     ),
     one(
         "loss",
-        "0..3",
-        "reason of the loss: 0 none, 1 low confidence, 2 left the frame, 3 no pose",
+        "0..4",
+        "reason: 0 none, 1 low confidence, 2 left the frame, 3 no pose, 4 excluded",
         |r, _| Cell::Number(f64::from(r.result.loss as u8), 0),
     ),
     one(
@@ -426,6 +428,7 @@ mod tests {
         let result = TrackResult::default();
         let row = Row {
             frame: 1,
+            face_id: 0,
             result: &result,
         };
         assert_eq!(names().len(), values(&row).len());

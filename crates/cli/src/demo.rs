@@ -13,6 +13,7 @@ use crate::csv::{CsvWriter, Row};
 use crate::eval::pose;
 use crate::eval::pose_metrics::Summary;
 use crate::eval::table::Table;
+use crate::faces::Face;
 use crate::model_file::ModelFile;
 use crate::overlay::Painter;
 use crate::picture::Picture;
@@ -44,6 +45,7 @@ pub fn run(args: &DemoArgs) -> Result<()> {
         step_ms.push((session.busy - before).as_secs_f64() * 1e3);
         csv.write(&Row {
             frame: frames.len() as u64 + 1,
+            face_id: 0,
             result: &result,
         })?;
         frames.push((picture, result));
@@ -71,7 +73,11 @@ fn contact_sheet(frames: &[(Picture, TrackResult)], session: &Session<'_>) -> Re
         };
         let mut image = picture.upright_rgb()?;
         let camera = session.intrinsics();
-        painter.paint(&mut image, at as u64 + 1, result, &camera);
+        let face = Face {
+            id: 0,
+            result: *result,
+        };
+        painter.paint(&mut image, at as u64 + 1, &[face], &camera);
         let (w, h) = image.dimensions();
         if i == 0 {
             sheet = RgbImage::new(w * SHEET.0 as u32, h * SHEET.1 as u32);

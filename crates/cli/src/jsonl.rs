@@ -36,6 +36,7 @@ pub fn object(row: &Row<'_>) -> Value {
     let points: Vec<Value> = r.points_mm.iter().map(|p| numbers(p)).collect();
     json!({
         "frame": row.frame,
+        "face_id": row.face_id,
         "timestamp_us": r.timestamp_us,
         "age_us": r.age_us,
         "state": state_name(r.state),

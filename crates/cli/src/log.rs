@@ -4,14 +4,16 @@ use std::io::{self, Write};
 
 use posewise::track::{Event, EventLog, Loss};
 
-/// Writes the unread events, one a line, and how many were overwritten unread.
-pub fn write(out: &mut dyn Write, events: &mut EventLog) -> io::Result<()> {
+/// Writes the unread events, one a line, and how many were overwritten unread; with the tracker's
+/// number where there are several.
+pub fn write(out: &mut dyn Write, face_id: Option<usize>, events: &mut EventLog) -> io::Result<()> {
+    let face = face_id.map_or(String::new(), |id| format!("#{id}  "));
     match events.take_overwritten() {
         0 => {}
-        count => writeln!(out, "{count} events overwritten")?,
+        count => writeln!(out, "{face}{count} events overwritten")?,
     }
     while let Some(event) = events.pop() {
-        writeln!(out, "{}", line(&event))?;
+        writeln!(out, "{face}{}", line(&event))?;
     }
     Ok(())
 }

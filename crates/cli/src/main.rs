@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `cli` | the grammar |
 //! | `source/` | INPUT → a stream of [`picture::Picture`]s |
-//! | `track` | `posewise track`: the loop, and its outputs `csv`, `jsonl`, `overlay/`, `plot` |
+//! | `track`, `faces` | `posewise track`: the loop, its trackers, and its outputs `csv`, `jsonl`, `overlay/`, `plot` |
 //! | `demo`, `demo_clip` | `posewise demo` |
 //! | `eval/` | `posewise eval …` |
 //! | `bench`, `scenes`, `steps`, `stages`, `stack` | `posewise bench` |
@@ -20,6 +20,7 @@ mod demo;
 mod demo_clip;
 mod destination;
 mod eval;
+mod faces;
 mod interrupt;
 mod jsonl;
 mod log;

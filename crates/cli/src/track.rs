@@ -13,6 +13,7 @@ use posewise::track::{Config, EventLog, Model, State, StepError, TrackResult, Tr
 use crate::cli::{TrackArgs, TrackerArgs};
 use crate::csv::{CsvWriter, Row};
 use crate::destination::{self, Destination, Named};
+use crate::faces::{Face, Faces};
 use crate::interrupt::Interrupt;
 use crate::model_file::ModelFile;
 use crate::overlay::{Overlay, Painter};
@@ -78,7 +79,7 @@ impl<'m> Session<'m> {
     }
 
     /// The events that were not written yet.
-    fn events(&mut self) -> &mut EventLog {
+    pub fn events(&mut self) -> &mut EventLog {
         self.tracker.events()
     }
 
@@ -105,10 +106,25 @@ impl<'m> Session<'m> {
             ),
             e => anyhow!("{e}"),
         })?;
-        Ok(match self.smooth {
+        Ok(self.shown())
+    }
+
+    /// The result of the last step.
+    pub fn result(&self) -> &TrackResult {
+        self.tracker.result()
+    }
+
+    /// The same, smoothed if that is wanted.
+    pub fn shown(&self) -> &TrackResult {
+        match self.smooth {
             false => self.tracker.result(),
             true => self.tracker.smoothed(),
-        })
+        }
+    }
+
+    /// Leaves the faces with these boxes to others.
+    pub fn exclude(&mut self, boxes: &[[f32; 4]]) -> Result<()> {
+        self.tracker.set_excluded(boxes).map_err(|e| anyhow!("{e}"))
     }
 }
 
@@ -186,22 +202,31 @@ impl Outputs {
         frame: u64,
         picture: &Picture,
         camera: &Intrinsics,
-        result: &TrackResult,
+        faces: &[Face],
     ) -> Result<()> {
-        let row = Row { frame, result };
-        if let Some(csv) = &mut self.csv {
-            csv.write(&row)?;
-        }
-        if let Some(out) = &mut self.jsonl {
-            jsonl::write(out, &row)?;
+        for Face { id, result } in faces {
+            let row = Row {
+                frame,
+                face_id: *id,
+                result,
+            };
+            if let Some(csv) = &mut self.csv {
+                csv.write(&row)?;
+            }
+            if let Some(out) = &mut self.jsonl {
+                jsonl::write(out, &row)?;
+            }
         }
         if let Some(overlay) = &mut self.overlay {
             let mut image = picture.upright_rgb()?;
-            self.painter.paint(&mut image, frame, result, camera);
+            self.painter.paint(&mut image, frame, faces, camera);
             overlay.write(&image)?;
         }
         if args.plot.is_some() {
-            self.samples.push(Sample::of(result));
+            let first = faces.iter().find(|face| face.id == 0);
+            let mut result = first.map_or(TrackResult::EMPTY, |face| face.result);
+            result.timestamp_us = picture.timestamp_us;
+            self.samples.push(Sample::of(&result));
         }
         if self.live {
             self.flush()?;
@@ -209,9 +234,10 @@ impl Outputs {
         Ok(())
     }
 
-    fn write_log(&mut self, events: &mut EventLog) -> Result<()> {
+    /// `face_id` is that of a tracker among several.
+    fn write_log(&mut self, face_id: Option<usize>, events: &mut EventLog) -> Result<()> {
         match &mut self.log {
-            Some(out) => log::write(out, events).context("cannot write the log"),
+            Some(out) => log::write(out, face_id, events).context("cannot write the log"),
             None => Ok(()),
         }
     }
@@ -296,17 +322,23 @@ pub fn run(args: &TrackArgs) -> Result<Option<u8>> {
     let file = ModelFile::read(args.tracker.model.as_deref())?;
     let model = file.model()?;
     let mut source = source::open(&args.input, args.fps)?;
-    let mut session = Session::new(&model, &args.tracker, source.is_live())?;
-    session.set_roi(args.roi)?;
+    let live = source.is_live();
+    let mut trackers = Faces::new(args.faces, &model, &args.tracker, live, args.roi)?;
     let interrupt = Interrupt::listen().context("cannot listen for signals")?;
     let mut outputs = Outputs::open(args, source.as_ref())?;
     let progress = progress_bar(source.as_ref(), args);
     let mut counts = Counts::default();
-    let ended = follow(args, source.as_mut(), &mut session, &mut outputs, |state| {
-        counts.add(state);
-        progress.inc(1);
-        interrupt.status().is_none()
-    });
+    let ended = follow(
+        args,
+        source.as_mut(),
+        &mut trackers,
+        &mut outputs,
+        |state| {
+            counts.add(state);
+            progress.inc(1);
+            interrupt.status().is_none()
+        },
+    );
     progress.finish_and_clear();
     // What was tracked before an input broke off is kept.
     outputs.finish(args)?;
@@ -318,7 +350,7 @@ pub fn run(args: &TrackArgs) -> Result<Option<u8>> {
         eprintln!("posewise: warning: {warning}");
     }
     if !args.quiet {
-        let text = summary(&counts, session.busy);
+        let text = summary(&counts, trackers.busy());
         if Outputs::on_stdout(args) {
             eprint!("{text}");
         } else {
@@ -332,7 +364,7 @@ pub fn run(args: &TrackArgs) -> Result<Option<u8>> {
 fn follow(
     args: &TrackArgs,
     source: &mut dyn Source,
-    session: &mut Session<'_>,
+    trackers: &mut Faces<'_>,
     outputs: &mut Outputs,
     mut go_on: impl FnMut(State) -> bool,
 ) -> Result<()> {
@@ -349,15 +381,27 @@ fn follow(
         };
         picture.layout.rotation = rotation;
         picture.layout.mirrored = args.mirror;
-        let result = *session.step(&picture)?;
-        outputs.write_log(session.events())?;
-        let camera = session.intrinsics();
-        outputs.write(args, frame, &picture, &camera, &result)?;
-        if !go_on(result.state) {
+        let faces = trackers.step(&picture)?;
+        for (id, events) in trackers.events() {
+            outputs.write_log(id, events)?;
+        }
+        let camera = trackers.intrinsics();
+        outputs.write(args, frame, &picture, &camera, &faces)?;
+        if !go_on(state_of(&faces)) {
             break;
         }
     }
     Ok(())
+}
+
+/// That of the frame: tracking, or else coasting, if any face is.
+fn state_of(faces: &[Face]) -> State {
+    let is = |state: State| faces.iter().any(|face| face.result.state == state);
+    let known = [State::Tracking, State::Coasting].into_iter();
+    known
+        .into_iter()
+        .find(|state| is(*state))
+        .unwrap_or_default()
 }
 
 fn progress_bar(source: &dyn Source, args: &TrackArgs) -> ProgressBar {

@@ -28,6 +28,8 @@ enum Command {
     Adaptive(adaptive::Args),
     /// Render clips with exact truth to validate pose and covered faces, harder than training.
     Sweeps(sweeps::Args),
+    /// Render clips in which two people pass each other, with the places of both faces.
+    Crossings(sweeps::CrossingArgs),
 }
 
 fn main() -> Result<()> {
@@ -36,5 +38,6 @@ fn main() -> Result<()> {
         Command::Templates(args) => templates::run(&args),
         Command::Adaptive(args) => adaptive::run(&args),
         Command::Sweeps(args) => sweeps::run(&args),
+        Command::Crossings(args) => sweeps::run_crossings(&args),
     }
 }

@@ -9,6 +9,7 @@ use posewise::track::{State, TrackResult};
 
 use super::mesh::{Triangles, triangulate_face, twice_area};
 use crate::csv::state_name;
+use crate::faces::Face;
 use crate::text;
 
 const MESH: Rgb<u8> = Rgb([120, 160, 200]);
@@ -25,21 +26,28 @@ pub struct Painter {
 }
 
 impl Painter {
-    /// Draws `result` into its frame's upright picture. `camera` is what the tracker assumed.
-    pub fn paint(
-        &mut self,
-        image: &mut RgbImage,
-        frame: u64,
-        result: &TrackResult,
-        camera: &Intrinsics,
-    ) {
-        if result.state != State::Searching {
+    /// Draws the faces of a frame into its upright picture. `camera` is what the tracker assumed.
+    pub fn paint(&mut self, image: &mut RgbImage, frame: u64, faces: &[Face], camera: &Intrinsics) {
+        let seen = |face: &&Face| face.result.state != State::Searching;
+        for Face { result, .. } in faces.iter().filter(seen) {
             self.mesh(image, result, camera);
             draw_box(image, result);
             draw_landmarks(image, result);
             draw_axes(image, result, camera);
         }
-        label(image, frame, result);
+        match faces {
+            [] => label(
+                image,
+                0,
+                &format!("{frame} {}", state_name(State::Searching)),
+            ),
+            [Face { id: 0, result }] => label(image, 0, &format!("{frame} {}", summary(result))),
+            _ => {
+                for (line, Face { id, result }) in (0..).zip(faces) {
+                    label(image, line, &format!("{frame} #{id} {}", summary(result)));
+                }
+            }
+        }
     }
 
     fn mesh(&mut self, image: &mut RgbImage, result: &TrackResult, camera: &Intrinsics) {
@@ -138,8 +146,9 @@ fn draw_axes(image: &mut RgbImage, result: &TrackResult, camera: &Intrinsics) {
     }
 }
 
-fn label(image: &mut RgbImage, frame: u64, result: &TrackResult) {
-    let mut words = format!("{frame} {}", state_name(result.state));
+/// State, angles, distance and confidence in a line.
+fn summary(result: &TrackResult) -> String {
+    let mut words = state_name(result.state).to_string();
     if result.state != State::Searching {
         words += &format!(
             " y{:+.0}° p{:+.0}° r{:+.0}° {:.0}mm {:.2}",
@@ -150,17 +159,22 @@ fn label(image: &mut RgbImage, frame: u64, result: &TrackResult) {
             result.confidence
         );
     }
-    // A dark strip keeps the text readable on any picture.
-    let height = (text::GLYPH as u32 + 4).min(image.height());
-    let width = (text::width(&words) as u32 + 4).min(image.width());
-    for y in 0..height {
+    words
+}
+
+/// Writes a line from the top, on a dark strip that keeps it readable on any picture.
+fn label(image: &mut RgbImage, line: u32, words: &str) {
+    let strip = text::GLYPH as u32 + 4;
+    let top = line * strip;
+    let width = (text::width(words) as u32 + 4).min(image.width());
+    for y in top..(top + strip).min(image.height()) {
         for x in 0..width {
             let pixel = image.get_pixel_mut(x, y);
             pixel.0 = pixel.0.map(|v| v / 3);
         }
     }
-    text::each_pixel(&words, |x, y| {
-        if let Some(pixel) = image.get_pixel_mut_checked(x as u32 + 2, y as u32 + 2) {
+    text::each_pixel(words, |x, y| {
+        if let Some(pixel) = image.get_pixel_mut_checked(x as u32 + 2, top + y as u32 + 2) {
             *pixel = WHITE;
         }
     });
@@ -192,12 +206,16 @@ pub mod tests {
         result
     }
 
+    fn one(result: TrackResult) -> [Face; 1] {
+        [Face { id: 0, result }]
+    }
+
     #[test]
     fn paints_a_face_and_survives_nonsense() {
         let camera = Intrinsics::of_frame(320, 240);
         let mut painter = Painter::default();
         let mut image = RgbImage::new(320, 240);
-        painter.paint(&mut image, 1, &fake_face(&camera), &camera);
+        painter.paint(&mut image, 1, &one(fake_face(&camera)), &camera);
         assert!(painter.triangles.len() > 60);
         let last = fake_face(&camera).landmarks[67];
         let pixel = image.get_pixel(last.x.round() as u32, last.y.round() as u32);
@@ -209,7 +227,8 @@ pub mod tests {
         wild.translation_mm = [0.0, 0.0, -1.0];
         wild.face_box = [1e9, -1e9, f32::NAN, 5.0];
         wild.rotation = [0.0; 4];
-        Painter::default().paint(&mut image, 2, &wild, &camera);
-        Painter::default().paint(&mut RgbImage::new(1, 1), 2, &wild, &camera);
+        Painter::default().paint(&mut image, 2, &one(wild), &camera);
+        Painter::default().paint(&mut RgbImage::new(1, 1), 2, &one(wild), &camera);
+        Painter::default().paint(&mut RgbImage::new(1, 1), 2, &[], &camera);
     }
 }

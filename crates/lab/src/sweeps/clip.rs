@@ -103,34 +103,35 @@ enum Kin<'a> {
 }
 
 /// Everything of a clip that stays the same from frame to frame.
-struct Set<'a> {
+pub struct Set<'a> {
     studio: &'a Studio,
     sweep: &'a Sweep,
     kin: Kin<'a>,
     person: Person,
-    motion: Motion,
+    pub motion: Motion,
     covering: Option<Covering>,
     /// Hair and caps, head axes.
     worn: Vec<Prop>,
     torso: Torso,
-    lights: Lights,
+    pub lights: Lights,
     eyes: Eyes,
-    view: View,
+    pub view: View,
     /// Where the eyes' middle is while the head looks ahead \[mm, camera axes\].
-    at: Vec3,
-    behind: Vec<f32>,
-    camera: Camera,
-    rng: ChaCha8Rng,
+    pub at: Vec3,
+    /// What it is drawn before.
+    pub behind: Vec<f32>,
+    pub camera: Camera,
+    pub rng: ChaCha8Rng,
 }
 
 /// A head before the camera, and what is drawn of it.
-struct Figure {
+pub struct Figure {
     rotation: Mat3,
     at: Vec3,
     vertices: Vec<Vec3>,
-    posed: Posed,
+    pub posed: Posed,
     /// Props that are a part of the person's body.
-    own: Vec<Prop>,
+    pub own: Vec<Prop>,
     /// Hair, caps and covers.
     over: Vec<Prop>,
     /// Of these the cover of the clip's script.
@@ -138,7 +139,8 @@ struct Figure {
 }
 
 impl<'a> Set<'a> {
-    fn new(studio: &'a Studio, sweep: &'a Sweep) -> Result<Set<'a>> {
+    /// Casts a clip.
+    pub fn new(studio: &'a Studio, sweep: &'a Sweep) -> Result<Set<'a>> {
         let mut rng = ChaCha8Rng::seed_from_u64(sweep.seed.0);
         rng.set_stream(sweep.seed.1);
         let rng_ = &mut rng;
@@ -226,7 +228,8 @@ impl<'a> Set<'a> {
         (self.camera.develop(&mut self.rng, &mut light, WIDTH), row)
     }
 
-    fn figure(&self, moment: &Moment) -> Figure {
+    /// The person at a moment.
+    pub fn figure(&self, moment: &Moment) -> Figure {
         let face = moment.expression();
         let rotation = head_rotation(moment.angles);
         // The head turns on its neck.
@@ -266,7 +269,8 @@ impl<'a> Set<'a> {
         }
     }
 
-    fn drawn(&self, figure: &Figure, moment: &Moment) -> Drawn {
+    /// The person before what is behind.
+    pub fn drawn(&self, figure: &Figure, moment: &Moment) -> Drawn {
         let all = [figure.own.as_slice(), &figure.over].concat();
         let scene = Scene {
             mesh: self.mesh(),
@@ -282,7 +286,8 @@ impl<'a> Set<'a> {
         draw(&scene, &self.view, &self.behind)
     }
 
-    fn landmarks(&self, figure: &Figure) -> Landmarks {
+    /// Of a figure.
+    pub fn landmarks(&self, figure: &Figure) -> Landmarks {
         let bare = Posed::new(
             self.mesh(),
             &figure.vertices,
@@ -306,7 +311,7 @@ impl<'a> Set<'a> {
     }
 
     /// Topology of the head.
-    fn mesh(&self) -> &'a Mesh {
+    pub fn mesh(&self) -> &'a Mesh {
         match self.kin {
             Kin::Kit(_) => &self.studio.mesh,
             Kin::Candide(candide, _) => &candide.mesh,

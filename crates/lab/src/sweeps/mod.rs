@@ -16,10 +16,13 @@ mod candide;
 mod casting;
 mod clip;
 mod covers;
+mod crossing;
 mod motion;
 mod paint;
 mod plan;
 mod truth;
+
+pub use crossing::{Args as CrossingArgs, run as run_crossings};
 
 use anyhow::{Context, Result};
 use clip::Studio;
@@ -60,7 +63,11 @@ pub struct Args {
 /// Renders the clips that are not there yet.
 pub fn run(args: &Args) -> Result<()> {
     let kit = Head::load(&args.facekit)?;
-    let studio = Studio::new(&kit, args.candide.as_deref(), backgrounds(args)?)?;
+    let studio = Studio::new(
+        &kit,
+        args.candide.as_deref(),
+        backgrounds(args.backgrounds.as_deref())?,
+    )?;
     std::fs::create_dir_all(&args.out)?;
     let mut sweeps = plan::sweeps(args.seed, args.candide.is_some());
     if !args.only.is_empty() {
@@ -76,8 +83,8 @@ pub fn run(args: &Args) -> Result<()> {
         .try_for_each(|sweep| studio.render(sweep, &args.out))
 }
 
-fn backgrounds(args: &Args) -> Result<Vec<GrayImage>> {
-    let Some(folder) = &args.backgrounds else {
+fn backgrounds(folder: Option<&Path>) -> Result<Vec<GrayImage>> {
+    let Some(folder) = folder else {
         return Ok(Vec::new());
     };
     let listed = std::fs::read_to_string(folder.join("with-people.txt")).unwrap_or_default();

@@ -111,6 +111,7 @@ impl Motion {
             Kind::Yaw | Kind::Candide => ((0.0, 0.0), (12.0, 10.0), (7.0, 9.0)),
             Kind::Pitch => ((35.0, 10.0), (0.0, 0.0), (5.0, 8.0)),
             Kind::Covered(_) => ((6.0, 34.0), (6.0, 9.0), (5.0, 7.0)),
+            Kind::Crossing => ((4.0, 16.0), (4.0, 6.0), (3.0, 5.0)),
         };
         let mut wave = |(mean, size): (f32, f32)| Wave::random(rng, mean, size);
         let (yaw, pitch, roll) = (wave(yaw), wave(pitch), wave(roll));
@@ -147,7 +148,7 @@ impl Motion {
         let [yaw_deg, pitch_deg] = match self.kind {
             Kind::Yaw | Kind::Candide => [YAW_DEG * full, self.pitch.at(share)],
             Kind::Pitch => [self.yaw.at(share), PITCH_DEG * full],
-            Kind::Covered(_) => [self.yaw.at(share), self.pitch.at(share)],
+            Kind::Covered(_) | Kind::Crossing => [self.yaw.at(share), self.pitch.at(share)],
         };
         let talk = self.talk * (0.55 + 0.45 * (0.9 * t).sin());
         let closed = |(from, long): &(f32, f32)| {

@@ -12,6 +12,8 @@ pub enum Kind {
     Pitch,
     /// Candide-3 turns from one side to the other.
     Candide,
+    /// Two people pass each other; each turns the head within ±20°.
+    Crossing,
     /// The head turns slowly within ±40° and something covers a part of the face.
     Covered(Cover),
 }
@@ -68,7 +70,7 @@ const COVERS: [Cover; 12] = [
     Cover::Scarf,
 ];
 /// Streams of one seed; training draws people by other seeds.
-const SEED: u64 = 0x7377_6565_7073;
+pub const SEED: u64 = 0x7377_6565_7073;
 
 /// All clips of a seed.
 pub fn sweeps(seed: u64, candide: bool) -> Vec<Sweep> {
@@ -84,7 +86,7 @@ pub fn sweeps(seed: u64, candide: bool) -> Vec<Sweep> {
             let (frames, fps) = match kind {
                 Kind::Yaw | Kind::Candide => (120, 20),
                 Kind::Pitch => (100, 25),
-                Kind::Covered(_) => (110, 25),
+                Kind::Covered(_) | Kind::Crossing => (110, 25),
             };
             Sweep {
                 name: format!("{group}-{n:02}"),

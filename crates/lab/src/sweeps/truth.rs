@@ -121,6 +121,16 @@ impl Landmarks {
     }
 }
 
+/// Share of the landmarks of one head that nothing of another one hides.
+pub fn uncovered_share(landmarks: &Landmarks, view: &View, other: &Drawing) -> f32 {
+    let target = other.depths(view);
+    let seen = landmarks
+        .solid
+        .iter()
+        .filter(|p| is_drawn(**p, view, &target));
+    seen.count() as f32 / LANDMARKS as f32
+}
+
 /// The table's first line.
 pub fn columns() -> String {
     let mut names = String::from("frame,time,yaw,pitch,roll,eye_mid_x,eye_mid_y,eye_mid_z");

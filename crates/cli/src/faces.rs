@@ -1,0 +1,188 @@
+//! Several faces: one tracker each, which share the model and do not take each other's face.
+//!
+//! On each frame, trackers that have a face go first. A tracker without one is told the boxes of
+//! the faces that the others track, and finds none of those. Of the trackers without a face, those
+//! search that lost theirs a moment ago, so that a person keeps the number; if there is none, one
+//! of the others. Where two trackers are on the same face, the one with the smaller claim has slid
+//! onto it, mostly from a face that went behind it: it gives it back. A tracker's claim is its
+//! recent mean of confidence times visible share.
+
+use std::time::Duration;
+
+use anyhow::Result;
+use posewise::shape::Intrinsics;
+use posewise::track::{EventLog, Model, State, TrackResult};
+use posewise::{MAX_EXCLUDED, Roi};
+
+use crate::cli::TrackerArgs;
+use crate::picture::Picture;
+use crate::track::Session;
+
+/// Most faces: each tracker excludes all others.
+pub const MAX_FACES: usize = MAX_EXCLUDED + 1;
+
+/// How long after a loss a tracker searches by itself, before another one looks for a new face
+/// \[µs\]. Source: chosen; somebody who passes behind another is back sooner.
+const RETURN_US: i64 = 2_000_000;
+/// Time constant of a claim \[µs\]. Source: chosen: a face that is being covered has a smaller
+/// claim for this long.
+const CLAIM_US: f32 = 500_000.0;
+/// Two trackers are on the same face when their centres are nearer than this share of its longer
+/// side, as in the core. Source: chosen.
+const SAME_FACE: f32 = 0.4;
+
+/// A result and the number of its tracker.
+pub struct Face {
+    /// From 0.
+    pub id: usize,
+    /// Of the last step, smoothed if that is wanted.
+    pub result: TrackResult,
+}
+
+/// One tracker.
+struct Slot<'m> {
+    session: Session<'m>,
+    /// Recent mean of confidence times visible share, 0..1.
+    claim: f32,
+    /// When it last tracked a face \[µs\].
+    tracked_us: Option<i64>,
+}
+
+/// Trackers for several faces.
+pub struct Faces<'m> {
+    slots: Vec<Slot<'m>>,
+    last_us: Option<i64>,
+}
+
+impl<'m> Faces<'m> {
+    /// So many trackers.
+    pub fn new(
+        count: usize,
+        model: &'m Model<'m>,
+        args: &TrackerArgs,
+        live: bool,
+        roi: Option<Roi>,
+    ) -> Result<Self> {
+        let slot = |_| -> Result<Slot<'m>> {
+            let mut session = Session::new(model, args, live)?;
+            session.set_roi(roi)?;
+            Ok(Slot {
+                session,
+                claim: 0.0,
+                tracked_us: None,
+            })
+        };
+        Ok(Faces {
+            slots: (0..count.max(1)).map(slot).collect::<Result<_>>()?,
+            last_us: None,
+        })
+    }
+
+    /// One frame: a single tracker's result, or those that have a face.
+    pub fn step(&mut self, picture: &Picture) -> Result<Vec<Face>> {
+        let now_us = picture.timestamp_us;
+        for id in self.order(now_us) {
+            let excluded = self.excluded(id);
+            let slot = &mut self.slots[id];
+            slot.session.exclude(&excluded)?;
+            slot.session.step(picture)?;
+            if slot.session.result().state == State::Tracking {
+                slot.tracked_us = Some(now_us);
+            }
+        }
+        self.update_claims(now_us);
+        let single = self.slots.len() == 1;
+        let all = self.slots.iter().enumerate();
+        Ok(all
+            .filter(|(_, slot)| single || slot.has_face())
+            .map(|(id, slot)| Face {
+                id,
+                result: *slot.session.shown(),
+            })
+            .collect())
+    }
+
+    /// The trackers that step on this frame, in order.
+    fn order(&self, now_us: i64) -> Vec<usize> {
+        let ids = 0..self.slots.len();
+        let (mut order, mut others): (Vec<_>, Vec<_>) =
+            ids.partition(|id| self.slots[*id].has_face());
+        // The last to lose its face first, then those that never had one.
+        others.sort_by_key(|id| std::cmp::Reverse(self.slots[*id].tracked_us));
+        let is_back_soon = |id: &usize| {
+            let tracked_us = self.slots[*id].tracked_us;
+            tracked_us.is_some_and(|then| now_us.saturating_sub(then) < RETURN_US)
+        };
+        let searching = others.iter().filter(|id| is_back_soon(id)).count().max(1);
+        order.extend(others.into_iter().take(searching));
+        order
+    }
+
+    /// Boxes of faces that a tracker must leave to others.
+    fn excluded(&self, id: usize) -> Vec<[f32; 4]> {
+        let own = &self.slots[id];
+        let others = self.slots.iter().enumerate().filter(|(k, _)| *k != id);
+        others
+            .filter(|(_, other)| other.is_tracking())
+            .filter(|(k, other)| {
+                // Of two equal claims that of the lower number is the greater one.
+                let is_greater = (other.claim, id) > (own.claim, *k);
+                !own.is_tracking() || (is_greater && is_same(own.face_box(), other.face_box()))
+            })
+            .map(|(_, other)| other.face_box())
+            .collect()
+    }
+
+    fn update_claims(&mut self, now_us: i64) {
+        let elapsed_us = self.last_us.map_or(0, |last| now_us.saturating_sub(last));
+        self.last_us = Some(now_us);
+        let share = 1.0 - (-(elapsed_us as f32) / CLAIM_US).exp();
+        for slot in &mut self.slots {
+            let result = slot.session.result();
+            let now = match result.state {
+                State::Tracking => result.confidence * result.visible_share,
+                State::Searching | State::Coasting => 0.0,
+            };
+            slot.claim += share * (now - slot.claim);
+        }
+    }
+
+    /// The events of each tracker that were not written yet, with its number where there are
+    /// several.
+    pub fn events(&mut self) -> impl Iterator<Item = (Option<usize>, &mut EventLog)> {
+        let several = self.slots.len() > 1;
+        let slots = self.slots.iter_mut().enumerate();
+        slots.map(move |(id, slot)| (several.then_some(id), slot.session.events()))
+    }
+
+    /// The camera that the trackers assume for the current frame.
+    pub fn intrinsics(&self) -> Intrinsics {
+        self.slots[0].session.intrinsics()
+    }
+
+    /// Time spent in steps.
+    pub fn busy(&self) -> Duration {
+        self.slots.iter().map(|slot| slot.session.busy).sum()
+    }
+}
+
+impl Slot<'_> {
+    fn has_face(&self) -> bool {
+        self.session.result().state != State::Searching
+    }
+
+    fn is_tracking(&self) -> bool {
+        self.session.result().state == State::Tracking
+    }
+
+    fn face_box(&self) -> [f32; 4] {
+        self.session.result().face_box
+    }
+}
+
+/// Whether a box is around the face of another one.
+fn is_same(face: [f32; 4], other: [f32; 4]) -> bool {
+    let centre = |[x, y, w, h]: [f32; 4]| [x + w / 2.0, y + h / 2.0];
+    let ([x, y], [u, v]) = (centre(face), centre(other));
+    (x - u).hypot(y - v) < SAME_FACE * other[2].max(other[3])
+}
