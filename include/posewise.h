@@ -72,6 +72,7 @@
 #define POSEWISE_E_HINT              (-22)        // A number of the hint is out of range
 #define POSEWISE_E_ROI               (-23)        // The region of interest is out of range
 #define POSEWISE_E_EXCLUDED          (-24)        // Excluded boxes: too many or out of range
+#define POSEWISE_E_LENS              (-25)        // The lens, or a coefficient, out of range
 
 #define POSEWISE_FMT_GREY            0x59455247u  // 8-bit grey
 #define POSEWISE_FMT_Y10             0x20303159u  // 10-bit grey in 16-bit little-endian words
@@ -104,6 +105,10 @@
 #define POSEWISE_LOSS_NO_POSE        3u           // No head pose fits the landmarks
 #define POSEWISE_LOSS_EXCLUDED       4u           // Another tracker has this face
 
+#define POSEWISE_LENS_PINHOLE        0u           // No distortion; coefficients are 0
+#define POSEWISE_LENS_BROWN          1u           // k1, k2, p1, p2, k3 as in OpenCV
+#define POSEWISE_LENS_FISHEYE        2u           // k1, k2, k3, k4, 0: OpenCV's fisheye
+
 #define POSEWISE_EVENT_ACQUIRED      0u           // A new face is tracked
 #define POSEWISE_EVENT_REACQUIRED    1u           // A lost face is tracked again, with its identity
 #define POSEWISE_EVENT_COASTING      2u           // Not found: its last fit is repeated
@@ -123,8 +128,8 @@ typedef struct posewise_tracker posewise_tracker;
 // Not an enum, because the width of an enum is a compiler option on ARM.
 typedef int32_t posewise_status;
 
-// A pinhole camera without distortion, in pixels of the upright image. All four 0 select the
-// default: a horizontal field of view of 60 degrees and the principal point at the image centre.
+// A camera without its lens, in pixels of the upright image. All four 0 select the default: a
+// horizontal field of view of 60 degrees and the principal point at the image centre.
 // This struct never grows.
 typedef struct posewise_intrinsics {
     // Focal lengths [px], 1..1000000; fy is 0.1..10 times fx.
@@ -134,6 +139,19 @@ typedef struct posewise_intrinsics {
     float cx;
     float cy;
 } posewise_intrinsics;
+
+// The distortion of a lens. Landmarks and boxes stay in the picture as the lens shows it; pose and
+// points in mm are those without it. This struct never grows.
+typedef struct posewise_lens {
+    // POSEWISE_LENS_*.
+    uint32_t model;
+    // With POSEWISE_LENS_BROWN, Brown-Conrady, x and y at unit depth and s = x^2 + y^2: x times
+    // (1 + k1 s + k2 s^2 + k3 s^3) plus 2 p1 x y + p2 (s + 2 x^2), y likewise with p1 and p2
+    // swapped; k1, k2, k3 are -10000..10000, p1, p2 -0.1..0.1. With POSEWISE_LENS_FISHEYE,
+    // Kannala-Brandt, a point at the angle t from the axis is at t (1 + k1 t^2 + k2 t^4 + k3 t^6 +
+    // k4 t^8); all are -10..10. The picture must not turn back within 1 degree of the axis.
+    float coefficients[5];
+} posewise_lens;
 
 // Settings. A NULL pointer to this struct selects all defaults.
 typedef struct posewise_config {
@@ -155,10 +173,12 @@ typedef struct posewise_config {
     // lag. Speed is in face widths, radians or weights per second. 0: the defaults, 1 and 12.
     float smoothing_hz;
     float smoothing_beta;
+    // The lens of the camera; other than POSEWISE_LENS_PINHOLE only with intrinsics.
+    posewise_lens lens;
 } posewise_config;
 // Initialises a posewise_config: struct_size is set, all other fields are 0.
 #define POSEWISE_CONFIG_INIT \
-    {sizeof(posewise_config), 0, 0, 0, {0, 0, 0, 0}, 0, 0}
+    {sizeof(posewise_config), 0, 0, 0, {0, 0, 0, 0}, 0, 0, {0, {0, 0, 0, 0, 0}}}
 
 // One camera frame. The library reads it only during the call.
 typedef struct posewise_frame {
@@ -439,10 +459,15 @@ posewise_status posewise_reset(posewise_tracker *tracker);
 // the next frames. Tracking goes on, and the result of the last step stays.
 posewise_status posewise_forget_identity(posewise_tracker *tracker);
 
-// Changes the camera (zoom, another resolution) from the next step on. NULL or all zero: the
-// default, a horizontal field of view of 60 degrees.
+// Changes the camera (zoom, another resolution) from the next step on; its lens stays. NULL or all
+// zero: the default, a horizontal field of view of 60 degrees without a lens.
 posewise_status posewise_set_intrinsics(posewise_tracker *tracker,
                                         const posewise_intrinsics *intrinsics);
+
+// Changes the lens from the next step on; NULL: none. There must be intrinsics, of the settings or
+// of posewise_set_intrinsics().
+posewise_status posewise_set_lens(posewise_tracker *tracker,
+                                  const posewise_lens *lens);
 
 // Changes the region of interest from the next step on: only faces that are centred in it are
 // found, and only it is scanned, which takes less time. A face that is tracked may leave it. A

@@ -143,6 +143,10 @@ public:
         return posewise_set_intrinsics(tracker_, &camera);
     }
 
+    posewise_status set_lens(const posewise_lens &lens) {
+        return posewise_set_lens(tracker_, &lens);
+    }
+
     // Where faces are searched for from the next step on; all zero: the whole frame.
     posewise_status set_roi(const posewise_roi &roi) { return posewise_set_roi(tracker_, &roi); }
 

@@ -106,7 +106,7 @@ pub mod ffi;
 
 pub use image::{Frame, FrameError, FrameLayout, MAX_SIDE, PixelFormat, Roi, Rotation};
 pub use posewise_format::{Aligned, ModelError};
-pub use shape::{ANIMATION_NAMES, ANIMATIONS, Intrinsics, LANDMARKS};
+pub use shape::{ANIMATION_NAMES, ANIMATIONS, Distortion, Intrinsics, LANDMARKS};
 pub use track::{
     Config, ConfigError, Detected, EVENTS, Event, EventKind, EventLog, FaceHint, FoundFace,
     Landmark, Loss, MAX_EXCLUDED, Model, Smoothing,

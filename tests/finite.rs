@@ -10,7 +10,9 @@ mod targets;
 use posewise::ffi;
 
 use ffi::types::*;
-use posewise::{Config, Frame, FrameLayout, Intrinsics, Model, State, TrackResult, Tracker};
+use posewise::{
+    Config, Distortion, Frame, FrameLayout, Intrinsics, Model, State, TrackResult, Tracker,
+};
 use targets::memory::Exact;
 use targets::{outputs, tiny};
 
@@ -57,6 +59,22 @@ impl Random {
         };
         Intrinsics::new(fx, fy, centre(), centre())
     }
+
+    /// A lens; most coefficients are small.
+    fn lens(&mut self) -> Distortion {
+        let mut k = |most: f32| match self.next() % 16 {
+            0 => most,
+            1 => -most,
+            2 => (self.unit() * 2.0 - 1.0) * most,
+            _ => self.unit() * 0.6 - 0.3,
+        };
+        let [k1, k2, k3, k4] = [k(10.0), k(10.0), k(1e4), k(10.0)];
+        let [p1, p2] = [k(0.1), k(0.1)].map(|p| p.clamp(-0.1, 0.1));
+        match self.next() % 2 {
+            0 => Distortion::BrownConrady { k1, k2, p1, p2, k3 },
+            _ => Distortion::KannalaBrandt { k1, k2, k3, k4 },
+        }
+    }
 }
 
 fn check(result: &TrackResult, camera: &Intrinsics) {
@@ -88,6 +106,32 @@ fn real_faces() {
     }
     println!("{tracked} tracked, {refused} cameras refused");
     assert!(tracked > 900 && refused > 100);
+}
+
+#[test]
+fn real_faces_through_any_lens() {
+    let clip = common::demo().expect("tests/data/demo.y4m.gz");
+    let model = Model::load(posewise::DEFAULT_MODEL).expect("the default model is valid");
+    let mut tracker = Box::new(Tracker::new(&Config::default()).expect("defaults"));
+    let layout = FrameLayout::grey(clip.width as u32, clip.height as u32);
+    let (mut random, mut tracked, mut refused) = (Random(3), 0, 0);
+    for round in 0..40i64 {
+        for (i, luma) in clip.luma.iter().skip(20).take(20).enumerate() {
+            // Cameras with a field of view from 5° to nearly 180°.
+            let focal = 10f32.powf(random.unit() * 2.0 + 1.5);
+            let camera = Intrinsics::new(focal, focal, 160.0, 120.0);
+            let camera = camera.with_distortion(random.lens());
+            refused += usize::from(tracker.set_intrinsics(Some(camera)).is_err());
+            let frame = Frame::new(&layout, luma).expect("a frame");
+            let now = (round * 20 + i as i64 + 1) * 33_333;
+            let result = tracker.step(&model, &frame, now).expect("in order");
+            tracked += usize::from(result.state == State::Tracking);
+            check(result, &camera);
+            check(tracker.smoothed(), &camera);
+        }
+    }
+    println!("{tracked} tracked, {refused} lenses refused");
+    assert!(tracked > 600 && refused > 50);
 }
 
 #[test]

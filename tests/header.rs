@@ -55,6 +55,7 @@ fn zero(field: &str) -> String {
         _ if name == "struct_size" => "sizeof".into(),
         _ if name.starts_with('*') => "NULL".into(),
         ("posewise_intrinsics", _) => zeros(4),
+        ("posewise_lens", _) => format!("{{0, {}}}", zeros(5)),
         _ => "0".into(),
     }
 }
@@ -128,7 +129,7 @@ fn family(name: &str) -> &str {
     match name.split('_').nth(1) {
         Some("OK") => "E",
         Some("SEARCHING" | "TRACKING" | "COASTING") => "state",
-        Some(family @ ("E" | "EVENT" | "FMT" | "FRAME" | "LOSS")) => family,
+        Some(family @ ("E" | "EVENT" | "FMT" | "FRAME" | "LENS" | "LOSS")) => family,
         _ => "",
     }
 }

@@ -170,9 +170,10 @@ pub fn crop_to_camera(shape: &Shape, roll: f32, camera: &Intrinsics) -> Mat3 {
         .iter()
         .fold([0.0, 0.0], |sum, p| [sum[0] + p[0], sum[1] + p[1]]);
     let n = LANDMARKS as f32;
+    let [[x, y]] = camera.undistorted(&[[x / n, y / n]]);
     let ray = Vec3::new(
-        (x / n - camera.cx) / camera.fx,
-        (y / n - camera.cy) / camera.fy,
+        (x - camera.cx) / camera.fx,
+        (y - camera.cy) / camera.fy,
         1.0,
     );
     let (sin, cos) = (libm::sinf(roll), libm::cosf(roll));

@@ -8,12 +8,12 @@
 
 use super::block::{self, BLOCK_SIZE};
 use super::convert::{
-    config_error, config_from, event_to, face_of, frame_from, hint_from, intrinsics_from,
-    landmarks_of, load, model_bytes, result_to, roi_from, step_error,
+    camera_from, config_error, config_from, distortion_from, event_to, face_of, frame_from,
+    hint_from, landmarks_of, load, model_bytes, result_to, roi_from, step_error,
 };
 use super::types::*;
 use super::{float_env, memory};
-use crate::shape::{ANIMATION_NAMES, ANIMATIONS, LANDMARKS};
+use crate::shape::{ANIMATION_NAMES, ANIMATIONS, Distortion, LANDMARKS};
 use crate::track::{Config, EVENTS, FoundFace, MAX_EXCLUDED};
 use core::ffi::{c_char, c_void};
 
@@ -65,6 +65,9 @@ pub extern "C" fn posewise_strerror(status: posewise_status) -> *const c_char {
         POSEWISE_E_FLAGS => c"an unknown flag is set, or reserved is not 0",
         POSEWISE_E_INTRINSICS => {
             c"intrinsics: fx, fy must be 1..1000000, fy/fx 0.1..10, cx, cy -100000..100000"
+        }
+        POSEWISE_E_LENS => {
+            c"the lens: an unknown model, a coefficient out of range, or one that it does not have"
         }
         POSEWISE_E_MIN_FACE => c"min_face_px must be 24..4096",
         POSEWISE_E_SCAN_BUDGET => c"scan_budget must be 100..10000000",
@@ -459,8 +462,8 @@ pub unsafe extern "C" fn posewise_forget_identity(
     })
 }
 
-/// Changes the camera (zoom, another resolution) from the next step on. NULL or all zero: the
-/// default, a horizontal field of view of 60 degrees.
+/// Changes the camera (zoom, another resolution) from the next step on; its lens stays. NULL or all
+/// zero: the default, a horizontal field of view of 60 degrees without a lens.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn posewise_set_intrinsics(
     tracker: *mut posewise_tracker,
@@ -469,14 +472,44 @@ pub unsafe extern "C" fn posewise_set_intrinsics(
     status(|| {
         // SAFETY: the caller's contract.
         let tracker = &mut unsafe { block::get_mut(tracker)? }.tracker;
-        let intrinsics = if intrinsics.is_null() {
+        let camera = if intrinsics.is_null() {
             None
         } else {
             memory::check_pointer(intrinsics)?;
             // SAFETY: checked above.
-            intrinsics_from(unsafe { &*intrinsics })
+            camera_from(unsafe { &*intrinsics }, &posewise_lens::default())?
         };
-        tracker.set_intrinsics(intrinsics).map_err(config_error)
+        let distortion = tracker.config().intrinsics.map(|old| old.distortion);
+        let camera = camera.map(|camera| camera.with_distortion(distortion.unwrap_or_default()));
+        tracker.set_intrinsics(camera).map_err(config_error)
+    })
+}
+
+/// Changes the lens from the next step on; NULL: none. There must be intrinsics, of the settings or
+/// of posewise_set_intrinsics().
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn posewise_set_lens(
+    tracker: *mut posewise_tracker,
+    lens: *const posewise_lens,
+) -> posewise_status {
+    status(|| {
+        // SAFETY: the caller's contract.
+        let tracker = &mut unsafe { block::get_mut(tracker)? }.tracker;
+        let distortion = if lens.is_null() {
+            Distortion::None
+        } else {
+            memory::check_pointer(lens)?;
+            // SAFETY: checked above.
+            distortion_from(unsafe { &*lens }).ok_or(POSEWISE_E_LENS)?
+        };
+        let camera = tracker.config().intrinsics;
+        match (camera, distortion) {
+            (None, Distortion::None) => Ok(()),
+            (None, _) => Err(POSEWISE_E_INTRINSICS),
+            (Some(camera), _) => tracker
+                .set_intrinsics(Some(camera.with_distortion(distortion)))
+                .map_err(config_error),
+        }
     })
 }
 

@@ -3,7 +3,7 @@
 use super::memory;
 use super::types::*;
 use crate::image::{Frame, FrameLayout, PixelFormat, Roi, Rotation};
-use crate::shape::{Intrinsics, LANDMARKS};
+use crate::shape::{Distortion, Intrinsics, LANDMARKS};
 use crate::track::{
     Config, ConfigError, Event, EventKind, FaceHint, FoundFace, Loss, Model, Smoothing, State,
     StepError, TrackResult,
@@ -52,7 +52,7 @@ pub(super) unsafe fn config_from(
     let or = |value, default| if value == 0 { default } else { value };
     let or_f32 = |value: f32, default| if value == 0.0 { default } else { value };
     let config = Config {
-        intrinsics: intrinsics_from(&given.intrinsics),
+        intrinsics: camera_from(&given.intrinsics, &given.lens)?,
         min_face_px: or(given.min_face_px, default.min_face_px),
         scan_budget: or(given.scan_budget, default.scan_budget),
         smoothing: Smoothing {
@@ -72,6 +72,7 @@ pub(super) unsafe fn config_from(
 pub(super) fn config_error(error: ConfigError) -> posewise_status {
     match error {
         ConfigError::Intrinsics => POSEWISE_E_INTRINSICS,
+        ConfigError::Distortion => POSEWISE_E_LENS,
         ConfigError::MinFace => POSEWISE_E_MIN_FACE,
         ConfigError::ScanBudget => POSEWISE_E_SCAN_BUDGET,
         ConfigError::Smoothing => POSEWISE_E_SMOOTHING,
@@ -80,10 +81,41 @@ pub(super) fn config_error(error: ConfigError) -> posewise_status {
     }
 }
 
-/// `None`, the default camera, where all are 0. The tracker checks other values.
-pub(super) fn intrinsics_from(given: &posewise_intrinsics) -> Option<Intrinsics> {
+/// The camera with its lens; `None`, the default, where all intrinsics are 0. The tracker checks
+/// the ranges.
+pub(super) fn camera_from(
+    given: &posewise_intrinsics,
+    lens: &posewise_lens,
+) -> Result<Option<Intrinsics>, posewise_status> {
     let posewise_intrinsics { fx, fy, cx, cy } = *given;
-    ([fx, fy, cx, cy] != [0.0; 4]).then_some(Intrinsics { fx, fy, cx, cy })
+    let distortion = distortion_from(lens).ok_or(POSEWISE_E_LENS)?;
+    if [fx, fy, cx, cy] != [0.0; 4] {
+        return Ok(Some(
+            Intrinsics::new(fx, fy, cx, cy).with_distortion(distortion),
+        ));
+    }
+    match distortion {
+        Distortion::None => Ok(None),
+        _ => Err(POSEWISE_E_INTRINSICS),
+    }
+}
+
+/// `None` for an unknown model, and where a coefficient that it does not have is not 0.
+pub(super) fn distortion_from(lens: &posewise_lens) -> Option<Distortion> {
+    let posewise_lens {
+        model,
+        coefficients,
+    } = *lens;
+    match (model, coefficients) {
+        (POSEWISE_LENS_PINHOLE, [0.0, 0.0, 0.0, 0.0, 0.0]) => Some(Distortion::None),
+        (POSEWISE_LENS_BROWN, [k1, k2, p1, p2, k3]) => {
+            Some(Distortion::BrownConrady { k1, k2, p1, p2, k3 })
+        }
+        (POSEWISE_LENS_FISHEYE, [k1, k2, k3, k4, 0.0]) => {
+            Some(Distortion::KannalaBrandt { k1, k2, k3, k4 })
+        }
+        _ => None,
+    }
 }
 
 /// `None`, the whole frame, where all are 0. The tracker checks other values.

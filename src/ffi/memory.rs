@@ -20,7 +20,8 @@ pub(super) unsafe trait Growing: Copy {
 
 // SAFETY: `repr(C)` and free of padding (asserted in types.rs), plain numbers and pointers only.
 unsafe impl Growing for posewise_config {
-    const EARLIER_SIZES: &'static [usize] = &[];
+    // 40: before `lens`.
+    const EARLIER_SIZES: &'static [usize] = &[40];
 }
 // SAFETY: as above.
 unsafe impl Growing for posewise_frame {
@@ -172,19 +173,35 @@ mod tests {
 
     #[test]
     fn short_structs_are_extended_with_zeros() {
-        let old = later(40, 7);
+        let old = later(64, 7);
         // SAFETY: a live struct.
         let read = unsafe { read_struct(&old) }.unwrap();
         assert_eq!((read.config.min_face_px, read.more), (50, 0));
-        // SAFETY: a live struct, of which only the first 40 bytes may be written.
-        let mut out = later(40, 9);
-        unsafe { write_struct(&mut out, 40, &later(48, 1)) };
-        assert_eq!((out.config.struct_size, out.more), (40, 9));
+        // SAFETY: a live struct, of which only the first 64 bytes may be written.
+        let mut out = later(64, 9);
+        unsafe { write_struct(&mut out, 64, &later(72, 1)) };
+        assert_eq!((out.config.struct_size, out.more), (64, 9));
+    }
+
+    #[test]
+    fn settings_of_the_first_header_are_read() {
+        let old = posewise_config {
+            struct_size: 40,
+            min_face_px: 50,
+            lens: posewise_lens {
+                model: 99,
+                ..Default::default()
+            },
+            ..Default::default()
+        };
+        // SAFETY: a live struct.
+        let read = unsafe { read_struct(&old) }.unwrap();
+        assert_eq!((read.min_face_px, read.lens.model), (50, 0));
     }
 
     #[test]
     fn sizes_that_no_header_had_are_rejected() {
-        for size in [0, 4, 39, 41, 44, 47, 49, 128, 4096, 4097, u32::MAX] {
+        for size in [0, 4, 40, 63, 65, 68, 71, 73, 128, 4096, 4097, u32::MAX] {
             // SAFETY: nothing beyond `struct_size` is read.
             assert!(unsafe { read_struct(&later(size, 0)) }.is_err(), "{size}");
         }

@@ -76,6 +76,8 @@ pub const POSEWISE_E_HINT: i32 = -22;
 pub const POSEWISE_E_ROI: i32 = -23;
 /// Excluded boxes: too many or out of range.
 pub const POSEWISE_E_EXCLUDED: i32 = -24;
+/// The lens, or a coefficient, out of range.
+pub const POSEWISE_E_LENS: i32 = -25;
 
 /// 8-bit grey.
 pub const POSEWISE_FMT_GREY: u32 = 0x5945_5247;
@@ -135,6 +137,13 @@ pub const POSEWISE_LOSS_NO_POSE: u32 = 3;
 /// Another tracker has this face.
 pub const POSEWISE_LOSS_EXCLUDED: u32 = 4;
 
+/// No distortion; coefficients are 0.
+pub const POSEWISE_LENS_PINHOLE: u32 = 0;
+/// k1, k2, p1, p2, k3 as in OpenCV.
+pub const POSEWISE_LENS_BROWN: u32 = 1;
+/// k1, k2, k3, k4, 0: OpenCV's fisheye.
+pub const POSEWISE_LENS_FISHEYE: u32 = 2;
+
 /// A new face is tracked.
 pub const POSEWISE_EVENT_ACQUIRED: u32 = 0;
 /// A lost face is tracked again, with its identity.
@@ -154,8 +163,8 @@ pub const POSEWISE_EVENT_RESET: u32 = 7;
 /// posewise_forget_identity() was called.
 pub const POSEWISE_EVENT_FORGOTTEN: u32 = 8;
 
-/// A pinhole camera without distortion, in pixels of the upright image. All four 0 select the
-/// default: a horizontal field of view of 60 degrees and the principal point at the image centre.
+/// A camera without its lens, in pixels of the upright image. All four 0 select the default: a
+/// horizontal field of view of 60 degrees and the principal point at the image centre.
 /// This struct never grows.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
@@ -181,6 +190,21 @@ pub struct posewise_roi {
     pub height: u32,
 }
 
+/// The distortion of a lens. Landmarks and boxes stay in the picture as the lens shows it; pose and
+/// points in mm are those without it. This struct never grows.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default)]
+pub struct posewise_lens {
+    /// POSEWISE_LENS_*.
+    pub model: u32,
+    /// With POSEWISE_LENS_BROWN, Brown-Conrady, x and y at unit depth and s = x^2 + y^2: x times
+    /// (1 + k1 s + k2 s^2 + k3 s^3) plus 2 p1 x y + p2 (s + 2 x^2), y likewise with p1 and p2
+    /// swapped; k1, k2, k3 are -10000..10000, p1, p2 -0.1..0.1. With POSEWISE_LENS_FISHEYE,
+    /// Kannala-Brandt, a point at the angle t from the axis is at t (1 + k1 t^2 + k2 t^4 + k3 t^6 +
+    /// k4 t^8); all are -10..10. The picture must not turn back within 1 degree of the axis.
+    pub coefficients: [f32; 5],
+}
+
 /// Settings. A NULL pointer to this struct selects all defaults.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
@@ -203,6 +227,8 @@ pub struct posewise_config {
     /// lag. Speed is in face widths, radians or weights per second. 0: the defaults, 1 and 12.
     pub smoothing_hz: f32,
     pub smoothing_beta: f32,
+    /// The lens of the camera; other than POSEWISE_LENS_PINHOLE only with intrinsics.
+    pub lens: posewise_lens,
 }
 
 /// One camera frame. The library reads it only during the call.
@@ -373,8 +399,10 @@ macro_rules! assert_no_padding {
 
 assert_no_padding!(posewise_intrinsics: fx: f32, fy: f32, cx: f32, cy: f32);
 assert_no_padding!(posewise_roi: x: u32, y: u32, width: u32, height: u32);
+assert_no_padding!(posewise_lens: model: u32, coefficients: [f32; 5]);
 assert_no_padding!(posewise_config: struct_size: u32, flags: u32, min_face_px: u32,
-    scan_budget: u32, intrinsics: posewise_intrinsics, smoothing_hz: f32, smoothing_beta: f32);
+    scan_budget: u32, intrinsics: posewise_intrinsics, smoothing_hz: f32, smoothing_beta: f32,
+    lens: posewise_lens);
 assert_no_padding!(posewise_frame: struct_size: u32, format: u32, timestamp_us: i64, width: u32,
     height: u32, stride: u32, rotation_deg: u32, flags: u32, reserved: u32, data_len: usize,
     data: *const u8);

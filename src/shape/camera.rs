@@ -1,11 +1,12 @@
-//! The pinhole camera and the rigid pose of a head.
+//! The camera and the rigid pose of a head.
 
 use core::ops::RangeInclusive;
 
+use super::distortion::Distortion;
 use crate::math::{HeadAngles, head_angles, head_rotation};
 use glam::{Mat3, Vec3};
 
-/// A pinhole camera without distortion \[px\].
+/// A camera \[px\], with its lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Intrinsics {
@@ -17,6 +18,8 @@ pub struct Intrinsics {
     pub cx: f32,
     /// Principal point, y; within 100,000 of 0.
     pub cy: f32,
+    /// What the lens does to the picture.
+    pub distortion: Distortion,
 }
 
 /// Range of the focal lengths \[px\], chosen beyond every camera: 166° across a frame of 16 px, and
@@ -35,9 +38,20 @@ pub(super) const NEAREST_MM: f32 = 20.0;
 pub(crate) const FARTHEST_MM: f32 = 100_000.0;
 
 impl Intrinsics {
-    /// Focal lengths and principal point \[px\].
+    /// A pinhole camera of these focal lengths and principal point \[px\].
     pub const fn new(fx: f32, fy: f32, cx: f32, cy: f32) -> Self {
-        Intrinsics { fx, fy, cx, cy }
+        Intrinsics {
+            fx,
+            fy,
+            cx,
+            cy,
+            distortion: Distortion::None,
+        }
+    }
+
+    /// With this lens.
+    pub const fn with_distortion(self, distortion: Distortion) -> Self {
+        Intrinsics { distortion, ..self }
     }
 
     /// The default camera of a frame of this size \[px\]: a horizontal field of view of 60°, the
@@ -45,17 +59,13 @@ impl Intrinsics {
     pub fn of_frame(width: i32, height: i32) -> Self {
         // 1 / (2·tan 30°)
         let f = width as f32 * 0.866_025_4;
-        Intrinsics {
-            fx: f,
-            fy: f,
-            cx: (width - 1) as f32 / 2.0,
-            cy: (height - 1) as f32 / 2.0,
-        }
+        Self::new(f, f, (width - 1) as f32 / 2.0, (height - 1) as f32 / 2.0)
     }
 
-    /// Whether all are in their ranges.
+    /// Whether focal lengths and principal point are in their ranges. For the lens see
+    /// [`Distortion::is_valid`].
     pub fn is_valid(&self) -> bool {
-        let Intrinsics { fx, fy, cx, cy } = *self;
+        let Intrinsics { fx, fy, cx, cy, .. } = *self;
         // No comparison holds for a NaN.
         FOCAL_PX.contains(&fx)
             && FOCAL_PX.contains(&fy)
@@ -64,7 +74,8 @@ impl Intrinsics {
             && cy.abs() <= PRINCIPAL_PX
     }
 
-    /// Image position \[px\] of a point in the camera frame \[mm\].
+    /// Image position \[px\] of a point in the camera frame \[mm\], without the lens: what the 3D
+    /// fit computes with.
     #[inline]
     #[cfg_attr(not(feature = "unstable-internals"), doc(hidden))]
     pub fn project(&self, point_mm: Vec3) -> [f32; 2] {
@@ -73,6 +84,36 @@ impl Intrinsics {
             self.fx * point_mm.x / z + self.cx,
             self.fy * point_mm.y / z + self.cy,
         ]
+    }
+
+    /// Where the lens shows a point of the camera frame \[mm\] in the picture \[px\].
+    #[cfg_attr(not(feature = "unstable-internals"), doc(hidden))]
+    pub fn image_of(&self, point_mm: Vec3) -> [f32; 2] {
+        let at = self.project(point_mm);
+        match self.distortion.lens() {
+            Some(lens) => self.pixel(lens.distort(self.at_unit_depth(at))),
+            None => at,
+        }
+    }
+
+    /// Where a pinhole camera would show points of the picture \[px\]. Unchanged to the last bit
+    /// where there is no distortion.
+    #[cfg_attr(not(feature = "unstable-internals"), doc(hidden))]
+    pub fn undistorted<const N: usize>(&self, points_px: &[[f32; 2]; N]) -> [[f32; 2]; N] {
+        match self.distortion.lens() {
+            Some(lens) => points_px.map(|p| self.pixel(lens.undistort(self.at_unit_depth(p)))),
+            None => *points_px,
+        }
+    }
+
+    /// The point of a pixel on the plane at unit depth.
+    fn at_unit_depth(&self, [x, y]: [f32; 2]) -> [f32; 2] {
+        [(x - self.cx) / self.fx, (y - self.cy) / self.fy]
+    }
+
+    /// The pixel of a point on the plane at unit depth.
+    fn pixel(&self, [x, y]: [f32; 2]) -> [f32; 2] {
+        [x * self.fx + self.cx, y * self.fy + self.cy]
     }
 
     /// Jacobian of [`Intrinsics::project`], by rows \[px/mm\].

@@ -54,8 +54,9 @@ impl Tracker {
         let face = &step.model.face;
         let camera = &step.camera(&self.config);
         let weights = fit_weights(confidence);
+        let undistorted = camera.undistorted(shape);
         let observed = Observed {
-            points: shape,
+            points: &undistorted,
             weights: &weights,
         };
         let rotation = self.rotation_prior(step, shape, camera, confidence);
@@ -87,6 +88,7 @@ impl Tracker {
             face,
             camera,
             shape,
+            undistorted: &undistorted,
             confidence,
             fit,
             blur_px: self.target.motion.blur_px(),

@@ -97,6 +97,9 @@ impl Config {
         if self.intrinsics.is_some_and(|camera| !camera.is_valid()) {
             return Err(ConfigError::Intrinsics);
         }
+        if (self.intrinsics).is_some_and(|camera| !camera.distortion.is_valid()) {
+            return Err(ConfigError::Distortion);
+        }
         if !MIN_FACE_PX.contains(&self.min_face_px) {
             return Err(ConfigError::MinFace);
         }
@@ -145,6 +148,8 @@ impl Default for Smoothing {
 pub enum ConfigError {
     /// A focal length, their ratio or the principal point is out of range.
     Intrinsics,
+    /// A coefficient of the lens is out of range, or its picture turns back within 1° of the axis.
+    Distortion,
     /// `min_face_px` is out of range.
     MinFace,
     /// `scan_budget` is out of range.
@@ -169,6 +174,12 @@ impl fmt::Display for ConfigError {
                      {wide}, the principal point within {PRINCIPAL_PX} px of 0"
                 )
             }
+            ConfigError::Distortion => write!(
+                f,
+                "distortion: radial coefficients must be within 10000 of 0 (fisheye: 10), \
+                 tangential ones within 0.1, and the picture must not turn back within 1° of the \
+                 axis"
+            ),
             ConfigError::MinFace => {
                 let (least, most) = (MIN_FACE_PX.start(), MIN_FACE_PX.end());
                 write!(f, "min_face_px must be {least} to {most} px")

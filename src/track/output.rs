@@ -11,7 +11,10 @@ use crate::verifier::Confidence;
 pub(super) struct Fitted<'a> {
     pub(super) face: &'a FaceModel<'a>,
     pub(super) camera: &'a Intrinsics,
+    /// The landmarks in the picture.
     pub(super) shape: &'a Shape,
+    /// The landmarks where a pinhole camera would show them.
+    pub(super) undistorted: &'a Shape,
     pub(super) confidence: &'a Confidence,
     pub(super) fit: &'a FaceFit,
     /// How far the face moves while the frame is exposed, at most \[px\].
@@ -104,6 +107,7 @@ fn eyes(fitted: &Fitted<'_>) -> [f32; 2] {
         face,
         camera,
         shape,
+        undistorted,
         fit,
         ..
     } = fitted;
@@ -116,7 +120,15 @@ fn eyes(fitted: &Fitted<'_>) -> [f32; 2] {
         let corner = |k: usize| shape.get(first + k).copied().unwrap_or_default();
         let ([ax, ay], [bx, by]) = (corner(0), corner(3));
         let is_sharp = fitted.blur_px <= EYE_MAX_BLUR * length([bx - ax, by - ay]);
-        let open = eye_open(face, camera, &fit.state, &neutral, shape, first, blink);
+        let open = eye_open(
+            face,
+            camera,
+            &fit.state,
+            &neutral,
+            undistorted,
+            first,
+            blink,
+        );
         open.filter(|_| is_facing && is_visible && is_sharp)
             .unwrap_or(-1.0)
     };

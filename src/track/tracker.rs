@@ -61,10 +61,11 @@ pub struct Tracker {
 
 impl Tracker {
     /// Has seen nothing. All zero bytes, so that building one in place is a memset and needs no
-    /// copy on the stack.
+    /// copy on the stack. So the camera is there: `None` is not zero in the compiler's layout. The
+    /// settings are replaced at once.
     const EMPTY: Tracker = Tracker {
         config: Config {
-            intrinsics: None,
+            intrinsics: Some(Intrinsics::new(0.0, 0.0, 0.0, 0.0)),
             min_face_px: 0,
             scan_budget: 0,
             smoothing: Smoothing {

@@ -15,7 +15,11 @@ FIELD(posewise_intrinsics, cx, 8);
 FIELD(posewise_intrinsics, cy, 12);
 
 SIZE(posewise_roi, 16);
-SIZE(posewise_config, 40);
+SIZE(posewise_lens, 24);
+FIELD(posewise_lens, model, 0);
+FIELD(posewise_lens, coefficients, 4);
+
+SIZE(posewise_config, 64);
 FIELD(posewise_config, struct_size, 0);
 FIELD(posewise_config, flags, 4);
 FIELD(posewise_config, min_face_px, 8);
@@ -23,6 +27,7 @@ FIELD(posewise_config, scan_budget, 12);
 FIELD(posewise_config, intrinsics, 16);
 FIELD(posewise_config, smoothing_hz, 32);
 FIELD(posewise_config, smoothing_beta, 36);
+FIELD(posewise_config, lens, 40);
 
 SIZE(posewise_frame, 40 + sizeof(size_t) + sizeof(void *));
 FIELD(posewise_frame, struct_size, 0);

@@ -17,6 +17,9 @@ int main(void) {
     FIELD(posewise_roi, y);
     FIELD(posewise_roi, width);
     FIELD(posewise_roi, height);
+    SIZE(posewise_lens);
+    FIELD(posewise_lens, model);
+    FIELD(posewise_lens, coefficients);
     SIZE(posewise_config);
     FIELD(posewise_config, struct_size);
     FIELD(posewise_config, flags);
@@ -25,6 +28,7 @@ int main(void) {
     FIELD(posewise_config, intrinsics);
     FIELD(posewise_config, smoothing_hz);
     FIELD(posewise_config, smoothing_beta);
+    FIELD(posewise_config, lens);
     SIZE(posewise_frame);
     FIELD(posewise_frame, struct_size);
     FIELD(posewise_frame, format);

@@ -66,6 +66,7 @@ int main(int argc, char **argv) {
     CHECK(count >= 2 && events[count - 1].kind == POSEWISE_EVENT_FORGOTTEN);
     CHECK(moved.set_intrinsics({800, 800, 320, 240}) == POSEWISE_OK);
     CHECK(moved.set_excluded(nullptr, 0) == POSEWISE_OK);
+    CHECK(moved.set_lens({POSEWISE_LENS_BROWN, {-0.2f, 0, 0, 0, 0}}) == POSEWISE_OK);
     CHECK(moved.set_roi({0, 0, 10, 10}) == POSEWISE_OK && moved.set_roi({}) == POSEWISE_OK);
     return failures;
 }

@@ -40,6 +40,12 @@ pub struct TrackerArgs {
     /// Focal length [px]; without it that of a 60° horizontal field of view
     #[arg(long, value_name = "PX")]
     pub focal: Option<f32>,
+    /// Calibration of camera and lens, as OpenCV writes it (YAML or JSON)
+    #[arg(long, value_name = "FILE", conflicts_with = "focal")]
+    pub calibration: Option<PathBuf>,
+    /// The calibration is one of OpenCV's fisheye, and does not say so
+    #[arg(long, requires = "calibration")]
+    pub fisheye: bool,
     /// Narrowest face searched for [px]
     #[arg(long, value_name = "PX")]
     pub min_face: Option<u32>,

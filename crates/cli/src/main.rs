@@ -13,6 +13,7 @@
 //! | `model_file`, `model_info` | reading models, `posewise model info` |
 
 mod bench;
+mod calibration;
 mod cli;
 mod clip;
 mod csv;

@@ -10,6 +10,7 @@ use posewise::image::{Roi, Rotation};
 use posewise::shape::Intrinsics;
 use posewise::track::{Config, EventLog, Model, State, StepError, TrackResult, Tracker};
 
+use crate::calibration::Calibration;
 use crate::cli::{TrackArgs, TrackerArgs};
 use crate::csv::{CsvWriter, Row};
 use crate::destination::{self, Destination, Named};
@@ -27,6 +28,9 @@ pub struct Session<'m> {
     model: &'m Model<'m>,
     tracker: Box<Tracker>,
     focal: Option<f32>,
+    calibration: Option<Calibration>,
+    /// That of the current frame.
+    camera: Intrinsics,
     smooth: bool,
     size: (i32, i32),
     /// Time spent in steps.
@@ -58,6 +62,10 @@ impl<'m> Session<'m> {
             model,
             tracker: Box::new(Tracker::new(&config).map_err(|e| anyhow!("{e}"))?),
             focal: args.focal,
+            calibration: (args.calibration.as_deref())
+                .map(|path| Calibration::read(path, args.fisheye))
+                .transpose()?,
+            camera: Intrinsics::of_frame(0, 0),
             smooth: args.smooth,
             size: (0, 0),
             busy: Duration::ZERO,
@@ -71,11 +79,19 @@ impl<'m> Session<'m> {
 
     /// The camera that the tracker assumes for the current frame.
     pub fn intrinsics(&self) -> Intrinsics {
-        let mut camera = Intrinsics::of_frame(self.size.0, self.size.1);
+        self.camera
+    }
+
+    /// The camera of frames of this size.
+    fn camera_for(&self, (width, height): (i32, i32)) -> Result<Intrinsics> {
+        if let Some(calibration) = &self.calibration {
+            return calibration.camera(width, height);
+        }
+        let mut camera = Intrinsics::of_frame(width, height);
         if let Some(focal) = self.focal {
             (camera.fx, camera.fy) = (focal, focal);
         }
-        camera
+        Ok(camera)
     }
 
     /// The events that were not written yet.
@@ -88,11 +104,11 @@ impl<'m> Session<'m> {
         let frame = picture.frame()?;
         let size = (frame.width(), frame.height());
         if size != self.size {
-            self.size = size;
-            // Without a focal length the tracker has the same default.
-            let camera = self.focal.map(|_| self.intrinsics());
+            (self.size, self.camera) = (size, self.camera_for(size)?);
+            // Where nothing is known of it, the tracker has the same default.
+            let is_known = self.focal.is_some() || self.calibration.is_some();
             self.tracker
-                .set_intrinsics(camera)
+                .set_intrinsics(is_known.then_some(self.camera))
                 .map_err(|e| anyhow!("{e}"))?;
         }
         let start = Instant::now();
@@ -299,6 +315,7 @@ fn check_outputs(args: &TrackArgs) -> Result<()> {
         path.as_deref().map(|path| Named { option, path })
     }
     inputs.extend(named("--model", &args.tracker.model));
+    inputs.extend(named("--calibration", &args.tracker.calibration));
     let outputs = [
         named("--csv", &args.csv),
         named("--jsonl", &args.jsonl),
@@ -317,6 +334,9 @@ pub fn run(args: &TrackArgs) -> Result<Option<u8>> {
     }
     if let Some(path) = &args.plot {
         plot::check_name(path)?;
+    }
+    if args.tracker.calibration.is_some() && (args.rotate != "0" || args.mirror) {
+        bail!("--calibration is for upright frames, not for --rotate or --mirror");
     }
     check_outputs(args)?;
     let file = ModelFile::read(args.tracker.model.as_deref())?;

@@ -308,3 +308,35 @@ fn the_log_has_what_happens_to_the_face() {
     assert_eq!(log(&format!("--log={}", arg(&file))), "");
     assert_eq!(std::fs::read_to_string(&file).unwrap(), on_stderr);
 }
+
+#[test]
+fn a_calibration_is_read_and_checked() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("camera.yml");
+    let k = "%YAML:1.0\n---\nK: [60, 0, 31.5, 0, 60, 23.5, 0, 0, 1]\n";
+    let run = |text: &str, more: &[&str]| {
+        std::fs::write(&file, text).unwrap();
+        let run = posewise()
+            .args(["track", "-", "--quiet", "--calibration", arg(&file)])
+            .args(more)
+            .write_stdin(gradient_clip(64, 48, 2))
+            .assert();
+        let output = run.get_output();
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        (output.status.code(), said)
+    };
+    let lens = format!("{k}D: [-0.2, 0.05, 0.001, 0, 0]\n");
+    let sized = format!("{k}image_width: 64\nimage_height: 64\n");
+    assert_eq!(run(&lens, &[]), (Some(0), String::new()));
+    assert_eq!(run(&lens, &["--fisheye"]).0, Some(1));
+    for (text, more, status, word) in [
+        (&lens[..], &["--rotate", "90"][..], 1, "upright"),
+        (&lens, &["--focal", "60"], 2, "--focal"),
+        (&sized, &[], 1, "64×64 px"),
+        ("D: [0]", &[], 1, "camera_matrix"),
+    ] {
+        let (code, said) = run(text, more);
+        assert_eq!(code, Some(status), "{said}");
+        assert!(said.contains(word), "{said}");
+    }
+}

@@ -70,13 +70,13 @@ impl Painter {
     }
 }
 
+/// Points that are nearer are not drawn; projections of such are no longer right.
+const NEAREST_MM: f32 = 20.0;
+
 /// Where a point of the camera frame appears; `None` behind the camera or far out.
 fn project(camera: &Intrinsics, p: Vec3) -> Option<[f32; 2]> {
-    let at = [
-        camera.fx * p.x / p.z + camera.cx,
-        camera.fy * p.y / p.z + camera.cy,
-    ];
-    (p.z > 1.0 && drawable(at)).then_some(at)
+    let at = camera.image_of(p);
+    (p.z > NEAREST_MM && drawable(at)).then_some(at)
 }
 
 /// Coordinates so far out that drawing there would only cost time are left out.

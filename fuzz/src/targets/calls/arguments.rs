@@ -31,7 +31,11 @@ pub(super) fn stated(input: &mut Input<'_>, own: u32) -> u32 {
         224..232 => 4096,
         232..240 => own + 1,
         240..248 => 0,
-        _ => input.u32(),
+        // Not the size in the first header, of which the whole struct would have to be there.
+        _ => match input.u32() {
+            40 => 41,
+            size => size,
+        },
     }
 }
 
@@ -110,6 +114,32 @@ pub(super) fn roi(input: &mut Input<'_>) -> ([u32; 4], bool) {
     ([x, y, width, height], is_whole || valid)
 }
 
+/// A lens, and whether it is valid.
+pub(super) fn lens(input: &mut Input<'_>) -> (posewise_lens, bool) {
+    let model = input.u8() as u32 % 4;
+    let mut coefficients = [0; 5].map(|_| match number(input) {
+        // Far below 0 the picture turns back near the axis.
+        low if low < -1.0 => -1.0,
+        other => other,
+    });
+    if model == POSEWISE_LENS_FISHEYE && input.u8() < 192 {
+        coefficients[4] = 0.0;
+    }
+    let [a, b, c, d, e] = coefficients;
+    let within = |values: &[f32], most: f32| values.iter().all(|v| v.abs() <= most);
+    let valid = match model {
+        POSEWISE_LENS_PINHOLE => coefficients == [0.0; 5],
+        POSEWISE_LENS_BROWN => within(&[a, b, e], 1e4) && within(&[c, d], 0.1),
+        POSEWISE_LENS_FISHEYE => within(&[a, b, c, d], 10.0) && e == 0.0,
+        _ => false,
+    };
+    let lens = posewise_lens {
+        model,
+        coefficients,
+    };
+    (lens, valid)
+}
+
 /// Settings in memory, and whether they are valid.
 pub(super) fn config(input: &mut Input<'_>) -> (Exact, bool) {
     let struct_size = stated(input, CONFIG);
@@ -125,6 +155,12 @@ pub(super) fn config(input: &mut Input<'_>) -> (Exact, bool) {
         0 => (posewise_intrinsics::default(), true),
         _ => intrinsics(input),
     };
+    let (lens, lens_good) = match bits & 8 {
+        0 => (posewise_lens::default(), true),
+        _ => lens(input),
+    };
+    let has_camera = [intrinsics.fx, intrinsics.fy, intrinsics.cx, intrinsics.cy] != [0.0; 4];
+    let lens_good = lens_good && (has_camera || lens.model == POSEWISE_LENS_PINHOLE);
     let (smoothing_hz, smoothing_beta) = match bits & 0xF0 {
         0x10 => (0.01, 1000.0),
         0x20 => (2.5, 0.0),
@@ -137,6 +173,7 @@ pub(super) fn config(input: &mut Input<'_>) -> (Exact, bool) {
         && (min_face_px == 0 || (24..=4096).contains(&min_face_px))
         && (scan_budget == 0 || (100..=10_000_000).contains(&scan_budget))
         && camera
+        && lens_good
         && !matches!(bits & 0xF0, 0x30 | 0x40);
     let config = posewise_config {
         struct_size,
@@ -146,6 +183,7 @@ pub(super) fn config(input: &mut Input<'_>) -> (Exact, bool) {
         intrinsics,
         smoothing_hz,
         smoothing_beta,
+        lens,
     };
     (lay_out(config, struct_size), valid)
 }

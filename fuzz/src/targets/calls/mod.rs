@@ -15,7 +15,7 @@ use super::memory::{Exact, Guarded};
 use super::outputs::Outputs;
 use super::tiny;
 use crate::ffi::{api::*, types::*};
-use arguments::{CONFIG, boxes, config, intrinsics, is_good, roi, spoilt, stated};
+use arguments::{CONFIG, boxes, config, intrinsics, is_good, lens, roi, spoilt, stated};
 use std::ffi::{CStr, c_char};
 use std::ptr::null;
 
@@ -101,6 +101,7 @@ impl World {
                 self.slots[slot].live = None;
             }
             13 => self.events(input, slot, pointer),
+            15 => self.set_lens(input, slot, pointer),
             _ => self.step(input, slot, pointer),
         }
     }
@@ -108,7 +109,7 @@ impl World {
     /// Checks the status of a call on one tracker: a call that failed must have changed nothing.
     fn check_status(&mut self, slot: usize, status: posewise_status, good: bool, before: &[u8]) {
         assert_eq!(status == POSEWISE_OK, good, "status {status}");
-        assert!((-24..=0).contains(&status) && status != POSEWISE_E_ARG);
+        assert!((-25..=0).contains(&status) && status != POSEWISE_E_ARG);
         let same = good || self.is_as(slot, before);
         assert!(same, "a call that failed has changed the tracker");
         self.log.extend(status.to_le_bytes());
@@ -341,6 +342,26 @@ impl World {
         let before = self.snapshot(slot);
         // SAFETY: the memory is there.
         let status = unsafe { posewise_set_intrinsics(tracker, spoilt(bytes.ptr(), how).cast()) };
+        self.check_status(slot, status, good, &before);
+    }
+
+    /// With a lens go intrinsics, which are set before.
+    fn set_lens(&mut self, input: &mut Input<'_>, slot: usize, pointer: u8) {
+        let (tracker, live) = self.tracker(slot, pointer);
+        let how = input.u8();
+        let (lens, sound) = lens(input);
+        let bytes = Exact::new(size_of::<posewise_lens>(), 4, 0);
+        // SAFETY: as long as the struct.
+        unsafe { bytes.ptr().cast::<posewise_lens>().write(lens) };
+        let (fx, fy, cx, cy) = (300.0, 300.0, 20.0, 20.0);
+        let camera = posewise_intrinsics { fx, fy, cx, cy };
+        // SAFETY: the memory is there.
+        let camera_status = unsafe { posewise_set_intrinsics(tracker, &camera) };
+        assert_eq!(camera_status == POSEWISE_OK, live);
+        let good = live && (how & 7 == 6 || is_good(how) && sound);
+        let before = self.snapshot(slot);
+        // SAFETY: the memory is there.
+        let status = unsafe { posewise_set_lens(tracker, spoilt(bytes.ptr(), how).cast()) };
         self.check_status(slot, status, good, &before);
     }
 
