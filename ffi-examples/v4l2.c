@@ -1,12 +1,15 @@
 /* v4l2.c - tracks the face in the images of a Linux camera and prints one line per frame.
  *
- *     ./v4l2 [DEVICE [FRAMES [FORMAT]]]      default: /dev/video0, until Ctrl-C, any format
+ *     ./v4l2 [DEVICE [FRAMES [FORMAT [face]]]]   default: /dev/video0, until Ctrl-C, any format
  *
- * FORMAT is GREY, NV12, YUYV or, compiled with -DWITH_JPEG and linked with -ljpeg, MJPG. C99 and
- * Linux; every UVC camera has YUYV or MJPG. Frames are read in the driver's buffers (mmap). */
+ * FORMAT is GREY, NV12, YUYV or, compiled with -DWITH_JPEG and linked with -ljpeg, MJPG; - is any.
+ * FRAMES 0 is until Ctrl-C. With the word face the camera is exposed for the face, as infrared
+ * cameras with a lamp need it (exposure.h). C99 and Linux; every UVC camera has YUYV or MJPG.
+ * Frames are read in the driver's buffers (mmap). */
 #define _DEFAULT_SOURCE
 #include "posewise.h"
 
+#include "exposure.h"
 #include "mjpg.h"
 
 #include <errno.h>
@@ -67,7 +70,10 @@ static int control(int fd, unsigned long request, void *argument) {
     return result;
 }
 
+/* 0 for any format, 1 for none. */
 static uint32_t fourcc_of(const char *word) {
+    if (strcmp(word, "-") == 0)
+        return 0;
     return strlen(word) == 4 ? v4l2_fourcc(word[0], word[1], word[2], word[3]) : 1;
 }
 
@@ -234,6 +240,7 @@ int main(int argc, char **argv) {
     camera c = {.fd = -1};
     struct sigaction on_signal;
     struct v4l2_buffer b;
+    exposure for_face = {.fd = -1};
     posewise_frame frame = POSEWISE_FRAME_INIT;
     posewise_result result = POSEWISE_RESULT_INIT;
     posewise_tracker *tracker;
@@ -265,10 +272,14 @@ int main(int argc, char **argv) {
             stopped = 1;
         fprintf(stderr, "v4l2: %.4s %ux%u\n", (const char *)&c.pix.pixelformat, frame.width,
                 frame.height);
+        if (argc > 4 && !exposure_start(&for_face, c.fd))
+            fprintf(stderr, "v4l2: the camera keeps its own exposure\n");
         while ((got = wait_frame(&c, &b)) > 0) {
             const int processed = process(&c, &b, grey, tracker, &frame, &result);
-            if (processed > 0)
+            if (processed > 0) {
                 print_line(index++, &frame, &result);
+                exposure_follow(&for_face, &frame, &result);
+            }
             if (processed < 0 || queue(&c, b.index) < 0) {
                 got = processed < 0 ? -1 : fail("the camera is gone");
                 break;

@@ -1,13 +1,15 @@
-//! ffi-examples/v4l2.c on a real V4L2 device: vivid, the kernel's virtual camera, in an emulated
-//! machine. It shows a test pattern, on which the capture is checked, and then the demo clip.
+//! What the examples do with cameras. ffi-examples/v4l2.c runs on a real V4L2 device: vivid, the
+//! kernel's virtual camera, in an emulated machine. It shows a test pattern, on which the capture
+//! is checked, and then the demo clip.
 //!
 //! `POSEWISE_KERNEL` names the folder of an unpacked Linux image that has vivid.
 #![cfg(target_os = "linux")]
 
 mod common;
 
-use common::c::{arguments, exists, program, require, succeed};
+use common::c::{STRICT, arguments, cxx, exists, library, program, require, succeed};
 use common::{root, scratch};
+use std::path::Path;
 use std::process::Command;
 
 /// What one run of the example printed: its frames' lines, what it said, and its exit status.
@@ -88,6 +90,10 @@ fn captures_from_a_device() {
     let chosen = run("v4l2 /dev/video0 3");
     assert_eq!((chosen.status, chosen.frames.len()), (0, 3));
     assert_eq!(chosen.said[0], "GREY 640x480", "the cheapest comes first");
+    // vivid has no exposure to set; tests/c/exposure.c has the rest.
+    let exposed = run("v4l2 /dev/video0 3 - face");
+    assert_eq!((exposed.status, exposed.frames.len()), (0, 3));
+    assert_eq!(exposed.said[1], "the camera keeps its own exposure");
     for (command, why) in [
         ("v4l2 /dev/video0 3 H264", "no format"),
         ("v4l2 /dev/video9 3", "/dev/video9: No such file"),
@@ -121,6 +127,94 @@ fn captures_from_a_device() {
         "{} of 100 frames tracked",
         face.tracking
     );
+}
+
+#[test]
+fn exposes_for_the_face() {
+    let flags = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
+    let test = program("tests/c/exposure.c", "exposure", &flags);
+    succeed(Command::new(test).env("ASAN_OPTIONS", "detect_leaks=0"));
+}
+
+/// Where Debian has the headers of OpenCV's core.
+const OPENCV: &str = "/usr/include/opencv4";
+
+#[test]
+fn a_mat_of_opencv_is_a_frame() {
+    let core = Path::new(OPENCV).join("opencv2/core.hpp");
+    if !core.exists() {
+        require(&core.display().to_string());
+        return;
+    }
+    let Some(cxx) = cxx() else { return };
+    let program = scratch("camera").join("cv_mat");
+    let mut compile = Command::new(cxx);
+    compile.args(["-std=c++17", "-O1"]).args(STRICT);
+    compile.arg("-I").arg(root().join("include"));
+    compile.args(["-isystem", OPENCV]);
+    compile
+        .arg(root().join("tests/c/cv_mat.cpp"))
+        .arg(library());
+    compile.args(["-Wl,--gc-sections", "-lopencv_core", "-o"]);
+    succeed(compile.arg(&program));
+    let [_, frames, width, height] = arguments();
+    print!(
+        "{}",
+        succeed(Command::new(program).args([frames, width, height]))
+    );
+}
+
+#[test]
+fn gstreamer_delivers_frames() {
+    let mut packages = Command::new("pkg-config");
+    packages.args(["--exists", "gstreamer-app-1.0", "gstreamer-video-1.0"]);
+    if !packages.status().is_ok_and(|status| status.success()) {
+        require("gstreamer-app-1.0");
+        return;
+    }
+    library();
+    let target = scratch("dist");
+    let mut make = Command::new("make");
+    make.arg("-C").arg(root().join("ffi-examples"));
+    make.arg(format!("TARGET_DIR={}", target.display()));
+    succeed(make.args(["gstreamer", "CFLAGS=-O2 -Werror"]));
+    let program = target.join("ffi-examples/gstreamer");
+    let [_, frames, width, height] = arguments();
+    let parse = format!("rawvideoparse width={width} height={height} format=gray8 framerate=20/1");
+    let run = |source: &str| {
+        // A pipeline that never ends would stop the tests.
+        let mut run = Command::new("timeout");
+        run.arg("120").arg(&program).arg(source);
+        run.env("GST_REGISTRY", scratch("camera").join("registry"));
+        run.output().expect("timeout is there")
+    };
+    let output = run(&format!("filesrc location={frames} ! {parse}"));
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    // The elements are in a package of their own.
+    if said.contains("no element") && std::env::var_os("POSEWISE_REQUIRE_TARGETS").is_none() {
+        eprintln!("skipped: {said}");
+        return;
+    }
+    let lines = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(output.status.success(), "{said}");
+    assert_eq!(lines.lines().count(), 60, "{lines}");
+    assert!(lines.matches(" tracking yaw").count() >= 50, "{lines}");
+    assert_eq!(
+        lines
+            .lines()
+            .nth(1)
+            .map(|line| line.starts_with("50000 us ")),
+        Some(true)
+    );
+    for (source, why) in [
+        ("none", "no element"),
+        ("filesrc location=/none", "not found"),
+    ] {
+        let output = run(&format!("{source} ! {parse}"));
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(1), "{said}");
+        assert!(said.contains(why), "{said}");
+    }
 }
 
 #[test]

@@ -53,6 +53,7 @@ for format in GREY NV12 YUYV; do
 done
 run v4l2 /dev/video0 3
 run v4l2 /dev/video0 3 H264
+run v4l2 /dev/video0 3 - face
 run v4l2 /dev/video9 3
 # What comes while it runs, after some frames.
 during() {

@@ -4,7 +4,9 @@
 //! |---|---|
 //! | `cli` | the grammar |
 //! | `source/` | INPUT → a stream of [`picture::Picture`]s |
-//! | `track`, `faces` | `posewise track`: the loop, its trackers, and its outputs `csv`, `jsonl`, `overlay/`, `plot` |
+//! | `track`, `faces` | `posewise track`: the loop and its trackers |
+//! | `csv`, `jsonl`, `log`, `overlay/`, `plot` | its outputs |
+//! | `calibration` | camera and lens from a file |
 //! | `demo`, `demo_clip` | `posewise demo` |
 //! | `eval/` | `posewise eval …` |
 //! | `bench`, `scenes`, `steps`, `stages`, `stack` | `posewise bench` |
