@@ -15,10 +15,13 @@
 #include <string.h>
 
 #define FACES 3
-/* Trackers without a face that lost theirs within this time search; if none has, one does. */
+/* Trackers without a face that lost theirs within this time search. If there is none, and none is
+ * coasting, another one does: else it would find the face that one has just lost. */
 #define RETURN_US 2000000
 /* Share of a claim that one frame replaces: a claim is the mean of about 15 frames. */
 #define CLAIM_SHARE 0.065f
+/* A face whose tracker has this claim is expected back; a false positive is lost before. */
+#define ESTABLISHED 0.3f
 /* Two boxes are of one face when their centres are nearer than this share of the longer side. */
 #define SAME_FACE 0.4f
 
@@ -26,7 +29,7 @@ typedef struct {
     posewise_tracker *tracker;
     posewise_result result;
     float claim;        /* recent mean of confidence times visible share */
-    int64_t tracked_us; /* when it last tracked a face; -RETURN_US if never */
+    int64_t tracked_us; /* when it last tracked an established face; -RETURN_US if never */
 } face;
 
 static int is_same(const float a[4], const float b[4]) {
@@ -55,8 +58,6 @@ static posewise_status step(face *all, int own, const posewise_frame *frame) {
     status = posewise_set_excluded(f->tracker, boxes, count);
     if (status == POSEWISE_OK)
         status = posewise_step(f->tracker, frame, &f->result);
-    if (f->result.state == POSEWISE_TRACKING)
-        f->tracked_us = frame->timestamp_us;
     return status;
 }
 
@@ -64,9 +65,11 @@ static posewise_status step(face *all, int own, const posewise_frame *frame) {
 static posewise_status step_all(face *all, const posewise_frame *frame) {
     posewise_status status = POSEWISE_OK;
     int k, searching = 0, newest = -1;
-    for (k = 0; k < FACES && status == POSEWISE_OK; k++)
+    for (k = 0; k < FACES && status == POSEWISE_OK; k++) {
         if (all[k].result.state != POSEWISE_SEARCHING)
             status = step(all, k, frame);
+        searching |= all[k].result.state == POSEWISE_COASTING;
+    }
     for (k = 0; k < FACES && status == POSEWISE_OK; k++) {
         if (all[k].result.timestamp_us == frame->timestamp_us)
             continue; /* it had a face, and its step is done */
@@ -83,6 +86,8 @@ static posewise_status step_all(face *all, const posewise_frame *frame) {
         const posewise_result *r = &all[k].result;
         const float now = r->state == POSEWISE_TRACKING ? r->confidence * r->visible_share : 0;
         all[k].claim += CLAIM_SHARE * (now - all[k].claim);
+        if (r->state == POSEWISE_TRACKING && all[k].claim > ESTABLISHED)
+            all[k].tracked_us = frame->timestamp_us;
     }
     return status;
 }

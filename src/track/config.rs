@@ -1,10 +1,12 @@
 //! A tracker's settings, their defaults and ranges.
 
-use super::MAX_EXCLUDED;
 use crate::image::{MAX_SIDE, Roi};
 use crate::shape::{FOCAL_PX, Intrinsics, PIXEL_ASPECT, PRINCIPAL_PX};
 use core::fmt;
 use core::ops::RangeInclusive;
+
+/// Most boxes that a tracker excludes; chosen.
+pub const MAX_EXCLUDED: usize = 16;
 
 /// Range of [`Config::min_face_px`] \[px\]; as all ranges here it is chosen.
 const MIN_FACE_PX: RangeInclusive<u32> = 24..=4096;

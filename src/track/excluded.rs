@@ -1,9 +1,6 @@
 //! Faces that other trackers follow: this one neither finds nor follows them.
 
-use super::{ConfigError, Tracker};
-
-/// Most boxes that a tracker excludes.
-pub const MAX_EXCLUDED: usize = 16;
+use super::{ConfigError, MAX_EXCLUDED, Tracker};
 
 /// A face is the excluded one when its centre is nearer to the box's than this share of the box's
 /// longer side. Source: chosen; boxes of one face differ by a quarter at most, and a face half

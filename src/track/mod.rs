@@ -38,11 +38,10 @@ mod step;
 mod target;
 mod tracker;
 
-pub use config::{Config, ConfigError, Smoothing};
+pub use config::{Config, ConfigError, MAX_EXCLUDED, Smoothing};
 pub use detect::{Detected, FoundFace};
 pub use error::StepError;
 pub use event::{EVENTS, Event, EventKind, EventLog};
-pub use excluded::MAX_EXCLUDED;
 pub use hint::FaceHint;
 pub use model::Model;
 pub use result::{Landmark, Loss, State, TrackResult};

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use posewise::{Config, Roi};
+use posewise::{Config, MAX_EXCLUDED, Roi};
 
 /// Head pose, 68 landmarks and facial animation from camera frames.
 #[derive(Parser)]
@@ -30,6 +30,9 @@ pub enum Command {
     /// Print the columns of `track --csv` with their units, as a Markdown table
     Columns,
 }
+
+/// Most faces of `track --faces`: each tracker excludes all others.
+const MAX_FACES: usize = MAX_EXCLUDED + 1;
 
 /// Settings of the tracker and the camera.
 #[derive(Args, Clone, Default)]
@@ -101,7 +104,7 @@ pub struct TrackArgs {
     /// tracked or coasted, and none for a frame without any
     #[arg(long, value_name = "N", default_value_t = 1,
         value_parser = clap::builder::RangedU64ValueParser::<usize>::new()
-            .range(1..=crate::faces::MAX_FACES as u64))]
+            .range(1..=MAX_FACES as u64))]
     pub faces: usize,
     /// Frame rate of a folder or glob of pictures
     #[arg(long, value_name = "N", default_value_t = 30.0)]

@@ -2,24 +2,21 @@
 //!
 //! On each frame, trackers that have a face go first. A tracker without one is told the boxes of
 //! the faces that the others track, and finds none of those. Of the trackers without a face, those
-//! search that lost theirs a moment ago, so that a person keeps the number; if there is none, one
-//! of the others. Where two trackers are on the same face, the one with the smaller claim has slid
+//! search that lost theirs a moment ago, so that a person keeps the number; if there is none, and
+//! none coasts, one of the others. Where two trackers are on the same face, the one with the smaller claim has slid
 //! onto it, mostly from a face that went behind it: it gives it back. A tracker's claim is its
 //! recent mean of confidence times visible share.
 
 use std::time::Duration;
 
 use anyhow::Result;
+use posewise::Roi;
 use posewise::shape::Intrinsics;
 use posewise::track::{EventLog, Model, State, TrackResult};
-use posewise::{MAX_EXCLUDED, Roi};
 
 use crate::cli::TrackerArgs;
 use crate::picture::Picture;
 use crate::track::Session;
-
-/// Most faces: each tracker excludes all others.
-pub const MAX_FACES: usize = MAX_EXCLUDED + 1;
 
 /// How long after a loss a tracker searches by itself, before another one looks for a new face
 /// \[µs\]. Source: chosen; somebody who passes behind another is back sooner.
@@ -27,6 +24,9 @@ const RETURN_US: i64 = 2_000_000;
 /// Time constant of a claim \[µs\]. Source: chosen: a face that is being covered has a smaller
 /// claim for this long.
 const CLAIM_US: f32 = 500_000.0;
+/// A face whose tracker has this claim is expected back after a loss. Source: chosen: a false
+/// positive is lost before, which takes 0.2 s.
+const ESTABLISHED: f32 = 0.3;
 /// Two trackers are on the same face when their centres are nearer than this share of its longer
 /// side, as in the core. Source: chosen.
 const SAME_FACE: f32 = 0.4;
@@ -44,7 +44,7 @@ struct Slot<'m> {
     session: Session<'m>,
     /// Recent mean of confidence times visible share, 0..1.
     claim: f32,
-    /// When it last tracked a face \[µs\].
+    /// When it last tracked an established face \[µs\].
     tracked_us: Option<i64>,
 }
 
@@ -86,9 +86,6 @@ impl<'m> Faces<'m> {
             let slot = &mut self.slots[id];
             slot.session.exclude(&excluded)?;
             slot.session.step(picture)?;
-            if slot.session.result().state == State::Tracking {
-                slot.tracked_us = Some(now_us);
-            }
         }
         self.update_claims(now_us);
         let single = self.slots.len() == 1;
@@ -113,7 +110,13 @@ impl<'m> Faces<'m> {
             let tracked_us = self.slots[*id].tracked_us;
             tracked_us.is_some_and(|then| now_us.saturating_sub(then) < RETURN_US)
         };
-        let searching = others.iter().filter(|id| is_back_soon(id)).count().max(1);
+        let returning = others.iter().filter(|id| is_back_soon(id)).count();
+        let is_coasting = |id: &usize| !self.slots[*id].is_tracking();
+        // A new number would be given to a face that another tracker has just lost.
+        let searching = match order.iter().any(is_coasting) {
+            true => returning,
+            false => returning.max(1),
+        };
         order.extend(others.into_iter().take(searching));
         order
     }
@@ -144,6 +147,9 @@ impl<'m> Faces<'m> {
                 State::Searching | State::Coasting => 0.0,
             };
             slot.claim += share * (now - slot.claim);
+            if slot.is_tracking() && slot.claim >= ESTABLISHED {
+                slot.tracked_us = Some(now_us);
+            }
         }
     }
 
