@@ -31,17 +31,20 @@ pub enum Command {
     Columns,
 }
 
+/// Most frames per second: timestamps are whole microseconds.
+pub const MAX_FPS: f64 = 1e6;
+
 /// Most faces of `track --faces`: each tracker excludes all others.
 const MAX_FACES: usize = MAX_EXCLUDED + 1;
 
 /// Settings of the tracker and the camera.
 #[derive(Args, Clone, Default)]
 pub struct TrackerArgs {
-    /// Model file; without it the embedded model
+    /// Model file [default: the embedded model]
     #[arg(long, value_name = "FILE")]
     pub model: Option<PathBuf>,
-    /// Focal length [px]; without it that of a 60° horizontal field of view
-    #[arg(long, value_name = "PX")]
+    /// Focal length [px] [default: that of a 60° horizontal field of view]
+    #[arg(long, value_name = "PX", value_parser = single(1.0, 1e6))]
     pub focal: Option<f32>,
     /// Calibration of camera and lens, as OpenCV writes it (YAML or JSON)
     #[arg(long, value_name = "FILE", conflicts_with = "focal")]
@@ -49,21 +52,21 @@ pub struct TrackerArgs {
     /// The calibration is one of OpenCV's fisheye, and does not say so
     #[arg(long, requires = "calibration")]
     pub fisheye: bool,
-    /// Narrowest face searched for [px]
-    #[arg(long, value_name = "PX")]
+    /// Narrowest face searched for [px] [default: 40]
+    #[arg(long, value_name = "PX", value_parser = whole(24, 4096))]
     pub min_face: Option<u32>,
     /// Work per frame while searching, about two for each window [default: 3000 for cameras, else
     /// the whole frame]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole(100, 10_000_000))]
     pub scan_budget: Option<u32>,
     /// Write the smoothed values (One-Euro filter)
     #[arg(long)]
     pub smooth: bool,
-    /// Its cutoff for a face that does not move [Hz]
-    #[arg(long, value_name = "HZ", requires = "smooth")]
+    /// Its cutoff for a face that does not move [Hz] [default: 1]
+    #[arg(long, value_name = "HZ", requires = "smooth", value_parser = single(0.01, 100.0))]
     pub smooth_cutoff: Option<f32>,
-    /// How much the cutoff rises with speed
-    #[arg(long, value_name = "N", requires = "smooth")]
+    /// How much the cutoff rises with speed [default: 12]
+    #[arg(long, value_name = "N", requires = "smooth", value_parser = single(0.0, 1000.0))]
     pub smooth_beta: Option<f32>,
 }
 
@@ -81,6 +84,15 @@ pub struct TrackArgs {
     /// Draw the result: a video (.mp4 and others through ffmpeg, .y4m) or a folder for PNGs
     #[arg(long, value_name = "FILE")]
     pub overlay: Option<PathBuf>,
+    /// What the overlay shows, separated by commas
+    #[arg(
+        long,
+        value_name = "STYLES",
+        value_enum,
+        value_delimiter = ',',
+        default_value = "points,mesh,axes,box"
+    )]
+    pub overlay_style: Vec<Style>,
     /// Plot angles and confidence over time (.svg or .png)
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
@@ -96,8 +108,8 @@ pub struct TrackArgs {
     /// The frames are mirrored left to right (a selfie preview)
     #[arg(long)]
     pub mirror: bool,
-    /// Search for faces only where they are centred in this rectangle of the upright frame [px];
-    /// without it the whole frame
+    /// Search for faces only where they are centred in this rectangle of the upright frame [px]
+    /// [default: the whole frame]
     #[arg(long, value_name = "X,Y,W,H", value_parser = roi, allow_hyphen_values = true)]
     pub roi: Option<Roi>,
     /// Track up to this many faces; with more than one, a row is written for each face that is
@@ -107,9 +119,9 @@ pub struct TrackArgs {
             .range(1..=MAX_FACES as u64))]
     pub faces: usize,
     /// Frame rate of a folder or glob of pictures
-    #[arg(long, value_name = "N", default_value_t = 30.0)]
+    #[arg(long, value_name = "N", default_value_t = 30.0, value_parser = rate)]
     pub fps: f64,
-    /// Stop after this many frames
+    /// Stop after this many frames [default: all]
     #[arg(long, value_name = "N")]
     pub frames: Option<u64>,
     /// No progress bar, no summary
@@ -117,9 +129,22 @@ pub struct TrackArgs {
     pub quiet: bool,
 }
 
+/// A part of the overlay.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Style {
+    /// The landmarks, coloured by their confidence
+    Points,
+    /// Triangles between the landmarks
+    Mesh,
+    /// The axes of the head
+    Axes,
+    /// The box of the landmarks
+    Box,
+}
+
 #[derive(Args)]
 pub struct DemoArgs {
-    /// Model file; without it the embedded model
+    /// Model file [default: the embedded model]
     #[arg(long, value_name = "FILE")]
     pub model: Option<PathBuf>,
 }
@@ -156,6 +181,30 @@ fn within(least: f64, most: f64) -> impl Fn(&str) -> Result<f64, String> + Clone
     move |text| match text.parse() {
         Ok(v) if (least..=most).contains(&v) => Ok(v),
         _ => Err(format!("not a number from {least} to {most}")),
+    }
+}
+
+/// As [`within`], in single precision.
+fn single(least: f32, most: f32) -> impl Fn(&str) -> Result<f32, String> + Clone {
+    move |text| match text.parse() {
+        Ok(v) if (least..=most).contains(&v) => Ok(v),
+        _ => Err(format!("not a number from {least} to {most}")),
+    }
+}
+
+/// Parses a whole number from `least` to `most`.
+fn whole(least: u32, most: u32) -> impl Fn(&str) -> Result<u32, String> + Clone {
+    move |text| match text.parse() {
+        Ok(v) if (least..=most).contains(&v) => Ok(v),
+        _ => Err(format!("not a whole number from {least} to {most}")),
+    }
+}
+
+/// Parses a frame rate: timestamps are whole microseconds, and each is after the last one.
+fn rate(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(fps) if fps > 0.0 && fps <= MAX_FPS => Ok(fps),
+        _ => Err(format!("not a number above 0, up to {MAX_FPS}")),
     }
 }
 
@@ -217,7 +266,7 @@ pub struct LandmarksArgs {
     /// Plot the cumulative error distribution up to 10 % (.svg or .png)
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
-    /// Model file; without it the embedded model
+    /// Model file [default: the embedded model]
     #[arg(long, value_name = "FILE")]
     pub model: Option<PathBuf>,
     /// Narrowest face searched for [px]
@@ -339,7 +388,7 @@ pub struct BenchArgs {
     /// Write the numbers as JSON
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
-    /// Model file; without it the embedded model
+    /// Model file [default: the embedded model]
     #[arg(long, value_name = "FILE")]
     pub model: Option<PathBuf>,
     /// Clip to track; without it the one that ships with posewise
@@ -354,4 +403,86 @@ pub enum ModelCommand {
         /// A .posewise file
         file: PathBuf,
     },
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    /// Options whose absence means that nothing is read or written.
+    const FILES: [&str; 4] = ["FILE", "CLIP", "DIR", "INPUT"];
+
+    fn check(command: &clap::Command) {
+        command.get_subcommands().for_each(check);
+        for option in command.get_opts() {
+            let names = option.get_value_names().unwrap_or_default();
+            let is_file = names.iter().any(|name| FILES.contains(&name.as_str()));
+            let help = option
+                .get_help()
+                .map(ToString::to_string)
+                .unwrap_or_default();
+            let shows = !option.get_default_values().is_empty() || help.contains("[default: ");
+            let takes_value = option.get_action().takes_values();
+            assert!(
+                !takes_value || is_file || shows || option.is_required_set(),
+                "{} --{}: {help}",
+                command.get_name(),
+                option.get_id()
+            );
+        }
+    }
+
+    #[test]
+    fn help_shows_every_default() {
+        Cli::command().debug_assert();
+        check(&Cli::command());
+    }
+
+    /// The ranges of the options are those of the core.
+    #[test]
+    fn options_accept_what_the_core_accepts() {
+        let accepted = |option: &str, value: &str| {
+            let args = ["posewise", "track", "-", "--smooth", option, value];
+            Cli::try_parse_from(args).is_ok()
+        };
+        let config = |change: fn(&mut Config, f32), value: f32| {
+            let mut config = Config::default();
+            change(&mut config, value);
+            config.check().is_ok()
+        };
+        type Change = fn(&mut Config, f32);
+        let options: [(&str, Change, &[f32]); 4] = [
+            (
+                "--min-face",
+                |c, v| c.min_face_px = v as u32,
+                &[23., 24., 4096., 4097.],
+            ),
+            (
+                "--scan-budget",
+                |c, v| c.scan_budget = v as u32,
+                &[99., 100., 1e7, 10_000_001.],
+            ),
+            (
+                "--smooth-cutoff",
+                |c, v| c.smoothing.cutoff_hz = v,
+                &[0.0, 0.01, 100., 101.],
+            ),
+            (
+                "--smooth-beta",
+                |c, v| c.smoothing.beta = v,
+                &[0.0, 1000., 1001., f32::NAN],
+            ),
+        ];
+        for (option, change, values) in options {
+            for value in values {
+                let text = value.to_string();
+                assert_eq!(
+                    accepted(option, &text),
+                    config(change, *value),
+                    "{option} {text}"
+                );
+            }
+        }
+    }
 }

@@ -64,7 +64,7 @@ pub fn run(args: &DemoArgs) -> Result<()> {
 /// Frames at equal distances with their overlay, side by side.
 fn contact_sheet(frames: &[(Picture, TrackResult)], session: &Session<'_>) -> Result<RgbImage> {
     let count = SHEET.0 * SHEET.1;
-    let mut painter = Painter::default();
+    let mut painter = Painter::all();
     let mut sheet = RgbImage::new(1, 1);
     for i in 0..count {
         let at = (2 * i + 1) * frames.len() / (2 * count);

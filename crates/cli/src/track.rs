@@ -44,9 +44,6 @@ impl<'m> Session<'m> {
     /// A new tracker with these settings. Only a live camera's frames cannot wait: elsewhere every
     /// frame is searched completely unless the settings say otherwise.
     pub fn new(model: &'m Model<'m>, args: &TrackerArgs, live: bool) -> Result<Self> {
-        if (args.focal).is_some_and(|f| !Intrinsics::new(f, f, 0.0, 0.0).is_valid()) {
-            bail!("--focal must be 1 to 1000000 px");
-        }
         let mut config = Config::default();
         config.min_face_px = args.min_face.unwrap_or(config.min_face_px);
         let budget = if live {
@@ -206,7 +203,7 @@ impl Outputs {
                 .as_deref()
                 .map(|path| Overlay::create(path, source.fps()))
                 .transpose()?,
-            painter: Painter::default(),
+            painter: Painter::new(&args.overlay_style),
             samples: Vec::new(),
             live: source.is_live(),
         })
@@ -329,9 +326,6 @@ fn check_outputs(args: &TrackArgs) -> Result<()> {
 
 /// Runs the command; returns the exit status that a signal asked for.
 pub fn run(args: &TrackArgs) -> Result<Option<u8>> {
-    if !(args.fps.is_finite() && args.fps > 0.0 && args.fps <= 1e5) {
-        bail!("--fps must be positive");
-    }
     if let Some(path) = &args.plot {
         plot::check_name(path)?;
     }

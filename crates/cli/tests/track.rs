@@ -140,18 +140,6 @@ fn bad_inputs_are_named() {
         );
     }
     let good = file("good.y4m", &clip);
-    fails_with(&["track", &good, "--focal", "nan"], none(), &["--focal"]);
-    fails_with(&["track", &good, "--focal", "0"], none(), &["--focal"]);
-    fails_with(
-        &["track", &good, "--min-face", "2"],
-        none(),
-        &["min_face_px"],
-    );
-    fails_with(
-        &["track", &good, "--scan-budget", "0"],
-        none(),
-        &["scan_budget"],
-    );
     fails_with(
         &["track", &good, "--plot", "x.gif"],
         none(),
@@ -339,4 +327,46 @@ fn a_calibration_is_read_and_checked() {
         assert_eq!(code, Some(status), "{said}");
         assert!(said.contains(word), "{said}");
     }
+}
+
+/// A wrong value is a wrong command line: exit code 2, and the option is named.
+#[test]
+fn wrong_values_exit_with_2_and_name_the_option() {
+    for (option, value) in [
+        ("--focal", "0.5"),
+        ("--focal", "nan"),
+        ("--focal", "0"),
+        ("--min-face", "2"),
+        ("--min-face", "5000"),
+        ("--scan-budget", "0"),
+        ("--scan-budget", "1"),
+        ("--fps", "0"),
+        ("--fps", "1000001"),
+        ("--rotate", "45"),
+        ("--overlay-style", "points,lines"),
+    ] {
+        let run = posewise().args(["track", "-", option, value]).assert();
+        let output = run.get_output();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{option} {value}: {said}");
+        assert!(said.contains(option) && !said.contains("..="), "{said}");
+    }
+}
+
+/// The header of a PNG of 100,000 × 100,000 px, and nothing else.
+#[test]
+fn a_picture_of_absurd_size_is_refused_before_it_is_decoded() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("huge.png");
+    let mut bytes = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR".to_vec();
+    let header = [100_000u32.to_be_bytes(), 100_000u32.to_be_bytes()].concat();
+    bytes.extend(&header);
+    bytes.extend([8, 0, 0, 0, 0]);
+    let mut crc = flate2::Crc::new();
+    crc.update(&bytes[12..]);
+    bytes.extend(crc.sum().to_be_bytes());
+    bytes.extend(b"\0\0\0\0IDAT\x35\xaf\x06\x1e");
+    std::fs::write(&path, bytes).unwrap();
+    let words = ["huge.png", "100000×100000", "128000000"];
+    fails_with(&["track", arg(&path)], Vec::new(), &words);
 }

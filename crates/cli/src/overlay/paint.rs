@@ -1,5 +1,7 @@
-//! Draws one result into a picture: mesh, landmarks, axes, box and a line of text.
+//! Draws results into a picture: mesh, landmarks, axes and box, as far as they are wanted, with a
+//! line of text and a legend.
 
+use clap::ValueEnum;
 use glam::{Mat3, Quat, Vec3};
 use image::{Rgb, RgbImage};
 use imageproc::drawing::{draw_antialiased_line_segment_mut, draw_filled_circle_mut};
@@ -7,34 +9,64 @@ use imageproc::pixelops::interpolate;
 use posewise::shape::Intrinsics;
 use posewise::track::{State, TrackResult};
 
+use super::legend::legend;
 use super::mesh::{Triangles, triangulate_face, twice_area};
+use crate::cli::Style;
 use crate::csv::state_name;
 use crate::faces::Face;
 use crate::text;
 
-const MESH: Rgb<u8> = Rgb([120, 160, 200]);
-const BOX: Rgb<u8> = Rgb([240, 220, 60]);
-const BOX_HOLDING: Rgb<u8> = Rgb([240, 140, 40]);
+pub const MESH: Rgb<u8> = Rgb([120, 160, 200]);
+pub const BOX: Rgb<u8> = Rgb([240, 220, 60]);
+pub const BOX_COASTING: Rgb<u8> = Rgb([240, 140, 40]);
+/// The head's axes: to the person's left, down, out of the face.
+pub const AXES: [Rgb<u8>; 3] = [Rgb([255, 60, 60]), Rgb([60, 220, 60]), Rgb([80, 120, 255])];
 const WHITE: Rgb<u8> = Rgb([255, 255, 255]);
 /// Length of the drawn axes \[mm\].
 const AXIS_MM: f32 = 60.0;
 
 /// Draws results; keeps the mesh's triangles from the first face on.
-#[derive(Default)]
 pub struct Painter {
+    styles: Vec<Style>,
     triangles: Triangles,
 }
 
 impl Painter {
+    /// Draws these parts.
+    pub fn new(styles: &[Style]) -> Self {
+        Painter {
+            styles: styles.to_vec(),
+            triangles: Triangles::new(),
+        }
+    }
+
+    /// Draws all parts.
+    pub fn all() -> Self {
+        Painter::new(Style::value_variants())
+    }
+
+    fn shows(&self, style: Style) -> bool {
+        self.styles.contains(&style)
+    }
+
     /// Draws the faces of a frame into its upright picture. `camera` is what the tracker assumed.
     pub fn paint(&mut self, image: &mut RgbImage, frame: u64, faces: &[Face], camera: &Intrinsics) {
         let seen = |face: &&Face| face.result.state != State::Searching;
         for Face { result, .. } in faces.iter().filter(seen) {
-            self.mesh(image, result, camera);
-            draw_box(image, result);
-            draw_landmarks(image, result);
-            draw_axes(image, result, camera);
+            if self.shows(Style::Mesh) {
+                self.mesh(image, result, camera);
+            }
+            if self.shows(Style::Box) {
+                draw_box(image, result);
+            }
+            if self.shows(Style::Points) {
+                draw_landmarks(image, result);
+            }
+            if self.shows(Style::Axes) {
+                draw_axes(image, result, camera);
+            }
         }
+        legend(image, &self.styles);
         match faces {
             [] => label(
                 image,
@@ -56,15 +88,22 @@ impl Painter {
         }
         let projected = result.points_mm.map(|p| project(camera, Vec3::from(p)));
         for triangle in &self.triangles {
-            let corners = triangle.map(|i| projected.get(i).copied().flatten());
-            let [Some(a), Some(b), Some(c)] = corners else {
+            let solid = triangle.map(|i| projected.get(i).copied().flatten());
+            let [Some(a), Some(b), Some(c)] = solid else {
                 continue;
             };
-            // Triangles that face away would clutter the far side.
-            if twice_area([a, b, c]) > 0.0 {
-                for (from, to) in [(a, b), (b, c), (c, a)] {
-                    line(image, from, to, MESH);
-                }
+            // Triangles of the 3D face that face away would clutter the far side.
+            if twice_area([a, b, c]) <= 0.0 {
+                continue;
+            }
+            // The corners are the landmarks, not the points of the 3D face: along the jaw of a
+            // turned head these are other places of the face.
+            let [a, b, c] = triangle.map(|i| {
+                let landmark = result.landmarks.get(i).copied().unwrap_or_default();
+                [landmark.x, landmark.y]
+            });
+            for (from, to) in [(a, b), (b, c), (c, a)] {
+                line(image, from, to, MESH);
             }
         }
     }
@@ -93,7 +132,7 @@ fn line(image: &mut RgbImage, from: [f32; 2], to: [f32; 2], color: Rgb<u8>) {
 
 fn draw_box(image: &mut RgbImage, result: &TrackResult) {
     let color = match result.state {
-        State::Coasting => BOX_HOLDING,
+        State::Coasting => BOX_COASTING,
         _ => BOX,
     };
     let [x, y, w, h] = result.face_box;
@@ -103,7 +142,14 @@ fn draw_box(image: &mut RgbImage, result: &TrackResult) {
     }
 }
 
-/// Red for no confidence through yellow to green; hidden landmarks smaller.
+/// Red for no confidence through yellow to green.
+pub fn confidence_color(confidence: f32) -> Rgb<u8> {
+    let c = confidence.clamp(0.0, 1.0);
+    let ramp = |v: f32| (255.0 * v.min(1.0)) as u8;
+    Rgb([ramp(2.0 - 2.0 * c), ramp(2.0 * c), 0])
+}
+
+/// Coloured by confidence; hidden landmarks smaller.
 fn draw_landmarks(image: &mut RgbImage, result: &TrackResult) {
     let size = result.face_box[2].max(result.face_box[3]);
     let radius = ((size / 110.0).round() as i32).clamp(1, 6);
@@ -111,9 +157,7 @@ fn draw_landmarks(image: &mut RgbImage, result: &TrackResult) {
         if !drawable([l.x, l.y]) {
             continue;
         }
-        let c = l.confidence.clamp(0.0, 1.0);
-        let ramp = |v: f32| (255.0 * v.min(1.0)) as u8;
-        let color = Rgb([ramp(2.0 - 2.0 * c), ramp(2.0 * c), 0]);
+        let color = confidence_color(l.confidence);
         let radius = if l.visibility < 0.5 {
             (radius / 2).max(1)
         } else {
@@ -132,9 +176,9 @@ fn draw_axes(image: &mut RgbImage, result: &TrackResult, camera: &Intrinsics) {
         return;
     };
     let axes = [
-        (rotation.x_axis, Rgb([255, 60, 60])),
-        (rotation.y_axis, Rgb([60, 220, 60])),
-        (-rotation.z_axis, Rgb([80, 120, 255])),
+        (rotation.x_axis, AXES[0]),
+        (rotation.y_axis, AXES[1]),
+        (-rotation.z_axis, AXES[2]),
     ];
     for (axis, color) in axes {
         if let Some(to) = project(camera, origin + AXIS_MM * axis) {
@@ -213,7 +257,7 @@ pub mod tests {
     #[test]
     fn paints_a_face_and_survives_nonsense() {
         let camera = Intrinsics::of_frame(320, 240);
-        let mut painter = Painter::default();
+        let mut painter = Painter::all();
         let mut image = RgbImage::new(320, 240);
         painter.paint(&mut image, 1, &one(fake_face(&camera)), &camera);
         assert!(painter.triangles.len() > 60);
@@ -227,8 +271,44 @@ pub mod tests {
         wild.translation_mm = [0.0, 0.0, -1.0];
         wild.face_box = [1e9, -1e9, f32::NAN, 5.0];
         wild.rotation = [0.0; 4];
-        Painter::default().paint(&mut image, 2, &one(wild), &camera);
-        Painter::default().paint(&mut RgbImage::new(1, 1), 2, &one(wild), &camera);
-        Painter::default().paint(&mut RgbImage::new(1, 1), 2, &[], &camera);
+        Painter::all().paint(&mut image, 2, &one(wild), &camera);
+        Painter::all().paint(&mut RgbImage::new(1, 1), 2, &one(wild), &camera);
+        Painter::all().paint(&mut RgbImage::new(1, 1), 2, &[], &camera);
+    }
+
+    /// On a turned head the jaw's landmarks are elsewhere than the points of the 3D face.
+    #[test]
+    fn the_mesh_goes_through_the_landmarks() {
+        let camera = Intrinsics::of_frame(320, 240);
+        let mut face = fake_face(&camera);
+        for landmark in &mut face.landmarks[..17] {
+            landmark.x += 40.0;
+        }
+        let mut image = RgbImage::new(320, 240);
+        Painter::new(&[Style::Mesh]).paint(&mut image, 1, &one(face), &camera);
+        for landmark in &face.landmarks[..17] {
+            let at = [landmark.x, landmark.y].map(|v| v.round() as u32);
+            let around = (0..9).map(|k| image.get_pixel(at[0] + k % 3 - 1, at[1] + k / 3 - 1));
+            assert!(around.into_iter().any(|p| p.0 != [0; 3]), "{landmark:?}");
+        }
+    }
+
+    #[test]
+    fn only_the_styles_that_are_wanted_are_drawn() {
+        let camera = Intrinsics::of_frame(320, 240);
+        let face = one(fake_face(&camera));
+        let shows = |style: Style, color: Rgb<u8>| {
+            let mut image = RgbImage::new(320, 240);
+            Painter::new(&[style]).paint(&mut image, 1, &face, &camera);
+            // Above the legend.
+            let seen = image.enumerate_pixels().filter(|(_, y, _)| *y < 200);
+            seen.into_iter().any(|(_, _, p)| *p == color)
+        };
+        let colors = [confidence_color(1.0), MESH, AXES[0], BOX];
+        for (i, style) in Style::value_variants().iter().enumerate() {
+            for (j, color) in colors.iter().enumerate() {
+                assert_eq!(shows(*style, *color), i == j, "{style:?} {color:?}");
+            }
+        }
     }
 }

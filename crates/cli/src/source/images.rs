@@ -11,6 +11,9 @@ use crate::picture::Picture;
 /// File name extensions that are read as pictures.
 pub const EXTENSIONS: [&str; 8] = ["bmp", "jpeg", "jpg", "pbm", "pgm", "png", "ppm", "webp"];
 
+/// Most pixels of a picture. Chosen: more than any camera has; decoding takes 12 bytes each at most.
+const MAX_PIXELS: u64 = 128_000_000;
+
 /// Whether the file's name is that of a picture.
 pub fn is_image(path: &Path) -> bool {
     path.extension()
@@ -20,12 +23,22 @@ pub fn is_image(path: &Path) -> bool {
 
 /// Decodes one picture; the file's content decides the format, not its name.
 pub fn read_rgb(path: &Path) -> Result<RgbImage> {
-    let image = image::ImageReader::open(path)
-        .with_context(|| format!("cannot open picture {}", path.display()))?
-        .with_guessed_format()
-        .with_context(|| format!("cannot read picture {}", path.display()))?
-        .decode()
-        .with_context(|| format!("cannot decode picture {}", path.display()))?;
+    let reader = || -> Result<_> {
+        image::ImageReader::open(path)
+            .with_context(|| format!("cannot open picture {}", path.display()))?
+            .with_guessed_format()
+            .with_context(|| format!("cannot read picture {}", path.display()))
+    };
+    let cannot_decode = || format!("cannot decode picture {}", path.display());
+    // Before anything is decoded: a small file may describe a picture of any size.
+    let (width, height) = reader()?.into_dimensions().with_context(cannot_decode)?;
+    if u64::from(width) * u64::from(height) > MAX_PIXELS {
+        bail!(
+            "picture {}: {width}×{height} px are more than {MAX_PIXELS} pixels",
+            path.display()
+        );
+    }
+    let image = reader()?.decode().with_context(cannot_decode)?;
     Ok(image.into_rgb8())
 }
 

@@ -8,6 +8,7 @@ use anyhow::{Result, anyhow, bail};
 use posewise::image::{FrameLayout, MAX_SIDE, PixelFormat};
 
 use super::stream::{Source, timestamp_us};
+use crate::cli::MAX_FPS;
 use crate::picture::{Chroma, Picture};
 
 /// Longest stream header that the decoder reads \[bytes\].
@@ -51,7 +52,8 @@ impl Y4mSource {
     /// Reads the stream's header. `name` is for messages.
     pub fn new(reader: impl Read + 'static, name: &str) -> Result<Self> {
         let mut inner: Box<dyn Read> = Box::new(reader);
-        let header = read_header(&mut inner, name)?;
+        let mut header = read_header(&mut inner, name)?;
+        let is_mono10 = replace_mono10(&mut header);
         let count = Rc::new(Cell::new(0));
         let reader = Cursor::new(header).chain(Counting {
             inner,
@@ -65,9 +67,20 @@ impl Y4mSource {
         if rate.num == 0 || rate.den == 0 {
             bail!("{name}: its y4m header gives no frame rate");
         }
+        if rate.num as f64 > MAX_FPS * rate.den as f64 {
+            bail!(
+                "{name}: the frame rate {}:{} of its y4m header is above {MAX_FPS} per second: \
+                 timestamps are whole microseconds",
+                rate.num,
+                rate.den
+            );
+        }
         let colorspace = decoder.get_colorspace();
         let chroma = chroma_of(colorspace);
-        let bits = colorspace.get_bit_depth() as u32;
+        let bits = match is_mono10 {
+            true => 10,
+            false => colorspace.get_bit_depth() as u32,
+        };
         let (width, height) = (decoder.get_width() as u64, decoder.get_height() as u64);
         let chroma_len = match chroma {
             Chroma::None => 0,
@@ -155,6 +168,18 @@ impl Source for Y4mSource {
     }
 }
 
+/// The decoder does not know `Cmono10`, whose frames are laid out as those of `Cmono12`.
+fn replace_mono10(header: &mut [u8]) -> bool {
+    const MONO10: &[u8] = b" Cmono10";
+    let found = header
+        .windows(MONO10.len() + 1)
+        .position(|w| w.starts_with(MONO10) && w.last().is_some_and(|end| b" \n".contains(end)));
+    if let Some(digit) = found.and_then(|at| header.get_mut(at + MONO10.len() - 1)) {
+        *digit = b'2';
+    }
+    found.is_some()
+}
+
 fn chroma_of(colorspace: y4m::Colorspace) -> Chroma {
     use y4m::Colorspace as C;
     match colorspace {
@@ -234,6 +259,23 @@ mod tests {
     }
 
     #[test]
+    fn ten_and_twelve_bits_are_read() {
+        for (colour, levels) in [("mono10", 1023u16), ("mono12", 4095), ("420p10", 1023)] {
+            let mut bytes =
+                format!("YUV4MPEG2 W2 H2 F1000000:1 C{colour} Ip\nFRAME\n").into_bytes();
+            for level in [0, levels / 2, levels, 4] {
+                bytes.extend(level.to_le_bytes());
+            }
+            if colour.starts_with("420") {
+                bytes.extend([0, 2, 0, 2]);
+            }
+            let pictures = all(&bytes).unwrap();
+            assert_eq!(pictures.len(), 1, "{colour}");
+            assert_eq!(pictures[0].data[..3], [0, 127, 255], "{colour}");
+        }
+    }
+
+    #[test]
     fn bad_headers_are_named() {
         for (bytes, message) in [
             (&b""[..], "is empty"),
@@ -242,6 +284,7 @@ mod tests {
             (b"YUV4MPEG2 H4 F25:1\n", "width"),
             (b"YUV4MPEG2 W4000000000 H4000000000 F25:1\n", "width"),
             (b"YUV4MPEG2 W4 H4 F0:0\n", "frame rate"),
+            (b"YUV4MPEG2 W4 H4 F2000000:1\n", "2000000:1"),
             (b"YUV4MPEG2 W4 H4 F25:1 Cfoo\n", "colour space"),
             (b"YUV4MPEG2 W4 H4 F25:1\n", "no frames"),
             (b"YUV4MPEG2 W4 H4 F25:1\nFRAMX\n", "corrupt"),
