@@ -1,6 +1,6 @@
 //! Faces that other trackers follow: this one neither finds nor follows them.
 
-use super::{ConfigError, MAX_EXCLUDED, Tracker};
+use super::MAX_EXCLUDED;
 
 /// A face is the excluded one when its centre is nearer to the box's than this share of the box's
 /// longer side. Source: chosen; boxes of one face differ by a quarter at most, and a face half
@@ -60,21 +60,6 @@ fn place(&[x, y, width, height]: &[f32; 4]) -> Option<Place> {
         y: y + height / 2.0,
         size,
     })
-}
-
-impl Tracker {
-    /// From the next step on, this tracker neither finds nor follows the faces with these boxes
-    /// (left, top, width, height \[px\]), which replace those given before: other trackers follow
-    /// them. Its own face, when it is one of them, is lost with [`Loss::Excluded`].
-    ///
-    /// [`Loss::Excluded`]: super::Loss::Excluded
-    ///
-    /// # Errors
-    /// [`ConfigError::Excluded`]; nothing is changed.
-    pub fn set_excluded(&mut self, boxes: &[[f32; 4]]) -> Result<(), ConfigError> {
-        self.excluded = Excluded::new(boxes).ok_or(ConfigError::Excluded)?;
-        Ok(())
-    }
 }
 
 #[cfg(test)]

@@ -257,6 +257,17 @@ impl Tracker {
         Ok(())
     }
 
+    /// From the next step on, this tracker neither finds nor follows the faces with these boxes
+    /// (left, top, width, height \[px\]), which replace those given before: other trackers follow
+    /// them. Its own face, when it is one of them, is lost with [`Loss::Excluded`].
+    ///
+    /// # Errors
+    /// [`ConfigError::Excluded`]; nothing is changed.
+    pub fn set_excluded(&mut self, boxes: &[[f32; 4]]) -> Result<(), ConfigError> {
+        self.excluded = Excluded::new(boxes).ok_or(ConfigError::Excluded)?;
+        Ok(())
+    }
+
     // --- The state machine -----------------------------------------------------------------------
 
     /// One step of the state machine.

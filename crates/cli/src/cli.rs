@@ -1,4 +1,4 @@
-//! The command line's grammar.
+//! The command line's grammar. Every option stands here, which makes this file longer than others.
 
 use std::path::PathBuf;
 

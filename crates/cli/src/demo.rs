@@ -17,7 +17,7 @@ use crate::faces::Face;
 use crate::model_file::ModelFile;
 use crate::overlay::Painter;
 use crate::picture::Picture;
-use crate::track::Session;
+use crate::session::Session;
 use crate::{demo_clip, output};
 
 const PICTURE: &str = "posewise-demo.png";

@@ -16,7 +16,7 @@ use posewise::track::{EventLog, Model, State, TrackResult};
 
 use crate::cli::TrackerArgs;
 use crate::picture::Picture;
-use crate::track::Session;
+use crate::session::Session;
 
 /// How long after a loss a tracker searches by itself, before another one looks for a new face
 /// \[µs\]. Source: chosen; somebody who passes behind another is back sooner.

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `cli` | the grammar |
 //! | `source/` | INPUT → a stream of [`picture::Picture`]s |
-//! | `track`, `faces` | `posewise track`: the loop and its trackers |
+//! | `track`, `faces`, `session` | `posewise track`: the loop and its trackers |
 //! | `csv`, `jsonl`, `log`, `overlay/`, `plot` | its outputs |
 //! | `calibration` | camera and lens from a file |
 //! | `demo`, `demo_clip` | `posewise demo` |
@@ -35,6 +35,7 @@ mod picture;
 mod plot;
 mod random;
 mod scenes;
+mod session;
 mod source;
 mod stack;
 mod stages;

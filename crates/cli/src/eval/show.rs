@@ -6,7 +6,7 @@ use posewise::track::{Model, TrackResult};
 
 use crate::cli::TrackerArgs;
 use crate::picture::Picture;
-use crate::track::Session;
+use crate::session::Session;
 
 /// A fresh tracker and its clock.
 pub struct Show<'m> {

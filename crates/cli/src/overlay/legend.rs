@@ -2,7 +2,7 @@
 
 use image::{Rgb, RgbImage};
 
-use super::paint::{AXES, BOX, BOX_COASTING, MESH, confidence_color};
+use super::colors::{AXES, BOX, BOX_COASTING, MESH, confidence_color};
 use crate::cli::Style;
 use crate::text;
 

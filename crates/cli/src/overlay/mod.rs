@@ -1,5 +1,6 @@
 //! Pictures of what the tracker saw: `paint` draws, `sink` writes videos and folders.
 
+mod colors;
 mod legend;
 mod mesh;
 mod paint;

@@ -9,6 +9,7 @@ use imageproc::pixelops::interpolate;
 use posewise::shape::Intrinsics;
 use posewise::track::{State, TrackResult};
 
+use super::colors::{AXES, BOX, BOX_COASTING, MESH, confidence_color};
 use super::legend::legend;
 use super::mesh::{Triangles, triangulate_face, twice_area};
 use crate::cli::Style;
@@ -16,11 +17,6 @@ use crate::csv::state_name;
 use crate::faces::Face;
 use crate::text;
 
-pub const MESH: Rgb<u8> = Rgb([120, 160, 200]);
-pub const BOX: Rgb<u8> = Rgb([240, 220, 60]);
-pub const BOX_COASTING: Rgb<u8> = Rgb([240, 140, 40]);
-/// The head's axes: to the person's left, down, out of the face.
-pub const AXES: [Rgb<u8>; 3] = [Rgb([255, 60, 60]), Rgb([60, 220, 60]), Rgb([80, 120, 255])];
 const WHITE: Rgb<u8> = Rgb([255, 255, 255]);
 /// Length of the drawn axes \[mm\].
 const AXIS_MM: f32 = 60.0;
@@ -140,13 +136,6 @@ fn draw_box(image: &mut RgbImage, result: &TrackResult) {
     for i in 0..4 {
         line(image, corners[i], corners[(i + 1) % 4], color);
     }
-}
-
-/// Red for no confidence through yellow to green.
-pub fn confidence_color(confidence: f32) -> Rgb<u8> {
-    let c = confidence.clamp(0.0, 1.0);
-    let ramp = |v: f32| (255.0 * v.min(1.0)) as u8;
-    Rgb([ramp(2.0 - 2.0 * c), ramp(2.0 * c), 0])
 }
 
 /// Coloured by confidence; hidden landmarks smaller.
