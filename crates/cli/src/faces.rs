@@ -3,9 +3,9 @@
 //! On each frame, trackers that have a face go first. A tracker without one is told the boxes of
 //! the faces that the others track, and finds none of those. Of the trackers without a face, those
 //! search that lost theirs a moment ago, so that a person keeps the number; if there is none, and
-//! none coasts, one of the others. Where two trackers are on the same face, the one with the smaller claim has slid
-//! onto it, mostly from a face that went behind it: it gives it back. A tracker's claim is its
-//! recent mean of confidence times visible share.
+//! none coasts, one of the others. Where two trackers are on the same face, the one with the
+//! smaller claim has slid onto it, mostly from a face that went behind it: it gives it back. A
+//! tracker's claim is its recent mean of confidence times visible share.
 
 use std::time::Duration;
 

@@ -11,7 +11,7 @@ use crate::picture::Picture;
 /// File name extensions that are read as pictures.
 pub const EXTENSIONS: [&str; 8] = ["bmp", "jpeg", "jpg", "pbm", "pgm", "png", "ppm", "webp"];
 
-/// Most pixels of a picture. Chosen: more than any camera has; decoding takes 12 bytes each at most.
+/// Most pixels of a picture. Chosen: more than cameras have. Decoding takes 12 bytes each at most.
 const MAX_PIXELS: u64 = 128_000_000;
 
 /// Whether the file's name is that of a picture.
