@@ -71,11 +71,15 @@ static posewise_status step_all(face *all, const posewise_frame *frame) {
         searching |= all[k].result.state == POSEWISE_COASTING;
     }
     for (k = 0; k < FACES && status == POSEWISE_OK; k++) {
-        if (all[k].result.timestamp_us == frame->timestamp_us)
-            continue; /* it had a face, and its step is done */
+        const int is_back_soon = frame->timestamp_us - all[k].tracked_us < RETURN_US;
+        if (all[k].result.timestamp_us == frame->timestamp_us) {
+            /* Its step is done; it may have lost its face on this frame. */
+            searching |= all[k].result.state == POSEWISE_SEARCHING && is_back_soon;
+            continue;
+        }
         if (newest < 0 || all[k].tracked_us > all[newest].tracked_us)
             newest = k;
-        if (frame->timestamp_us - all[k].tracked_us < RETURN_US) {
+        if (is_back_soon) {
             status = step(all, k, frame);
             searching = 1;
         }

@@ -81,11 +81,16 @@ impl<'m> Faces<'m> {
     /// One frame: a single tracker's result, or those that have a face.
     pub fn step(&mut self, picture: &Picture) -> Result<Vec<Face>> {
         let now_us = picture.timestamp_us;
-        for id in self.order(now_us) {
-            let excluded = self.excluded(id);
-            let slot = &mut self.slots[id];
-            slot.session.exclude(&excluded)?;
-            slot.session.step(picture)?;
+        let ids = 0..self.slots.len();
+        let with_face: Vec<usize> = ids.filter(|id| self.slots[*id].has_face()).collect();
+        for id in &with_face {
+            self.step_one(*id, picture)?;
+        }
+        // Some of these may have lost their face on this frame.
+        for id in self.searching(now_us) {
+            if !with_face.contains(&id) {
+                self.step_one(id, picture)?;
+            }
         }
         self.update_claims(now_us);
         let single = self.slots.len() == 1;
@@ -99,11 +104,18 @@ impl<'m> Faces<'m> {
             .collect())
     }
 
-    /// The trackers that step on this frame, in order.
-    fn order(&self, now_us: i64) -> Vec<usize> {
+    fn step_one(&mut self, id: usize, picture: &Picture) -> Result<()> {
+        let excluded = self.excluded(id);
+        let session = &mut self.slots[id].session;
+        session.exclude(&excluded)?;
+        session.step(picture)?;
+        Ok(())
+    }
+
+    /// The trackers that search, in order.
+    fn searching(&self, now_us: i64) -> Vec<usize> {
         let ids = 0..self.slots.len();
-        let (mut order, mut others): (Vec<_>, Vec<_>) =
-            ids.partition(|id| self.slots[*id].has_face());
+        let (faces, mut others): (Vec<_>, Vec<_>) = ids.partition(|id| self.slots[*id].has_face());
         // The last to lose its face first, then those that never had one.
         others.sort_by_key(|id| std::cmp::Reverse(self.slots[*id].tracked_us));
         let is_back_soon = |id: &usize| {
@@ -111,14 +123,10 @@ impl<'m> Faces<'m> {
             tracked_us.is_some_and(|then| now_us.saturating_sub(then) < RETURN_US)
         };
         let returning = others.iter().filter(|id| is_back_soon(id)).count();
-        let is_coasting = |id: &usize| !self.slots[*id].is_tracking();
         // A new number would be given to a face that another tracker has just lost.
-        let searching = match order.iter().any(is_coasting) {
-            true => returning,
-            false => returning.max(1),
-        };
-        order.extend(others.into_iter().take(searching));
-        order
+        let waits = faces.iter().any(|id| !self.slots[*id].is_tracking());
+        others.truncate(if waits { returning } else { returning.max(1) });
+        others
     }
 
     /// Boxes of faces that a tracker must leave to others.

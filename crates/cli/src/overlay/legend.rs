@@ -40,7 +40,7 @@ pub fn legend(image: &mut RgbImage, styles: &[Style]) {
     let strip = text::GLYPH as u32 + 3;
     let (width, height) = image.dimensions();
     let lines: Vec<Line> = styles.iter().map(|style| line(*style)).collect();
-    let longest = lines.iter().map(|l| length(l)).max().unwrap_or(0) + 4;
+    let longest = lines.iter().map(length).max().unwrap_or(0) + 4;
     // It would hide a picture that is not much larger.
     if width < longest || height < 4 * strip * lines.len() as u32 {
         return;
