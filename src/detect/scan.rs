@@ -1,6 +1,6 @@
 //! The scan over sizes, rolls and places, in calls of bounded work.
 //!
-//! Sizes go from the frame's shorter side down: the largest face is found first, and large sizes
+//! Sizes go down from a quarter more than the frame's shorter side: the largest face is found first, and large sizes
 //! are cheap. All sizes are scanned for upright faces first, then for rolled ones: most heads are
 //! upright and are found in a fraction of the whole scan. After each size the best complete cluster
 //! is reported.
@@ -16,6 +16,9 @@ use super::window::Q4;
 use super::{Detection, DetectorModel, Window, local_search, refine};
 use crate::image::{Frame, MAX_SIDE, Roi};
 
+/// Largest size over the frame's shorter side \[1/256\]: a face that fills the frame, or of which
+/// a part lies outside.
+const LARGEST_Q8: i64 = 320;
 /// Smallest face that can be asked for \[px\].
 const FACE_MIN_PX: i32 = 16;
 /// Budget of the local search around a cluster that is reported before it is complete \[units of
@@ -214,13 +217,14 @@ impl Scan {
 
     fn begin(&mut self, wanted: [i32; 4], rolled: bool) {
         let [width, height, min_px, max_px] = wanted;
+        let largest = ((width.min(height) as i64 * LARGEST_Q8) >> 8) as i32;
         *self = Scan {
             width,
             height,
             roi: self.roi,
             min_px,
             max_px,
-            size: width.min(height).min(max_px).max(min_px) * Q4,
+            size: largest.min(max_px).max(min_px) * Q4,
             rolled,
             ..Self::new()
         };
