@@ -1,56 +1,38 @@
 //! The last part of every attempt: the 3D face is fitted to the aligned landmarks. If a pose
 //! explains them, they become the target's, and the result is written.
 
+use super::Loss;
+use super::Tracker;
+use super::alignment::Alignment;
 use super::output::{Fitted, write};
 use super::policy::{
-    FIT_WEIGHT_HIDDEN, FIT_WEIGHT_MIN, ROTATION_PRIOR_WEIGHT, UNTRUSTED_KEEP_CONFIDENCE,
+    ANCHOR_MIN_FACING, FIT_WEIGHT_HIDDEN, FIT_WEIGHT_MIN, TRUST_CONFIDENCE,
+    UNTRUSTED_KEEP_CONFIDENCE,
 };
 use super::step::{Outcome, Step};
 use super::target::Origin;
-use super::{Loss, Model, Tracker};
-use crate::align::Shape;
-use crate::shape::{Intrinsics, LANDMARKS, Observed, RotationPrior};
+use crate::shape::{LANDMARKS, Observed};
 use crate::verifier::Confidence;
 #[cfg(not(feature = "verifier"))]
 use crate::verifier::geometric_confidence;
 
 impl Tracker {
-    /// Confidence of the last alignment.
-    pub(super) fn verify(&self, model: &Model<'_>) -> Confidence {
-        model
-            .verifier
-            .evaluate(self.work.features(), self.work.view())
-    }
-
-    /// The rotation by what the last alignment has seen. Landmarks that are hidden are estimates
-    /// whose errors are alike: the more there are, the more the prior counts.
-    fn rotation_prior(
-        &self,
-        step: &Step<'_>,
-        shape: &Shape,
-        camera: &Intrinsics,
-        confidence: &Confidence,
-    ) -> Option<RotationPrior> {
-        let (work, mean) = (&self.work, step.model.align.mean());
-        let regression = &step.model.rotation;
-        let prior = regression.predict(work.features(), work.view(), mean, shape, camera)?;
-        let visible = confidence.visibility.iter().sum::<f32>() / LANDMARKS as f32;
-        Some(RotationPrior {
-            weight: ROTATION_PRIOR_WEIGHT * (1.0 - visible),
-            ..prior
-        })
-    }
-
     /// Fits the 3D face, and on success updates target and result. Returns
     /// [`Outcome::Accept`] or a rejection.
     #[inline(never)]
     pub(super) fn accept(
         &mut self,
         step: &Step<'_>,
-        shape: &Shape,
+        alignment: &mut Alignment,
         origin: Origin,
-        confidence: &mut Confidence,
     ) -> Outcome {
+        let Alignment {
+            shape,
+            global_shape,
+            rotation,
+            confidence,
+            ..
+        } = alignment;
         let face = &step.model.face;
         let camera = &step.camera(&self.config);
         let weights = fit_weights(confidence);
@@ -59,8 +41,7 @@ impl Tracker {
             points: &undistorted,
             weights: &weights,
         };
-        let rotation = self.rotation_prior(step, shape, camera, confidence);
-        let fit = self.target.fit(face, camera, &observed, rotation, origin);
+        let fit = self.target.fit(face, camera, &observed, *rotation, origin);
         let Some(fit) = &fit else {
             return Outcome::Reject(Loss::NoPose);
         };
@@ -77,9 +58,15 @@ impl Tracker {
             self.reacquirer.begin_identity();
         }
         let next = match confidence.face >= UNTRUSTED_KEEP_CONFIDENCE {
-            true => shape,
-            false => self.work.global_shape(),
+            true => &*shape,
+            false => &*global_shape,
         };
+        let faces_camera = fit.state.pose.rotation.z_axis.z >= ANCHOR_MIN_FACING;
+        if faces_camera && confidence.face >= TRUST_CONFIDENCE {
+            self.target.anchor.set(shape, step.frame);
+        } else if !faces_camera && confidence.face >= UNTRUSTED_KEEP_CONFIDENCE {
+            self.target.anchor.clear();
+        }
         self.target
             .move_to(step.now_us, next, fit, confidence.face, origin);
         self.target

@@ -57,8 +57,7 @@ impl Tracker {
     ) -> Outcome {
         let align = &step.model.align;
         let canonical = align.views().initial_shape(face.yaw);
-        let Some(mut shape) = canonical.and_then(|canonical| initial_shape(&canonical, face))
-        else {
+        let Some(shape) = canonical.and_then(|canonical| initial_shape(&canonical, face)) else {
             return Outcome::NotFound;
         };
         let attempt = Attempt {
@@ -66,7 +65,7 @@ impl Tracker {
             origin,
             min_confidence,
         };
-        let outcome = self.attempt(step, &mut shape, &attempt);
+        let outcome = self.attempt(step, &shape, &attempt);
         if let Outcome::Retry { confidence } = outcome {
             self.retry.offer(confidence, self.work.global_shape());
         }
@@ -76,39 +75,25 @@ impl Tracker {
     /// Second and last attempt at a rejected detection.
     #[inline(never)]
     pub(super) fn retry(&mut self, step: &Step<'_>) -> Outcome {
-        let mut shape = self.retry.take();
-        self.attempt(step, &mut shape, &Attempt::near(Origin::NewFace))
+        let shape = self.retry.take();
+        self.attempt(step, &shape, &Attempt::near(Origin::NewFace))
     }
 
-    /// Align, verify, fit. `shape` is moved in place.
-    pub(super) fn attempt(
-        &mut self,
-        step: &Step<'_>,
-        shape: &mut Shape,
-        attempt: &Attempt,
-    ) -> Outcome {
-        let Step {
-            model,
-            frame,
-            now_us,
-        } = *step;
-        let iterations = attempt.iterations;
-        if !model.align.run(frame, iterations, shape, &mut self.work) {
+    /// Align from an initial shape, verify, fit.
+    pub(super) fn attempt(&mut self, step: &Step<'_>, shape: &Shape, attempt: &Attempt) -> Outcome {
+        let Some(mut alignment) = self.align(step, shape, attempt.iterations) else {
             return Outcome::Reject(Loss::LowConfidence);
-        }
-        if !self.may_find(centre(shape)) {
+        };
+        if !self.may_find(centre(&alignment.shape)) {
             return Outcome::NotFound;
         }
-        let mut confidence = self.verify(model);
-        if confidence.face < TRUST_CONFIDENCE
-            && self
-                .suppressed
-                .contains(&detection_of(model, shape), now_us)
-        {
+        let confidence = alignment.confidence.face;
+        let place = detection_of(step.model, &alignment.shape);
+        if confidence < TRUST_CONFIDENCE && self.suppressed.contains(&place, step.now_us) {
             return Outcome::Reject(Loss::LowConfidence);
         }
-        let outcome = match confidence.face >= attempt.min_confidence {
-            true => self.accept(step, shape, attempt.origin, &mut confidence),
+        let outcome = match confidence >= attempt.min_confidence {
+            true => self.accept(step, &mut alignment, attempt.origin),
             false => Outcome::Reject(Loss::LowConfidence),
         };
         if outcome.is_accept() {
@@ -119,9 +104,7 @@ impl Tracker {
         }
         let retry = RETRY_CONFIDENCE..attempt.min_confidence;
         match outcome {
-            Outcome::Reject(_) if retry.contains(&confidence.face) => Outcome::Retry {
-                confidence: confidence.face,
-            },
+            Outcome::Reject(_) if retry.contains(&confidence) => Outcome::Retry { confidence },
             _ => outcome,
         }
     }

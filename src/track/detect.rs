@@ -107,17 +107,14 @@ impl Tracker {
     fn evaluate(&mut self, step: &Step<'_>, face: &Detection) -> Option<FoundFace> {
         let align = &step.model.align;
         let canonical = align.views().initial_shape(face.yaw)?;
-        let mut shape = initial_shape(&canonical, face)?;
-        let iterations = align.iterations();
-        if !align.run(step.frame, iterations, &mut shape, &mut self.work) {
-            return None;
-        }
-        let confidence = self.verify(step.model).face;
-        let is_wanted = self.may_find(centre(&shape)) && confidence >= ACCEPT_CONFIDENCE;
+        let initial = initial_shape(&canonical, face)?;
+        let alignment = self.align(step, &initial, align.iterations())?;
+        let (shape, confidence) = (&alignment.shape, alignment.confidence.face);
+        let is_wanted = self.may_find(centre(shape)) && confidence >= ACCEPT_CONFIDENCE;
         is_wanted.then(|| FoundFace {
-            face_box: bounds(&shape),
+            face_box: bounds(shape),
             yaw_deg: 90.0 * face.yaw,
-            roll_deg: detection_of(step.model, &shape).roll.to_degrees(),
+            roll_deg: detection_of(step.model, shape).roll.to_degrees(),
             confidence,
         })
     }

@@ -13,6 +13,8 @@
 //! - `policy` holds every threshold, timeout and work cost.
 
 mod accept;
+mod alignment;
+mod anchor;
 mod appearance;
 mod candidate;
 mod config;

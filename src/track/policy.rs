@@ -70,6 +70,39 @@ pub(super) const RECOGNISED_LANDMARKS: u32 = 8;
 /// frame of any clip is lost by it (*Giving up faces of low confidence*).
 pub(super) const LOW_CONFIDENCE_US: i64 = 250_000;
 
+/// A trusted target whose confidence is below `UNTRUSTED_KEEP_CONFIDENCE` is aligned at its anchor
+/// too. The better alignment is taken, and that at the anchor where the other has less confidence
+/// than this: then neither shows a face, and the target is more likely where it was.
+///
+/// Source: validation clips of covered faces, with `IN_PLACE_SHARES`: of the frames with something
+/// before the face 96 % are tracked, with a mean error of 4.3°; 100 % and 5.6° if nothing is ever
+/// lost and no anchor is tried (*Covered faces and the anchor*).
+pub(super) const WRONG_CONFIDENCE: f32 = 0.05;
+
+/// There is an anchor until the head turns away: looks at the camera to within less than the angle
+/// of this cosine, with a confidence of at least `UNTRUSTED_KEEP_CONFIDENCE`. A head that turns
+/// farther shows ever less of its face without being covered.
+///
+/// Source: validation sweeps, yaw of 60° to 95°: mean error 5.1°, 7.7° if the anchor stays.
+pub(super) const ANCHOR_MIN_FACING: f32 = 0.707;
+
+/// A target is in place, whatever its confidence, when the share of its landmarks that are visible
+/// and the share of what surrounds its face that is unchanged have at least this sum.
+///
+/// Source: as `WRONG_CONFIDENCE`: 97 % of the covered frames are tracked with 0.45, 96 % with 0.5,
+/// 87 % with 0.55; of 1,500 frames whose face gave way to a picture without people 8, 3 and 3.
+pub(super) const IN_PLACE_SHARES: f32 = 0.5;
+
+/// Change of luma from which on a cell around the face is no longer as it was \[grey levels\].
+///
+/// Source: chosen.
+pub(super) const UNCHANGED_LUMA: i16 = 10;
+
+/// How long a target in place is kept after its confidence was last high \[µs\].
+///
+/// Source: chosen.
+pub(super) const COVERED_US: i64 = 5_000_000;
+
 /// How long the last fit of a lost target is repeated \[µs\]. Then the target counts as gone.
 ///
 /// Source: chosen.

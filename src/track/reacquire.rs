@@ -27,11 +27,11 @@ impl Tracker {
         }
         budget.spend(KEYFRAME_UNITS);
         let memory = self.work.scratch();
-        let Some(mut found) = self.reacquirer.find(step.frame, last_seen, memory) else {
+        let Some(found) = self.reacquirer.find(step.frame, last_seen, memory) else {
             return Outcome::NotFound;
         };
         let attempt = Attempt::near(found.origin);
-        let outcome = self.attempt(step, &mut found.shape, &attempt);
+        let outcome = self.attempt(step, &found.shape, &attempt);
         if outcome.is_accept() {
             self.reacquirer.confirm(&found);
             self.end_search();

@@ -1,9 +1,10 @@
 //! What is known of the tracked face, and the confidence below which it is lost.
 
+use super::anchor::Anchor;
 use super::appearance::Appearance;
 use super::motion::{Motion, damped};
 use super::policy::{
-    ACCEPT_CONFIDENCE, IDENTITY_FRAMES, IDENTITY_PERIOD, LOW_CONFIDENCE_US,
+    ACCEPT_CONFIDENCE, COVERED_US, IDENTITY_FRAMES, IDENTITY_PERIOD, LOW_CONFIDENCE_US,
     RECOGNISED_KEEP_CONFIDENCE, RECOGNISED_LANDMARKS, TRUST_CONFIDENCE, TRUSTED_KEEP_CONFIDENCE,
     UNTRUSTED_KEEP_CONFIDENCE,
 };
@@ -36,6 +37,7 @@ pub(super) struct Target {
     face: FaceState,
     identity: IdentityEstimator,
     pub(super) appearance: Appearance,
+    pub(super) anchor: Anchor,
     /// When it was last fitted \[µs\].
     pub(super) fitted_us: i64,
     /// Whether a frame was trusted since this identity began. Only then may the confidence fall as
@@ -56,6 +58,7 @@ impl Target {
         // Replaced with every new identity; zero until then, as all of `Tracker::EMPTY`.
         identity: IdentityEstimator::with_memory(0.0),
         appearance: Appearance::EMPTY,
+        anchor: Anchor::EMPTY,
         fitted_us: 0,
         is_trusted: false,
         trusted_frames: 0,
@@ -87,6 +90,11 @@ impl Target {
         }
     }
 
+    /// Whether low confidence may yet be that of a covered face.
+    pub(super) fn may_be_covered(&self, now_us: i64) -> bool {
+        self.is_trusted && now_us.saturating_sub(self.confirmed_us) <= COVERED_US
+    }
+
     /// Confidence by geometry alone from which a fit is accepted.
     #[cfg(not(feature = "verifier"))]
     pub(super) fn min_fit_confidence(&self, origin: Origin, now_us: i64) -> f32 {
@@ -109,6 +117,7 @@ impl Target {
     pub(super) fn begin_identity(&mut self) {
         self.identity = IdentityEstimator::new();
         self.appearance = Appearance::EMPTY;
+        self.anchor.clear();
         self.trusted_frames = 0;
         self.is_trusted = false;
     }

@@ -26,7 +26,6 @@ use super::hint::FaceHint;
 use super::one_euro::Smoother;
 use super::policy::{
     ACCEPT_CONFIDENCE, COAST_US, LOCAL_SEARCH_PERIOD, LOCAL_SEARCH_UNITS, NO_LONGER_NOISY, NOISY,
-    TRUST_CONFIDENCE,
 };
 use super::reacquirer::Reacquirer;
 use super::rejected::{PendingRetry, Suppressed};
@@ -399,31 +398,26 @@ impl Tracker {
     /// Attempts the target at its predicted place.
     #[inline(never)]
     fn attempt_predicted(&mut self, step: &Step<'_>) -> Outcome {
-        let Step {
-            model,
-            frame,
-            now_us,
-        } = *step;
-        let initial_shape = self.target.predict(now_us);
-        let mut shape = initial_shape;
-        let is_aligned = model.align.run(frame, 1, &mut shape, &mut self.work);
-        // Before the appearance is updated from it.
-        if self.excluded.contains(centre(&shape)) {
+        let Some(mut alignment) = self.align_target(step) else {
+            return Outcome::Reject(Loss::LowConfidence);
+        };
+        if self.excluded.contains(centre(&alignment.shape)) {
             return Outcome::Reject(Loss::Excluded);
         }
-        let mut confidence = self.verify(model);
-        let is_trusted = confidence.face >= TRUST_CONFIDENCE;
-        let appearance = &mut self.target.appearance;
-        let recognised = appearance.update(self.work.features(), is_trusted, &mut confidence);
-        if !is_aligned || confidence.face < self.target.min_confidence(recognised, now_us) {
+        let (confidence, recognised) = (alignment.confidence.face, alignment.recognised);
+        let kept = self.target.min_confidence(recognised, step.now_us);
+        if confidence < kept
+            && !(self.target.may_be_covered(step.now_us) && self.is_in_place(step, &alignment))
+        {
             return Outcome::Reject(Loss::LowConfidence);
         }
-        if !is_in_frame(&shape, frame) {
+        if !is_in_frame(&alignment.shape, step.frame) {
             return Outcome::Reject(Loss::LeftFrame);
         }
-        let outcome = self.accept(step, &shape, Origin::Tracked, &mut confidence);
+        let outcome = self.accept(step, &mut alignment, Origin::Tracked);
         if outcome.is_accept() {
-            self.target.tracked(&initial_shape, recognised, now_us);
+            self.target
+                .tracked(&alignment.initial_shape, recognised, step.now_us);
             self.reacquirer.tracked();
         }
         outcome

@@ -1,0 +1,175 @@
+//! Where the target was last trusted, and what surrounded its face there.
+//!
+//! A face that is covered as a whole shows nothing that could be verified. But hair, neck and what
+//! else is around it stay, whereas a person who leaves takes them along.
+
+use super::geometry::bounds;
+use super::policy::UNCHANGED_LUMA;
+use crate::align::Shape;
+use crate::image::Frame;
+use crate::shape::LANDMARKS;
+
+/// Cells along a side of the square around the face, which is twice as wide as the face.
+const SIDE: usize = 16;
+/// Samples along a side of a cell.
+const SAMPLES: usize = 4;
+/// Squared distances from the centre of the cells that surround the face \[cells²\]: a ring that
+/// begins at the edge of the face.
+const RING: core::ops::RangeInclusive<f32> = 16.0..=31.4;
+/// Cells of the ring at most.
+const CELLS: usize = 64;
+
+/// The landmarks of the last trusted frame and the mean luma of the cells around them.
+#[derive(Clone)]
+pub(super) struct Anchor {
+    is_set: bool,
+    shape: Shape,
+    luma: [u8; CELLS],
+}
+
+impl Anchor {
+    pub(super) const EMPTY: Anchor = Anchor {
+        is_set: false,
+        shape: [[0.0; 2]; LANDMARKS],
+        luma: [0; CELLS],
+    };
+
+    /// Landmarks of the last trusted frame, if the face has not turned away since.
+    pub(super) fn shape(&self) -> Option<&Shape> {
+        self.is_set.then_some(&self.shape)
+    }
+
+    /// Forgets it.
+    pub(super) fn clear(&mut self) {
+        self.is_set = false;
+    }
+
+    /// The target is trusted on this frame.
+    pub(super) fn set(&mut self, shape: &Shape, frame: &Frame<'_>) {
+        self.is_set = true;
+        self.shape = *shape;
+        let square = Square::around(shape);
+        for (luma, cell) in self.luma.iter_mut().zip(ring()) {
+            *luma = square.luma(frame, cell);
+        }
+    }
+
+    /// Share of the ring's cells whose luma is as it was, but for a change that all have in common,
+    /// as by the camera's exposure. 0 without an anchor.
+    #[inline(never)]
+    pub(super) fn unchanged_share(&self, frame: &Frame<'_>) -> f32 {
+        if !self.is_set {
+            return 0.0;
+        }
+        let mut changes = [0i16; CELLS];
+        let square = Square::around(&self.shape);
+        let mut count = 0;
+        for ((change, luma), cell) in changes.iter_mut().zip(&self.luma).zip(ring()) {
+            *change = i16::from(square.luma(frame, cell)) - i16::from(*luma);
+            count += 1;
+        }
+        let Some(changes) = changes.get_mut(..count) else {
+            return 0.0;
+        };
+        changes.sort_unstable();
+        let common = changes.get(count / 2).copied().unwrap_or(0);
+        let is_same = |change: &&i16| (**change - common).abs() < UNCHANGED_LUMA;
+        changes.iter().filter(is_same).count() as f32 / count.max(1) as f32
+    }
+}
+
+/// Columns and rows of the ring's cells.
+fn ring() -> impl Iterator<Item = (usize, usize)> {
+    let half = (SIDE as f32 - 1.0) / 2.0;
+    let cells = (0..SIDE).flat_map(|row| (0..SIDE).map(move |column| (column, row)));
+    cells.filter(move |(x, y)| {
+        let (dx, dy) = (*x as f32 - half, *y as f32 - half);
+        RING.contains(&(dx * dx + dy * dy))
+    })
+}
+
+/// The square around a face, in cells.
+struct Square {
+    /// Its first sample \[px\].
+    first: [f32; 2],
+    /// Distance of samples along each axis \[px\].
+    step: f32,
+}
+
+impl Square {
+    /// Centred on the face's box and twice as wide as that is long.
+    fn around(shape: &Shape) -> Square {
+        let [left, top, width, height] = bounds(shape);
+        let half = width.max(height);
+        let step = 2.0 * half / (SIDE * SAMPLES) as f32;
+        Square {
+            first: [left + width / 2.0, top + height / 2.0]
+                .map(|centre| centre - half + step / 2.0),
+            step,
+        }
+    }
+
+    /// Mean luma of the cell in this column and row.
+    fn luma(&self, frame: &Frame<'_>, (column, row): (usize, usize)) -> u8 {
+        let [x, y] = self.first;
+        let at = |first: f32, n: usize| libm::floorf(first + self.step * n as f32) as i32;
+        let mut sum = 0;
+        for v in SAMPLES * row..SAMPLES * (row + 1) {
+            for u in SAMPLES * column..SAMPLES * (column + 1) {
+                sum += u32::from(frame.raw_luma(at(x, u), at(y, v)));
+            }
+        }
+        (sum / (SAMPLES * SAMPLES) as u32) as u8
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::FrameLayout;
+
+    const WIDTH: usize = 160;
+
+    /// A textured picture; `luma` changes it.
+    fn picture(luma: impl Fn(usize, usize, u8) -> u8) -> [u8; WIDTH * WIDTH] {
+        core::array::from_fn(|i| {
+            let (x, y) = (i % WIDTH, i / WIDTH);
+            luma(x, y, 60 + ((x / 7 * 31 + y / 5 * 17) % 97) as u8)
+        })
+    }
+
+    fn share(after: &[u8; WIDTH * WIDTH]) -> f32 {
+        let before = picture(|_, _, luma| luma);
+        let layout = FrameLayout::grey(WIDTH as u32, WIDTH as u32);
+        let before = &Frame::new(&layout, &before).unwrap();
+        let after = &Frame::new(&layout, after).unwrap();
+        // A face 50 px wide in the middle.
+        let shape = core::array::from_fn(|i| {
+            let (sin, cos) = (i as f32 * 0.0924).sin_cos();
+            [80.0 + 25.0 * cos, 80.0 + 25.0 * sin]
+        });
+        let mut anchor = Anchor::EMPTY;
+        assert_eq!(anchor.unchanged_share(after), 0.0);
+        anchor.set(&shape, before);
+        anchor.unchanged_share(after)
+    }
+
+    #[test]
+    fn what_covers_the_face_alone_or_brightens_all_leaves_the_surroundings() {
+        assert_eq!(share(&picture(|_, _, luma| luma)), 1.0);
+        assert_eq!(share(&picture(|_, _, luma| luma + 40)), 1.0);
+        let face = |x: usize, y: usize| x.abs_diff(80).max(y.abs_diff(80)) < 18;
+        assert_eq!(
+            share(&picture(|x, y, luma| if face(x, y) { 0 } else { luma })),
+            1.0
+        );
+    }
+
+    #[test]
+    fn what_covers_a_side_leaves_the_other_and_another_picture_little() {
+        let side = share(&picture(|x, _, luma| if x < 65 { 255 } else { luma }));
+        assert!((0.5..0.8).contains(&side), "{side}");
+        let other = share(&picture(|x, y, _| ((x / 9 * 57 + y / 8 * 101) % 251) as u8));
+        assert!(other < 0.3, "{other}");
+    }
+}
