@@ -17,22 +17,17 @@ use crate::verifier::Confidence;
 use crate::verifier::geometric_confidence;
 
 impl Tracker {
-    /// Fits the 3D face, and on success updates target and result. Returns
+    /// Fits the 3D face to the alignment, and on success updates target and result. Returns
     /// [`Outcome::Accept`] or a rejection.
     #[inline(never)]
-    pub(super) fn accept(
-        &mut self,
-        step: &Step<'_>,
-        alignment: &mut Alignment,
-        origin: Origin,
-    ) -> Outcome {
+    pub(super) fn accept(&mut self, step: &Step<'_>, origin: Origin) -> Outcome {
         let Alignment {
             shape,
             global_shape,
             rotation,
             confidence,
             ..
-        } = alignment;
+        } = &mut self.alignment;
         let face = &step.model.face;
         let camera = &step.camera(&self.config);
         let weights = fit_weights(confidence);

@@ -11,7 +11,9 @@ use crate::align::Shape;
 use crate::shape::{LANDMARKS, RotationPrior};
 use crate::verifier::Confidence;
 
-/// Landmarks aligned on a frame, verified, and not yet fitted.
+/// Landmarks aligned on a frame, verified, and not yet fitted. Part of the tracker's memory, because
+/// it would take much of a small stack.
+#[derive(Clone)]
 pub(super) struct Alignment {
     /// Where it started.
     pub(super) initial_shape: Shape,
@@ -26,76 +28,93 @@ pub(super) struct Alignment {
     pub(super) recognised: u32,
 }
 
+impl Alignment {
+    pub(super) const EMPTY: Alignment = Alignment {
+        initial_shape: [[0.0; 2]; LANDMARKS],
+        shape: [[0.0; 2]; LANDMARKS],
+        global_shape: [[0.0; 2]; LANDMARKS],
+        rotation: None,
+        confidence: Confidence {
+            face: 0.0,
+            landmarks: [0.0; LANDMARKS],
+            visibility: [0.0; LANDMARKS],
+        },
+        recognised: 0,
+    };
+}
+
 impl Tracker {
-    /// Aligns and verifies. `None` when a landmark is not finite.
+    /// Aligns and verifies; the outcome is in `self.alignment`. False when a landmark is not finite.
     #[inline(never)]
     pub(super) fn align(
         &mut self,
         step: &Step<'_>,
         initial_shape: &Shape,
         iterations: usize,
-    ) -> Option<Alignment> {
-        let Step { model, frame, .. } = *step;
-        let mut shape = *initial_shape;
-        let align = &model.align;
-        if !align.run(frame, iterations, &mut shape, &mut self.work) {
-            return None;
+    ) -> bool {
+        let align = &step.model.align;
+        let alignment = &mut self.alignment;
+        alignment.initial_shape = *initial_shape;
+        alignment.shape = *initial_shape;
+        if !align.run(step.frame, iterations, &mut alignment.shape, &mut self.work) {
+            return false;
         }
-        let confidence = self.verify(model);
-        Some(Alignment {
-            initial_shape: *initial_shape,
-            shape,
-            global_shape: *self.work.global_shape(),
-            rotation: self.rotation_prior(step, &shape, &confidence),
-            confidence,
-            recognised: 0,
-        })
+        alignment.global_shape = *self.work.global_shape();
+        alignment.recognised = 0;
+        self.alignment.confidence = self.verify(step.model);
+        self.alignment.rotation = self.rotation_prior(step);
+        true
     }
 
     /// Aligns the target at its predicted place. Where its confidence is low there, the place where
     /// it was last trusted is tried too, because whatever covers a face draws the landmarks along.
-    pub(super) fn align_target(&mut self, step: &Step<'_>) -> Option<Alignment> {
-        let predicted = self.target.predict(step.now_us);
-        let mut alignment = self.align_target_at(step, &predicted)?;
-        let confidence = alignment.confidence.face;
-        if self.target.is_trusted() && confidence < UNTRUSTED_KEEP_CONFIDENCE {
-            self.align_at_anchor(step, &mut alignment);
+    pub(super) fn align_target(&mut self, step: &Step<'_>) -> bool {
+        if !self.align_predicted(step) {
+            return false;
         }
-        Some(alignment)
+        let confidence = self.alignment.confidence.face;
+        if self.target.is_trusted() && confidence < UNTRUSTED_KEEP_CONFIDENCE {
+            self.align_at_anchor(step);
+        }
+        true
     }
 
-    /// Replaces `alignment` by one from where the target was last trusted, if that is the better
+    #[inline(never)]
+    fn align_predicted(&mut self, step: &Step<'_>) -> bool {
+        let predicted = self.target.predict(step.now_us);
+        self.align_target_at(step, &predicted)
+    }
+
+    /// Replaces the alignment by one from where the target was last trusted, if that is the better
     /// one, or if neither place shows a face.
     #[inline(never)]
-    fn align_at_anchor(&mut self, step: &Step<'_>, alignment: &mut Alignment) {
+    fn align_at_anchor(&mut self, step: &Step<'_>) {
         let Some(anchor) = self.target.anchor.shape().copied() else {
             return;
         };
-        let Some(other) = self.align_target_at(step, &anchor) else {
-            return;
-        };
-        if self.excluded.contains(centre(&other.shape)) {
-            return;
-        }
-        let (first, second) = (alignment.confidence.face, other.confidence.face);
-        if second > first || first < WRONG_CONFIDENCE {
-            *alignment = other;
+        let first = self.alignment.clone();
+        let is_aligned = self.align_target_at(step, &anchor);
+        let is_free = !self.excluded.contains(centre(&self.alignment.shape));
+        let (before, now) = (first.confidence.face, self.alignment.confidence.face);
+        if !(is_aligned && is_free && (now > before || before < WRONG_CONFIDENCE)) {
+            self.alignment = first;
         }
     }
 
     /// Aligns the target from a shape and compares it with its appearance.
-    #[inline(never)]
-    fn align_target_at(&mut self, step: &Step<'_>, initial_shape: &Shape) -> Option<Alignment> {
-        let mut alignment = self.align(step, initial_shape, 1)?;
-        if self.excluded.contains(centre(&alignment.shape)) {
-            // It is another tracker's face, which the appearance must not follow.
-            return Some(alignment);
+    fn align_target_at(&mut self, step: &Step<'_>, initial_shape: &Shape) -> bool {
+        if !self.align(step, initial_shape, 1) {
+            return false;
         }
-        let confidence = &mut alignment.confidence;
-        let is_trusted = confidence.face >= TRUST_CONFIDENCE;
-        let appearance = &mut self.target.appearance;
-        alignment.recognised = appearance.update(self.work.features(), is_trusted, confidence);
-        Some(alignment)
+        let alignment = &mut self.alignment;
+        // The appearance must not follow another tracker's face.
+        if !self.excluded.contains(centre(&alignment.shape)) {
+            let is_trusted = alignment.confidence.face >= TRUST_CONFIDENCE;
+            let confidence = &mut alignment.confidence;
+            let appearance = &mut self.target.appearance;
+            alignment.recognised = appearance.update(self.work.features(), is_trusted, confidence);
+        }
+        true
     }
 
     /// Confidence of the last alignment.
@@ -107,17 +126,12 @@ impl Tracker {
 
     /// The rotation by what the last alignment has seen. Landmarks that are hidden are estimates
     /// whose errors are alike: the more there are, the more the prior counts.
-    fn rotation_prior(
-        &self,
-        step: &Step<'_>,
-        shape: &Shape,
-        confidence: &Confidence,
-    ) -> Option<RotationPrior> {
+    fn rotation_prior(&self, step: &Step<'_>) -> Option<RotationPrior> {
         let (work, mean) = (&self.work, step.model.align.mean());
+        let (regression, shape) = (&step.model.rotation, &self.alignment.shape);
         let camera = &step.camera(&self.config);
-        let regression = &step.model.rotation;
         let prior = regression.predict(work.features(), work.view(), mean, shape, camera)?;
-        let visible = visible_share(confidence);
+        let visible = visible_share(&self.alignment.confidence);
         Some(RotationPrior {
             weight: ROTATION_PRIOR_WEIGHT * (1.0 - visible),
             ..prior
@@ -126,8 +140,8 @@ impl Tracker {
 
     /// Whether enough of the target is as it was when it was last trusted, though its face is not
     /// confirmed: the visible landmarks, and what surrounds the face.
-    pub(super) fn is_in_place(&self, step: &Step<'_>, alignment: &Alignment) -> bool {
-        let visible = visible_share(&alignment.confidence);
+    pub(super) fn is_in_place(&self, step: &Step<'_>) -> bool {
+        let visible = visible_share(&self.alignment.confidence);
         visible + self.target.anchor.unchanged_share(step.frame) >= IN_PLACE_SHARES
     }
 }

@@ -81,9 +81,10 @@ impl Tracker {
 
     /// Align from an initial shape, verify, fit.
     pub(super) fn attempt(&mut self, step: &Step<'_>, shape: &Shape, attempt: &Attempt) -> Outcome {
-        let Some(mut alignment) = self.align(step, shape, attempt.iterations) else {
+        if !self.align(step, shape, attempt.iterations) {
             return Outcome::Reject(Loss::LowConfidence);
-        };
+        }
+        let alignment = &self.alignment;
         if !self.may_find(centre(&alignment.shape)) {
             return Outcome::NotFound;
         }
@@ -93,7 +94,7 @@ impl Tracker {
             return Outcome::Reject(Loss::LowConfidence);
         }
         let outcome = match confidence >= attempt.min_confidence {
-            true => self.accept(step, &mut alignment, attempt.origin),
+            true => self.accept(step, attempt.origin),
             false => Outcome::Reject(Loss::LowConfidence),
         };
         if outcome.is_accept() {

@@ -108,8 +108,10 @@ impl Tracker {
         let align = &step.model.align;
         let canonical = align.views().initial_shape(face.yaw)?;
         let initial = initial_shape(&canonical, face)?;
-        let alignment = self.align(step, &initial, align.iterations())?;
-        let (shape, confidence) = (&alignment.shape, alignment.confidence.face);
+        if !self.align(step, &initial, align.iterations()) {
+            return None;
+        }
+        let (shape, confidence) = (&self.alignment.shape, self.alignment.confidence.face);
         let is_wanted = self.may_find(centre(shape)) && confidence >= ACCEPT_CONFIDENCE;
         is_wanted.then(|| FoundFace {
             face_box: bounds(shape),

@@ -19,6 +19,7 @@
 
 use core::mem::MaybeUninit;
 
+use super::alignment::Alignment;
 use super::event::{EventKind, EventLog};
 use super::excluded::Excluded;
 use super::geometry::{centre, detection_of, is_in_frame};
@@ -54,6 +55,8 @@ pub struct Tracker {
     pub(super) excluded: Excluded,
     /// Meaningful unless Searching.
     pub(super) target: Target,
+    /// The last alignment.
+    pub(super) alignment: Alignment,
     pub(super) work: Workspace,
     pub(super) events: EventLog,
 }
@@ -83,6 +86,7 @@ impl Tracker {
         reacquirer: Reacquirer::EMPTY,
         excluded: Excluded::NONE,
         target: Target::EMPTY,
+        alignment: Alignment::EMPTY,
         work: Workspace::new(),
         events: EventLog::EMPTY,
     };
@@ -398,26 +402,26 @@ impl Tracker {
     /// Attempts the target at its predicted place.
     #[inline(never)]
     fn attempt_predicted(&mut self, step: &Step<'_>) -> Outcome {
-        let Some(mut alignment) = self.align_target(step) else {
+        if !self.align_target(step) {
             return Outcome::Reject(Loss::LowConfidence);
-        };
+        }
+        let alignment = &self.alignment;
         if self.excluded.contains(centre(&alignment.shape)) {
             return Outcome::Reject(Loss::Excluded);
         }
         let (confidence, recognised) = (alignment.confidence.face, alignment.recognised);
         let kept = self.target.min_confidence(recognised, step.now_us);
-        if confidence < kept
-            && !(self.target.may_be_covered(step.now_us) && self.is_in_place(step, &alignment))
+        if confidence < kept && !(self.target.may_be_covered(step.now_us) && self.is_in_place(step))
         {
             return Outcome::Reject(Loss::LowConfidence);
         }
         if !is_in_frame(&alignment.shape, step.frame) {
             return Outcome::Reject(Loss::LeftFrame);
         }
-        let outcome = self.accept(step, &mut alignment, Origin::Tracked);
+        let outcome = self.accept(step, Origin::Tracked);
         if outcome.is_accept() {
             self.target
-                .tracked(&alignment.initial_shape, recognised, step.now_us);
+                .tracked(&self.alignment.initial_shape, recognised, step.now_us);
             self.reacquirer.tracked();
         }
         outcome
