@@ -16,6 +16,8 @@ const SAMPLES: usize = 4;
 /// Squared distances from the centre of the cells that surround the face \[cells²\]: a ring that
 /// begins at the edge of the face.
 const RING: core::ops::RangeInclusive<f32> = 16.0..=31.4;
+/// Largest luma.
+const LUMA_MAX: usize = 255;
 /// Cells of the ring at most.
 const CELLS: usize = 64;
 
@@ -61,20 +63,27 @@ impl Anchor {
         if !self.is_set {
             return 0.0;
         }
-        let mut changes = [0i16; CELLS];
         let square = Square::around(&self.shape);
+        // Of a sort the code would take several kilobytes.
+        let mut histogram = [0u8; 2 * LUMA_MAX + 1];
         let mut count = 0;
-        for ((change, luma), cell) in changes.iter_mut().zip(&self.luma).zip(ring()) {
-            *change = i16::from(square.luma(frame, cell)) - i16::from(*luma);
-            count += 1;
+        for (before, cell) in self.luma.iter().zip(ring()) {
+            let now = usize::from(square.luma(frame, cell));
+            if let Some(cells) = histogram.get_mut(LUMA_MAX + now - usize::from(*before)) {
+                *cells += 1;
+                count += 1;
+            }
         }
-        let Some(changes) = changes.get_mut(..count) else {
-            return 0.0;
-        };
-        changes.sort_unstable();
-        let common = changes.get(count / 2).copied().unwrap_or(0);
-        let is_same = |change: &&i16| (**change - common).abs() < UNCHANGED_LUMA;
-        changes.iter().filter(is_same).count() as f32 / count.max(1) as f32
+        let mut below = 0;
+        let common = histogram.iter().position(|cells| {
+            below += usize::from(*cells);
+            below > count / 2
+        });
+        let common = common.unwrap_or(0);
+        let first = common.saturating_sub(UNCHANGED_LUMA);
+        let same = histogram.iter().skip(first);
+        let same = same.take(common + UNCHANGED_LUMA + 1 - first);
+        same.map(|cells| f32::from(*cells)).sum::<f32>() / count.max(1) as f32
     }
 }
 

@@ -93,10 +93,10 @@ pub(super) const ANCHOR_MIN_FACING: f32 = 0.707;
 /// 87 % with 0.55; of 1,500 frames whose face gave way to a picture without people 8, 3 and 3.
 pub(super) const IN_PLACE_SHARES: f32 = 0.5;
 
-/// Change of luma from which on a cell around the face is no longer as it was \[grey levels\].
+/// Largest change of luma with which a cell around the face is as it was \[grey levels\].
 ///
 /// Source: chosen.
-pub(super) const UNCHANGED_LUMA: i16 = 10;
+pub(super) const UNCHANGED_LUMA: usize = 9;
 
 /// How long a target in place is kept after its confidence was last high \[µs\].
 ///
