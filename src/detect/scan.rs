@@ -1,9 +1,9 @@
 //! The scan over sizes, rolls and places, in calls of bounded work.
 //!
-//! Sizes go down from a quarter more than the frame's shorter side: the largest face is found first, and large sizes
-//! are cheap. All sizes are scanned for upright faces first, then for rolled ones: most heads are
-//! upright and are found in a fraction of the whole scan. After each size the best complete cluster
-//! is reported.
+//! Sizes go down from a quarter more than the frame's shorter side: the largest face is found
+//! first, and large sizes are cheap. All sizes are scanned for upright faces first, then for rolled
+//! ones: most heads are upright and are found in a fraction of the whole scan. After each size the
+//! best complete cluster is reported.
 //!
 //! Between calls the frame may change: a scan of a live stream sees each part of it at another
 //! time, and a moving face has left by the time its cluster is complete. So what was hit during a

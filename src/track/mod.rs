@@ -13,6 +13,7 @@
 //! - `policy` holds every threshold, timeout and work cost.
 
 mod accept;
+mod align;
 mod alignment;
 mod anchor;
 mod appearance;

@@ -1,0 +1,120 @@
+//! Aligning a candidate or the target, at its predicted place and at its anchor.
+
+use super::geometry::centre;
+use super::policy::{
+    IN_PLACE_SHARES, ROTATION_PRIOR_WEIGHT, TRUST_CONFIDENCE, UNTRUSTED_KEEP_CONFIDENCE,
+    WRONG_CONFIDENCE,
+};
+use super::step::Step;
+use super::{Model, Tracker};
+use crate::align::Shape;
+use crate::shape::{LANDMARKS, RotationPrior};
+use crate::verifier::Confidence;
+
+impl Tracker {
+    /// Aligns and verifies; what comes of it is in `self.alignment`. False when a landmark is not
+    /// finite.
+    #[inline(never)]
+    pub(super) fn align(
+        &mut self,
+        step: &Step<'_>,
+        initial_shape: &Shape,
+        iterations: usize,
+    ) -> bool {
+        let align = &step.model.align;
+        let alignment = &mut self.alignment;
+        alignment.initial_shape = *initial_shape;
+        alignment.shape = *initial_shape;
+        if !align.run(step.frame, iterations, &mut alignment.shape, &mut self.work) {
+            return false;
+        }
+        alignment.global_shape = *self.work.global_shape();
+        alignment.recognised = 0;
+        self.alignment.confidence = self.verify(step.model);
+        self.alignment.rotation = self.rotation_prior(step);
+        true
+    }
+
+    /// Aligns the target at its predicted place. Where its confidence is low there, the place where
+    /// it was last trusted is tried too, because whatever covers a face draws the landmarks along.
+    pub(super) fn align_target(&mut self, step: &Step<'_>) -> bool {
+        if !self.align_predicted(step) {
+            return false;
+        }
+        let confidence = self.alignment.confidence.face;
+        if self.target.is_trusted() && confidence < UNTRUSTED_KEEP_CONFIDENCE {
+            self.align_at_anchor(step);
+        }
+        true
+    }
+
+    #[inline(never)]
+    fn align_predicted(&mut self, step: &Step<'_>) -> bool {
+        let predicted = self.target.predict(step.now_us);
+        self.align_target_at(step, &predicted)
+    }
+
+    /// Replaces the alignment by one from where the target was last trusted, if that is the better
+    /// one, or if neither place shows a face.
+    #[inline(never)]
+    fn align_at_anchor(&mut self, step: &Step<'_>) {
+        let Some(anchor) = self.target.anchor.shape().copied() else {
+            return;
+        };
+        let first = self.alignment.clone();
+        let is_aligned = self.align_target_at(step, &anchor);
+        let is_free = !self.excluded.contains(centre(&self.alignment.shape));
+        let (before, now) = (first.confidence.face, self.alignment.confidence.face);
+        if !(is_aligned && is_free && (now > before || before < WRONG_CONFIDENCE)) {
+            self.alignment = first;
+        }
+    }
+
+    /// Aligns the target from a shape and compares it with its appearance.
+    fn align_target_at(&mut self, step: &Step<'_>, initial_shape: &Shape) -> bool {
+        if !self.align(step, initial_shape, 1) {
+            return false;
+        }
+        let alignment = &mut self.alignment;
+        // The appearance must not follow another tracker's face.
+        if !self.excluded.contains(centre(&alignment.shape)) {
+            let is_trusted = alignment.confidence.face >= TRUST_CONFIDENCE;
+            let confidence = &mut alignment.confidence;
+            let appearance = &mut self.target.appearance;
+            alignment.recognised = appearance.update(self.work.features(), is_trusted, confidence);
+        }
+        true
+    }
+
+    /// Confidence of the last alignment.
+    fn verify(&self, model: &Model<'_>) -> Confidence {
+        model
+            .verifier
+            .evaluate(self.work.features(), self.work.view())
+    }
+
+    /// The rotation by what the last alignment has seen. Landmarks that are hidden are estimates
+    /// whose errors are alike: the more there are, the more the prior counts.
+    fn rotation_prior(&self, step: &Step<'_>) -> Option<RotationPrior> {
+        let (work, mean) = (&self.work, step.model.align.mean());
+        let (regression, shape) = (&step.model.rotation, &self.alignment.shape);
+        let camera = &step.camera(&self.config);
+        let prior = regression.predict(work.features(), work.view(), mean, shape, camera)?;
+        let visible = visible_share(&self.alignment.confidence);
+        Some(RotationPrior {
+            weight: ROTATION_PRIOR_WEIGHT * (1.0 - visible),
+            ..prior
+        })
+    }
+
+    /// Whether enough of the target is as it was when it was last trusted, though its face is not
+    /// confirmed: the visible landmarks, and what surrounds the face.
+    pub(super) fn is_in_place(&self, step: &Step<'_>) -> bool {
+        let visible = visible_share(&self.alignment.confidence);
+        visible + self.target.anchor.unchanged_share(step.frame) >= IN_PLACE_SHARES
+    }
+}
+
+fn visible_share(confidence: &Confidence) -> f32 {
+    confidence.visibility.iter().sum::<f32>() / LANDMARKS as f32
+}
