@@ -4,7 +4,7 @@
 //! else is around it stay, whereas a person who leaves takes them along.
 
 use super::geometry::bounds;
-use super::policy::UNCHANGED_LUMA;
+use super::policy::{COMMON_LUMA, UNCHANGED_LUMA};
 use crate::align::Shape;
 use crate::image::Frame;
 use crate::shape::LANDMARKS;
@@ -56,8 +56,8 @@ impl Anchor {
         }
     }
 
-    /// Share of the ring's cells whose luma is as it was, but for a change that all have in common,
-    /// as by the camera's exposure. 0 without an anchor.
+    /// Share of the ring's cells whose luma is as it was, but for a small change that all have in
+    /// common, as by the camera's exposure. 0 without an anchor.
     #[inline(never)]
     pub(super) fn unchanged_share(&self, frame: &Frame<'_>) -> f32 {
         if !self.is_set {
@@ -79,7 +79,8 @@ impl Anchor {
             below += usize::from(*cells);
             below > count / 2
         });
-        let common = common.unwrap_or(0);
+        let common = common.filter(|common| common.abs_diff(LUMA_MAX) <= COMMON_LUMA);
+        let common = common.unwrap_or(LUMA_MAX);
         let first = common.saturating_sub(UNCHANGED_LUMA);
         let same = histogram.iter().skip(first);
         let same = same.take(common + UNCHANGED_LUMA + 1 - first);
@@ -166,7 +167,7 @@ mod tests {
     #[test]
     fn what_covers_the_face_alone_or_brightens_all_leaves_the_surroundings() {
         assert_eq!(share(&picture(|_, _, luma| luma)), 1.0);
-        assert_eq!(share(&picture(|_, _, luma| luma + 40)), 1.0);
+        assert_eq!(share(&picture(|_, _, luma| luma + 12)), 1.0);
         let face = |x: usize, y: usize| x.abs_diff(80).max(y.abs_diff(80)) < 18;
         assert_eq!(
             share(&picture(|x, y, luma| if face(x, y) { 0 } else { luma })),
