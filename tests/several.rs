@@ -188,7 +188,7 @@ fn has(found: &[FoundFace], face: Pasted) -> bool {
 
 #[test]
 fn all_faces_of_a_frame_are_listed_with_any_budget() {
-    for (config, most_calls) in [(patient(), 3), (Config::default(), 400)] {
+    for (config, most_calls) in [(patient(), 3), (Config::default(), 700)] {
         watch(config, |watch| {
             let (found, calls) = detect_all(watch, &[SMALL, LARGE], 8);
             assert!(calls <= most_calls, "{calls}");

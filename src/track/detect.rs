@@ -1,7 +1,7 @@
 //! All faces of a frame, in calls of bounded work: the search without tracking.
 
 use super::geometry::{bounds, centre, detection_of, initial_shape};
-use super::policy::{ACCEPT_CONFIDENCE, FIRST_ATTEMPT_UNITS, NOISY};
+use super::policy::{FIRST_ATTEMPT_CONFIDENCE, FIRST_ATTEMPT_UNITS, NOISY};
 use super::step::{Step, WorkBudget};
 use super::{FaceHint, Model, StepError, Tracker};
 use crate::detect::{Detection, ScanOutcome};
@@ -112,7 +112,7 @@ impl Tracker {
             return None;
         }
         let (shape, confidence) = (&self.alignment.shape, self.alignment.confidence.face);
-        let is_wanted = self.may_find(centre(shape)) && confidence >= ACCEPT_CONFIDENCE;
+        let is_wanted = self.may_find(centre(shape)) && confidence >= FIRST_ATTEMPT_CONFIDENCE;
         is_wanted.then(|| FoundFace {
             face_box: bounds(shape),
             yaw_deg: 90.0 * face.yaw,
