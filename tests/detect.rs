@@ -186,7 +186,7 @@ fn rolls_mirrored_ensembles_and_frame_layouts() {
         let a = first_candidate(&model, &plain, 1000).expect("found");
         let b = first_candidate(&model, &mirror, 1000).expect("found mirrored");
         // Windows are centred on pixels: their mirror images lie up to one off.
-        assert!((a.x + b.x - (SIDE - 1) as f32).abs() <= 0.5, "{a:?} {b:?}");
+        assert!((a.x + b.x - (SIDE - 1) as f32).abs() <= 1.0, "{a:?} {b:?}");
         assert!((a.y - b.y).abs() <= 0.125, "{a:?} {b:?}");
         assert!((a.size / b.size - 1.0).abs() < 0.005, "{a:?} {b:?}");
         // One hit of some twenty more or less.

@@ -98,8 +98,8 @@ pub(super) const IN_PLACE_SHARES: f32 = 0.5;
 /// Source: chosen.
 pub(super) const UNCHANGED_LUMA: usize = 9;
 
-/// Largest change of luma that all cells may have in common \[grey levels\]. Of a larger one nothing
-/// is taken off, because any two even surfaces differ by some change in common.
+/// Largest change of luma that all cells may have in common \[grey levels\]. Of a larger one
+/// nothing is taken off, because any two even surfaces differ by some change in common.
 ///
 /// Source: chosen.
 pub(super) const COMMON_LUMA: usize = 16;
