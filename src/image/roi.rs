@@ -40,9 +40,11 @@ impl Roi {
             && self.lower() <= u64::from(MAX_SIDE)
     }
 
-    /// Whether all of it lies in the frame.
+    /// Whether it holds a pixel and all of it lies in the frame.
     pub(crate) fn is_in(&self, frame: &Frame<'_>) -> bool {
-        self.right() <= frame.width() as u64 && self.lower() <= frame.height() as u64
+        self.is_valid()
+            && self.right() <= frame.width() as u64
+            && self.lower() <= frame.height() as u64
     }
 
     /// Whether a point lies in it; the edges count.
