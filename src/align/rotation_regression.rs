@@ -3,7 +3,7 @@
 //! Landmarks alone leave the yaw of a profile to the few that are not hidden, and those that the
 //! cascade only estimates pull it towards the camera. Features and landmarks together, regressed on
 //! the true rotations of rendered heads, do not share that bias. The 3D fit takes the result as a
-//! Gaussian prior beside the landmarks (maximum a posteriori, thesis 4.2).
+//! Gaussian prior beside the landmarks (maximum a posteriori, thesis 3.1).
 
 use super::shape::Shape;
 use super::shape_regression::deviation;
