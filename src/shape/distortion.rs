@@ -134,8 +134,8 @@ impl Lens {
     /// Derivative of [`Lens::radius`].
     fn slope(&self, r: f32) -> f32 {
         let s = r * r;
-        let terms = self.radial.iter().zip([3.0, 5.0, 7.0, 9.0]).rev();
-        1.0 + terms.fold(0.0, |sum, (k, power)| (sum + power * k) * s)
+        let [k1, k2, k3, k4] = self.radial;
+        1.0 + (3.0 * k1 + (5.0 * k2 + (7.0 * k3 + 9.0 * k4 * s) * s) * s) * s
     }
 
     /// Where the radius stops rising with r, at most `farthest`.
