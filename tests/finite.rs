@@ -84,17 +84,21 @@ fn check(result: &TrackResult, camera: &Intrinsics) {
     assert!(finite, "{camera:?}: {text}");
 }
 
-#[test]
-fn real_faces() {
+/// Tracks 20 frames of the demo clip's face again and again, with a new camera for each, and checks
+/// every result. Frames that were tracked, and cameras that were refused.
+fn track_demo(
+    rounds: i64,
+    mut random: Random,
+    camera: impl Fn(&mut Random) -> Intrinsics,
+) -> (usize, usize) {
     let clip = common::demo().expect("tests/data/demo.y4m.gz");
     let model = Model::load(posewise::DEFAULT_MODEL).expect("the default model is valid");
     let mut tracker = Box::new(Tracker::new(&Config::default()).expect("defaults"));
     let layout = FrameLayout::grey(clip.width as u32, clip.height as u32);
-    let (mut random, mut tracked, mut refused) = (Random(1), 0, 0);
-    // 20 frames of a face that is tracked, with a new camera for each.
-    for round in 0..60i64 {
+    let (mut tracked, mut refused) = (0, 0);
+    for round in 0..rounds {
         for (i, luma) in clip.luma.iter().skip(20).take(20).enumerate() {
-            let camera = random.camera(6.0);
+            let camera = camera(&mut random);
             refused += usize::from(tracker.set_intrinsics(Some(camera)).is_err());
             let frame = Frame::new(&layout, luma).expect("a frame");
             let now = (round * 20 + i as i64 + 1) * 33_333;
@@ -105,32 +109,22 @@ fn real_faces() {
         }
     }
     println!("{tracked} tracked, {refused} cameras refused");
+    (tracked, refused)
+}
+
+#[test]
+fn real_faces() {
+    let (tracked, refused) = track_demo(60, Random(1), |random| random.camera(6.0));
     assert!(tracked > 900 && refused > 100);
 }
 
 #[test]
 fn real_faces_through_any_lens() {
-    let clip = common::demo().expect("tests/data/demo.y4m.gz");
-    let model = Model::load(posewise::DEFAULT_MODEL).expect("the default model is valid");
-    let mut tracker = Box::new(Tracker::new(&Config::default()).expect("defaults"));
-    let layout = FrameLayout::grey(clip.width as u32, clip.height as u32);
-    let (mut random, mut tracked, mut refused) = (Random(3), 0, 0);
-    for round in 0..40i64 {
-        for (i, luma) in clip.luma.iter().skip(20).take(20).enumerate() {
-            // Cameras with a field of view from 5° to nearly 180°.
-            let focal = 10f32.powf(random.unit() * 2.0 + 1.5);
-            let camera = Intrinsics::new(focal, focal, 160.0, 120.0);
-            let camera = camera.with_distortion(random.lens());
-            refused += usize::from(tracker.set_intrinsics(Some(camera)).is_err());
-            let frame = Frame::new(&layout, luma).expect("a frame");
-            let now = (round * 20 + i as i64 + 1) * 33_333;
-            let result = tracker.step(&model, &frame, now).expect("in order");
-            tracked += usize::from(result.state == State::Tracking);
-            check(result, &camera);
-            check(tracker.smoothed(), &camera);
-        }
-    }
-    println!("{tracked} tracked, {refused} lenses refused");
+    let (tracked, refused) = track_demo(40, Random(3), |random| {
+        // Cameras with a field of view from 5° to nearly 180°.
+        let focal = 10f32.powf(random.unit() * 2.0 + 1.5);
+        Intrinsics::new(focal, focal, 160.0, 120.0).with_distortion(random.lens())
+    });
     assert!(tracked > 600 && refused > 50);
 }
 

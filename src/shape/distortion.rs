@@ -9,7 +9,7 @@
 //! calibrated in. There, and beyond [`FARTHEST`], a point is treated as one at the last good radius
 //! in its direction. So both directions are defined and finite everywhere.
 
-/// Largest angle from the axis at which points are told apart \[rad\]: 80°. Chosen: at 90° a
+/// Largest angle from the axis at which points are distinguished \[rad\]: 80°. Chosen: at 90° a
 /// pinhole camera shows nothing.
 const FARTHEST: f32 = 1.396_263_4;
 
