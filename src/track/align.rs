@@ -8,7 +8,7 @@ use super::policy::{
 use super::step::Step;
 use super::{Model, Tracker};
 use crate::align::Shape;
-use crate::shape::{LANDMARKS, RotationPrior};
+use crate::shape::RotationPrior;
 use crate::verifier::Confidence;
 
 impl Tracker {
@@ -100,7 +100,7 @@ impl Tracker {
         let (regression, shape) = (&step.model.rotation, &self.alignment.shape);
         let camera = &step.camera(&self.config);
         let prior = regression.predict(work.features(), work.view(), mean, shape, camera)?;
-        let visible = visible_share(&self.alignment.confidence);
+        let visible = self.alignment.confidence.visible_share();
         Some(RotationPrior {
             weight: ROTATION_PRIOR_WEIGHT * (1.0 - visible),
             ..prior
@@ -110,11 +110,7 @@ impl Tracker {
     /// Whether enough of the target is as it was when it was last trusted, though its face is not
     /// confirmed: the visible landmarks, and what surrounds the face.
     pub(super) fn is_in_place(&self, step: &Step<'_>) -> bool {
-        let visible = visible_share(&self.alignment.confidence);
+        let visible = self.alignment.confidence.visible_share();
         visible + self.target.anchor.unchanged_share(step.frame) >= IN_PLACE_SHARES
     }
-}
-
-fn visible_share(confidence: &Confidence) -> f32 {
-    confidence.visibility.iter().sum::<f32>() / LANDMARKS as f32
 }

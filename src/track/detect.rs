@@ -1,15 +1,11 @@
 //! All faces of a frame, in calls of bounded work: the search without tracking.
 
 use super::geometry::{bounds, centre, detection_of, initial_shape};
-use super::policy::{FIRST_ATTEMPT_CONFIDENCE, FIRST_ATTEMPT_UNITS, NOISY};
+use super::policy::{FIRST_ATTEMPT_CONFIDENCE, FIRST_ATTEMPT_UNITS, NOISY, SAME_FACE};
 use super::step::{Step, WorkBudget};
 use super::{FaceHint, Model, StepError, Tracker};
 use crate::detect::{Detection, ScanOutcome};
 use crate::image::{Frame, noise_share};
-
-/// Two faces of one call are the same when the centre of one is nearer to that of the other than
-/// this share of the other's longer side. Source: chosen, as for excluded faces.
-const SAME_FACE: f32 = 0.4;
 
 /// A face of a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -1,11 +1,7 @@
 //! Faces that other trackers follow: this one neither finds nor follows them.
 
 use super::MAX_EXCLUDED;
-
-/// A face is the excluded one when its centre is nearer to the box's than this share of the box's
-/// longer side. Source: chosen; boxes of one face differ by a quarter at most, and a face half
-/// behind another has its centre at half of the side.
-const SAME_FACE: f32 = 0.4;
+use super::policy::SAME_FACE;
 
 /// Range of the longer side of a box, and largest coordinate \[px\], as for hints.
 const SIDE_PX: core::ops::RangeInclusive<f32> = 1.0..=32_768.0;

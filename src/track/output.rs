@@ -55,7 +55,7 @@ pub(super) fn write(to: &mut TrackResult, now_us: i64, fitted: &Fitted<'_>) {
     *translation_mm = pose.translation_mm.to_array();
     *eye_open = eyes(fitted);
     *loss = Loss::None;
-    *visible_share = fitted.confidence.visibility.iter().sum::<f32>() / LANDMARKS as f32;
+    *visible_share = fitted.confidence.visible_share();
     *rotation_sigma_deg = [0, 1, 2].map(|k| sigma(fitted.fit, k, MAX_SIGMA_RAD).to_degrees());
     *translation_sigma_mm = [3, 4, 5].map(|k| sigma(fitted.fit, k, MAX_SIGMA_MM));
     write_landmarks(landmarks, fitted);

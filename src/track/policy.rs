@@ -134,6 +134,15 @@ pub(super) const SUPPRESS_DISTANCE: f32 = 0.5;
 /// Source: chosen.
 pub(super) const SUPPRESS_SIZES: core::ops::Range<f32> = 0.67..1.5;
 
+// --- Several faces -------------------------------------------------------------------------------
+
+/// Two faces are the same when the centre of one is nearer to that of the other's box than this
+/// share of the box's longer side: an excluded face, or two that are listed.
+///
+/// Source: chosen; boxes of one face differ by a quarter at most, and a face half behind another
+/// has its centre at half of the side.
+pub(super) const SAME_FACE: f32 = 0.4;
+
 // --- Search --------------------------------------------------------------------------------------
 
 /// How long a lost face is expected back at about its last size \[µs\].

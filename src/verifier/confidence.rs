@@ -15,3 +15,10 @@ pub struct Confidence {
     /// of it hides it.
     pub visibility: [f32; LANDMARKS],
 }
+
+impl Confidence {
+    /// Mean of the landmarks' visibilities.
+    pub fn visible_share(&self) -> f32 {
+        self.visibility.iter().sum::<f32>() / LANDMARKS as f32
+    }
+}
