@@ -2,6 +2,7 @@
 
 mod common;
 #[path = "../fuzz/src/targets/mod.rs"]
+#[allow(dead_code)] // the soak test uses more of them
 mod targets;
 
 // The targets use `crate::ffi`.

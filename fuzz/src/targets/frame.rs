@@ -217,6 +217,9 @@ impl Case {
             // SAFETY: a frame whose memory is as long as stated, or one that must not be read.
             let outputs = unsafe { tracker.step(given.ptr().cast()) };
             assert_eq!(outputs.is_ok(), self.valid, "{frame:?}");
+            // SAFETY: as above.
+            let faces = unsafe { tracker.detect(given.ptr().cast()) };
+            assert_eq!(faces.is_ok(), self.valid, "{frame:?}");
             let (Ok(outputs), Some(grey)) = (outputs, &upright) else {
                 continue;
             };
@@ -234,8 +237,8 @@ impl Case {
                 data: grey.ptr(),
             };
             // SAFETY: a whole frame.
-            let expected = unsafe { reference.step(&grey) };
-            assert!(expected == Ok(outputs), "{frame:?}");
+            let expected = unsafe { (reference.step(&grey), reference.detect(&grey)) };
+            assert!(expected == (Ok(outputs), faces), "{frame:?}");
         }
     }
 }

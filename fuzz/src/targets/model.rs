@@ -182,6 +182,8 @@ fn track(tracker: &mut Tracker, content: u8) -> usize {
         // SAFETY: a whole frame.
         let outputs = unsafe { tracker.step(&frame) };
         tracked += usize::from(outputs.expect("a valid frame").is_tracking());
+        // SAFETY: as above.
+        unsafe { tracker.detect(&frame) }.expect("a valid frame");
     }
     tracked
 }

@@ -33,6 +33,7 @@ impl Outputs {
         }
         landmarks.check();
         weights.check();
+        check_smoothed(tracker);
         let outputs = Outputs([&result[..RESULT], landmarks.get(), weights.get()].concat());
         outputs.check();
         outputs
@@ -58,7 +59,7 @@ impl Outputs {
         self.result().state == POSEWISE_TRACKING
     }
 
-    fn result(&self) -> posewise_result {
+    pub fn result(&self) -> posewise_result {
         // SAFETY: as long as the struct, in which every bit pattern is valid.
         unsafe { self.0.as_ptr().cast::<posewise_result>().read_unaligned() }
     }
@@ -66,13 +67,8 @@ impl Outputs {
     /// Checks what the header states of every result.
     fn check(&self) {
         let r = self.result();
-        // The text has all fields, those of a later header too.
-        let text = format!("{r:?}");
-        let finite = words(&self.0[RESULT..]).all(|w| f32::from_bits(w).is_finite());
-        assert!(
-            finite && !text.contains("NaN") && !text.contains("inf"),
-            "a number is not finite: {text}"
-        );
+        let text = finite_text(&r);
+        assert!(words(&self.0[RESULT..]).all(|w| f32::from_bits(w).is_finite()));
         let weights: Vec<f32> = words(self.animation()).map(f32::from_bits).collect();
         let unit = |v: &f32| (0.0..=1.0).contains(v);
         assert!(weights.iter().all(unit), "{weights:?}");
@@ -116,6 +112,67 @@ impl Outputs {
     }
 }
 
+/// A struct as text, with all fields, those of a later header too; every number must be finite.
+fn finite_text(value: &impl std::fmt::Debug) -> String {
+    let text = format!("{value:?}");
+    let finite = !text.contains("NaN") && !text.contains("inf");
+    assert!(finite, "a number is not finite: {text}");
+    text
+}
+
+/// The smoothed result has the state of the last one, and finite numbers.
+fn check_smoothed(tracker: *const posewise_tracker) {
+    let mut smoothed = posewise_result {
+        struct_size: RESULT as u32,
+        ..Default::default()
+    };
+    // SAFETY: a whole struct.
+    let status = unsafe { posewise_smoothed(tracker, &mut smoothed) };
+    assert_eq!(status, POSEWISE_OK);
+    finite_text(&smoothed);
+    let found = smoothed.state != POSEWISE_SEARCHING;
+    assert_eq!(found, smoothed.landmark_count == POSEWISE_LANDMARKS);
+}
+
+/// Byte of memory for outputs before a call.
+pub const UNTOUCHED: u8 = 0x55;
+
+const FACE: usize = size_of::<posewise_face>();
+
+/// Most faces of one call of `posewise_detect()`.
+const MOST_FACES: usize = 16;
+
+/// Memory for the outputs of `posewise_detect()`: faces, their count, whether it has finished.
+pub fn faces_memory(capacity: usize) -> [Guarded; 3] {
+    [
+        capacity.min(MOST_FACES) * FACE,
+        size_of::<usize>(),
+        size_of::<u32>(),
+    ]
+    .map(|len| Guarded::new(len, UNTOUCHED))
+}
+
+/// Checks what the header states of the outputs of `posewise_detect()`.
+pub fn check_faces([faces, count, finished]: [&Guarded; 3]) {
+    let count = usize::from_ne_bytes(count.get().try_into().expect("a length"));
+    let finished = u32::from_ne_bytes(finished.get().try_into().expect("a word"));
+    assert!(count * FACE <= faces.len() && finished <= 1);
+    let (found, rest) = faces.get().split_at(count * FACE);
+    assert!(rest.iter().all(|b| *b == UNTOUCHED));
+    for face in found.chunks_exact(FACE) {
+        // SAFETY: as long as the struct, in which every bit pattern is valid.
+        let face = unsafe { face.as_ptr().cast::<posewise_face>().read_unaligned() };
+        let text = finite_text(&face);
+        let [_, _, width, height] = face.face_box;
+        assert!(width > 0.0 && height > 0.0, "{text}");
+        assert!(
+            face.yaw_deg.abs() <= 90.0 && face.roll_deg.abs() <= 180.01,
+            "{text}"
+        );
+        assert!((0.0..=1.0).contains(&face.confidence), "{text}");
+    }
+}
+
 /// A tracker in memory of its own.
 pub struct Tracker {
     memory: Guarded,
@@ -150,6 +207,15 @@ impl Tracker {
         Ok(Tracker { memory, out })
     }
 
+    pub fn ptr(&self) -> *mut posewise_tracker {
+        self.memory.ptr().cast()
+    }
+
+    /// The tracker's bytes, between their guards.
+    pub fn memory(&mut self) -> &mut Guarded {
+        &mut self.memory
+    }
+
     /// One step. Checks that a failed step leaves its output untouched.
     ///
     /// # Safety
@@ -158,12 +224,30 @@ impl Tracker {
         &mut self,
         frame: *const posewise_frame,
     ) -> Result<Outputs, posewise_status> {
+        // SAFETY: the caller's contract.
+        unsafe { self.step_at(frame, std::ptr::null()) }
+    }
+
+    /// As [`step`](Self::step), with a hint unless that is NULL.
+    ///
+    /// # Safety
+    /// `frame` and `hint` are NULL or as `posewise.h` describes them.
+    pub unsafe fn step_at(
+        &mut self,
+        frame: *const posewise_frame,
+        hint: *const posewise_hint,
+    ) -> Result<Outputs, posewise_status> {
         let tracker = self.memory.ptr().cast();
         let size = RESULT as u32;
         self.out.get_mut().fill(0x77);
         self.out.get_mut()[..4].copy_from_slice(&size.to_ne_bytes());
         // SAFETY: the caller's contract.
-        let status = unsafe { posewise_step(tracker, frame, self.out.ptr().cast()) };
+        let status = unsafe {
+            match hint.is_null() {
+                true => posewise_step(tracker, frame, self.out.ptr().cast()),
+                false => posewise_step_at(tracker, frame, hint, self.out.ptr().cast()),
+            }
+        };
         self.memory.check();
         self.out.check();
         assert_eq!(self.out.get()[..4], size.to_ne_bytes());
@@ -172,5 +256,40 @@ impl Tracker {
             return Err(status);
         }
         Ok(Outputs::of(tracker, self.out.get()))
+    }
+
+    /// Faces of a frame, their count, and whether the scan has finished. Checks that a failed call
+    /// leaves its outputs untouched.
+    ///
+    /// # Safety
+    /// `frame` is NULL or as `posewise.h` describes it.
+    pub unsafe fn detect(
+        &mut self,
+        frame: *const posewise_frame,
+    ) -> Result<[Vec<u8>; 3], posewise_status> {
+        let [faces, count, finished] = faces_memory(MOST_FACES);
+        // SAFETY: the caller's contract.
+        let status = unsafe {
+            posewise_detect(
+                self.memory.ptr().cast(),
+                frame,
+                faces.ptr().cast(),
+                MOST_FACES,
+                count.ptr().cast(),
+                finished.ptr().cast(),
+            )
+        };
+        self.memory.check();
+        let outputs = [&faces, &count, &finished];
+        for output in outputs {
+            output.check();
+            let untouched = output.get().iter().all(|b| *b == UNTOUCHED);
+            assert!(status == POSEWISE_OK || untouched);
+        }
+        if status != POSEWISE_OK {
+            return Err(status);
+        }
+        check_faces(outputs);
+        Ok(outputs.map(|output| output.get().to_vec()))
     }
 }

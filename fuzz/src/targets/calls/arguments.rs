@@ -6,6 +6,7 @@ use crate::targets::memory::Exact;
 
 pub(super) const CONFIG: u32 = size_of::<posewise_config>() as u32;
 pub(super) const FRAME: u32 = size_of::<posewise_frame>() as u32;
+pub(super) const HINT: u32 = size_of::<posewise_hint>() as u32;
 pub(super) const RESULT: u32 = size_of::<posewise_result>() as u32;
 
 /// A pointer that may be wrong: to the memory, NULL, or off by one.
@@ -97,6 +98,35 @@ pub(super) fn boxes(input: &mut Input<'_>, count: usize) -> (Vec<f32>, bool) {
             && b[1].abs() <= 65_536.0
     });
     (numbers, valid)
+}
+
+/// A hint in memory, and whether it is valid. One of four has any numbers, the others a box in or
+/// near the images.
+pub(super) fn hint(input: &mut Input<'_>) -> (Exact, bool) {
+    let struct_size = stated(input, HINT);
+    let any = input.u8() < 64;
+    let mut next = || match any {
+        true => number(input),
+        false => input.u8() as f32 / 2.0,
+    };
+    let face_box = [next(), next(), 16.0 + next(), next()];
+    let (yaw_deg, roll_deg) = (next() - 60.0, next() - 60.0);
+    let [x, y, width, height] = face_box;
+    let valid = struct_size == HINT
+        && width > 0.0
+        && height > 0.0
+        && (16.0..=32_768.0).contains(&width.max(height))
+        && x.abs() <= 65_536.0
+        && y.abs() <= 65_536.0
+        && yaw_deg.abs() <= 180.0
+        && roll_deg.abs() <= 360.0;
+    let hint = posewise_hint {
+        struct_size,
+        face_box,
+        yaw_deg,
+        roll_deg,
+    };
+    (lay_out(hint, struct_size), valid)
 }
 
 /// A region of interest, x, y, width, height, and whether it is valid.

@@ -1,6 +1,6 @@
-//! Calls of `posewise_step()`.
+//! Calls of `posewise_step()` and `posewise_step_at()`.
 
-use super::arguments::{FRAME, RESULT, is_good, lay_out, spoilt, stated};
+use super::arguments::{FRAME, RESULT, hint, is_good, lay_out, spoilt, stated};
 use super::{Live, World};
 use crate::ffi::{api::*, types::*};
 use crate::targets::input::{Input, scramble};
@@ -9,6 +9,22 @@ use crate::targets::outputs::Outputs;
 
 impl World {
     pub(super) fn step(&mut self, input: &mut Input<'_>, slot: usize, pointer: u8) {
+        self.step_with(input, slot, pointer, None);
+    }
+
+    /// A step with a hint, which may be wrong.
+    pub(super) fn step_at(&mut self, input: &mut Input<'_>, slot: usize, pointer: u8) {
+        let how = input.u8();
+        let (hint, valid) = hint(input);
+        let hint = Hint {
+            pointer: spoilt(hint.ptr(), how).cast(),
+            valid: valid && is_good(how),
+            _memory: hint,
+        };
+        self.step_with(input, slot, pointer, Some(hint));
+    }
+
+    fn step_with(&mut self, input: &mut Input<'_>, slot: usize, pointer: u8, hint: Option<Hint>) {
         let (tracker, live) = self.tracker(slot, pointer);
         let last_us = self.slots[slot].live.as_ref().and_then(|live| live.last_us);
         let wrong = input.u8();
@@ -16,32 +32,24 @@ impl World {
         let image = Image::new(input);
         let arguments = Arguments::new(input, wrong, image.frame(timestamp_us));
         let in_order = last_us.is_none_or(|last| timestamp_us > last);
-        let roi = self.slots[slot]
-            .live
-            .as_ref()
-            .map_or([0; 4], |live| live.roi);
-        let good = live && in_order && arguments.are_good() && image.holds(roi);
-        let Arguments {
-            frame,
-            frame_size,
-            result_size,
-            frame_how,
-            result_how,
-            ..
-        } = arguments;
-        let given = lay_out(frame, frame_size);
-        let len = match result_size == RESULT {
-            true => RESULT,
-            false => 4,
-        };
-        let mut out = Guarded::new(len as usize, 0x77);
-        out.get_mut()[..4].copy_from_slice(&result_size.to_ne_bytes());
+        let roi = self.roi(slot);
+        let good = live
+            && in_order
+            && arguments.are_good()
+            && image.holds(roi)
+            && hint.as_ref().is_none_or(|hint| hint.valid);
+        let given = lay_out(arguments.frame, arguments.frame_size);
+        let out = arguments.result();
         let untouched = out.get().to_vec();
         let before = self.snapshot(slot);
+        let frame = spoilt(given.ptr(), arguments.frame_how).cast();
+        let result = spoilt(out.ptr(), arguments.result_how).cast();
         // SAFETY: everything is as long as stated.
         let status = unsafe {
-            let frame = spoilt(given.ptr(), frame_how).cast::<posewise_frame>();
-            posewise_step(tracker, frame, spoilt(out.ptr(), result_how).cast())
+            match &hint {
+                Some(hint) => posewise_step_at(tracker, frame, hint.pointer, result),
+                None => posewise_step(tracker, frame, result),
+            }
         };
         out.check();
         image.check();
@@ -59,6 +67,20 @@ impl World {
         }
         self.check_status(slot, status, good, &before);
     }
+
+    /// Region of interest of a tracker.
+    pub(super) fn roi(&self, slot: usize) -> [u32; 4] {
+        let live = self.slots[slot].live.as_ref();
+        live.map_or([0; 4], |live| live.roi)
+    }
+}
+
+/// The hint of a step.
+struct Hint {
+    pointer: *const posewise_hint,
+    valid: bool,
+    /// What the pointer points to, or should.
+    _memory: Exact,
 }
 
 /// A timestamp, mostly after the last one \[us\].
@@ -75,18 +97,18 @@ fn timestamp(input: &mut Input<'_>, last: i64) -> i64 {
 }
 
 /// Arguments of a step, of which at most one is wrong.
-struct Arguments {
-    frame: posewise_frame,
-    frame_size: u32,
+pub(super) struct Arguments {
+    pub(super) frame: posewise_frame,
+    pub(super) frame_size: u32,
     result_size: u32,
-    frame_how: u8,
+    pub(super) frame_how: u8,
     result_how: u8,
     /// Whether the fields of the frame are valid.
     valid_frame: bool,
 }
 
 impl Arguments {
-    fn new(input: &mut Input<'_>, wrong: u8, frame: posewise_frame) -> Arguments {
+    pub(super) fn new(input: &mut Input<'_>, wrong: u8, frame: posewise_frame) -> Arguments {
         let mut a = Arguments {
             frame,
             frame_size: FRAME,
@@ -121,12 +143,23 @@ impl Arguments {
         a
     }
 
+    /// Memory for a result of the stated size, or of its size alone where that is wrong.
+    fn result(&self) -> Guarded {
+        let len = match self.result_size == RESULT {
+            true => RESULT,
+            false => 4,
+        };
+        let mut out = Guarded::new(len as usize, 0x77);
+        out.get_mut()[..4].copy_from_slice(&self.result_size.to_ne_bytes());
+        out
+    }
+
+    pub(super) fn frame_is_good(&self) -> bool {
+        self.valid_frame && is_good(self.frame_how) && self.frame_size == FRAME
+    }
+
     fn are_good(&self) -> bool {
-        self.valid_frame
-            && is_good(self.frame_how)
-            && is_good(self.result_how)
-            && self.frame_size == FRAME
-            && self.result_size == RESULT
+        self.frame_is_good() && is_good(self.result_how) && self.result_size == RESULT
     }
 }
 
@@ -139,7 +172,7 @@ pub(super) struct Image {
 }
 
 impl Image {
-    fn new(input: &mut Input<'_>) -> Self {
+    pub(super) fn new(input: &mut Input<'_>) -> Self {
         let (kind, mut seed) = (input.u8(), input.u8() as u32);
         let (width, height) = match kind >> 4 {
             0 => (1 + seed, 1 + 255 - seed),
@@ -167,7 +200,7 @@ impl Image {
         }
     }
 
-    fn frame(&self, timestamp_us: i64) -> posewise_frame {
+    pub(super) fn frame(&self, timestamp_us: i64) -> posewise_frame {
         posewise_frame {
             struct_size: FRAME,
             format: POSEWISE_FMT_GREY,
@@ -184,12 +217,12 @@ impl Image {
     }
 
     /// Whether a region of interest lies in it.
-    fn holds(&self, [x, y, width, height]: [u32; 4]) -> bool {
+    pub(super) fn holds(&self, [x, y, width, height]: [u32; 4]) -> bool {
         x as u64 + width as u64 <= self.width as u64
             && y as u64 + height as u64 <= self.height as u64
     }
 
-    fn check(&self) {
+    pub(super) fn check(&self) {
         assert!(self.data.get() == self.before, "the frame was written to");
     }
 }
