@@ -1,6 +1,7 @@
 //! Clips in which two people pass each other and swap sides, one behind the other, with the
 //! places of both faces per frame: do trackers keep them apart?
 
+use super::Material;
 use super::casting::{HEIGHT, WIDTH};
 use super::clip::{Set, Studio};
 use super::motion::Moment;
@@ -28,18 +29,11 @@ const FIRST_STREAM: u64 = 1000;
 /// Settings of `posewise-lab crossings`.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Args {
-    /// The morphable head.
-    #[arg(long, default_value = "../shared/data/facekit.npz")]
-    pub facekit: PathBuf,
-    /// Folder of pictures that the heads are drawn before, as for `sweeps`.
-    #[arg(long)]
-    pub backgrounds: Option<PathBuf>,
+    #[command(flatten)]
+    pub material: Material,
     /// Where clips (.y4m.gz) and truths (.csv) go.
     #[arg(long)]
     pub out: PathBuf,
-    /// Seed of everything random.
-    #[arg(long, default_value_t = 1)]
-    pub seed: u64,
     /// Number of clips.
     #[arg(long, default_value_t = 8)]
     pub clips: usize,
@@ -50,9 +44,8 @@ pub struct Args {
 
 /// Renders all clips.
 pub fn run(args: &Args) -> Result<()> {
-    let kit = Head::load(&args.facekit)?;
-    let backgrounds = super::backgrounds(args.backgrounds.as_deref())?;
-    let studio = Studio::new(&kit, None, backgrounds)?;
+    let kit = Head::load(&args.material.facekit)?;
+    let studio = Studio::new(&kit, None, args.material.pictures()?)?;
     std::fs::create_dir_all(&args.out)?;
     (0..args.clips).try_for_each(|n| render(&studio, args, n))
 }
@@ -65,7 +58,7 @@ fn person(args: &Args, clip: usize, which: usize) -> Sweep {
         kind: Kind::Crossing,
         hair: [Hair::Short, Hair::Bald, Hair::Big, Hair::Long][stream as usize % 4],
         view_deg: 60.0,
-        seed: (SEED ^ args.seed, stream),
+        seed: (SEED ^ args.material.seed, stream),
         frames: args.frames,
         fps: 25,
     }

@@ -32,26 +32,33 @@ use posewise_train::picture::Picture;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
-/// Settings of `posewise-lab sweeps`.
+/// What renders of both kinds are made of.
 #[derive(Clone, Debug, clap::Args)]
-pub struct Args {
+pub struct Material {
     /// The morphable head.
     #[arg(long, default_value = "../shared/data/facekit.npz")]
     pub facekit: PathBuf,
-    /// Candide-3 for the sweeps of a second head; left out without it.
-    #[arg(long)]
-    pub candide: Option<PathBuf>,
     /// Folder of pictures that the heads are drawn before; procedural ones without it. Pictures
     /// that its file with-people.txt names are left out.
     #[arg(long)]
     pub backgrounds: Option<PathBuf>,
+    /// Seed of everything random.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+}
+
+/// Settings of `posewise-lab sweeps`.
+#[derive(Clone, Debug, clap::Args)]
+pub struct Args {
+    #[command(flatten)]
+    pub material: Material,
+    /// Candide-3 for the sweeps of a second head; left out without it.
+    #[arg(long)]
+    pub candide: Option<PathBuf>,
     /// Where clips (.y4m.gz), truths (.csv) and descriptions (.json) go. A clip whose description
     /// is there and agrees is not rendered again.
     #[arg(long)]
     pub out: PathBuf,
-    /// Seed of everything random.
-    #[arg(long, default_value_t = 1)]
-    pub seed: u64,
     /// Render only clips whose names begin with one of these; repeat for several.
     #[arg(long)]
     pub only: Vec<String>,
@@ -62,14 +69,11 @@ pub struct Args {
 
 /// Renders the clips that are not there yet.
 pub fn run(args: &Args) -> Result<()> {
-    let kit = Head::load(&args.facekit)?;
-    let studio = Studio::new(
-        &kit,
-        args.candide.as_deref(),
-        backgrounds(args.backgrounds.as_deref())?,
-    )?;
+    let kit = Head::load(&args.material.facekit)?;
+    let backgrounds = args.material.pictures()?;
+    let studio = Studio::new(&kit, args.candide.as_deref(), backgrounds)?;
     std::fs::create_dir_all(&args.out)?;
-    let mut sweeps = plan::sweeps(args.seed, args.candide.is_some());
+    let mut sweeps = plan::sweeps(args.material.seed, args.candide.is_some());
     if !args.only.is_empty() {
         sweeps.retain(|s| args.only.iter().any(|name| s.name.starts_with(name)));
     }
@@ -83,24 +87,27 @@ pub fn run(args: &Args) -> Result<()> {
         .try_for_each(|sweep| studio.render(sweep, &args.out))
 }
 
-fn backgrounds(folder: Option<&Path>) -> Result<Vec<GrayImage>> {
-    let Some(folder) = folder else {
-        return Ok(Vec::new());
-    };
-    let listed = std::fs::read_to_string(folder.join("with-people.txt")).unwrap_or_default();
-    let people: Vec<&str> = listed.lines().map(str::trim).collect();
-    let usable = |path: &&PathBuf| {
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        !people.contains(&name.as_ref())
-    };
-    let read = |path: &Path| -> Result<GrayImage> {
-        let picture = image::open(path).with_context(|| path.display().to_string())?;
-        Ok(picture.to_luma8())
-    };
-    // Training takes four of each five pictures; the fifth is new to the model.
-    let list = Picture::list(folder)?;
-    let list = list.iter().filter(usable).skip(4).step_by(5);
-    list.map(|path| read(path)).collect()
+impl Material {
+    /// The pictures that heads are drawn before.
+    fn pictures(&self) -> Result<Vec<GrayImage>> {
+        let Some(folder) = &self.backgrounds else {
+            return Ok(Vec::new());
+        };
+        let listed = std::fs::read_to_string(folder.join("with-people.txt")).unwrap_or_default();
+        let people: Vec<&str> = listed.lines().map(str::trim).collect();
+        let usable = |path: &&PathBuf| {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            !people.contains(&name.as_ref())
+        };
+        let read = |path: &Path| -> Result<GrayImage> {
+            let picture = image::open(path).with_context(|| path.display().to_string())?;
+            Ok(picture.to_luma8())
+        };
+        // Training takes four of each five pictures; the fifth is new to the model.
+        let list = Picture::list(folder)?;
+        let list = list.iter().filter(usable).skip(4).step_by(5);
+        list.map(|path| read(path)).collect()
+    }
 }
 
 #[cfg(test)]
