@@ -1,7 +1,7 @@
 //! All faces of a frame, in calls of bounded work: the search without tracking.
 
-use super::geometry::{bounds, centre, detection_of, initial_shape};
-use super::policy::{FIRST_ATTEMPT_CONFIDENCE, FIRST_ATTEMPT_UNITS, NOISY, SAME_FACE};
+use super::geometry::{bounds, centre, detection_of, initial_shape, is_same_face};
+use super::policy::{FIRST_ATTEMPT_CONFIDENCE, FIRST_ATTEMPT_UNITS, NOISY};
 use super::step::{Step, WorkBudget};
 use super::{FaceHint, Model, StepError, Tracker};
 use crate::detect::{Detection, ScanOutcome};
@@ -26,15 +26,6 @@ impl FoundFace {
     /// For [`Tracker::step_at`].
     pub fn hint(&self) -> FaceHint {
         FaceHint::new(self.face_box).with_angles(self.yaw_deg, self.roll_deg)
-    }
-
-    fn is_same(&self, other: &FoundFace) -> bool {
-        let [[x, y], [u, v]] = [self, other].map(|face| {
-            let [x, y, width, height] = face.face_box;
-            [x + width / 2.0, y + height / 2.0]
-        });
-        let [_, _, width, height] = other.face_box;
-        libm::hypotf(x - u, y - v) < SAME_FACE * width.max(height)
     }
 }
 
@@ -121,7 +112,10 @@ impl Tracker {
 /// Adds a face to the first `count`, unless it is among them with a higher confidence; returns how
 /// many there are.
 fn add(found: &mut [FoundFace], count: usize, face: FoundFace) -> usize {
-    let is_same = |other: &&mut FoundFace| face.is_same(other) || other.is_same(&face);
+    let is_same = |other: &&mut FoundFace| {
+        is_same_face(&face.face_box, &other.face_box)
+            || is_same_face(&other.face_box, &face.face_box)
+    };
     if let Some(other) = found.iter_mut().take(count).find(is_same) {
         if face.confidence > other.confidence {
             *other = face;

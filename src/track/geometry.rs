@@ -1,6 +1,7 @@
 //! Boxes, centres and widths of shapes, and the way from a shape to a detection and back.
 
 use super::Model;
+use super::policy::SAME_FACE;
 use crate::align::Shape;
 use crate::detect::Detection;
 use crate::image::{Frame, Roi};
@@ -57,6 +58,15 @@ pub(super) fn bounds(shape: &[[f32; 2]]) -> [f32; 4] {
         high = [high[0].max(*x), high[1].max(*y)];
     }
     [low[0], low[1], high[0] - low[0], high[1] - low[1]]
+}
+
+/// Whether a box (left, top, width, height) is around the same face as another one: its centre is
+/// near the other's.
+pub fn is_same_face(face: &[f32; 4], other: &[f32; 4]) -> bool {
+    let centre = |[x, y, width, height]: &[f32; 4]| [x + width / 2.0, y + height / 2.0];
+    let ([x, y], [u, v]) = (centre(face), centre(other));
+    let [_, _, width, height] = other;
+    libm::hypotf(x - u, y - v) < SAME_FACE * width.max(*height)
 }
 
 /// Centre of the axis-aligned box.

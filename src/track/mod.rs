@@ -45,6 +45,7 @@ pub use config::{Config, ConfigError, MAX_EXCLUDED, Smoothing};
 pub use detect::{Detected, FoundFace};
 pub use error::StepError;
 pub use event::{EVENTS, Event, EventKind, EventLog};
+pub use geometry::is_same_face;
 pub use hint::FaceHint;
 pub use model::Model;
 pub use result::{Landmark, Loss, State, TrackResult};

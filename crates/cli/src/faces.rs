@@ -12,7 +12,7 @@ use std::time::Duration;
 use anyhow::Result;
 use posewise::Roi;
 use posewise::shape::Intrinsics;
-use posewise::track::{EventLog, Model, State, TrackResult};
+use posewise::track::{EventLog, Model, State, TrackResult, is_same_face};
 
 use crate::cli::TrackerArgs;
 use crate::picture::Picture;
@@ -27,9 +27,6 @@ const CLAIM_US: f32 = 500_000.0;
 /// A face whose tracker has this claim is expected back after a loss. Source: chosen: a false
 /// positive is lost before, which takes 0.2 s.
 const ESTABLISHED: f32 = 0.3;
-/// Two trackers are on the same face when their centres are nearer than this share of its longer
-/// side, as in the core. Source: chosen.
-const SAME_FACE: f32 = 0.4;
 
 /// A result and the number of its tracker.
 pub struct Face {
@@ -138,7 +135,8 @@ impl<'m> Faces<'m> {
             .filter(|(k, other)| {
                 // Of two equal claims that of the lower number is the greater one.
                 let is_greater = (other.claim, id) > (own.claim, *k);
-                !own.is_tracking() || (is_greater && is_same(own.face_box(), other.face_box()))
+                !own.is_tracking()
+                    || (is_greater && is_same_face(&own.face_box(), &other.face_box()))
             })
             .map(|(_, other)| other.face_box())
             .collect()
@@ -192,11 +190,4 @@ impl Slot<'_> {
     fn face_box(&self) -> [f32; 4] {
         self.session.result().face_box
     }
-}
-
-/// Whether a box is around the face of another one.
-fn is_same(face: [f32; 4], other: [f32; 4]) -> bool {
-    let centre = |[x, y, w, h]: [f32; 4]| [x + w / 2.0, y + h / 2.0];
-    let ([x, y], [u, v]) = (centre(face), centre(other));
-    (x - u).hypot(y - v) < SAME_FACE * other[2].max(other[3])
 }

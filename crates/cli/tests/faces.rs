@@ -9,6 +9,7 @@ mod common;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use ::posewise::track::is_same_face;
 use common::{arg, posewise};
 
 /// Faces of which less is seen are not counted.
@@ -37,13 +38,6 @@ fn face_box(row: &BTreeMap<String, String>, columns: [&str; 4]) -> Box {
     columns.map(|column| number(row, column))
 }
 
-/// Whether a box is around the same face.
-fn is_same(a: Box, b: Box) -> bool {
-    let centre = |[x, y, w, h]: Box| [x + w / 2.0, y + h / 2.0];
-    let ([x, y], [u, v]) = (centre(a), centre(b));
-    (x - u).hypot(y - v) < 0.4 * b[2].max(b[3])
-}
-
 #[test]
 fn two_people_who_cross_keep_their_numbers() {
     let run = posewise()
@@ -70,7 +64,7 @@ fn two_people_who_cross_keep_their_numbers() {
         let face = face_box(&row, ["x", "y", "width", "height"]);
         let found = tracked.get(&(number(&row, "frame") as u32));
         let on_it: Vec<usize> = (found.into_iter().flatten())
-            .filter(|(_, found)| is_same(*found, face))
+            .filter(|(_, found)| is_same_face(found, &face))
             .map(|(id, _)| *id)
             .collect();
         own[person] = own[person].or(on_it.first().copied());
