@@ -3,9 +3,12 @@
 //! pinhole camera which looks there too.
 
 mod common;
+#[path = "common/lenses.rs"]
+mod lenses;
 
 use common::demo;
 use glam::{Mat3, Quat, Vec3};
+use lenses::{FISHEYE, WIDE};
 use posewise::{Config, Distortion, Frame, FrameLayout, Intrinsics, Model, State, Tracker};
 
 /// The clip's camera: 60° across 320×240.
@@ -17,20 +20,6 @@ const EVERY: usize = 3;
 
 /// Angle between axis and edge of the picture \[rad\].
 const HALF_FIELD: f32 = 60.0 * std::f32::consts::PI / 180.0;
-
-const BROWN: Distortion = Distortion::BrownConrady {
-    k1: -0.12,
-    k2: 0.012,
-    p1: 0.001,
-    p2: -0.0007,
-    k3: -0.0004,
-};
-const FISHEYE: Distortion = Distortion::KannalaBrandt {
-    k1: -0.02,
-    k2: 0.004,
-    k3: -0.003,
-    k4: 0.0005,
-};
 
 /// The picture's size and the camera of a lens: as wide as the field of view, in proportion 4:3.
 fn camera(distortion: Distortion) -> (usize, usize, Intrinsics) {
@@ -129,7 +118,7 @@ fn the_pose_is_that_of_a_pinhole_camera() {
     let model = Model::load(posewise::DEFAULT_MODEL).expect("the default model is valid");
     for view_deg in [[0.0, 0.0], [25.0, 0.0], [-35.0, 10.0]] {
         let (pinhole, all) = error(&model, Distortion::None, view_deg);
-        for distortion in [BROWN, FISHEYE] {
+        for distortion in [WIDE, FISHEYE] {
             let (lens, tracked) = error(&model, distortion, view_deg);
             println!(
                 "{view_deg:?} {distortion:?}: {lens:.2}° of {tracked}, {pinhole:.2}° of {all}"

@@ -241,23 +241,15 @@ impl Lens {
 }
 
 #[cfg(test)]
+#[path = "../../tests/common/lenses.rs"]
+mod lenses;
+
+#[cfg(test)]
 mod tests {
+    use super::lenses::{FISHEYE, WIDE};
     use super::*;
 
-    /// Two lenses with a horizontal field of view of 120°, and one with a narrow one.
-    const WIDE: Distortion = Distortion::BrownConrady {
-        k1: -0.12,
-        k2: 0.012,
-        p1: 0.001,
-        p2: -0.0007,
-        k3: -0.0004,
-    };
-    const FISHEYE: Distortion = Distortion::KannalaBrandt {
-        k1: -0.02,
-        k2: 0.004,
-        k3: -0.003,
-        k4: 0.0005,
-    };
+    /// A lens with a narrow field of view.
     const NARROW: Distortion = Distortion::BrownConrady {
         k1: 0.3,
         k2: -20.0,
