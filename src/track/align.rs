@@ -2,7 +2,7 @@
 
 use super::geometry::centre;
 use super::policy::{
-    IN_PLACE_SHARES, ROTATION_PRIOR_WEIGHT, TRUST_CONFIDENCE, UNTRUSTED_KEEP_CONFIDENCE,
+    CUT_SHARE, IN_PLACE_SHARES, ROTATION_PRIOR_WEIGHT, TRUST_CONFIDENCE, UNTRUSTED_KEEP_CONFIDENCE,
     WRONG_CONFIDENCE,
 };
 use super::step::Step;
@@ -107,10 +107,24 @@ impl Tracker {
         })
     }
 
-    /// Whether enough of the target is as it was when it was last trusted, though its face is not
-    /// confirmed: the visible landmarks, and what surrounds the face.
-    pub(super) fn is_in_place(&self, step: &Step<'_>) -> bool {
-        let visible = self.alignment.confidence.visible_share();
-        visible + self.target.anchor.unchanged_share(step.frame) >= IN_PLACE_SHARES
+    /// Whether the last alignment of the target is good enough to go on with.
+    pub(super) fn is_kept(&self, step: &Step<'_>) -> bool {
+        let alignment = &self.alignment;
+        let confidence = &alignment.confidence;
+        let kept = confidence.face
+            >= self
+                .target
+                .min_confidence(alignment.recognised, step.now_us);
+        if !self.target.is_trusted() || confidence.face >= UNTRUSTED_KEEP_CONFIDENCE {
+            return kept;
+        }
+        let centre = centre(&alignment.shape);
+        match self.target.anchor.unchanged(step.frame, centre) {
+            Some(share) if share.in_place.max(share.moved) < CUT_SHARE => false,
+            Some(share) if self.target.may_be_covered(step.now_us) => {
+                kept || confidence.visible_share() + share.in_place >= IN_PLACE_SHARES
+            }
+            _ => kept,
+        }
     }
 }

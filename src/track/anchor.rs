@@ -56,14 +56,19 @@ impl Anchor {
         }
     }
 
-    /// Share of the ring's cells whose luma is as it was, but for a small change that all have in
-    /// common, as by the camera's exposure. 0 without an anchor.
+    /// What surrounded the face, in place and around this centre. `None` without an anchor.
+    pub(super) fn unchanged(&self, frame: &Frame<'_>, centre: [f32; 2]) -> Option<Unchanged> {
+        let in_place = Square::around(&self.shape);
+        self.is_set.then(|| Unchanged {
+            in_place: self.unchanged_in(frame, &in_place),
+            moved: self.unchanged_in(frame, &in_place.at(centre)),
+        })
+    }
+
+    /// Share of the cells of this square's ring whose luma is as it was, but for a small change
+    /// that all have in common, as by the camera's exposure.
     #[inline(never)]
-    pub(super) fn unchanged_share(&self, frame: &Frame<'_>) -> f32 {
-        if !self.is_set {
-            return 0.0;
-        }
-        let square = Square::around(&self.shape);
+    fn unchanged_in(&self, frame: &Frame<'_>, square: &Square) -> f32 {
         // Of a sort the code would take several kilobytes.
         let mut histogram = [0u8; 2 * LUMA_MAX + 1];
         let mut count = 0;
@@ -86,6 +91,14 @@ impl Anchor {
         let same = same.take(common + UNCHANGED_LUMA + 1 - first);
         same.map(|cells| f32::from(*cells)).sum::<f32>() / count.max(1) as f32
     }
+}
+
+/// Shares of what surrounded a face that are as they were.
+pub(super) struct Unchanged {
+    /// Where they were.
+    pub(super) in_place: f32,
+    /// Where they are if they moved along with the face.
+    pub(super) moved: f32,
 }
 
 /// Columns and rows of the ring's cells.
@@ -119,6 +132,15 @@ impl Square {
         }
     }
 
+    /// The same square with this centre.
+    fn at(&self, centre: [f32; 2]) -> Square {
+        let half = self.step * ((SIDE * SAMPLES) as f32 - 1.0) / 2.0;
+        Square {
+            first: centre.map(|centre| centre - half),
+            ..*self
+        }
+    }
+
     /// Mean luma of the cell in this column and row.
     fn luma(&self, frame: &Frame<'_>, (column, row): (usize, usize)) -> u8 {
         let [x, y] = self.first;
@@ -148,7 +170,7 @@ mod tests {
         })
     }
 
-    fn share(after: &[u8; WIDTH * WIDTH]) -> f32 {
+    fn unchanged(after: &[u8; WIDTH * WIDTH], centre: [f32; 2]) -> Unchanged {
         let before = picture(|_, _, luma| luma);
         let layout = FrameLayout::grey(WIDTH as u32, WIDTH as u32);
         let before = &Frame::new(&layout, &before).unwrap();
@@ -159,9 +181,13 @@ mod tests {
             [80.0 + 25.0 * cos, 80.0 + 25.0 * sin]
         });
         let mut anchor = Anchor::EMPTY;
-        assert_eq!(anchor.unchanged_share(after), 0.0);
+        assert!(anchor.unchanged(after, centre).is_none());
         anchor.set(&shape, before);
-        anchor.unchanged_share(after)
+        anchor.unchanged(after, centre).unwrap()
+    }
+
+    fn share(after: &[u8; WIDTH * WIDTH]) -> f32 {
+        unchanged(after, [80.0, 80.0]).in_place
     }
 
     #[test]
@@ -181,5 +207,14 @@ mod tests {
         assert!((0.5..0.8).contains(&side), "{side}");
         let other = share(&picture(|x, y, _| ((x / 9 * 57 + y / 8 * 101) % 251) as u8));
         assert!(other < 0.3, "{other}");
+    }
+
+    #[test]
+    fn what_moves_along_with_the_face_is_unchanged() {
+        let before = picture(|_, _, luma| luma);
+        let moved = core::array::from_fn(|i| before[i.saturating_sub(10 * WIDTH + 20)]);
+        let share = unchanged(&moved, [100.0, 90.0]);
+        assert_eq!(share.moved, 1.0);
+        assert!(share.in_place < 0.5, "{}", share.in_place);
     }
 }

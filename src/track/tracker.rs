@@ -409,10 +409,8 @@ impl Tracker {
         if self.excluded.contains(centre(&alignment.shape)) {
             return Outcome::Reject(Loss::Excluded);
         }
-        let (confidence, recognised) = (alignment.confidence.face, alignment.recognised);
-        let kept = self.target.min_confidence(recognised, step.now_us);
-        if confidence < kept && !(self.target.may_be_covered(step.now_us) && self.is_in_place(step))
-        {
+        let recognised = alignment.recognised;
+        if !self.is_kept(step) {
             return Outcome::Reject(Loss::LowConfidence);
         }
         if !is_in_frame(&alignment.shape, step.frame) {
