@@ -69,13 +69,13 @@ impl Workspace {
         }
     }
 
-    /// Features of the last run for the verifier, `[68][features]`, 0..127: the fine map at the
+    /// Features of the last iteration for the verifier, `[68][features]`, 0..127: the fine map at the
     /// landmarks of the global stage. Empty in builds without the feature `verifier`.
     pub fn features(&self) -> &[i8] {
         self.features.get(..self.feature_count).unwrap_or(&[])
     }
 
-    /// The landmarks after the global stage of the last run, before the refiners (frame px).
+    /// The landmarks after the last iteration, before the refiners (frame px).
     pub fn global_shape(&self) -> &Shape {
         &self.global_shape
     }
@@ -86,7 +86,7 @@ impl Workspace {
         self.memory.scratch()
     }
 
-    /// Signed view of the last run's shape: 0 is frontal, then the model's views turned to the
+    /// Signed view of the global shape: 0 is frontal, then the model's views turned to the
     /// image right, then those turned left. Below [`AlignModel::signed_views`].
     pub fn view(&self) -> usize {
         self.view
@@ -168,17 +168,11 @@ impl<'m> AlignModel<'m> {
         shape: &mut Shape,
         work: &mut Workspace,
     ) -> bool {
-        if !(0..iterations).all(|_| self.iterate(frame, shape, work)) {
-            return false;
-        }
-        let Some(view) = self.views().of(shape) else {
-            return false;
-        };
-        work.view = match view.mirrored {
-            false => view.index,
-            true => self.views.shapes.len() + view.index - 1,
-        };
-        work.global_shape = *shape;
+        (0..iterations).all(|_| self.iterate(frame, shape, work)) && self.refine(frame, shape, work)
+    }
+
+    /// Runs the refiners from the `shape` of the last iteration; false as in [`AlignModel::run`].
+    pub fn refine(&self, frame: &Frame<'_>, shape: &mut Shape, work: &mut Workspace) -> bool {
         if cfg!(feature = "refiners") {
             let Workspace { crop, memory, .. } = work;
             self.refiners.run(frame, self.mean, shape, crop, memory);
@@ -186,7 +180,8 @@ impl<'m> AlignModel<'m> {
         is_finite(shape)
     }
 
-    /// One iteration of the global stage; false as in [`AlignModel::run`].
+    /// One iteration of the global stage: then features, view and global shape are known. False as
+    /// in [`AlignModel::run`].
     pub fn iterate(&self, frame: &Frame<'_>, shape: &mut Shape, work: &mut Workspace) -> bool {
         let (global, side) = (&self.global, self.global.side());
         let Some(placement) = place(self.mean, shape, global.zoom(), side) else {
@@ -205,6 +200,14 @@ impl<'m> AlignModel<'m> {
             work.feature_count = LANDMARKS * global.features();
         }
         *shape = points.map(|p| placement.centred_to_frame.apply(p));
+        let Some(view) = self.views().of(shape) else {
+            return false;
+        };
+        work.view = match view.mirrored {
+            false => view.index,
+            true => self.views.shapes.len() + view.index - 1,
+        };
+        work.global_shape = *shape;
         is_finite(shape)
     }
 }

@@ -2,17 +2,19 @@
 
 use super::geometry::centre;
 use super::policy::{
-    CUT_SHARE, IN_PLACE_SHARES, ROTATION_PRIOR_WEIGHT, TRUST_CONFIDENCE, UNTRUSTED_KEEP_CONFIDENCE,
-    WRONG_CONFIDENCE,
+    CUT_SHARE, DISCARD_CONFIDENCE, IN_PLACE_SHARES, ITERATION_UNITS, REFINE_UNITS,
+    ROTATION_PRIOR_WEIGHT, TRUST_CONFIDENCE, UNTRUSTED_KEEP_CONFIDENCE, WRONG_CONFIDENCE,
 };
 use super::step::Step;
 use super::{Model, Tracker};
-use crate::align::Shape;
+use crate::align::{Shape, Workspace};
 use crate::shape::RotationPrior;
 use crate::verifier::Confidence;
 
 impl Tracker {
-    /// Aligns and verifies; what comes of it is in `self.alignment`. False when a landmark is not
+    /// Runs the global stage and verifies each iteration. A candidate that has less than
+    /// `DISCARD_CONFIDENCE` ends there, as does one that has less than `min_confidence` in the end.
+    /// Any other is refined. What comes of it is in `self.alignment`. False when a landmark is not
     /// finite.
     #[inline(never)]
     pub(super) fn align(
@@ -20,17 +22,33 @@ impl Tracker {
         step: &Step<'_>,
         initial_shape: &Shape,
         iterations: usize,
+        min_confidence: f32,
     ) -> bool {
-        let align = &step.model.align;
+        let (align, work) = (&step.model.align, &mut self.work);
         let alignment = &mut self.alignment;
+        alignment.recognised = 0;
+        alignment.units = 0;
         alignment.initial_shape = *initial_shape;
         alignment.shape = *initial_shape;
-        if !align.run(step.frame, iterations, &mut alignment.shape, &mut self.work) {
+        for left in (0..iterations).rev() {
+            alignment.units += ITERATION_UNITS;
+            if !align.iterate(step.frame, &mut alignment.shape, work) {
+                return false;
+            }
+            alignment.global_shape = alignment.shape;
+            alignment.confidence = verify(step.model, work);
+            let least = match left {
+                0 => min_confidence,
+                _ => DISCARD_CONFIDENCE.min(min_confidence),
+            };
+            if alignment.confidence.face < least {
+                return true;
+            }
+        }
+        alignment.units += REFINE_UNITS;
+        if !align.refine(step.frame, &mut alignment.shape, work) {
             return false;
         }
-        alignment.global_shape = *self.work.global_shape();
-        alignment.recognised = 0;
-        self.alignment.confidence = self.verify(step.model);
         self.alignment.rotation = self.rotation_prior(step);
         true
     }
@@ -72,7 +90,7 @@ impl Tracker {
 
     /// Aligns the target from a shape and compares it with its appearance.
     fn align_target_at(&mut self, step: &Step<'_>, initial_shape: &Shape) -> bool {
-        if !self.align(step, initial_shape, 1) {
+        if !self.align(step, initial_shape, 1, 0.0) {
             return false;
         }
         let alignment = &mut self.alignment;
@@ -84,13 +102,6 @@ impl Tracker {
             alignment.recognised = appearance.update(self.work.features(), is_trusted, confidence);
         }
         true
-    }
-
-    /// Confidence of the last alignment.
-    fn verify(&self, model: &Model<'_>) -> Confidence {
-        model
-            .verifier
-            .evaluate(self.work.features(), self.work.view())
     }
 
     /// The rotation by what the last alignment has seen. Landmarks that are hidden are estimates
@@ -127,4 +138,9 @@ impl Tracker {
             _ => kept,
         }
     }
+}
+
+/// Confidence of the last iteration.
+fn verify(model: &Model<'_>, work: &Workspace) -> Confidence {
+    model.verifier.evaluate(work.features(), work.view())
 }

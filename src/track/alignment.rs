@@ -19,6 +19,8 @@ pub(super) struct Alignment {
     pub(super) confidence: Confidence,
     /// Landmarks that are visible and match the target's appearance.
     pub(super) recognised: u32,
+    /// What it has cost \[units of the detector\].
+    pub(super) units: u32,
 }
 
 impl Alignment {
@@ -33,5 +35,6 @@ impl Alignment {
             visibility: [0.0; LANDMARKS],
         },
         recognised: 0,
+        units: 0,
     };
 }

@@ -81,7 +81,7 @@ impl Tracker {
 
     /// Align from an initial shape, verify, fit.
     pub(super) fn attempt(&mut self, step: &Step<'_>, shape: &Shape, attempt: &Attempt) -> Outcome {
-        if !self.align(step, shape, attempt.iterations) {
+        if !self.align(step, shape, attempt.iterations, attempt.min_confidence) {
             return Outcome::Reject(Loss::LowConfidence);
         }
         let alignment = &self.alignment;

@@ -1,7 +1,7 @@
 //! All faces of a frame, in calls of bounded work: the search without tracking.
 
 use super::geometry::{bounds, centre, detection_of, initial_shape, is_same_face};
-use super::policy::{FIRST_ATTEMPT_CONFIDENCE, FIRST_ATTEMPT_UNITS, NOISY};
+use super::policy::{FIRST_ATTEMPT_CONFIDENCE, NOISY};
 use super::step::{Step, WorkBudget};
 use super::{FaceHint, Model, StepError, Tracker};
 use crate::detect::{Detection, ScanOutcome};
@@ -77,7 +77,7 @@ impl Tracker {
                     if let Some(face) = self.evaluate(step, &face) {
                         detected.count = add(found, detected.count, face);
                     }
-                    budget.spend(FIRST_ATTEMPT_UNITS);
+                    budget.spend(self.alignment.units);
                 }
                 ScanOutcome::Finished => {
                     detected.finished = true;
@@ -95,11 +95,12 @@ impl Tracker {
         let align = &step.model.align;
         let canonical = align.views().initial_shape(face.yaw)?;
         let initial = initial_shape(&canonical, face)?;
-        if !self.align(step, &initial, align.iterations()) {
+        let least = FIRST_ATTEMPT_CONFIDENCE;
+        if !self.align(step, &initial, align.iterations(), least) {
             return None;
         }
         let (shape, confidence) = (&self.alignment.shape, self.alignment.confidence.face);
-        let is_wanted = self.may_find(centre(shape)) && confidence >= FIRST_ATTEMPT_CONFIDENCE;
+        let is_wanted = self.may_find(centre(shape)) && confidence >= least;
         is_wanted.then(|| FoundFace {
             face_box: bounds(shape),
             yaw_deg: 90.0 * face.yaw,

@@ -8,7 +8,7 @@
 
 use super::Tracker;
 use super::candidate::Attempt;
-use super::policy::{KEYFRAME_UNITS, RETRY_UNITS};
+use super::policy::KEYFRAME_UNITS;
 use super::scanner::LastSeen;
 use super::step::{Outcome, Step, WorkBudget};
 
@@ -36,7 +36,7 @@ impl Tracker {
             self.reacquirer.confirm(&found);
             self.end_search();
         } else {
-            budget.spend(RETRY_UNITS);
+            budget.spend(self.alignment.units);
         }
         outcome
     }

@@ -1,7 +1,7 @@
 //! A step's scan for a new face: which detections are attempted within the budget.
 
 use super::Tracker;
-use super::policy::{FIRST_ATTEMPT_CONFIDENCE, FIRST_ATTEMPT_UNITS, KEYFRAME_UNITS, RETRY_UNITS};
+use super::policy::{FIRST_ATTEMPT_CONFIDENCE, ITERATION_UNITS, KEYFRAME_UNITS, REFINE_UNITS};
 use super::scanner::ScanPlan;
 use super::step::{Outcome, Step, WorkBudget};
 use super::target::Origin;
@@ -34,7 +34,7 @@ impl Tracker {
             if self.retry(step).is_accept() {
                 return Outcome::Accept;
             }
-            budget.spend(RETRY_UNITS);
+            budget.spend(self.alignment.units);
         }
         budget.leave_one();
         let roi = step.roi(&self.config);
@@ -44,10 +44,10 @@ impl Tracker {
             if outcome.is_accept() {
                 return outcome;
             }
-            budget.spend(FIRST_ATTEMPT_UNITS);
+            budget.spend(self.alignment.units);
         }
         // On the same frame where work is left: a still picture is not shown again.
-        if self.retry.is_some() && budget.left() >= RETRY_UNITS {
+        if self.retry.is_some() && budget.left() >= ITERATION_UNITS + REFINE_UNITS {
             return self.retry(step);
         }
         Outcome::NotFound
