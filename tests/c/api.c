@@ -2,7 +2,8 @@
  * Compiled as C99, also with sanitizers. Prints each check that fails, nothing on success.
  * Longer than other files: a list of tests that do not depend on each other. */
 #define _POSIX_C_SOURCE 200112L /* posix_memalign */
-#include "check.h"
+#include "exact.h"
+#include "guarded.h"
 
 #include <limits.h>
 #include <math.h>
@@ -62,16 +63,6 @@ static posewise_status step(posewise_tracker *t, const posewise_frame *f, output
     guarded_free(landmarks);
     guarded_free(animation);
     return status;
-}
-
-/* Aligned memory of exact length: sanitizers and valgrind detect reads beyond it. */
-static void *exact_new(const void *content, size_t len) {
-    void *start;
-    if (posix_memalign(&start, POSEWISE_ALIGN, len) != 0)
-        exit(2);
-    if (content != NULL)
-        memcpy(start, content, len);
-    return start;
 }
 
 static posewise_tracker *init(guarded memory, const posewise_config *config) {

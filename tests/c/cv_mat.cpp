@@ -1,22 +1,13 @@
 // cv_mat.cpp FRAMES WIDTH HEIGHT - a cv::Mat of each type, and a region of one, gives what a plain
 // frame gives.
 #include "../../ffi-examples/cv_mat.hpp"
+#include "check.h"
 
-#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <iterator>
 #include <vector>
-
-static int failures;
-#define CHECK(holds)                                              \
-    do {                                                          \
-        if (!(holds)) {                                           \
-            std::printf("%s:%d: %s\n", __FILE__, __LINE__, #holds); \
-            failures++;                                           \
-        }                                                         \
-    } while (0)
 
 // The grey picture with this many equal channels, within a larger picture.
 static cv::Mat region(const cv::Mat &grey, int type) {

@@ -2,18 +2,7 @@
  * the light, and stays there. */
 #define _DEFAULT_SOURCE
 #include "../../ffi-examples/exposure.h"
-
-#include <stdio.h>
-
-static int failures;
-
-#define CHECK(holds)                                           \
-    do {                                                       \
-        if (!(holds)) {                                        \
-            printf("%s:%d: %s\n", __FILE__, __LINE__, #holds); \
-            failures++;                                        \
-        }                                                      \
-    } while (0)
+#include "check.h"
 
 #define WIDTH 64
 #define HEIGHT 48

@@ -1,7 +1,7 @@
 /* float_env.c MODEL FRAMES WIDTH HEIGHT - the caller's floating-point environment does not matter:
  * with each, all functions give the same bits as with the default one, nothing traps, and the
  * environment is afterwards what it was. Prints each check that fails. */
-#include "check.h"
+#include "guarded.h"
 #include "float_env.h"
 
 #include <math.h>

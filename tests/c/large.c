@@ -1,7 +1,7 @@
 /* large.c MODEL FRAMES WIDTH HEIGHT SCALE - finds a face in an enlarged frame and tracks it in the
  * next ones. The test counts the instructions of the steps that only track. Fails unless the face
  * is tracked there. */
-#include "check.h"
+#include "guarded.h"
 
 /* A step that only tracks: what callgrind counts. */
 posewise_status tracking_step(posewise_tracker *t, const posewise_frame *f, posewise_result *r);

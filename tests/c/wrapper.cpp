@@ -1,20 +1,11 @@
 // wrapper.cpp FRAMES WIDTH HEIGHT - posewise.hpp does what posewise.h says.
+#include "check.h"
 #include "posewise.hpp"
 
-#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <vector>
-
-static int failures;
-#define CHECK(holds)                                              \
-    do {                                                          \
-        if (!(holds)) {                                           \
-            std::printf("%s:%d: %s\n", __FILE__, __LINE__, #holds); \
-            failures++;                                           \
-        }                                                         \
-    } while (0)
 
 int main(int argc, char **argv) {
     if (argc != 4)
