@@ -5,6 +5,7 @@
 #   make install    installs libraries, headers, model, pkg-config and CMake files
 #   make uninstall  removes what install put there
 #   make dist       packs what is installed: target/posewise-VERSION-TARGET.tar.gz
+#   make wasm       builds the modules of web/: target/wasm/posewise.wasm and posewise-simd128.wasm
 #
 #   PREFIX=…        where to install (/usr/local)
 #   DESTDIR=…       a folder before PREFIX, for packagers
@@ -129,4 +130,20 @@ dist:
 		-czf $(TARGET_DIR)/$(PACKAGE).tar.gz $(PACKAGE)
 	@echo $(TARGET_DIR)/$(PACKAGE).tar.gz
 
-.PHONY: lib install uninstall dist
+# The library in WebAssembly, once with SIMD and once without it, and no model built in. RUSTFLAGS
+# reach all crates; each set of flags has its own build folder, so that both stay up to date.
+override WASM := $(abspath $(TARGET_DIR))/wasm
+override WASM_MAKE := $(MAKE) --no-print-directory -f $(ROOT)/Makefile wasm-module MODEL=none \
+	TARGET=wasm32-unknown-unknown
+wasm:
+	$(WASM_MAKE) TARGET_DIR=$(WASM)/plain NAME=posewise
+	$(WASM_MAKE) TARGET_DIR=$(WASM)/simd128 NAME=posewise-simd128 FLAGS=-Ctarget-feature=+simd128
+
+# Debian's Rust has no linker for WebAssembly of its own; package lld has one.
+wasm-module:
+	cd $(ROOT) && RUSTFLAGS="-Cstrip=symbols $(FLAGS) $(if $(BUILD_CORE),-Clinker=wasm-ld)" \
+	$(CARGO) rustc --quiet --profile dist --lib --crate-type cdylib --no-default-features \
+		--features "$(FEATURES)" $(BUILD_CORE) --target $(TARGET) --target-dir $(TARGET_DIR)
+	cp $(DIST)/posewise.wasm $(TARGET_DIR)/../$(NAME).wasm
+
+.PHONY: lib install uninstall dist wasm wasm-module

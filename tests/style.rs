@@ -8,10 +8,11 @@ use std::path::{Path, PathBuf};
 const LIMIT: usize = 100;
 
 /// Endings, or whole names, of the files that people write and read.
-const ENDINGS: &str = "md rs toml c h cpp hpp java modulemap ld sh cmake in txt run tools Makefile";
+const ENDINGS: &str = "md rs toml c h cpp hpp java modulemap ld sh cmake in txt run tools Makefile \
+     js mjs html css";
 
-/// Folders of the repository's top that hold what programs write.
-const OUTPUT: [&str; 4] = ["target", "cache", "corpus", "artifacts"];
+/// Folders that hold what programs write.
+const OUTPUT: [&str; 5] = ["target", "cache", "corpus", "artifacts", "node_modules"];
 
 fn text_files(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).expect("a folder") {

@@ -9,6 +9,7 @@ pub mod notices;
 pub mod picture;
 mod replay;
 mod size;
+pub mod web;
 
 pub use library::{Library, optional_parts};
 pub use machine::{Machine, WINE};

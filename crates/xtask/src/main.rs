@@ -3,7 +3,9 @@
 use anyhow::{Context, Result};
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
-use xtask::{Library, code_size, demo_clip, figures, notices, picture, replay, root, size_table};
+use xtask::{
+    Library, code_size, demo_clip, figures, notices, picture, replay, root, size_table, web,
+};
 
 /// Measures the static library and the models.
 #[derive(Parser)]
@@ -45,6 +47,15 @@ enum Task {
     Notices,
     /// Writes docs/tracked.png, the picture in README.md
     Picture,
+    /// Builds the web page and the JavaScript package in target/web
+    Web {
+        /// Serves the page on this machine, at http://127.0.0.1:8040/
+        #[arg(long)]
+        serve: bool,
+        /// Serves it at another port
+        #[arg(long, default_value_t = 8040, requires = "serve")]
+        port: u16,
+    },
 }
 
 #[derive(Args)]
@@ -110,6 +121,15 @@ fn main() -> Result<()> {
         Task::Accuracy => figures::pages::write()?,
         Task::Notices => notices::write()?,
         Task::Picture => picture::write()?,
+        Task::Web { serve, port } => {
+            let folder = web::build(&target_dir())?;
+            println!("{}", folder.display());
+            if serve {
+                let site = web::Site::bind(&folder, port)?;
+                println!("{} (Ctrl-C ends it)", site.url());
+                site.serve();
+            }
+        }
     }
     Ok(())
 }

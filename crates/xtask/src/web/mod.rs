@@ -1,0 +1,97 @@
+//! The web page and the JavaScript package, ready to be served: `cargo xtask web`.
+
+mod header;
+pub mod layout;
+mod serve;
+mod standalone;
+
+use crate::{output_of, root};
+use anyhow::{Context, Result};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+pub use header::{Header, Struct, read as read_header};
+pub use layout::offsets;
+pub use serve::Site;
+
+/// Files of the package and of the page that are served as they are in the repository, from web/.
+const FILES: [&str; 24] = [
+    "README.md",
+    "package.json",
+    "index.html",
+    "layout.js",
+    "layout.d.ts",
+    "struct.js",
+    "struct.d.ts",
+    "engine.js",
+    "engine.d.ts",
+    "posewise.js",
+    "posewise.d.ts",
+    "luma.js",
+    "luma.d.ts",
+    "worker.js",
+    "worker.d.ts",
+    "demo/app.js",
+    "demo/assets.js",
+    "demo/charts.js",
+    "demo/clip.webm",
+    "demo/csv.js",
+    "demo/overlay.js",
+    "demo/readings.js",
+    "demo/sources.js",
+    "demo/style.css",
+];
+
+/// Models that the page can load.
+const MODELS: [&str; 2] = ["default.posewise", "clean.posewise"];
+
+/// The modules that `make wasm` builds: for browsers with SIMD, and for those without it.
+const MODULES: [&str; 2] = ["posewise-simd128.wasm", "posewise.wasm"];
+
+/// Builds everything in the subfolder `web` of cargo's build folder, and gives its path.
+pub fn build(target_dir: &Path) -> Result<PathBuf> {
+    let modules = build_modules(target_dir)?;
+    let out = target_dir.join("web");
+    std::fs::create_dir_all(out.join("demo"))?;
+    let copy = |from: PathBuf, name: &str| {
+        std::fs::copy(&from, out.join(name)).with_context(|| format!("cannot copy {from:?}"))
+    };
+    for file in FILES {
+        copy(root().join("web").join(file), file)?;
+    }
+    for model in MODELS {
+        copy(root().join("models").join(model), model)?;
+    }
+    copy(root().join("LICENSE"), "LICENSE")?;
+    copy(root().join("packaging/NOTICES.txt"), "NOTICES.txt")?;
+    for module in MODULES {
+        copy(modules.join(module), module)?;
+    }
+    let page = standalone::page(&out)?;
+    std::fs::write(out.join("standalone.html"), page)?;
+    Ok(out)
+}
+
+/// Builds the WebAssembly modules, and gives their folder.
+pub fn build_modules(target_dir: &Path) -> Result<PathBuf> {
+    output_of(&mut make(target_dir)).context(
+        "WebAssembly needs either `rustup target add wasm32-unknown-unknown`, or Debian's \
+         packages rustc-web, cargo-web, rust-web-src and lld",
+    )?;
+    Ok(target_dir.join("wasm"))
+}
+
+/// Whether this machine has a Rust that knows WebAssembly.
+pub fn can_be_built(target_dir: &Path) -> bool {
+    let mut lib = make(target_dir);
+    lib.args(["--dry-run", "TARGET=wasm32-unknown-unknown"]);
+    output_of(&mut lib).is_ok()
+}
+
+fn make(target_dir: &Path) -> Command {
+    let mut make = Command::new("make");
+    make.args(["--silent", "--directory"]).arg(root());
+    make.arg("wasm");
+    make.arg(format!("TARGET_DIR={}", target_dir.display()));
+    make
+}

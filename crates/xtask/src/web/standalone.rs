@@ -1,0 +1,112 @@
+//! The page as one file, `standalone.html`, which also works when it is opened from a disk:
+//! browsers load neither modules nor other files there.
+
+use anyhow::{Context, Result, ensure};
+use base64::Engine as _;
+use flate2::{Compression, write::GzEncoder};
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::Path;
+
+/// Modules of the worker, each after those that it imports.
+const WORKER: [&str; 5] = [
+    "layout.js",
+    "struct.js",
+    "engine.js",
+    "luma.js",
+    "worker.js",
+];
+
+/// Modules of the page, likewise.
+const PAGE: [&str; 12] = [
+    "layout.js",
+    "struct.js",
+    "engine.js",
+    "luma.js",
+    "posewise.js",
+    "demo/assets.js",
+    "demo/charts.js",
+    "demo/overlay.js",
+    "demo/csv.js",
+    "demo/readings.js",
+    "demo/sources.js",
+    "demo/app.js",
+];
+
+/// What the page fetches otherwise.
+const DATA: [&str; 5] = [
+    "default.posewise",
+    "clean.posewise",
+    "posewise.wasm",
+    "posewise-simd128.wasm",
+    "demo/clip.webm",
+];
+
+/// The page, from the folder of the page that is served.
+pub fn page(folder: &Path) -> Result<String> {
+    let read = |name: &str| std::fs::read(folder.join(name)).context(name.to_owned());
+    let text = |name: &str| Ok::<_, anyhow::Error>(String::from_utf8(read(name)?)?);
+    // The worker is a classic script, in which only modules' own words are unknown.
+    let worker = joined(folder, &WORKER)?.replace("import.meta.url", "location.href");
+    let mut blocks = block("worker.js", format!("'use strict';\n{worker}").as_bytes())?;
+    for name in DATA {
+        blocks += &block(name, &read(name)?)?;
+    }
+    let changes = [
+        (
+            "script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; connect-src 'self';",
+            "script-src 'unsafe-inline' 'wasm-unsafe-eval' blob:; style-src 'unsafe-inline';"
+                .to_owned(),
+        ),
+        (
+            "<link rel=\"stylesheet\" href=\"./demo/style.css\">",
+            format!("<style>\n{}</style>", text("demo/style.css")?),
+        ),
+        (
+            "<script type=\"module\" src=\"./demo/app.js\"></script>",
+            format!(
+                "{blocks}<script type=\"module\">\n{}</script>",
+                joined(folder, &PAGE)?
+            ),
+        ),
+    ];
+    let mut page = text("index.html")?;
+    for (old, new) in changes {
+        ensure!(page.matches(old).count() == 1, "index.html: {old}");
+        page = page.replace(old, &new);
+    }
+    Ok(page)
+}
+
+/// A block of data that the page reads; the browser does not run it.
+fn block(name: &str, bytes: &[u8]) -> Result<String> {
+    let mut packed = GzEncoder::new(Vec::new(), Compression::best());
+    packed.write_all(bytes)?;
+    let packed = base64::engine::general_purpose::STANDARD.encode(packed.finish()?);
+    let mut out = String::new();
+    writeln!(
+        out,
+        "<script type=\"text/plain\" id=\"asset:{name}\">{packed}</script>"
+    )?;
+    Ok(out)
+}
+
+/// Modules as one: without imports, and nothing is exported.
+fn joined(folder: &Path, modules: &[&str]) -> Result<String> {
+    let mut out = String::new();
+    for module in modules {
+        let text = std::fs::read_to_string(folder.join(module)).context((*module).to_owned())?;
+        // A statement that names other modules goes on to its semicolon.
+        let mut inside = false;
+        for line in text.lines() {
+            let starts = ["import ", "export {"].iter().any(|s| line.starts_with(s));
+            inside |= starts;
+            if !inside {
+                writeln!(out, "{}", line.strip_prefix("export ").unwrap_or(line))?;
+            }
+            inside &= !line.ends_with(';');
+        }
+    }
+    ensure!(!out.contains("</script"), "a module ends the script");
+    Ok(out)
+}

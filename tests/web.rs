@@ -1,0 +1,242 @@
+//! The JavaScript package and the page of `web/`: their constants are those of the header, Node and
+//! Chromium give the same bits as this machine, and the page works.
+
+mod common;
+
+use common::c::{require, succeed};
+use common::{root, scratch};
+use posewise::{Config, Frame, FrameLayout, Model, State, Tracker};
+use std::fmt::Write as _;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::OnceLock;
+use xtask::web;
+
+/// Fails when a committed file is not what it is generated from; writes it with `POSEWISE_BLESS`.
+fn check_generated(path: &str, fresh: &str) {
+    let file = root().join(path);
+    if std::env::var_os("POSEWISE_BLESS").is_some() {
+        std::fs::write(&file, fresh).expect("web/ is writable");
+    }
+    let committed = std::fs::read_to_string(&file).unwrap_or_default();
+    assert!(
+        committed == fresh,
+        "{path} is stale; run: POSEWISE_BLESS=1 cargo test --release --test web"
+    );
+}
+
+/// Says that a test is skipped. With `POSEWISE_REQUIRE_TARGETS`, as in .ci/run, fails.
+fn skip(what: &str) {
+    let must = std::env::var_os("POSEWISE_REQUIRE_TARGETS").is_some();
+    assert!(!must, "there is no {what}");
+    eprintln!("skipped: no {what}");
+}
+
+/// What `npm ci --prefix web` installs.
+fn has_package(name: &str) -> bool {
+    let there = root().join("web/node_modules").join(name).exists();
+    if !there {
+        skip(&format!("{name} (npm ci --prefix web)"));
+    }
+    there
+}
+
+/// The folder of the page, built once, if this machine has Rust for WebAssembly.
+fn site() -> Option<&'static Path> {
+    static SITE: OnceLock<Option<PathBuf>> = OnceLock::new();
+    let built = SITE.get_or_init(|| {
+        // Where `cargo xtask web` builds too; the modules have folders of their own in it.
+        let target = Path::new(env!("CARGO_TARGET_TMPDIR")).parent()?;
+        if !web::can_be_built(target) {
+            return None;
+        }
+        Some(web::build(target).expect("the page is built"))
+    });
+    if built.is_none() {
+        skip("Rust for WebAssembly (rustup target add wasm32-unknown-unknown)");
+    }
+    built.as_deref()
+}
+
+#[test]
+fn layout_is_up_to_date() {
+    let fresh = web::layout::text().expect("posewise.h is read");
+    check_generated(web::layout::FILE, &fresh);
+}
+
+/// clang computes the layout from the header itself.
+#[test]
+fn layout_is_that_of_c() {
+    if !require("clang") {
+        return;
+    }
+    let header = web::read_header().expect("posewise.h is read");
+    let mut source = String::from("#include \"posewise.h\"\n");
+    for item in &header.structs {
+        let (size, starts) = web::offsets(item, &header.structs).expect("known types");
+        let name = format!("posewise_{}", item.name);
+        writeln!(
+            source,
+            "_Static_assert(sizeof({name}) == {size}, \"{name}\");"
+        )
+        .unwrap();
+        for (field, start) in item.fields.iter().zip(starts) {
+            let field = &field.name;
+            writeln!(
+                source,
+                "_Static_assert(offsetof({name}, {field}) == {start}, \"{name}.{field}\");"
+            )
+            .unwrap();
+        }
+    }
+    assert!(source.lines().count() > 70, "all structs are checked");
+    let path = scratch("web").join("layout.c");
+    std::fs::write(&path, source).expect("target/ is writable");
+    let mut clang = Command::new("clang");
+    clang.args([
+        "--target=wasm32",
+        "-std=c11",
+        "-ffreestanding",
+        "-fsyntax-only",
+    ]);
+    succeed(clang.arg("-I").arg(root().join("include")).arg(path));
+}
+
+/// The types of the package are those of its comments, and they fit its code.
+#[test]
+fn types_are_up_to_date() {
+    if !require("node") || !has_package("typescript") {
+        return;
+    }
+    let (folder, out) = (root().join("web"), scratch("web/types"));
+    let tsc = |project: &str| {
+        let mut node = Command::new("node");
+        node.arg(folder.join("node_modules/typescript/bin/tsc"));
+        node.arg("--project").arg(folder.join(project));
+        node
+    };
+    succeed(tsc("tsconfig.json").arg("--outDir").arg(&out));
+    for entry in std::fs::read_dir(&out).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        let name = path
+            .file_name()
+            .expect("a name")
+            .to_string_lossy()
+            .into_owned();
+        let fresh = std::fs::read_to_string(&path).expect("UTF-8");
+        check_generated(&format!("web/{name}"), &fresh);
+    }
+    // The page, and what a caller in TypeScript writes.
+    succeed(&mut tsc("test/tsconfig.json"));
+}
+
+#[test]
+fn node_gives_the_same_bits() {
+    let (Some(site), true) = (site(), require("node")) else {
+        return;
+    };
+    let clip = xtask::demo_clip(&scratch("web")).expect("the demo clip");
+    let expected = std::fs::read_to_string(root().join("tests/data/demo.hash")).expect("a hash");
+    for module in ["posewise.wasm", "posewise-simd128.wasm"] {
+        let mut node = Command::new("node");
+        node.arg(root().join("web/test/replay.mjs"));
+        node.arg(site.join(module))
+            .arg(site.join("default.posewise"));
+        assert_eq!(succeed(node.arg(&clip)), expected, "{module}");
+    }
+}
+
+/// The clip as Chromium's fake camera reads it: with chroma.
+fn fake_camera() -> PathBuf {
+    let clip = common::demo().expect("the demo clip");
+    let (width, height) = (clip.width, clip.height);
+    let mut y4m = format!("YUV4MPEG2 W{width} H{height} F20:1 Ip A1:1 C420jpeg\n").into_bytes();
+    for luma in &clip.luma {
+        y4m.extend(b"FRAME\n");
+        y4m.extend(luma);
+        y4m.extend(std::iter::repeat_n(128, width * height / 2));
+    }
+    let path = scratch("web").join("camera.y4m");
+    std::fs::write(&path, y4m).expect("target/ is writable");
+    path
+}
+
+/// Little-endian values of a file.
+struct Bytes<R>(R);
+
+impl<R: Read> Bytes<R> {
+    fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
+        let mut bytes = [0; N];
+        self.0.read_exact(&mut bytes).ok().map(|()| bytes)
+    }
+
+    fn u32(&mut self) -> u32 {
+        u32::from_le_bytes(self.take().expect("a whole record"))
+    }
+}
+
+/// Frames that the page got from the camera, and what it made of them, are tracked here too.
+fn check_frames(path: &Path) {
+    let file = std::fs::File::open(path).expect("frames.bin");
+    let mut bytes = Bytes(std::io::BufReader::new(file));
+    let model = Model::load(posewise::DEFAULT_MODEL).expect("the default model is valid");
+    let mut tracker = Box::new(Tracker::new(&Config::default()).expect("defaults"));
+    let mut tracked = 0;
+    while let Some(time) = bytes.take() {
+        let (width, height) = (bytes.u32(), bytes.u32());
+        let mut luma = vec![0; (width * height) as usize];
+        bytes.0.read_exact(&mut luma).expect("a whole picture");
+        let layout = FrameLayout::grey(width, height);
+        let frame = Frame::new(&layout, &luma).expect("a frame");
+        let time_us = i64::from_le_bytes(time);
+        let result = tracker.step(&model, &frame, time_us).expect("in order");
+        tracked += usize::from(result.state == State::Tracking);
+        let ours = [result.yaw_deg, result.pitch_deg, result.roll_deg]
+            .into_iter()
+            .chain(result.landmarks.iter().flat_map(|l| [l.x, l.y]));
+        for value in ours {
+            assert_eq!(bytes.u32(), value.to_bits(), "at {time_us} us");
+        }
+    }
+    assert!(tracked >= 20, "{tracked} frames were tracked");
+}
+
+/// The page's table has the columns of the command's.
+fn check_table(path: &Path) {
+    let table = std::fs::read_to_string(path).expect("page.csv");
+    let names = table.lines().next().expect("a line").split(',');
+    let docs = std::fs::read_to_string(root().join("docs/command-line.md")).expect("docs");
+    for name in names.clone() {
+        let documented = name.trim_end_matches(|c: char| c.is_ascii_digit());
+        let documented = match documented.ends_with('_') {
+            true => format!("`{documented}0`"),
+            false => format!("`{name}`"),
+        };
+        assert!(docs.contains(&documented), "{name}");
+    }
+    let columns = names.count();
+    assert!(table.lines().count() > 5, "a row for each frame");
+    assert!(table.lines().all(|row| row.split(',').count() == columns));
+}
+
+#[test]
+fn the_page_works_in_chromium() {
+    let Some(site) = site() else { return };
+    if !require("node") || !require("chromium") {
+        return;
+    }
+    if !has_package("playwright-core") || !has_package("axe-core") {
+        return;
+    }
+    let server = web::Site::bind(site, 0).expect("a free port");
+    let url = server.url();
+    std::thread::spawn(move || server.serve());
+    let out = scratch("web/page");
+    let mut node = Command::new("node");
+    node.arg(root().join("web/test/page.mjs")).arg(url);
+    node.arg(site).arg(fake_camera()).arg(&out);
+    println!("{}", succeed(&mut node));
+    check_frames(&out.join("frames.bin"));
+    check_table(&out.join("page.csv"));
+}

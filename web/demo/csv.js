@@ -1,0 +1,85 @@
+// The table that `posewise track --csv` writes, with the same columns; a test compares them.
+
+import { LOSSES } from '../layout.js';
+import { axesOf } from './overlay.js';
+
+/** @typedef {import('../worker.js').Tracked} Tracked */
+
+/**
+ * OpenFace's angles [rad]: pose_Rx, pose_Ry, pose_Rz.
+ * @param {import('../layout.js').Result} result
+ */
+function openFaceAngles({ state, rotation }) {
+  if (state === 'searching') return [0, 0, 0];
+  const [x, y, z] = axesOf(rotation);
+  const sine = Math.min(1, Math.max(-1, z[0]));
+  return [Math.atan2(-z[1], z[2]), Math.asin(sine), Math.atan2(-y[0], x[0])];
+}
+
+/**
+ * Columns by groups: names, decimals, values.
+ * @type {[string[], number, (t: Tracked) => ArrayLike<number | string>][]}
+ */
+const GROUPS = [
+  [['timestamp'], 6, ({ result: r }) => [r.timestampUs / 1e6]],
+  [['confidence'], 4, ({ result: r }) => [r.confidence]],
+  [['success'], 0, ({ result: r }) => [r.state === 'tracking' ? 1 : 0]],
+  [['pose_Tx', 'pose_Ty', 'pose_Tz'], 2, ({ result: r }) => r.translationMm],
+  [['pose_Rx', 'pose_Ry', 'pose_Rz'], 5, ({ result: r }) => openFaceAngles(r)],
+  [each('x'), 3, (t) => t.landmarks.map((l) => l.x)],
+  [each('y'), 3, (t) => t.landmarks.map((l) => l.y)],
+  [each('X'), 2, (t) => t.landmarks.map((l) => l.xMm)],
+  [each('Y'), 2, (t) => t.landmarks.map((l) => l.yMm)],
+  [each('Z'), 2, (t) => t.landmarks.map((l) => l.zMm)],
+  [['state'], 0, ({ result: r }) => [r.state]],
+  [['yaw_deg', 'pitch_deg', 'roll_deg'], 3, ({ result: r }) => [r.yawDeg, r.pitchDeg, r.rollDeg]],
+  [each('c'), 3, (t) => t.landmarks.map((l) => l.confidence)],
+  [each('vis'), 2, (t) => t.landmarks.map((l) => l.visibility)],
+  [['eye_open_left', 'eye_open_right'], 3, ({ result: r }) => r.eyeOpen],
+  [['ANIMATION'], 3, (t) => t.animation],
+  [['box_x', 'box_y', 'box_w', 'box_h'], 2, ({ result: r }) => r.faceBox],
+  [['age_us'], 0, ({ result: r }) => [r.ageUs]],
+  [['loss'], 0, ({ result: r }) => [LOSSES.indexOf(r.loss)]],
+  [['visible_share'], 3, ({ result: r }) => [r.visibleShare]],
+  [['R_sigma_x', 'R_sigma_y', 'R_sigma_z'], 3, ({ result: r }) => r.rotationSigmaDeg],
+  [['T_sigma_x', 'T_sigma_y', 'T_sigma_z'], 2, ({ result: r }) => r.translationSigmaMm],
+];
+
+/** @param {string} name */
+function each(name) {
+  return Array.from({ length: 68 }, (_, i) => `${name}_${i}`);
+}
+
+/**
+ * The first line.
+ * @param {string[]} animationNames
+ */
+export function header(animationNames) {
+  const names = GROUPS.flatMap(([group]) => (group[0] === 'ANIMATION' ? animationNames : group));
+  return ['frame', 'face_id', ...names].join(',');
+}
+
+/**
+ * The line of a frame, which are numbered from 1.
+ * @param {number} frame
+ * @param {Tracked} tracked
+ */
+export function row(frame, tracked) {
+  const cells = GROUPS.flatMap(([, decimals, values]) =>
+    Array.from(values(tracked), (v) => (typeof v === 'string' ? v : v.toFixed(decimals))));
+  return [frame, 0, ...cells].join(',');
+}
+
+/**
+ * Offers a text for saving.
+ * @param {string} name
+ * @param {string[]} lines
+ */
+export function save(name, lines) {
+  const link = document.createElement('a');
+  link.href = URL.createObjectURL(new Blob([lines.join('\n'), '\n'], { type: 'text/csv' }));
+  link.download = name;
+  link.click();
+  // The browser has taken the file by then.
+  setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
+}

@@ -1,0 +1,147 @@
+// A face tracker in a worker: pictures in, poses out. See README.md.
+
+import { PosewiseError } from './engine.js';
+
+export { Engine, PosewiseError, Tracker, hasSimd, load, moduleName } from './engine.js';
+export { frameOf } from './luma.js';
+
+/** @typedef {import('./engine.js').Frame} Frame */
+/** @typedef {import('./layout.js').Config} Config */
+/** @typedef {import('./layout.js').Intrinsics} Intrinsics */
+/** @typedef {import('./layout.js').Lens} Lens */
+/** @typedef {import('./layout.js').Roi} Roi */
+/** @typedef {import('./worker.js').Tracked} Tracked */
+
+/**
+ * What can be tracked. A VideoFrame and an ImageBitmap are closed; a video is read where it is.
+ * @typedef {Frame | VideoFrame | ImageBitmap | HTMLVideoElement | HTMLCanvasElement | ImageData}
+ *   Picture
+ *
+ * @typedef {object} Options
+ * @property {import('./engine.js').LoadOptions['wasm']} [wasm] As in load().
+ * @property {import('./engine.js').LoadOptions['model']} [model] As in load().
+ * @property {Worker} [worker] A worker that runs worker.js, where it has another address.
+ * @property {Config} [config] Settings of the tracker.
+ */
+
+/** Follows one face in a worker. */
+export class FaceTracker {
+  #worker;
+  #count = 0;
+  /** @type {Map<number, { resolve: (value: any) => void, reject: (error: Error) => void }>} */
+  #waiting = new Map();
+
+  /**
+   * Starts the worker and loads the model.
+   * @param {Options} [options]
+   */
+  static async create({ worker, config = {}, ...source } = {}) {
+    worker ??= new Worker(new URL('./worker.js', import.meta.url), { type: 'module' });
+    const tracker = new FaceTracker(worker);
+    // Addresses are those that the page would use.
+    const absolute = Object.entries(source).map(([name, value]) =>
+      [name, typeof value === 'string' ? new URL(value, document.baseURI).href : value]);
+    const created = await tracker.#call('create', [Object.fromEntries(absolute), config]);
+    tracker.animationNames = created.animationNames;
+    return tracker;
+  }
+
+  /** @param {Worker} worker */
+  constructor(worker) {
+    this.#worker = worker;
+    /** @type {string[]} Names of the animation weights, ARKit's. */
+    this.animationNames = [];
+    worker.onmessage = ({ data: { id, value, error } }) => {
+      const waiting = this.#waiting.get(id);
+      this.#waiting.delete(id);
+      if (error) waiting?.reject(new PosewiseError(error.status, error.message));
+      else waiting?.resolve(value);
+    };
+    worker.onerror = (event) => this.#fail(new Error(event.message || 'the worker did not start'));
+  }
+
+  /** @param {Error} error */
+  #fail(error) {
+    for (const { reject } of this.#waiting.values()) reject(error);
+    this.#waiting.clear();
+  }
+
+  /**
+   * @param {string} call
+   * @param {any[]} args
+   * @param {Transferable[]} [transfer]
+   * @returns {Promise<any>}
+   */
+  #call(call, args, transfer = []) {
+    return new Promise((resolve, reject) => {
+      const id = this.#count++;
+      this.#waiting.set(id, { resolve, reject });
+      this.#worker.postMessage({ id, call, args }, transfer);
+    });
+  }
+
+  /** Frames that were not answered yet. A caller with a camera drops frames while it is not 0. */
+  get pending() {
+    return this.#waiting.size;
+  }
+
+  /**
+   * Tracks the face in a picture. Timestamps increase from call to call.
+   * @param {Picture} picture
+   * @param {number} timestampUs When the camera took it, on any monotonic clock [us].
+   * @returns {Promise<Tracked>}
+   */
+  async track(picture, timestampUs) {
+    if ('data' in picture) {
+      const isCanvas = typeof ImageData !== 'undefined' && picture instanceof ImageData;
+      const { data, width, height } = picture;
+      const frame = isCanvas ? { data, width, height, format: 'AB24' } : picture;
+      return this.#call('track', [frame, timestampUs]);
+    }
+    const isElement = picture instanceof HTMLElement;
+    const sent = isElement ? await grabbed(picture, timestampUs) : picture;
+    return this.#call('track', [sent, timestampUs], [sent]);
+  }
+
+  /** Forgets the face, its identity and the time, as for another video. */
+  async reset() {
+    await this.#call('reset', []);
+  }
+
+  /** Forgets the identity, as when somebody else sits down. */
+  async forgetIdentity() {
+    await this.#call('forgetIdentity', []);
+  }
+
+  /** @param {Roi | null} roi Where faces are looked for; null: the whole frame. */
+  async setRoi(roi) {
+    await this.#call('setRoi', [roi]);
+  }
+
+  /** @param {Intrinsics | null} intrinsics null: a field of view of 60 degrees. */
+  async setIntrinsics(intrinsics) {
+    await this.#call('setIntrinsics', [intrinsics]);
+  }
+
+  /** @param {Lens | null} lens null: none. */
+  async setLens(lens) {
+    await this.#call('setLens', [lens]);
+  }
+
+  /** Ends the worker; calls that were not answered fail. */
+  close() {
+    this.#worker.terminate();
+    this.#fail(new Error('the tracker was closed'));
+  }
+}
+
+/**
+ * The picture that an element shows now.
+ * @param {HTMLVideoElement | HTMLCanvasElement} element
+ * @param {number} timestampUs
+ * @returns {Promise<VideoFrame | ImageBitmap>}
+ */
+export async function grabbed(element, timestampUs) {
+  if (typeof VideoFrame === 'undefined') return createImageBitmap(element);
+  return new VideoFrame(element, { timestamp: Math.trunc(timestampUs) });
+}

@@ -1,0 +1,264 @@
+// page.mjs URL FOLDER CAMERA.y4m OUT - opens the page in Chromium with a fake camera, uses it as a
+// person would, and fails where it does not work. URL serves FOLDER. In OUT it leaves screenshots,
+// page.csv and frames.bin; tests/web.rs compares these.
+
+import assert from 'node:assert/strict';
+import { readFileSync, writeFileSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import { join } from 'node:path';
+import { pathToFileURL } from 'node:url';
+import { chromium } from 'playwright-core';
+
+const [url, folder, camera, out] = process.argv.slice(2);
+const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
+const PATIENCE_MS = 60_000;
+/** What loading the page may transfer, uncompressed. */
+const MOST_BYTES = 1_500_000;
+const CHROMIUM = process.env.CHROMIUM ?? 'chromium';
+
+const browser = await chromium.launch({
+  executablePath: CHROMIUM.includes('/') ? CHROMIUM : `/usr/bin/${CHROMIUM}`,
+  args: [
+    '--no-sandbox',
+    '--use-fake-ui-for-media-stream',
+    '--use-fake-device-for-media-stream',
+    `--use-file-for-fake-video-capture=${camera}`,
+  ],
+});
+
+/** Everything that must not happen. */
+const faults = [];
+
+/** A fresh page that counts what it tracks. */
+async function open(address, options = {}, script = () => {}) {
+  const context = await browser.newContext({ acceptDownloads: true, ...options });
+  const page = await context.newPage();
+  page.setDefaultTimeout(PATIENCE_MS);
+  page.on('console', (message) => {
+    if (['error', 'warning'].includes(message.type())) faults.push(message.text());
+  });
+  page.on('pageerror', (error) => faults.push(String(error)));
+  page.on('requestfailed', (request) => faults.push(`${request.url()} failed`));
+  page.on('request', (request) => {
+    const { origin, protocol } = new URL(request.url());
+    const isOwn = ['data:', 'blob:', 'file:'].includes(protocol) || `${origin}/` === url;
+    if (!isOwn) faults.push(`${request.url()} is elsewhere`);
+  });
+  await page.addInitScript(() => {
+    globalThis.seen = { tracked: 0, firstMs: 0 };
+    document.addEventListener('posewise:tracked', ({ detail }) => {
+      if (detail.result.state === 'tracking' && seen.tracked++ === 0) {
+        seen.firstMs = performance.now();
+      }
+    });
+  });
+  await page.addInitScript(script);
+  await page.goto(address);
+  return page;
+}
+
+/** Waits until so many more frames were tracked. */
+async function untilTracked(page, count) {
+  const before = await page.evaluate(() => seen.tracked);
+  await page.waitForFunction((n) => seen.tracked >= n, before + count);
+}
+
+/** What the demo clip gives, how the page looks, and whether axe finds fault with it. */
+async function looks(name, options) {
+  const page = await open(url, options);
+  await untilTracked(page, 40);
+  assert.equal(await page.textContent('#status'), 'Face found');
+  const figures = await page.evaluate(() => ({
+    firstMs: seen.firstMs,
+    bytes: ['navigation', 'resource'].flatMap((kind) => performance.getEntriesByType(kind))
+      .reduce((sum, { decodedBodySize }) => sum + decodedBodySize, 0),
+  }));
+  const isWide = await page.evaluate(() => document.documentElement.scrollWidth > innerWidth);
+  assert(!isWide, `${name}: nothing is cut off at the side`);
+  await page.screenshot({ path: join(out, `${name}.png`), fullPage: true });
+  await page.evaluate(axe);
+  const { violations } = await page.evaluate(() => axe.run());
+  assert.deepEqual(violations.map((v) => [v.id, v.nodes.map((n) => n.html)]), [], name);
+  await page.context().close();
+  return figures;
+}
+
+/** Uses the controls, by mouse and by keyboard. */
+async function controls() {
+  const page = await open(url);
+  await untilTracked(page, 5);
+  const reached = new Set();
+  for (let i = 0; i < 20; i++) {
+    await page.keyboard.press('Tab');
+    reached.add(await page.evaluate(() => document.activeElement?.id
+      || document.activeElement?.value));
+  }
+  for (const id of ['use-clip', 'use-camera', 'file', 'pause', 'model', 'points', 'mesh', 'axes',
+    'box', 'smooth', 'mirror', 'record']) {
+    assert(reached.has(id), `${id} is reached by keyboard`);
+  }
+  await page.focus('#record');
+  await page.keyboard.press('Space');
+  await untilTracked(page, 10);
+  const download = page.waitForEvent('download');
+  await page.keyboard.press('Space');
+  await (await download).saveAs(join(out, 'page.csv'));
+
+  await page.click('#pause');
+  await page.waitForFunction(() => document.getElementById('video').paused);
+  await page.click('#pause');
+  await untilTracked(page, 3);
+  await page.selectOption('#model', 'clean');
+  const says = (text) => document.getElementById('model-note').textContent.includes(text);
+  await page.waitForFunction(says, 'may ship');
+  await untilTracked(page, 10);
+  await page.setInputFiles('#file', join(folder, 'demo/clip.webm'));
+  await untilTracked(page, 10);
+  const broken = { name: 'a.webm', mimeType: 'video/webm', buffer: Buffer.from('no') };
+  await page.setInputFiles('#file', broken);
+  await page.waitForSelector('#status.error');
+  await page.click('#use-camera');
+  await untilTracked(page, 30);
+  assert(await page.isChecked('#mirror'), 'a camera is a mirror');
+  await page.screenshot({ path: join(out, 'camera.png') });
+  await page.context().close();
+}
+
+/** Frames of the camera: luma, time and results, for tests/web.rs to track again. */
+async function frames(count) {
+  const page = await open(url);
+  const records = await page.evaluate(async (count) => {
+    const { FaceTracker, frameOf } = await import('/posewise.js');
+    const video = document.createElement('video');
+    document.body.append(video);
+    video.muted = true;
+    video.srcObject = await navigator.mediaDevices.getUserMedia({ video: true });
+    await video.play();
+    const [a, b] = await Promise.all([1, 2].map(() =>
+      FaceTracker.create({ model: 'default.posewise' })));
+    const records = [];
+    while (records.length < count) {
+      await new Promise((resolve) => video.requestVideoFrameCallback(resolve));
+      const timestampUs = Math.trunc(1000 * performance.now());
+      const picture = new VideoFrame(video, { timestamp: timestampUs });
+      const { data, width, height, stride, format } = await frameOf(picture);
+      if (format !== 'GREY') throw new Error(`the camera gives ${picture.format}`);
+      const luma = new Uint8Array(width * height);
+      for (let y = 0; y < height; y++) {
+        luma.set(data.subarray(y * stride, y * stride + width), y * width);
+      }
+      const { result, landmarks } = await a.track({ data: luma, width, height }, timestampUs);
+      const whole = await b.track(picture, timestampUs);
+      const isSame = JSON.stringify(whole.result) === JSON.stringify(result);
+      if (!isSame) throw new Error('a VideoFrame gives another result than its luma');
+      const { yawDeg, pitchDeg, rollDeg } = result;
+      const numbers = [yawDeg, pitchDeg, rollDeg, ...landmarks.flatMap(({ x, y }) => [x, y])];
+      const text = Array.from(luma, (byte) => String.fromCharCode(byte)).join('');
+      records.push({ timestampUs, width, height, luma: btoa(text), numbers });
+    }
+    return records;
+  }, count);
+  const parts = records.map(({ timestampUs, width, height, luma, numbers }) => Buffer.concat([
+    Buffer.from(BigInt64Array.of(BigInt(timestampUs)).buffer),
+    Buffer.from(Uint32Array.of(width, height).buffer),
+    Buffer.from(luma, 'base64'),
+    Buffer.from(Float32Array.from(numbers).buffer),
+  ]));
+  writeFileSync(join(out, 'frames.bin'), Buffer.concat(parts));
+  await page.context().close();
+}
+
+/** A browser without SIMD gets the other module. */
+async function withoutSimd() {
+  const page = await open(url, {}, () => {
+    WebAssembly.validate = () => false;
+  });
+  await untilTracked(page, 20);
+  const names = await page.evaluate(() =>
+    performance.getEntriesByType('resource').map(({ name }) => name.split('/').pop()));
+  assert(names.includes('posewise.wasm'), String(names));
+  assert(!names.includes('posewise-simd128.wasm'), String(names));
+  await page.context().close();
+}
+
+/** The one-file page from the disk. */
+async function fromDisk() {
+  const page = await open(pathToFileURL(join(folder, 'standalone.html')).href);
+  await untilTracked(page, 20);
+  await page.screenshot({ path: join(out, 'standalone.png') });
+  await page.context().close();
+}
+
+/** The page cannot send anything elsewhere, even if a script tried. */
+async function sendsNothing() {
+  const page = await open(url);
+  await untilTracked(page, 1);
+  const before = faults.length;
+  const blocked = await page.evaluate(async () => {
+    const violated = new Promise((resolve) => {
+      document.addEventListener('securitypolicyviolation', (event) => resolve(event.blockedURI));
+    });
+    await fetch('https://example.org/').catch(() => {});
+    return violated;
+  });
+  assert.match(blocked, /^https:\/\/example.org/);
+  faults.length = before;
+  await page.context().close();
+}
+
+/** The quickest step with each module on the clip [ms]: other programs delay most of them. */
+async function times() {
+  const page = await open(url);
+  const found = await page.evaluate(async () => {
+    const { load, frameOf } = await import('/posewise.js');
+    const video = document.createElement('video');
+    document.body.append(video);
+    video.muted = true;
+    video.src = '/demo/clip.webm';
+    const frames = [];
+    for (let i = 0; i < 40; i++) {
+      await new Promise((resolve) => {
+        video.onseeked = resolve;
+        video.currentTime = 0.025 + 0.05 * i;
+      });
+      const { data, ...rest } = await frameOf(new VideoFrame(video, { timestamp: 0 }));
+      frames.push({ data: data.slice(), ...rest });
+    }
+    const found = {};
+    for (const name of ['posewise-simd128.wasm', 'posewise.wasm']) {
+      const engine = await load({ wasm: `/${name}`, model: '/default.posewise' });
+      const tracker = engine.createTracker();
+      const ms = [];
+      for (let i = 0; i < 200; i++) {
+        const start = performance.now();
+        tracker.step(frames[39 - Math.abs(39 - i % 78)], 50_000 * i);
+        if (i >= 50) ms.push(performance.now() - start);
+      }
+      found[name] = Math.min(...ms);
+    }
+    return found;
+  });
+  await page.context().close();
+  return found;
+}
+
+try {
+  const phone = { viewport: { width: 360, height: 740 }, isMobile: true, hasTouch: true };
+  const { firstMs, bytes } = await looks('light', { colorScheme: 'light' });
+  assert(bytes > 1_000_000 && bytes <= MOST_BYTES, `${bytes} bytes`);
+  await looks('dark', { colorScheme: 'dark' });
+  await looks('phone', { ...phone, colorScheme: 'dark' });
+  await controls();
+  await frames(40);
+  await withoutSimd();
+  await fromDisk();
+  await sendsNothing();
+  const ms = await times();
+  assert.deepEqual(faults, []);
+  console.log(`${bytes} bytes, first tracked face after ${firstMs.toFixed(0)} ms`);
+  for (const [name, least] of Object.entries(ms)) {
+    console.log(`${name}: ${least.toFixed(2)} ms for the quickest step`);
+  }
+} finally {
+  await browser.close();
+}

@@ -1,0 +1,27 @@
+// What a caller writes in TypeScript; it is only checked.
+
+import { FaceTracker, load, type Tracked } from '../posewise.js';
+
+export async function inAWorker(video: HTMLVideoElement): Promise<string[]> {
+  const tracker = await FaceTracker.create({ model: 'clean.posewise', config: { minFacePx: 60 } });
+  const tracked: Tracked = await tracker.track(video, 1e6 * video.currentTime);
+  const { state, yawDeg, faceBox, loss } = tracked.result;
+  const [x, y, width, height]: [number, number, number, number] = faceBox;
+  if (state === 'tracking' && loss === 'none') console.log(yawDeg, x + y + width + height);
+  // @ts-expect-error A state has one of three names.
+  if (state === 'lost') console.log('never');
+  const nose = tracked.landmarks[30];
+  console.log(nose.x, nose.xMm, nose.visibility, tracked.animation[0]);
+  tracker.close();
+  return tracker.animationNames;
+}
+
+export async function inThisThread(data: Uint8Array): Promise<number> {
+  const engine = await load({ model: new URL('clean.posewise', 'https://example.org/') });
+  const tracker = engine.createTracker({ lens: { model: 'brown', coefficients: [0, 0, 0, 0, 0] } });
+  const result = tracker.step({ data, width: 640, height: 480, format: 'NV12' }, 0);
+  // @ts-expect-error The height is missing.
+  tracker.step({ data, width: 640 }, 1);
+  for (const { kind, timestampUs } of tracker.events().events) console.log(kind, timestampUs);
+  return result.rotationSigmaDeg[1];
+}
