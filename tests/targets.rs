@@ -5,7 +5,7 @@
 
 mod common;
 
-use common::c::{STRICT, cc, cxx, exists, library, require, succeed};
+use common::c::{self, STRICT, cc, cxx, exists, library, require, succeed};
 use common::{root, scratch};
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -69,7 +69,8 @@ fn figure(replay: &Replay, name: &str) -> usize {
 
 /// Checks that each call keeps the promise of the header, and what docs/memory.md says of it.
 fn check_stack(replay: &Replay, machine: &str) {
-    for call in ["posewise_init", "posewise_step"] {
+    let calls = ["init", "step", "step_at", "detect"];
+    for call in calls.map(|name| format!("posewise_{name}")) {
         let bytes = figure(replay, &format!("stack of {call}"));
         println!("{machine}: stack of {call}: {bytes}");
         assert!(
@@ -105,6 +106,41 @@ fn armv7_answers_alike() {
 fn cortex_m_answers_alike() {
     let programs = ["arm-none-eabi-gcc", "qemu-system-arm"];
     check_target("thumbv7em-none-eabihf", "Cortex-M4", &programs);
+}
+
+/// Every call of the search with right and wrong arguments, and the caller's floating-point
+/// environments, on 32-bit machines.
+#[test]
+#[ignore = "takes minutes: .ci/nightly"]
+fn every_wrong_call_is_answered_on_arm() {
+    let machines = [
+        (
+            "armv7-unknown-linux-gnueabihf",
+            ["arm-linux-gnueabihf-gcc", "qemu-arm-static"],
+        ),
+        (
+            "thumbv7em-none-eabihf",
+            ["arm-none-eabi-gcc", "qemu-system-arm"],
+        ),
+    ];
+    // As many as the Cortex-M's memory holds beside the model.
+    let frames: Vec<u8> = c::clip().luma.iter().take(12).flatten().copied().collect();
+    let path = scratch("targets").join("frames.raw");
+    std::fs::write(&path, frames).expect("target/ is writable");
+    let mut arguments = c::arguments().clone();
+    arguments[1] = path.display().to_string();
+    for (target, programs) in machines {
+        if require("make") && possible(target, &programs) {
+            for name in ["search", "float_env"] {
+                let run = xtask::run_c(&built_for(Some(target)), name, &arguments);
+                let output = run.unwrap_or_else(|error| panic!("{error:#}"));
+                println!(
+                    "{target}: {name}: {}",
+                    String::from_utf8_lossy(&output.stdout)
+                );
+            }
+        }
+    }
 }
 
 /// Compiled with MinGW and run with Wine.

@@ -1,6 +1,6 @@
 /* replay.c VIDEO.y4m FRAMES - prints a hash of all bytes of all results for the video's first
  * frames. The line is the same on every machine. Standard error gets the sizes of model and tracker
- * and the peak stack of posewise_init and posewise_step [bytes].
+ * and the peak stacks of posewise_init, _step, _step_at and _detect [bytes].
  * C99 with GCC's attributes; reads 8-bit mono y4m. */
 #include "posewise.h"
 #include "float_env.h"
@@ -30,29 +30,67 @@ static int fail(const char *what) {
     return 1;
 }
 
-/* The deepest stack of a step so far. */
-static size_t step_stack;
+/* The deepest stacks so far. */
+static size_t step_stack, step_at_stack, detect_stack;
 
-static posewise_status step(posewise_tracker *tracker, posewise_frame *frame,
-                            posewise_result *result) {
+/* Notes how deep the stack was, if it was the deepest. */
+static void deepest(size_t *stack, size_t used) {
+    *stack = used > *stack ? used : *stack;
+}
+
+/* The next floating-point environment, none of which must matter. */
+static uint32_t next_env(void) {
     static unsigned count;
-    const uint32_t own = float_env();
-    uint32_t before, after;
-    posewise_status status;
-    size_t used;
-    stack_walk(1);
-    /* Each step in another floating-point environment, which must not matter. */
     set_float_env(float_envs[count++ % FLOAT_ENVS]);
-    before = float_env();
-    status = posewise_step(tracker, frame, result);
-    after = float_env();
+    return float_env();
+}
+
+/* Restores the own environment; a call must not have changed the one that was set for it. */
+static void own_env(uint32_t own, uint32_t before) {
+    const uint32_t after = float_env();
     set_float_env(own);
-    used = stack_walk(0);
     if (before != after) {
         fprintf(stderr, "replay: the floating-point environment was changed\n");
         exit(1);
     }
-    step_stack = used > step_stack ? used : step_stack;
+}
+
+/* A step, with a hint unless that is NULL. */
+static posewise_status step(posewise_tracker *tracker, posewise_frame *frame,
+                            const posewise_hint *hint, posewise_result *result) {
+    const uint32_t own = float_env();
+    uint32_t before;
+    posewise_status status;
+    stack_walk(1);
+    before = next_env();
+    if (hint != NULL)
+        status = posewise_step_at(tracker, frame, hint, result);
+    else
+        status = posewise_step(tracker, frame, result);
+    own_env(own, before);
+    deepest(hint != NULL ? &step_at_stack : &step_stack, stack_walk(0));
+    return status;
+}
+
+/* Scans the whole frame; hashes all faces and gives the largest one's box in the hint. */
+static posewise_status detect(posewise_tracker *tracker, posewise_frame *frame,
+                              posewise_hint *hint) {
+    static posewise_face faces[16];
+    posewise_status status = POSEWISE_OK;
+    uint32_t finished = 0, before;
+    while (status == POSEWISE_OK && !finished) {
+        const uint32_t own = float_env();
+        size_t count;
+        stack_walk(1);
+        before = next_env();
+        status = posewise_detect(tracker, frame, faces, 16, &count, &finished);
+        own_env(own, before);
+        deepest(&detect_stack, stack_walk(0));
+        if (status == POSEWISE_OK && count > 0) {
+            hash_bytes(faces, count * sizeof *faces);
+            memcpy(hint->face_box, faces[0].face_box, sizeof hint->face_box);
+        }
+    }
     return status;
 }
 
@@ -60,6 +98,7 @@ int main(int argc, char **argv) {
     uint8_t *aligned = memory + (POSEWISE_ALIGN - (uintptr_t)memory % POSEWISE_ALIGN);
     posewise_frame frame = POSEWISE_FRAME_INIT;
     posewise_result result = POSEWISE_RESULT_INIT;
+    posewise_hint hint = POSEWISE_HINT_INIT;
     posewise_tracker *tracker;
     posewise_status status;
     unsigned width, height;
@@ -91,7 +130,7 @@ int main(int argc, char **argv) {
         if (fread(pixels, 1, len, video) != len)
             return fail("the video is truncated");
         frame.timestamp_us = count * INT64_C(50000);
-        status = step(tracker, &frame, &result);
+        status = step(tracker, &frame, NULL, &result);
         if (status == POSEWISE_OK)
             status = posewise_landmarks(tracker, landmarks, POSEWISE_LANDMARKS);
         if (status == POSEWISE_OK)
@@ -113,14 +152,25 @@ int main(int argc, char **argv) {
         if (more % 30 < 20)
             memset(pixels, 128, len);
         frame.timestamp_us += INT64_C(50000);
-        status = step(tracker, &frame, &result);
+        status = step(tracker, &frame, NULL, &result);
     }
     if (status != POSEWISE_OK || result.state != POSEWISE_TRACKING)
         return fail("the face did not come back");
+    /* Found by the whole scan, then expected where it was found. */
+    status = detect(tracker, &frame, &hint);
+    if (status == POSEWISE_OK)
+        status = posewise_reset(tracker);
+    if (status == POSEWISE_OK)
+        status = step(tracker, &frame, &hint, &result);
+    if (status != POSEWISE_OK || result.state != POSEWISE_TRACKING)
+        return fail("the face was not detected");
+    hash_bytes(&result, sizeof result);
     fprintf(stderr, "model: %lu bytes\ntracker: %lu bytes\nlandmarks: %u\n",
             (unsigned long)model_len, (unsigned long)posewise_memory_size(NULL), landmark_count);
     fprintf(stderr, "stack of posewise_init: %lu bytes\nstack of posewise_step: %lu bytes\n",
             (unsigned long)init_stack, (unsigned long)step_stack);
+    fprintf(stderr, "stack of posewise_step_at: %lu bytes\nstack of posewise_detect: %lu bytes\n",
+            (unsigned long)step_at_stack, (unsigned long)detect_stack);
     /* In halves, because the smallest C libraries do not print 64 bits. */
     printf("%08lx%08lx %ld frames, %ld tracked\n", (unsigned long)(hash >> 32),
            (unsigned long)(hash & 0xFFFFFFFFu), count, tracked);

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::Command;
 
 /// Seconds after which an emulated program is taken to hang.
-const EMULATION_TIMEOUT_S: &str = "300";
+const EMULATION_TIMEOUT_S: &str = "1800";
 
 /// Where Debian's package wine64 has it; it puts nothing on the path.
 pub const WINE: &str = "/usr/lib/wine/wine64";

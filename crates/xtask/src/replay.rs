@@ -3,7 +3,7 @@
 use crate::{Library, Machine, output_of, root};
 use anyhow::{Context, Result};
 use std::path::{Path, PathBuf};
-use std::process::Stdio;
+use std::process::{Output, Stdio};
 
 /// What a replay printed.
 pub struct Replay {
@@ -29,10 +29,22 @@ impl Replay {
 
 /// Tracks the first frames of a y4m clip with a library, on its machine.
 pub fn replay(library: &Library, clip: &Path, frames: usize) -> Result<Replay> {
+    let arguments = [clip.display().to_string(), frames.to_string()];
+    let output = run_c(library, "replay", &arguments)?;
+    // Windows ends lines with two characters.
+    let text = |bytes| String::from_utf8(bytes).map(|text| text.replace("\r\n", "\n"));
+    Ok(Replay {
+        line: text(output.stdout)?,
+        notes: text(output.stderr)?,
+    })
+}
+
+/// Compiles a program of tests/c with a library, and runs it on the library's machine.
+pub fn run_c(library: &Library, name: &str, arguments: &[String]) -> Result<Output> {
     let machine = Machine::named(library.target.as_deref())?;
     let archive = library.build()?;
-    let name = format!("replay-{}{}", library.target_name(), machine.suffix());
-    let program = library.target_dir.join(name);
+    let file = format!("{name}-{}{}", library.target_name(), machine.suffix());
+    let program = library.target_dir.join(file);
     let mut compile = machine.compiler();
     compile.args([
         "-std=c99",
@@ -43,18 +55,11 @@ pub fn replay(library: &Library, clip: &Path, frames: usize) -> Result<Replay> {
         "-Werror",
     ]);
     compile.arg("-I").arg(root().join("include"));
-    compile.arg(root().join("tests/c/replay.c"));
+    compile.arg(root().join(format!("tests/c/{name}.c")));
     compile.args(machine.start_up()).arg(archive);
-    output_of(compile.arg("-Wl,--gc-sections").arg("-o").arg(&program))?;
-
-    let arguments = [clip.display().to_string(), frames.to_string()];
-    let output = output_of(machine.run(&program, &arguments).stdin(Stdio::null()))?;
-    // Windows ends lines with two characters.
-    let text = |bytes| String::from_utf8(bytes).map(|text| text.replace("\r\n", "\n"));
-    Ok(Replay {
-        line: text(output.stdout)?,
-        notes: text(output.stderr)?,
-    })
+    compile.args(["-Wl,--gc-sections", "-lm", "-o"]);
+    output_of(compile.arg(&program))?;
+    output_of(machine.run(&program, arguments).stdin(Stdio::null()))
 }
 
 /// Unpacks the clip of the repository into a folder, and gives its path.
