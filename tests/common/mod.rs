@@ -2,6 +2,7 @@
 #![allow(dead_code)] // each test uses its part
 
 pub mod c;
+pub mod random;
 pub mod watch;
 
 use std::io::Read;
@@ -46,11 +47,16 @@ pub struct Clip {
 
 /// The clip that ships with the repository, if it is there.
 pub fn demo() -> Option<Clip> {
-    let packed = std::fs::read(root().join("tests/data/demo.y4m.gz")).ok()?;
+    unpacked(&root().join("tests/data/demo.y4m.gz"))
+}
+
+/// A clip of y4m behind gzip, if it is there.
+pub fn unpacked(path: &Path) -> Option<Clip> {
+    let packed = std::fs::read(path).ok()?;
     let mut y4m = Vec::new();
     flate2::read::MultiGzDecoder::new(&packed[..])
         .read_to_end(&mut y4m)
-        .expect("demo.y4m.gz is whole");
+        .expect("a whole clip");
     Some(parse(y4m))
 }
 
