@@ -71,7 +71,7 @@ fn layout_is_that_of_c() {
     if !require("clang") {
         return;
     }
-    let header = web::read_header().expect("posewise.h is read");
+    let header = xtask::header::read().expect("posewise.h is read");
     let mut source = String::from("#include \"posewise.h\"\n");
     for item in &header.structs {
         let (size, starts) = web::offsets(item, &header.structs).expect("known types");

@@ -35,7 +35,7 @@ import { readStruct, writeStruct } from './struct.js';
  * @property {WebAssembly.Module | BufferSource | string | URL} [wasm] The module, its bytes or its
  *   address. Without it: the one beside this file that suits the browser.
  * @property {BufferSource | string | URL} [model] A .posewise model or its address. Without it:
- *   clean.posewise beside this file.
+ *   default.posewise beside this file.
  */
 
 /** A call that the library rejected. */
@@ -98,7 +98,7 @@ async function modelBytes(model) {
   if (ArrayBuffer.isView(model)) {
     return new Uint8Array(model.buffer, model.byteOffset, model.byteLength);
   }
-  const response = await get(model ?? new URL('clean.posewise', import.meta.url));
+  const response = await get(model ?? new URL('default.posewise', import.meta.url));
   return new Uint8Array(await response.arrayBuffer());
 }
 

@@ -3,10 +3,12 @@
 //! same functions.
 
 pub mod figures;
+pub mod header;
 mod library;
 mod machine;
 pub mod notices;
 pub mod picture;
+pub mod python;
 mod replay;
 mod size;
 pub mod web;

@@ -1,7 +1,7 @@
 //! Writes `web/layout.js`: sizes and offsets of the header's structs in WebAssembly, its constants,
 //! and the types of the structs as JSDoc.
 
-use super::header::{Field, Header, Struct, read};
+use crate::header::{Field, Header, Struct, read};
 use anyhow::{Context, Result, bail};
 use std::fmt::Write as _;
 
@@ -72,16 +72,9 @@ fn size_of(kind: &str, all: &[Struct]) -> Result<(usize, usize)> {
     })
 }
 
-fn constants_with<'a>(header: &'a Header, prefix: &str) -> Vec<(&'a str, i64)> {
-    let named = header.constants.iter();
-    named
-        .filter_map(|(name, value)| Some((name.strip_prefix(prefix)?, *value)))
-        .collect()
-}
-
 fn write_constants(out: &mut String, header: &Header) -> Result<()> {
     for name in ["ABI", "ALIGN", "LANDMARKS", "ANIMATIONS"] {
-        let value = constants_with(header, name)[0].1;
+        let value = header.with_prefix(name)[0].1;
         writeln!(out, "\nexport const {name} = {value};")?;
     }
     let unread = header.constants.iter().find(|(name, _)| name == "EVENTS");
@@ -91,14 +84,14 @@ fn write_constants(out: &mut String, header: &Header) -> Result<()> {
         out,
         "\n/** Status codes by name. */\nexport const STATUS = {{\n  OK: 0,"
     )?;
-    for (name, value) in constants_with(header, "E_") {
+    for (name, value) in header.with_prefix("E_") {
         writeln!(out, "  E_{name}: {value},")?;
     }
     writeln!(
         out,
         "}};\n\n/** Pixel formats by name. */\nexport const FORMATS = {{"
     )?;
-    for (name, value) in constants_with(header, "FMT_") {
+    for (name, value) in header.with_prefix("FMT_") {
         writeln!(out, "  {name}: 0x{value:08x},")?;
     }
     out.push_str("};\n");
@@ -113,7 +106,8 @@ fn write_constants(out: &mut String, header: &Header) -> Result<()> {
                 .zip(STATES)
                 .map(|(i, name)| (name.to_owned(), i))
                 .collect(),
-            _ => constants_with(header, prefix)
+            _ => header
+                .with_prefix(prefix)
                 .into_iter()
                 .map(|(name, value)| (name.to_owned(), value))
                 .collect(),

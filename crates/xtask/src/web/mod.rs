@@ -1,6 +1,5 @@
 //! The web page and the JavaScript package, ready to be served: `cargo xtask web`.
 
-mod header;
 pub mod layout;
 mod serve;
 mod standalone;
@@ -10,7 +9,6 @@ use anyhow::{Context, Result};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-pub use header::{Header, Struct, read as read_header};
 pub use layout::offsets;
 pub use serve::Site;
 

@@ -33,6 +33,16 @@ pub struct Header {
     pub structs: Vec<Struct>,
 }
 
+impl Header {
+    /// Constants whose names begin so, without that beginning.
+    pub fn with_prefix<'a>(&'a self, prefix: &str) -> Vec<(&'a str, i64)> {
+        let named = self.constants.iter();
+        named
+            .filter_map(|(name, value)| Some((name.strip_prefix(prefix)?, *value)))
+            .collect()
+    }
+}
+
 /// Reads the header of the repository.
 pub fn read() -> Result<Header> {
     let text = std::fs::read_to_string(root().join("include/posewise.h"))?;

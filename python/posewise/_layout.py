@@ -1,0 +1,179 @@
+"""Structs and constants of include/posewise.h.
+
+Generated. To change it, edit src/ffi and run
+    POSEWISE_BLESS=1 cargo test --release --test header --test python
+"""
+
+from __future__ import annotations
+
+from ctypes import Structure, c_float, c_int64, c_size_t, c_uint32, c_void_p
+
+ABI = 1
+ALIGN = 64
+LANDMARKS = 68
+ANIMATIONS = 24
+UNREAD_EVENTS = 64
+
+STATES = ("searching", "tracking", "coasting")
+LOSSES = (
+    "none",
+    "low_confidence",
+    "left_frame",
+    "no_pose",
+    "excluded",
+)
+LENSES = (
+    "pinhole",
+    "brown",
+    "fisheye",
+)
+EVENTS = (
+    "acquired",
+    "reacquired",
+    "coasting",
+    "lost",
+    "suppressed",
+    "filter_on",
+    "filter_off",
+    "reset",
+    "forgotten",
+)
+
+# Pixel formats by name.
+FORMATS = {
+    "GREY": 0x59455247,
+    "Y10": 0x20303159,
+    "Y16": 0x20363159,
+    "YUYV": 0x56595559,
+    "UYVY": 0x59565955,
+    "NV12": 0x3231564E,
+    "NV21": 0x3132564E,
+    "YU12": 0x32315559,
+    "RGB3": 0x33424752,
+    "BGR3": 0x33524742,
+    "XB24": 0x34324258,
+    "AB24": 0x34324241,
+    "XR24": 0x34325258,
+    "AR24": 0x34325241,
+    "BX24": 0x34325842,
+    "BA24": 0x34324142,
+    "RX24": 0x34325852,
+    "RA24": 0x34324152,
+}
+
+
+class Intrinsics(Structure):
+    _fields_ = [
+        ("fx", c_float),
+        ("fy", c_float),
+        ("cx", c_float),
+        ("cy", c_float),
+    ]
+
+
+class Lens(Structure):
+    _fields_ = [
+        ("model", c_uint32),
+        ("coefficients", c_float * 5),
+    ]
+
+
+class Config(Structure):
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("flags", c_uint32),
+        ("min_face_px", c_uint32),
+        ("scan_budget", c_uint32),
+        ("intrinsics", Intrinsics),
+        ("smoothing_hz", c_float),
+        ("smoothing_beta", c_float),
+        ("lens", Lens),
+    ]
+
+
+class Frame(Structure):
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("format", c_uint32),
+        ("timestamp_us", c_int64),
+        ("width", c_uint32),
+        ("height", c_uint32),
+        ("stride", c_uint32),
+        ("rotation_deg", c_uint32),
+        ("flags", c_uint32),
+        ("reserved", c_uint32),
+        ("data_len", c_size_t),
+        ("data", c_void_p),
+    ]
+
+
+class Result(Structure):
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("state", c_uint32),
+        ("timestamp_us", c_int64),
+        ("age_us", c_int64),
+        ("landmark_count", c_uint32),
+        ("confidence", c_float),
+        ("face_box", c_float * 4),
+        ("rotation", c_float * 4),
+        ("yaw_deg", c_float),
+        ("pitch_deg", c_float),
+        ("roll_deg", c_float),
+        ("translation_mm", c_float * 3),
+        ("eye_open", c_float * 2),
+        ("loss", c_uint32),
+        ("visible_share", c_float),
+        ("rotation_sigma_deg", c_float * 3),
+        ("translation_sigma_mm", c_float * 3),
+    ]
+
+
+class Hint(Structure):
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("face_box", c_float * 4),
+        ("yaw_deg", c_float),
+        ("roll_deg", c_float),
+    ]
+
+
+class Face(Structure):
+    _fields_ = [
+        ("face_box", c_float * 4),
+        ("yaw_deg", c_float),
+        ("roll_deg", c_float),
+        ("confidence", c_float),
+    ]
+
+
+class Landmark(Structure):
+    _fields_ = [
+        ("x", c_float),
+        ("y", c_float),
+        ("confidence", c_float),
+        ("visibility", c_float),
+        ("x_mm", c_float),
+        ("y_mm", c_float),
+        ("z_mm", c_float),
+    ]
+
+
+class Event(Structure):
+    _fields_ = [
+        ("timestamp_us", c_int64),
+        ("kind", c_uint32),
+        ("loss", c_uint32),
+        ("face_box", c_float * 4),
+        ("confidence", c_float),
+        ("reserved", c_uint32),
+    ]
+
+
+class Roi(Structure):
+    _fields_ = [
+        ("x", c_uint32),
+        ("y", c_uint32),
+        ("width", c_uint32),
+        ("height", c_uint32),
+    ]

@@ -1,0 +1,383 @@
+"""The tracker, on numpy arrays."""
+
+from __future__ import annotations
+
+import ctypes
+import threading
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, Optional, Sequence, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _layout as layout
+from ._library import FOLDER, aligned, call, lib
+
+Floats = npt.NDArray[np.float32]
+Pixels = npt.NDArray[Any]
+
+#: Formats by name, for ``Tracker.step(format=…)``.
+FORMATS: dict[str, int] = layout.FORMATS
+#: ARKit's names of the animation weights, in order.
+ANIMATION_NAMES: tuple[str, ...] = tuple(
+    lib.posewise_animation_name(i).decode() for i in range(layout.ANIMATIONS)
+)
+
+# What an array is by its kind and number of channels, unless the caller says otherwise.
+_DEFAULT_FORMATS = {("u1", 1): "GREY", ("u2", 1): "Y16", ("u1", 3): "BGR3", ("u1", 4): "AR24"}
+# Channels and bytes per channel of each format that comes as an array.
+_SHAPES = {
+    "GREY": (1, 1),
+    "Y10": (1, 2),
+    "Y16": (1, 2),
+    "RGB3": (3, 1),
+    "BGR3": (3, 1),
+    "YUYV": (2, 1),
+    "UYVY": (2, 1),
+    **{name: (4, 1) for name in FORMATS if name[0] in "XABR" and name.endswith("24")},
+}
+_LANDMARK = np.dtype((np.float32, (layout.LANDMARKS, 7)))
+# Most faces of one call of Tracker.detect.
+_MOST_FACES = 16
+
+
+@dataclass(frozen=True)
+class Result:
+    """What one frame gave. Arrays belong to the result; the tracker never changes them."""
+
+    #: "searching", "tracking" or "coasting"; coasting repeats the last fit.
+    state: str
+    #: As given [us].
+    timestamp_us: int
+    #: Time since the frame of the last fit [us]; 0 while tracking.
+    age_us: int
+    #: Calibrated probability that this is a face whose landmarks are right.
+    confidence: float
+    #: Box of the landmarks: x, y, width, height [px].
+    face_box: Floats
+    #: Head-to-camera rotation: unit quaternion x, y, z, w.
+    rotation: Floats
+    #: > 0: the face turns to the image right [deg].
+    yaw_deg: float
+    #: > 0: the face turns up [deg].
+    pitch_deg: float
+    #: > 0: the face tilts clockwise in the image [deg].
+    roll_deg: float
+    #: Midway between the eyeballs, in the camera frame [mm].
+    translation_mm: Floats
+    #: Left and right eye: 0 shut, 1 open, -1 unknown.
+    eye_open: Floats
+    #: Why tracking was lost: "none", "low_confidence", "left_frame", "no_pose", "excluded".
+    loss: str
+    #: Mean visibility of the landmarks.
+    visible_share: float
+    #: Standard deviations of the rotation about the camera's axes [deg].
+    rotation_sigma_deg: Floats
+    #: Standard deviations of translation_mm [mm].
+    translation_sigma_mm: Floats
+    #: (68, 2): x, y in the upright image [px]; zeros while searching.
+    landmarks: Floats
+    #: (68,): probability that the landmark is right.
+    landmark_confidence: Floats
+    #: (68,): probability that it is visible.
+    visibility: Floats
+    #: (68, 3): points of the 3D face in the camera frame [mm].
+    points_mm: Floats
+    #: (24,): animation weights, named by ANIMATION_NAMES.
+    animation: Floats
+
+
+@dataclass(frozen=True)
+class Face:
+    """A face of a frame, from Tracker.detect."""
+
+    #: Box of the landmarks: x, y, width, height [px].
+    face_box: Floats
+    #: As in Result; rough.
+    yaw_deg: float
+    #: As in Result.
+    roll_deg: float
+    #: As in Result.
+    confidence: float
+
+
+@dataclass(frozen=True)
+class Detected:
+    """What one call of Tracker.detect found."""
+
+    #: The largest first.
+    faces: list[Face]
+    #: Whether every place was searched; if not, the next call goes on.
+    finished: bool
+
+
+@dataclass(frozen=True)
+class Event:
+    """Something that happened to the face."""
+
+    #: Time of the frame [us].
+    timestamp_us: int
+    #: "acquired", "reacquired", "coasting", "lost", …
+    kind: str
+    #: As in Result.
+    loss: str
+    #: As in Result.
+    face_box: Floats
+    #: As in Result.
+    confidence: float
+
+
+def _name(names: Sequence[str], value: int) -> str:
+    # A later library may have values that this package lacks.
+    return names[value] if value < len(names) else str(value)
+
+
+def _numbers(array: Any) -> Floats:
+    return np.array(array, dtype=np.float32)
+
+
+@lru_cache(maxsize=None)
+def _model(path: Path) -> npt.NDArray[np.uint8]:
+    """A model, which all trackers share."""
+    file = np.fromfile(path, dtype=np.uint8)
+    model = aligned(len(file))
+    model[:] = file
+    call("model_check", model.ctypes.data, len(model))
+    return model
+
+
+class Tracker:
+    """Follows one face. Several threads may share a tracker: they wait for each other.
+
+    ``model`` is "default", "clean" (trained on renders only: may ship in a product), or the path of
+    a ``.posewise`` file. 0 in any other setting selects its default.
+    """
+
+    def __init__(
+        self,
+        model: Union[str, Path] = "default",
+        *,
+        min_face_px: int = 0,
+        scan_budget: int = 0,
+        smoothing_hz: float = 0.0,
+        smoothing_beta: float = 0.0,
+        intrinsics: Optional[Sequence[float]] = None,
+        lens: Optional[tuple[str, Sequence[float]]] = None,
+    ) -> None:
+        config = layout.Config()
+        config.struct_size = ctypes.sizeof(config)
+        config.min_face_px = min_face_px
+        config.scan_budget = scan_budget
+        config.smoothing_hz = smoothing_hz
+        config.smoothing_beta = smoothing_beta
+        if intrinsics is not None:
+            config.intrinsics = layout.Intrinsics(*intrinsics)
+        if lens is not None:
+            config.lens = _lens(*lens)
+        known = model in ("default", "clean")
+        self._model = _model(FOLDER / f"{model}.posewise" if known else Path(model).resolve())
+        self._memory = aligned(lib.posewise_memory_size(None))
+        self._lock = threading.Lock()
+        tracker = ctypes.c_void_p()
+        call(
+            "init",
+            ctypes.byref(tracker),
+            self._memory.ctypes.data,
+            len(self._memory),
+            self._model.ctypes.data,
+            len(self._model),
+            ctypes.byref(config),
+        )
+        self._tracker = tracker
+
+    def __reduce__(self) -> Any:
+        raise TypeError("a tracker cannot be pickled")
+
+    def step(
+        self,
+        frame: Pixels,
+        timestamp_us: int,
+        *,
+        format: Optional[str] = None,
+        rotation_deg: int = 0,
+        mirrored: bool = False,
+        hint: Optional[tuple[Sequence[float], float, float]] = None,
+    ) -> Result:
+        """Processes one frame. Timestamps are the camera's [us], and increase.
+
+        ``frame`` is an array of (height, width) in 8-bit or 16-bit grey, or (height, width, 3) in
+        BGR as OpenCV has it, or (height, width, 4) in BGRA; ``format`` names others, as "RGB3". It
+        is read in place where pixels lie one after the other in each row, and else copied.
+        ``hint`` is where a face is expected: box of the landmarks, yaw and roll [deg].
+        """
+        given, pixels = _frame(frame, timestamp_us, format, rotation_deg, mirrored)
+        out = _empty_result()
+        with self._lock:
+            if hint is None:
+                call("step", self._tracker, ctypes.byref(given), ctypes.byref(out))
+            else:
+                box, yaw_deg, roll_deg = hint
+                where = layout.Hint(0, tuple(box), yaw_deg, roll_deg)
+                where.struct_size = ctypes.sizeof(where)
+                frame_at, hint_at = ctypes.byref(given), ctypes.byref(where)
+                call("step_at", self._tracker, frame_at, hint_at, ctypes.byref(out))
+            del pixels
+            return self._whole(out, "landmarks", "animation")
+
+    def smoothed(self) -> Result:
+        """The result of the last step, smoothed over time: less jitter, about one frame late."""
+        out = _empty_result()
+        with self._lock:
+            call("smoothed", self._tracker, ctypes.byref(out))
+            return self._whole(out, "smoothed_landmarks", "smoothed_animation")
+
+    def _whole(self, out: layout.Result, landmarks: str, animation: str) -> Result:
+        points = np.empty((layout.LANDMARKS, 7), dtype=np.float32)
+        call(landmarks, self._tracker, points.ctypes.data, layout.LANDMARKS)
+        weights = np.empty(layout.ANIMATIONS, dtype=np.float32)
+        call(animation, self._tracker, weights.ctypes.data, layout.ANIMATIONS)
+        return Result(
+            state=_name(layout.STATES, out.state),
+            timestamp_us=out.timestamp_us,
+            age_us=out.age_us,
+            confidence=out.confidence,
+            face_box=_numbers(out.face_box),
+            rotation=_numbers(out.rotation),
+            yaw_deg=out.yaw_deg,
+            pitch_deg=out.pitch_deg,
+            roll_deg=out.roll_deg,
+            translation_mm=_numbers(out.translation_mm),
+            eye_open=_numbers(out.eye_open),
+            loss=_name(layout.LOSSES, out.loss),
+            visible_share=out.visible_share,
+            rotation_sigma_deg=_numbers(out.rotation_sigma_deg),
+            translation_sigma_mm=_numbers(out.translation_sigma_mm),
+            # As in posewise_landmark: x, y, confidence, visibility, x_mm, y_mm, z_mm.
+            landmarks=points[:, 0:2],
+            landmark_confidence=points[:, 2],
+            visibility=points[:, 3],
+            points_mm=points[:, 4:7],
+            animation=weights,
+        )
+
+    def detect(
+        self,
+        frame: Pixels,
+        *,
+        format: Optional[str] = None,
+        rotation_deg: int = 0,
+        mirrored: bool = False,
+    ) -> Detected:
+        """Lists faces of a frame, whatever the tracker does, in calls of bounded work."""
+        given, pixels = _frame(frame, 0, format, rotation_deg, mirrored)
+        found = (layout.Face * _MOST_FACES)()
+        count, finished = ctypes.c_size_t(), ctypes.c_uint32()
+        frame_at, count_at = ctypes.byref(given), ctypes.byref(count)
+        with self._lock:
+            finished_at = ctypes.byref(finished)
+            call("detect", self._tracker, frame_at, found, _MOST_FACES, count_at, finished_at)
+        del pixels
+        faces = [
+            Face(_numbers(f.face_box), f.yaw_deg, f.roll_deg, f.confidence)
+            for f in found[: count.value]
+        ]
+        return Detected(faces, finished.value == 1)
+
+    def events(self) -> tuple[list[Event], int]:
+        """The events that were not read yet, and how many were overwritten unread."""
+        read = (layout.Event * layout.UNREAD_EVENTS)()
+        count, overwritten = ctypes.c_size_t(), ctypes.c_size_t()
+        count_at, overwritten_at = ctypes.byref(count), ctypes.byref(overwritten)
+        with self._lock:
+            call("events", self._tracker, read, layout.UNREAD_EVENTS, count_at, overwritten_at)
+        events = [
+            Event(
+                timestamp_us=e.timestamp_us,
+                kind=_name(layout.EVENTS, e.kind),
+                loss=_name(layout.LOSSES, e.loss),
+                face_box=_numbers(e.face_box),
+                confidence=e.confidence,
+            )
+            for e in read[: count.value]
+        ]
+        return events, overwritten.value
+
+    def set_excluded(self, boxes: Sequence[Sequence[float]]) -> None:
+        """Keeps this tracker from faces that others follow: boxes of x, y, width, height [px]."""
+        numbers = np.array(boxes, dtype=np.float32).reshape(-1, 4)
+        with self._lock:
+            call("set_excluded", self._tracker, numbers.ctypes.data, len(numbers))
+
+    def set_roi(self, roi: Optional[tuple[int, int, int, int]]) -> None:
+        """Looks for faces in x, y, width, height [px] only; None: the whole frame."""
+        given = None if roi is None else ctypes.byref(layout.Roi(*roi))
+        with self._lock:
+            call("set_roi", self._tracker, given)
+
+    def set_intrinsics(self, intrinsics: Optional[Sequence[float]]) -> None:
+        """The camera: fx, fy, cx, cy [px]; None: a horizontal field of view of 60 degrees."""
+        given = None if intrinsics is None else ctypes.byref(layout.Intrinsics(*intrinsics))
+        with self._lock:
+            call("set_intrinsics", self._tracker, given)
+
+    def set_lens(self, lens: Optional[tuple[str, Sequence[float]]]) -> None:
+        """The lens: "brown" or "fisheye" with OpenCV's coefficients; None: none."""
+        given = None if lens is None else ctypes.byref(_lens(*lens))
+        with self._lock:
+            call("set_lens", self._tracker, given)
+
+    def reset(self) -> None:
+        """Forgets the face, its identity and the time, as for another video."""
+        with self._lock:
+            call("reset", self._tracker)
+
+    def forget_identity(self) -> None:
+        """Forgets the identity, as when somebody else sits down."""
+        with self._lock:
+            call("forget_identity", self._tracker)
+
+
+def _lens(model: str, coefficients: Sequence[float]) -> layout.Lens:
+    five = tuple(coefficients) + (0.0,) * (5 - len(coefficients))
+    return layout.Lens(layout.LENSES.index(model), five)
+
+
+def _empty_result() -> layout.Result:
+    out = layout.Result()
+    out.struct_size = ctypes.sizeof(out)
+    return out
+
+
+def _frame(
+    frame: Pixels, timestamp_us: int, format: Optional[str], rotation_deg: int, mirrored: bool
+) -> tuple[layout.Frame, Pixels]:
+    """The frame as the library reads it, and the array that holds its pixels."""
+    pixels = np.asarray(frame)
+    if pixels.ndim == 3 and pixels.shape[2] == 1:
+        pixels = pixels[:, :, 0]
+    if pixels.ndim not in (2, 3) or pixels.size == 0:
+        raise ValueError(f"a frame is (height, width) or (height, width, n), not {pixels.shape}")
+    channels = 1 if pixels.ndim == 2 else pixels.shape[2]
+    kind = f"{pixels.dtype.kind}{pixels.dtype.itemsize}"
+    name = format or _DEFAULT_FORMATS.get((kind, channels))
+    if name not in _SHAPES or (channels, pixels.dtype.itemsize) != _SHAPES[name]:
+        raise ValueError(f"{pixels.dtype} with {channels} channels is not a frame of {name}")
+    height, width = pixels.shape[:2]
+    if pixels.dtype.byteorder == ">":
+        pixels = pixels.astype(pixels.dtype.newbyteorder("<"))
+    pixel = channels * pixels.dtype.itemsize
+    packed = (pixel, pixels.dtype.itemsize)[: pixels.ndim - 1]
+    if pixels.strides[1:] != packed or pixels.strides[0] < width * pixel:
+        pixels = np.ascontiguousarray(pixels)
+    given = layout.Frame()
+    given.struct_size = ctypes.sizeof(given)
+    given.format = FORMATS[name]
+    given.timestamp_us = timestamp_us
+    given.width, given.height, given.stride = width, height, pixels.strides[0]
+    given.rotation_deg = rotation_deg
+    given.flags = 1 if mirrored else 0
+    given.data_len = pixels.strides[0] * (height - 1) + width * pixel
+    given.data = pixels.ctypes.data
+    return given, pixels
