@@ -53,7 +53,8 @@
 //! | 3 | `verifier` | calibrated probabilities of the face and of each landmark |
 //! | 3 | `keyframe` | past views of the tracked face, by which it is re-acquired |
 //! | 4 | `track` | the state machine Searching, Tracking, Coasting |
-//! | 5 | `ffi` | the C ABI |
+//! | 5 | `monitor` | driver monitoring from results and timestamps: closures, PERCLOS, glances |
+//! | 6 | `ffi` | the C ABI |
 //!
 //! The model file is read by the crate `posewise-format`.
 #![no_std]
@@ -84,6 +85,10 @@ mod keyframe;
 pub mod math;
 #[cfg(not(feature = "unstable-internals"))]
 mod math;
+#[cfg(all(feature = "monitor", feature = "unstable-internals"))]
+pub mod monitor;
+#[cfg(all(feature = "monitor", not(feature = "unstable-internals")))]
+mod monitor;
 #[cfg(feature = "unstable-internals")]
 pub mod network;
 #[cfg(not(feature = "unstable-internals"))]
@@ -105,6 +110,12 @@ mod verifier;
 pub mod ffi;
 
 pub use image::{Frame, FrameError, FrameLayout, MAX_SIDE, PixelFormat, Roi, Rotation};
+#[cfg(feature = "monitor")]
+pub use monitor::{
+    Drowsiness, EyeState, MAX_ZONES, MONITOR_EVENTS, Monitor, MonitorConfig, MonitorConfigError,
+    MonitorEvent, MonitorEventKind, MonitorEventLog, MonitorState, MonitorTimeError, Observation,
+    Perclos, Preset, Unknown, Zone, ZoneShape, ZoneState,
+};
 pub use posewise_format::{Aligned, ModelError};
 pub use shape::{ANIMATION_NAMES, ANIMATIONS, Distortion, Intrinsics, LANDMARKS};
 pub use track::{

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 /// Modules and their layers, as the table in `src/lib.rs` has them. A module may use modules of
 /// lower layers.
-const MODULES: [(&str, u32); 10] = [
+const MODULES: [(&str, u32); 11] = [
     ("math", 0),
     ("image", 1),
     ("network", 2),
@@ -18,7 +18,8 @@ const MODULES: [(&str, u32); 10] = [
     ("verifier", 3),
     ("keyframe", 3),
     ("track", 4),
-    ("ffi", 5),
+    ("monitor", 5),
+    ("ffi", 6),
 ];
 
 /// Where `unsafe` may be written: the C ABI, SIMD kernels.

@@ -1,0 +1,351 @@
+//! The monitor: takes observations in the order of time, and lets each of its parts see them.
+
+use super::baseline::Baseline;
+use super::clock::{Clock, LONGEST_US, Passed};
+use super::closure::Closures;
+use super::config::{MonitorConfig, MonitorConfigError};
+use super::drowsiness;
+use super::event::{MonitorEvent, MonitorEventKind, MonitorEventLog};
+use super::glance::Glances;
+use super::natural::Natural;
+use super::nod::Nods;
+use super::observation::Observation;
+use super::perclos::Windows;
+use super::preset::Preset;
+use super::reading::Reading;
+use super::state::{Drowsiness, EyeState, MonitorState};
+use super::yawn::Yawns;
+use super::zone::{Direction, Zone, ZoneState, Zones};
+use crate::math::{HeadAngles, head_rotation};
+use glam::Vec3;
+
+/// Watches one driver. Plain data of fixed size: a copy is a second, independent monitor.
+///
+/// ```
+/// use posewise::{Monitor, MonitorConfig, Observation, TrackResult};
+///
+/// let mut monitor = Monitor::new(&MonitorConfig::default())?;
+/// // What a tracker returned for the frame of this time.
+/// let (result, timestamp_us) = (TrackResult::default(), 33_333);
+/// monitor.update(&Observation::from(&result), timestamp_us)?;
+/// while let Some(event) = monitor.events().pop() {
+///     println!("{} at {} µs", event.kind.name(), event.start_us);
+/// }
+/// // Nothing is known without a face.
+/// assert_eq!(monitor.state().perclos_60.known, 0.0);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
+#[derive(Clone)]
+pub struct Monitor {
+    config: MonitorConfig,
+    zones: Zones,
+    clock: Clock,
+    /// The last observation, which counts until the next one.
+    reading: Reading,
+    direction: Option<Direction>,
+    windows: Windows,
+    closures: Closures,
+    yawns: Yawns,
+    nods: Nods,
+    glances: Glances,
+    baseline: Baseline,
+    natural: Natural,
+    drowsiness: Drowsiness,
+    drowsy_since_us: i64,
+    sight: Sight,
+    log: MonitorEventLog,
+}
+
+/// For how long eyes are unknown, or known again.
+#[derive(Clone, Copy, Default)]
+struct Sight {
+    unknown_us: u32,
+    since_us: i64,
+    is_degraded: bool,
+}
+
+/// A timestamp equals the one before: nothing has changed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MonitorTimeError;
+
+impl core::fmt::Display for MonitorTimeError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str("the timestamp is that of the last observation")
+    }
+}
+
+impl core::error::Error for MonitorTimeError {}
+
+impl Monitor {
+    /// A monitor with these settings and the zones of the default preset.
+    pub fn new(config: &MonitorConfig) -> Result<Monitor, MonitorConfigError> {
+        Self::with_zones(config, Preset::default().zones())
+    }
+
+    /// A monitor with these settings and zones.
+    pub fn with_zones(
+        config: &MonitorConfig,
+        zones: &[Zone],
+    ) -> Result<Monitor, MonitorConfigError> {
+        config.check()?;
+        Ok(Monitor {
+            config: *config,
+            zones: Zones::new(zones).ok_or(MonitorConfigError::Zone)?,
+            clock: Clock::NEW,
+            reading: Reading::NONE,
+            direction: None,
+            windows: Windows::EMPTY,
+            closures: Closures::NONE,
+            yawns: Yawns::NONE,
+            nods: Nods::NONE,
+            glances: Glances::NONE,
+            baseline: Baseline::NEW,
+            natural: Natural::NEW,
+            drowsiness: Drowsiness::Unknown,
+            drowsy_since_us: 0,
+            sight: Sight::default(),
+            log: MonitorEventLog::EMPTY,
+        })
+    }
+
+    /// Replaces the zones; dwell times begin anew.
+    pub fn set_zones(&mut self, zones: &[Zone]) -> Result<(), MonitorConfigError> {
+        self.zones = Zones::new(zones).ok_or(MonitorConfigError::Zone)?;
+        self.glances = Glances::NONE;
+        Ok(())
+    }
+
+    /// Its settings.
+    pub fn config(&self) -> &MonitorConfig {
+        &self.config
+    }
+
+    /// The events that were not read yet.
+    pub fn events(&mut self) -> &mut MonitorEventLog {
+        &mut self.log
+    }
+
+    /// Another person drives: forgets open eye, natural pose and all measures. Settings, zones and
+    /// unread events stay.
+    pub fn forget_driver(&mut self) {
+        (self.windows, self.closures) = (Windows::EMPTY, Closures::NONE);
+        (self.yawns, self.nods, self.glances) = (Yawns::NONE, Nods::NONE, Glances::NONE);
+        (self.baseline, self.natural) = (Baseline::NEW, Natural::NEW);
+        (self.reading, self.direction, self.clock) = (Reading::NONE, None, Clock::NEW);
+        (self.drowsiness, self.sight) = (Drowsiness::Unknown, Sight::default());
+    }
+
+    /// Takes one observation. Timestamps may come at any rate; one that is before the last one ends
+    /// what goes on, keeps the measures, and time goes on from there.
+    pub fn update(&mut self, seen: &Observation, now_us: i64) -> Result<(), MonitorTimeError> {
+        match self.clock.pass(now_us).ok_or(MonitorTimeError)? {
+            Passed::Nothing => self.sight.since_us = now_us,
+            Passed::Time(time_us) if time_us <= self.config.gap_us => {
+                self.pass(time_us, self.reading, self.direction.is_some(), now_us);
+            }
+            Passed::Time(time_us) => self.pass(time_us, Reading::NONE, false, now_us),
+            Passed::Back => self.interrupt(now_us),
+        }
+        let open_eye = self.baseline.open_eye();
+        self.reading = Reading::new(seen, &self.reading, open_eye, &self.config);
+        self.direction = self.direction_of(&self.reading);
+        self.see(now_us);
+        Ok(())
+    }
+
+    /// Lets time pass with what was read at its beginning.
+    fn pass(&mut self, time_us: u32, held: Reading, is_directed: bool, now_us: i64) {
+        let (config, log) = (&self.config, &mut self.log);
+        self.windows.pass(time_us, held.openness);
+        let ended = (self.closures).pass(time_us, held.openness, now_us, config, log);
+        if let Some(closed_us) = ended {
+            self.windows.add_closure(closed_us);
+        }
+        self.yawns.pass(time_us, held.jaw, now_us, config, log);
+        let is_closed = self.closures.is_closed && held.openness.is_some();
+        let pitch = held.pose.map(|([_, pitch], _)| pitch);
+        self.nods.pass(time_us, pitch, is_closed, config);
+        let zone = match is_directed {
+            true => self.glances.zone,
+            false => ZoneState::Unknown,
+        };
+        (self.glances).pass(time_us, zone, &self.zones, now_us, config, log);
+        self.learn(time_us, &held, now_us);
+        self.watch_sight(time_us, held.openness.is_some(), now_us);
+    }
+
+    /// Learns open eye and natural pose.
+    fn learn(&mut self, time_us: u32, held: &Reading, now_us: i64) {
+        let mut learnt = |kind, value| {
+            self.log.push(MonitorEvent {
+                timestamp_us: now_us,
+                start_us: now_us,
+                kind,
+                value,
+                ..MonitorEvent::default()
+            });
+        };
+        let is_long = self.closures.closed_us > self.config.long_closure_us;
+        if held.openness.is_some() && self.baseline.pass(time_us, held.eyes, is_long) {
+            let [left, right] = self.baseline.open_eye();
+            learnt(MonitorEventKind::OpenEyeLearnt, (left + right) / 2.0);
+        }
+        if let Some((at, _)) = held.pose {
+            let forward = [self.config.forward_yaw_deg, self.config.forward_pitch_deg];
+            let from_forward = [at[0] - forward[0], at[1] - forward[1]];
+            if self.natural.pass(time_us, from_forward, &self.config) {
+                let [yaw, _] = self.natural.offset_deg();
+                learnt(MonitorEventKind::NaturalLearnt, yaw);
+            }
+        }
+    }
+
+    /// Reports eyes that are unknown for long.
+    fn watch_sight(&mut self, time_us: u32, is_known: bool, now_us: i64) {
+        let sight = &mut self.sight;
+        let kind = if is_known {
+            let was_degraded = core::mem::take(&mut sight.is_degraded);
+            was_degraded.then_some(MonitorEventKind::Restored)
+        } else {
+            sight.unknown_us = sight.unknown_us.saturating_add(time_us);
+            let is_new = sight.unknown_us >= self.config.degraded_us && !sight.is_degraded;
+            sight.is_degraded |= is_new;
+            is_new.then_some(MonitorEventKind::Degraded)
+        };
+        if let Some(kind) = kind {
+            self.log.push(MonitorEvent {
+                timestamp_us: now_us,
+                start_us: sight.since_us,
+                duration_us: sight.unknown_us,
+                kind,
+                ..MonitorEvent::default()
+            });
+        }
+        if is_known {
+            (self.sight.unknown_us, self.sight.since_us) = (0, now_us);
+        }
+    }
+
+    /// Lets the parts see what was read now.
+    fn see(&mut self, now_us: i64) {
+        let (config, log) = (&self.config, &mut self.log);
+        if let Some(openness) = self.reading.openness {
+            let ended = self.closures.see(openness, now_us, config, log);
+            if let Some(closed_us) = ended {
+                self.windows.add_closure(closed_us);
+            }
+        }
+        if let Some(jaw) = self.reading.jaw {
+            self.yawns.see(jaw, now_us, config, log);
+        }
+        if let Some(([_, pitch], _)) = self.reading.pose {
+            self.nods.see(pitch, now_us, config, log);
+        }
+        let zone = match &self.direction {
+            None => ZoneState::Unknown,
+            Some(at) => (self.zones).at(at, self.glances.zone, config.zone_margin_deg),
+        };
+        self.glances.see(zone, &self.zones, now_us);
+        self.watch_drowsiness(now_us);
+    }
+
+    fn watch_drowsiness(&mut self, now_us: i64) {
+        let windows = self.windows.measures();
+        let next = drowsiness::next(self.drowsiness, &windows, &self.config);
+        let last = core::mem::replace(&mut self.drowsiness, next);
+        let kind = match (last == Drowsiness::Drowsy, next == Drowsiness::Drowsy) {
+            (false, true) => MonitorEventKind::Drowsy,
+            (true, false) => MonitorEventKind::DrowsyEnd,
+            _ => return,
+        };
+        if next == Drowsiness::Drowsy {
+            self.drowsy_since_us = now_us;
+        }
+        let duration = now_us.abs_diff(self.drowsy_since_us);
+        self.log.push(MonitorEvent {
+            timestamp_us: now_us,
+            start_us: self.drowsy_since_us,
+            duration_us: duration.min(u64::from(LONGEST_US)) as u32,
+            kind,
+            value: windows[0].p80,
+            ..MonitorEvent::default()
+        });
+    }
+
+    /// Where the head is turned to, if the road is known.
+    fn direction_of(&self, reading: &Reading) -> Option<Direction> {
+        let ([yaw, pitch], origin) = reading.pose?;
+        if !self.natural.is_known(&self.config) {
+            return None;
+        }
+        let (config, [more_yaw, more_pitch]) = (&self.config, self.natural.offset_deg());
+        // Without what is this person's own: the direction that the zones are set for.
+        let (yaw_deg, pitch_deg) = (yaw - more_yaw, pitch - more_pitch);
+        let head = head_rotation(HeadAngles {
+            yaw_deg,
+            pitch_deg,
+            roll_deg: 0.0,
+        });
+        Some(Direction {
+            yaw_deg: yaw_deg - config.forward_yaw_deg,
+            pitch_deg: pitch_deg - config.forward_pitch_deg,
+            origin_mm: Vec3::from(origin),
+            ray: -head.z_axis,
+        })
+    }
+
+    /// The clock was set back: what goes on ends.
+    fn interrupt(&mut self, now_us: i64) {
+        let (config, log) = (&self.config, &mut self.log);
+        if let Some(closed_us) = self.closures.end(now_us, true, config, log) {
+            self.windows.add_closure(closed_us);
+        }
+        self.yawns.end(now_us, true, config, log);
+        self.nods.forget();
+        self.glances.end(now_us, true, log);
+        self.glances.interrupt();
+        (self.reading, self.direction) = (Reading::NONE, None);
+        self.sight.since_us = now_us;
+        log.push(MonitorEvent {
+            timestamp_us: now_us,
+            start_us: now_us,
+            kind: MonitorEventKind::ClockBack,
+            ..MonitorEvent::default()
+        });
+    }
+
+    /// What is known after the last observation.
+    pub fn state(&self) -> MonitorState {
+        let reading = &self.reading;
+        let [perclos_60, perclos_180] = self.windows.measures();
+        MonitorState {
+            timestamp_us: self.clock.last_us(),
+            eyes: match (reading.openness, self.closures.is_closed) {
+                (None, _) => EyeState::Unknown,
+                (_, true) => EyeState::Closed,
+                (_, false) => EyeState::Open,
+            },
+            eyes_unknown: reading.unknown,
+            openness: reading.openness.unwrap_or(-1.0),
+            closure_us: self.closures.closed_us,
+            perclos_60,
+            perclos_180,
+            blinks: self.closures.blinks,
+            yawns: self.yawns.count,
+            nods: self.nods.count,
+            mouth_open_us: self.yawns.open_us,
+            zone: self.glances.zone,
+            zone_us: self.glances.zone_us,
+            away_us: self.glances.away_us(),
+            away_30_us: self.glances.recent_us(),
+            zones_us: self.glances.zones_us,
+            from_road_deg: (self.direction).map_or([0.0; 2], |at| [at.yaw_deg, at.pitch_deg]),
+            natural_deg: self.natural.offset_deg(),
+            is_natural_final: self.natural.is_final(&self.config),
+            open_eye: self.baseline.open_eye(),
+            is_open_eye_final: self.baseline.is_final(),
+            drowsiness: self.drowsiness,
+            is_degraded: self.sight.is_degraded,
+        }
+    }
+}

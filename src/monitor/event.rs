@@ -1,0 +1,191 @@
+//! Events of a monitor: a queue that the caller reads when it wants to.
+
+/// Unread events that a monitor keeps; when it is full, the oldest is overwritten and counted.
+/// Chosen: a restless driver has about one event a second.
+pub const MONITOR_EVENTS: usize = 24;
+
+/// What happened.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum MonitorEventKind {
+    /// A closure ended that was no longer than a blink.
+    #[default]
+    Blink,
+    /// Eyes have been closed for longer than a blink.
+    LongClosure,
+    /// Eyes have been closed for the time of a microsleep.
+    Microsleep,
+    /// Eyes have been closed for the time of sleep.
+    Sleep,
+    /// Eyes have been closed for the time of an unresponsive driver.
+    Unresponsive,
+    /// A closure that was longer than a blink ended.
+    ClosureEnd,
+    /// The mouth has been open for the time of a yawn.
+    Yawn,
+    /// That yawn ended.
+    YawnEnd,
+    /// The head dropped and came up again, with closed eyes.
+    Nod,
+    /// A glance away from the road ended; `zone` is where it was last.
+    Glance,
+    /// A glance away from the road has become too long.
+    LongGlance,
+    /// Too much of the last 30 s was away from the road.
+    CumulativeGlance,
+    /// The driver is drowsy; `value` is P80 over 60 s.
+    Drowsy,
+    /// The driver is no longer drowsy.
+    DrowsyEnd,
+    /// Eyes have been unknown for a long time.
+    Degraded,
+    /// Eyes are known again.
+    Restored,
+    /// The open eyes of this person are learnt; `value` is their mean.
+    OpenEyeLearnt,
+    /// The natural pose of this person is learnt; `value` is the offset in yaw \[deg\].
+    NaturalLearnt,
+    /// A timestamp was before the last one: what went on has ended.
+    ClockBack,
+}
+
+impl MonitorEventKind {
+    /// Every kind, in the order of the C ABI.
+    pub const ALL: [MonitorEventKind; 19] = [
+        MonitorEventKind::Blink,
+        MonitorEventKind::LongClosure,
+        MonitorEventKind::Microsleep,
+        MonitorEventKind::Sleep,
+        MonitorEventKind::Unresponsive,
+        MonitorEventKind::ClosureEnd,
+        MonitorEventKind::Yawn,
+        MonitorEventKind::YawnEnd,
+        MonitorEventKind::Nod,
+        MonitorEventKind::Glance,
+        MonitorEventKind::LongGlance,
+        MonitorEventKind::CumulativeGlance,
+        MonitorEventKind::Drowsy,
+        MonitorEventKind::DrowsyEnd,
+        MonitorEventKind::Degraded,
+        MonitorEventKind::Restored,
+        MonitorEventKind::OpenEyeLearnt,
+        MonitorEventKind::NaturalLearnt,
+        MonitorEventKind::ClockBack,
+    ];
+
+    /// A short name in lower case, as `long-closure`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            MonitorEventKind::Blink => "blink",
+            MonitorEventKind::LongClosure => "long-closure",
+            MonitorEventKind::Microsleep => "microsleep",
+            MonitorEventKind::Sleep => "sleep",
+            MonitorEventKind::Unresponsive => "unresponsive",
+            MonitorEventKind::ClosureEnd => "closure-end",
+            MonitorEventKind::Yawn => "yawn",
+            MonitorEventKind::YawnEnd => "yawn-end",
+            MonitorEventKind::Nod => "nod",
+            MonitorEventKind::Glance => "glance",
+            MonitorEventKind::LongGlance => "long-glance",
+            MonitorEventKind::CumulativeGlance => "cumulative-glance",
+            MonitorEventKind::Drowsy => "drowsy",
+            MonitorEventKind::DrowsyEnd => "drowsy-end",
+            MonitorEventKind::Degraded => "degraded",
+            MonitorEventKind::Restored => "restored",
+            MonitorEventKind::OpenEyeLearnt => "open-eye-learnt",
+            MonitorEventKind::NaturalLearnt => "natural-learnt",
+            MonitorEventKind::ClockBack => "clock-back",
+        }
+    }
+}
+
+/// One event.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct MonitorEvent {
+    /// Timestamp of the observation at which it was noticed \[µs\].
+    pub timestamp_us: i64,
+    /// Timestamp at which what it is about began \[µs\].
+    pub start_us: i64,
+    /// Known duration of it so far \[µs\]: without what was unknown in between.
+    pub duration_us: u32,
+    /// What happened.
+    pub kind: MonitorEventKind,
+    /// The zone of a glance.
+    pub zone: Option<u8>,
+    /// It ended because it could no longer be seen: `duration_us` is the least that it was.
+    pub is_cut: bool,
+    /// Openness, openness of the jaw, degrees or share, as the kind says; 0 elsewhere.
+    pub value: f32,
+}
+
+/// The unread events of a monitor, oldest first.
+#[derive(Clone)]
+pub struct MonitorEventLog {
+    queue: heapless::Deque<MonitorEvent, MONITOR_EVENTS>,
+    overwritten: u32,
+}
+
+impl MonitorEventLog {
+    pub(super) const EMPTY: MonitorEventLog = MonitorEventLog {
+        queue: heapless::Deque::new(),
+        overwritten: 0,
+    };
+
+    /// Takes the oldest unread event; `None` when all are read.
+    pub fn pop(&mut self) -> Option<MonitorEvent> {
+        self.queue.pop_front()
+    }
+
+    /// Number of unread events.
+    pub fn unread(&self) -> usize {
+        self.queue.len()
+    }
+
+    /// How many events were overwritten unread since this was last asked.
+    pub fn take_overwritten(&mut self) -> u32 {
+        core::mem::take(&mut self.overwritten)
+    }
+
+    /// Not inlined, as other parts that are called from several places: code is to stay small.
+    #[inline(never)]
+    pub(super) fn push(&mut self, event: MonitorEvent) {
+        if let Err(event) = self.queue.push_back(event) {
+            self.queue.pop_front();
+            self.overwritten = self.overwritten.saturating_add(1);
+            // There is room for one now.
+            let _ = self.queue.push_back(event);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_oldest_are_overwritten_and_counted() {
+        let at = |timestamp_us| MonitorEvent {
+            timestamp_us,
+            ..MonitorEvent::default()
+        };
+        let mut log = MonitorEventLog::EMPTY;
+        assert_eq!(log.pop(), None);
+        let more = 5;
+        (0..MONITOR_EVENTS as i64 + more).for_each(|time| log.push(at(time)));
+        assert_eq!(log.unread(), MONITOR_EVENTS);
+        assert_eq!(
+            (log.take_overwritten(), log.take_overwritten()),
+            (more as u32, 0)
+        );
+        assert_eq!(log.pop(), Some(at(more)));
+    }
+
+    #[test]
+    fn kinds_have_names_and_stand_in_order() {
+        for (i, kind) in MonitorEventKind::ALL.into_iter().enumerate() {
+            assert_eq!(kind as usize, i);
+            assert!(kind.name().len() > 2);
+        }
+    }
+}

@@ -1,0 +1,45 @@
+//! Driver monitoring: eye closures, PERCLOS, yawns, nods and glances from what a tracker reports.
+//!
+//! A [`Monitor`] sees [`Observation`]s and their timestamps, never pixels. An observation counts
+//! until the next one, for at most [`MonitorConfig::gap_us`]; other time is unknown. What is
+//! unknown (no face, a head turned away, a hidden eye, a gap between frames) is neither open nor
+//! closed, neither on the road nor away: it is left out of every measure, and each measure says how
+//! much of its window was known.
+//!
+//! | file | content |
+//! |---|---|
+//! | `config`, `preset`, `zone` | settings, where their values come from, zones of interest |
+//! | `observation`, `reading` | what is observed, and what of it is known |
+//! | `clock`, `perclos`, `recent` | time, and exact sums over windows of whole bins |
+//! | `closure`, `yawn`, `nod`, `glance`, `drowsiness` | one state machine each |
+//! | `baseline`, `natural` | openness of this person's open eyes, direction of the road |
+//! | `event`, `state`, `driver` | outputs, and the whole |
+//!
+//! Memory is fixed, work per observation is bounded.
+
+mod baseline;
+mod clock;
+mod closure;
+mod config;
+mod driver;
+mod drowsiness;
+mod event;
+mod glance;
+mod natural;
+mod nod;
+mod observation;
+mod perclos;
+mod preset;
+mod reading;
+mod recent;
+mod state;
+mod yawn;
+mod zone;
+
+pub use config::{MonitorConfig, MonitorConfigError};
+pub use driver::{Monitor, MonitorTimeError};
+pub use event::{MONITOR_EVENTS, MonitorEvent, MonitorEventKind, MonitorEventLog};
+pub use observation::Observation;
+pub use preset::Preset;
+pub use state::{Drowsiness, EyeState, MonitorState, Perclos, Unknown};
+pub use zone::{MAX_ZONES, Zone, ZoneShape, ZoneState};

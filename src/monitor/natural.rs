@@ -1,0 +1,134 @@
+//! The direction in which this person looks at the road, as an offset from the configured one.
+//!
+//! It is the median of yaw and pitch over the first minute of known pose, within bounds: most of
+//! the time drivers look at the road. There is a first estimate after ten seconds.
+
+use super::config::MonitorConfig;
+
+/// Width of a bin \[deg\].
+const BIN_DEG: f32 = 2.0;
+/// Bins of yaw and pitch: up to 50° and 30° to both sides, the largest bounds of the settings.
+const YAW_BINS: usize = 50;
+const PITCH_BINS: usize = 30;
+/// Known time from which on there is an estimate, and after which it is final \[µs\].
+const FIRST_US: u32 = 10_000_000;
+const FINAL_US: u32 = 60_000_000;
+
+/// Learns the offset.
+#[derive(Clone)]
+pub(super) struct Natural {
+    yaw_us: [u32; YAW_BINS],
+    pitch_us: [u32; PITCH_BINS],
+    known_us: u32,
+    offset_deg: [f32; 2],
+}
+
+impl Natural {
+    pub(super) const NEW: Natural = Natural {
+        yaw_us: [0; YAW_BINS],
+        pitch_us: [0; PITCH_BINS],
+        known_us: 0,
+        offset_deg: [0.0; 2],
+    };
+
+    /// Whether there is an estimate; settings without bounds need none.
+    pub(super) fn is_known(&self, config: &MonitorConfig) -> bool {
+        self.known_us >= FIRST_US || !is_learnt(config)
+    }
+
+    pub(super) fn is_final(&self, config: &MonitorConfig) -> bool {
+        self.known_us >= FINAL_US || !is_learnt(config)
+    }
+
+    /// Yaw and pitch of the estimate, from the configured direction \[deg\].
+    pub(super) fn offset_deg(&self) -> [f32; 2] {
+        self.offset_deg
+    }
+
+    /// Lets time pass with this yaw and pitch from the configured direction \[deg\]; returns
+    /// whether that made the estimate final.
+    pub(super) fn pass(&mut self, time_us: u32, at_deg: [f32; 2], config: &MonitorConfig) -> bool {
+        let [yaw, pitch] = at_deg;
+        let bounds = [config.natural_yaw_deg, config.natural_pitch_deg];
+        if self.is_final(config) || yaw.abs() > bounds[0] || pitch.abs() > bounds[1] {
+            return false;
+        }
+        add(&mut self.yaw_us, yaw, time_us);
+        add(&mut self.pitch_us, pitch, time_us);
+        self.known_us += time_us;
+        self.offset_deg = [
+            median(&self.yaw_us).clamp(-bounds[0], bounds[0]),
+            median(&self.pitch_us).clamp(-bounds[1], bounds[1]),
+        ];
+        self.is_final(config)
+    }
+}
+
+fn is_learnt(config: &MonitorConfig) -> bool {
+    config.natural_yaw_deg > 0.0 && config.natural_pitch_deg > 0.0
+}
+
+fn add<const N: usize>(bins: &mut [u32; N], at_deg: f32, time_us: u32) {
+    // Not below 0: the conversion of a negative number gives 0.
+    let bin = (at_deg / BIN_DEG + N as f32 / 2.0) as usize;
+    if let Some(sum) = bins.get_mut(bin.min(N - 1)) {
+        *sum += time_us;
+    }
+}
+
+/// The median \[deg\], linear within its bin.
+#[inline(never)]
+fn median<const N: usize>(bins: &[u32; N]) -> f32 {
+    let half = bins.iter().sum::<u32>() as f32 / 2.0;
+    let mut sum = 0;
+    for (bin, time_us) in bins.iter().enumerate() {
+        let before = sum as f32;
+        sum += time_us;
+        if *time_us > 0 && sum as f32 >= half {
+            let within = (half - before) / *time_us as f32;
+            return (bin as f32 + within - N as f32 / 2.0) * BIN_DEG;
+        }
+    }
+    0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_median_is_the_road() {
+        let config = MonitorConfig::default();
+        let mut natural = Natural::NEW;
+        let mut finals = 0;
+        for i in 0..3_000 {
+            // A third of the time elsewhere.
+            let at = if i % 3 == 0 {
+                [-9.0, -22.0]
+            } else {
+                [29.0, 7.0]
+            };
+            finals += u32::from(natural.pass(33_333, at, &config));
+            assert_eq!(natural.is_known(&config), i >= 300);
+        }
+        assert_eq!(finals, 1);
+        let [yaw, pitch] = natural.offset_deg();
+        assert!(
+            (yaw - 29.0).abs() < 1.0 && (pitch - 7.0).abs() < 1.0,
+            "{yaw} {pitch}"
+        );
+    }
+
+    #[test]
+    fn what_lies_beyond_the_bounds_is_not_learnt() {
+        let config = MonitorConfig {
+            natural_yaw_deg: 10.0,
+            ..MonitorConfig::default()
+        };
+        let mut natural = Natural::NEW;
+        for _ in 0..3_000 {
+            assert!(!natural.pass(33_333, [12.0, 0.0], &config));
+        }
+        assert!(!natural.is_known(&config));
+    }
+}

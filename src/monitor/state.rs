@@ -1,0 +1,117 @@
+//! What a monitor knows now.
+
+use super::zone::{MAX_ZONES, ZoneState};
+
+/// What the eyes do.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum EyeState {
+    /// It is not known; [`MonitorState::eyes_unknown`] has the reason.
+    #[default]
+    Unknown,
+    /// Open.
+    Open,
+    /// Closed, since fewer than the µs of [`MonitorState::closure_us`] and what was unknown.
+    Closed,
+}
+
+/// Why the eyes are unknown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Unknown {
+    /// They are known.
+    Known,
+    /// No face is tracked, or nothing was observed yet.
+    #[default]
+    NoFace,
+    /// The confidence or the certainty of the pose is too low.
+    LowConfidence,
+    /// The head is turned away from the camera.
+    Turned,
+    /// The tracker sees neither eye: hidden, or moving too fast.
+    Hidden,
+}
+
+/// How sleepy the driver is, by P80.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Drowsiness {
+    /// Too little of the windows is known.
+    #[default]
+    Unknown,
+    /// Both P80 are below [`super::MonitorConfig::awake_share`] of their thresholds.
+    Awake,
+    /// Between awake and drowsy.
+    Questionable,
+    /// A P80 has reached its threshold.
+    Drowsy,
+}
+
+/// Measures of eye closure over a window of whole seconds.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct Perclos {
+    /// Share of the known time with eyes closed by 70 % and more, 0..1.
+    pub p70: f32,
+    /// Share of the known time with eyes closed by 80 % and more, 0..1.
+    pub p80: f32,
+    /// Mean square of the closure over the known time, 0..1.
+    pub em: f32,
+    /// Share of the window in which the eyes were known, 0..1: low while the window fills.
+    pub known: f32,
+    /// Closures that ended in the window, blinks too.
+    pub closures: u32,
+    /// Their mean duration \[µs\]; 0 where there are none.
+    pub mean_closure_us: u32,
+}
+
+/// What a monitor knows after an observation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct MonitorState {
+    /// Timestamp of the last observation \[µs\].
+    pub timestamp_us: i64,
+    /// What the eyes do.
+    pub eyes: EyeState,
+    /// Why they are unknown.
+    pub eyes_unknown: Unknown,
+    /// Openness relative to this person's open eyes, both eyes together: 0 shut, 1 open, −1
+    /// unknown.
+    pub openness: f32,
+    /// Known closed time of the closure that goes on \[µs\]; 0 without one.
+    pub closure_us: u32,
+    /// Measures over the last 60 whole seconds. They change once a second.
+    pub perclos_60: Perclos,
+    /// Measures over the last 180 whole seconds.
+    pub perclos_180: Perclos,
+    /// Blinks so far.
+    pub blinks: u32,
+    /// Yawns so far.
+    pub yawns: u32,
+    /// Nods so far.
+    pub nods: u32,
+    /// Known time for which the mouth has been open as in a yawn \[µs\]; 0 while it is shut.
+    pub mouth_open_us: u32,
+    /// Where the driver looks.
+    pub zone: ZoneState,
+    /// For how long without a break \[µs\].
+    pub zone_us: u32,
+    /// Known time away from the road in the glance that goes on \[µs\], less the grace of zones.
+    pub away_us: u32,
+    /// The same within the last 30 s \[µs\]: the current quarter of a second and the 119 before.
+    pub away_30_us: u32,
+    /// Known time in each zone so far \[µs\].
+    pub zones_us: [u64; MAX_ZONES],
+    /// Yaw and pitch of the face from the direction of the road \[deg\], for a known zone.
+    pub from_road_deg: [f32; 2],
+    /// Learnt offset of the natural pose in yaw and pitch \[deg\] from the configured road.
+    pub natural_deg: [f32; 2],
+    /// Whether it is final. Until a first estimate, after ten seconds, zones are unknown.
+    pub is_natural_final: bool,
+    /// Openness of this person's open left and right eye, as the tracker reports it.
+    pub open_eye: [f32; 2],
+    /// Whether it is learnt, and so frozen; before, it is 1.
+    pub is_open_eye_final: bool,
+    /// How sleepy the driver is.
+    pub drowsiness: Drowsiness,
+    /// Eyes have been unknown for longer than [`super::MonitorConfig::degraded_us`].
+    pub is_degraded: bool,
+}
