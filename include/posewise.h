@@ -1,4 +1,5 @@
-/* posewise.h - head pose, 68 facial landmarks and animation weights from camera frames.
+/* posewise.h - head pose, 68 facial landmarks and animation weights from camera frames, and a
+ * driver monitor over them.
  * C99 and C++11. No heap, no globals, no clock, no threads, no I/O.
  *
  * Memory   The caller owns all memory. The library allocates nothing and frees nothing.
@@ -73,6 +74,9 @@
 #define POSEWISE_E_ROI               (-23)        // The region of interest is out of range
 #define POSEWISE_E_EXCLUDED          (-24)        // Excluded boxes: too many or out of range
 #define POSEWISE_E_LENS              (-25)        // The lens, or a coefficient, out of range
+#define POSEWISE_E_MONITOR           (-26)        // No monitor of this library is there
+#define POSEWISE_E_MONITOR_CONFIG    (-27)        // A setting of the monitor is out of range
+#define POSEWISE_E_ZONES             (-28)        // Zones: too many, or not those of their kind
 
 #define POSEWISE_FMT_GREY            0x59455247u  // 8-bit grey
 #define POSEWISE_FMT_Y10             0x20303159u  // 10-bit grey in 16-bit little-endian words
@@ -118,6 +122,65 @@
 #define POSEWISE_EVENT_FILTER_OFF    6u           // Frames are no longer filtered
 #define POSEWISE_EVENT_RESET         7u           // posewise_reset() was called
 #define POSEWISE_EVENT_FORGOTTEN     8u           // posewise_forget_identity() was called
+
+#define POSEWISE_MONITOR_SIZE        (8 * 1024)   // Most memory of a monitor [bytes]
+#define POSEWISE_MONITOR_EVENTS      24u          // Unread events that a monitor keeps
+#define POSEWISE_MONITOR_ZONES       8u           // Most zones of a monitor
+#define POSEWISE_MONITOR_FIXED_POSE  1u           // Flag: the road is where the settings say
+#define POSEWISE_MONITOR_CUT         1u           // Flag of an event: it ended unseen
+
+#define POSEWISE_PRESET_GENERAL      0u           // Euro NCAP's times, P80 of Wierwille 1994
+#define POSEWISE_PRESET_EURO_NCAP    1u           // Euro NCAP 2026, driver state monitoring
+#define POSEWISE_PRESET_EU_ADDW_FAST 2u           // Reg. (EU) 2023/2590 above 50 km/h: 3.5 s
+#define POSEWISE_PRESET_EU_ADDW_SLOW 3u           // Reg. (EU) 2023/2590, 20..50 km/h: 6 s
+#define POSEWISE_PRESET_EU_DDAW      4u           // Reg. (EU) 2021/1341; P80 of DOT HS 811 117
+
+#define POSEWISE_ZONE_ANGLES         0u           // yaw min, max, pitch min, max [deg]
+#define POSEWISE_ZONE_BOX            1u           // min x, y, z, max x, y, z [mm]
+#define POSEWISE_ZONE_PLANE          2u           // Centre, half side u, half side v [mm]
+#define POSEWISE_ZONE_OUTSIDE        254u         // Of a state: the direction meets no zone
+#define POSEWISE_ZONE_UNKNOWN        255u         // Of a state: the direction is unknown
+#define POSEWISE_ZONE_ROAD           1u           // Flag of a zone: it is the road
+
+#define POSEWISE_EYES_UNKNOWN        0u           // Neither open nor closed
+#define POSEWISE_EYES_OPEN           1u           // The eyes are open
+#define POSEWISE_EYES_CLOSED         2u           // The eyes are closed
+
+#define POSEWISE_UNKNOWN_NOT         0u           // The eyes are known
+#define POSEWISE_UNKNOWN_NO_FACE     1u           // No face is tracked
+#define POSEWISE_UNKNOWN_CONFIDENCE  2u           // Confidence or pose is too uncertain
+#define POSEWISE_UNKNOWN_TURNED      3u           // The head is turned away from the camera
+#define POSEWISE_UNKNOWN_HIDDEN      4u           // Both eyes are hidden, or move too fast
+
+#define POSEWISE_LEVEL_UNKNOWN       0u           // Too little is known
+#define POSEWISE_LEVEL_AWAKE         1u           // P80 is below awake_share of its limits
+#define POSEWISE_LEVEL_QUESTIONABLE  2u           // Between awake and drowsy
+#define POSEWISE_LEVEL_DROWSY        3u           // P80 reached drowsy_p80_60 or _180
+
+#define POSEWISE_DRIVER_BLINK        0u           // A closure up to long_closure_us ended
+#define POSEWISE_DRIVER_LONG_CLOSURE 1u           // Eyes closed for more than long_closure_us
+#define POSEWISE_DRIVER_MICROSLEEP   2u           // Eyes closed for microsleep_us
+#define POSEWISE_DRIVER_SLEEP        3u           // Eyes closed for sleep_us
+#define POSEWISE_DRIVER_UNRESPONSIVE 4u           // Eyes closed for unresponsive_us
+#define POSEWISE_DRIVER_CLOSURE_END  5u           // A closure of more than long_closure_us ended
+#define POSEWISE_DRIVER_YAWN         6u           // The mouth is open for yawn_us
+#define POSEWISE_DRIVER_YAWN_END     7u           // That yawn ended
+#define POSEWISE_DRIVER_NOD          8u           // Head down and up, eyes closed; value: deg
+#define POSEWISE_DRIVER_GLANCE       9u           // A glance away from the road ended
+#define POSEWISE_DRIVER_LONG_GLANCE  10u          // A glance away takes long_glance_us
+#define POSEWISE_DRIVER_CUMULATIVE   11u          // cumulative_us of the last 30 s were away
+#define POSEWISE_DRIVER_DROWSY       12u          // Drowsiness begins; value: P80 over 60 s
+#define POSEWISE_DRIVER_DROWSY_END   13u          // Drowsiness ends; value: P80 over 60 s
+#define POSEWISE_DRIVER_DEGRADED     14u          // Eyes unknown for degraded_us
+#define POSEWISE_DRIVER_RESTORED     15u          // Eyes are known again
+#define POSEWISE_DRIVER_EYE_LEARNT   16u          // open_eye is final; value: mean of both
+#define POSEWISE_DRIVER_POSE_LEARNT  17u          // natural_deg is final; value: its yaw
+#define POSEWISE_DRIVER_CLOCK_BACK   18u          // A timestamp was before the last one
+
+// A driver monitor, opaque. It starts at the start of the caller's memory and holds no pointer: a
+// memcpy of posewise_monitor_memory_size() bytes to memory of the same alignment is a second,
+// independent monitor. No output of a call may lie in that memory.
+typedef struct posewise_monitor posewise_monitor;
 
 // A tracker, opaque. It starts at the start of the caller's memory and holds no pointer into
 // itself: a memcpy of posewise_memory_size() bytes to memory of the same alignment is a second,
@@ -334,6 +397,219 @@ typedef struct posewise_roi {
     uint32_t height;
 } posewise_roi;
 
+// Settings of a driver monitor. A NULL pointer to this struct selects all defaults; 0 in a field
+// selects that of the preset, of which the comments have the general one. Times are at most 71
+// minutes.
+typedef struct posewise_monitor_config {
+    // sizeof(posewise_monitor_config).
+    uint32_t struct_size;
+    // 0 or POSEWISE_MONITOR_FIXED_POSE: forward_yaw_deg and forward_pitch_deg are exact, and no
+    // natural pose is learnt.
+    uint32_t flags;
+    // POSEWISE_PRESET_*: the default of every other field, and the zones.
+    uint32_t preset;
+    // How long an observation counts when no other follows, and how long what goes on survives
+    // unknown time [us], 100000..2000000. Default 300000, the gap that arbiters of driver
+    // monitors bridge.
+    uint32_t gap_us;
+    // Least confidence of a face that is observed, 0..1. Default 0.5, chosen.
+    float min_confidence;
+    // Largest angles from the camera's axis at which eyes and mouth are known [deg], 10..90.
+    // Defaults 50 and 40, chosen: beyond, lids are seen too much from the side.
+    float eye_yaw_deg;
+    float eye_pitch_deg;
+    // Eyes close below the first openness and open above the second, 0.05..0.95. Defaults 0.3 (70
+    // % closed, as P70) and 0.45, chosen.
+    float closed_below;
+    float open_above;
+    // Shorter closures are no events [us]. Default 50000, chosen: a blink takes 100 to 400 ms.
+    uint32_t blink_us;
+    // A longer closure is no blink [us]. Default 500000, as in studies of blinks.
+    uint32_t long_closure_us;
+    // Closures of these lengths are a microsleep, sleep, an unresponsive driver [us]. Defaults
+    // 1000000, 3000000, 6000000: Euro NCAP 2026.
+    uint32_t microsleep_us;
+    uint32_t sleep_us;
+    uint32_t unresponsive_us;
+    // Drowsy from these P80 over 60 and 180 s, 0.01..1. Defaults 0.15 (Wierwille 1994; NSTSCE
+    // 25-UI-177) and 0.12 (NHTSA and VTTI, DOT HS 811 117).
+    float drowsy_p80_60;
+    float drowsy_p80_180;
+    // Awake below this share of both, 0.1..1. Default 0.5: Wierwille 1994, 7.5 and 15 %.
+    float awake_share;
+    // Least known share of a window that decides, 0.05..1. Default 0.5, chosen.
+    float min_known;
+    // The mouth is open for a yawn above the first jaw_open and shut below the second, up to
+    // 0.95. Defaults 0.5 (studies of mouth ratios have 0.5 to 0.6) and 0.35, chosen.
+    float yawn_above;
+    float yawn_below;
+    // Shortest and longest yawn [us]. Defaults 1500000 and 12000000, from studies of yawns.
+    uint32_t yawn_us;
+    uint32_t yawn_max_us;
+    // A nod is a drop of the pitch by nod_deg within a second, 5..60, and a return within nod_us,
+    // at least a second, with closed eyes. Defaults 12 [deg] and 3000000 [us], from studies.
+    float nod_deg;
+    uint32_t nod_us;
+    // Direction of the road: yaw (-90..90) and pitch (-60..60) of a face that looks there, in the
+    // camera frame [deg]. Default 0 and 0.
+    float forward_yaw_deg;
+    float forward_pitch_deg;
+    // How far the driver's natural pose may be from there [deg], up to 50 and 30. Defaults 45
+    // and 25, for cameras up to 40 degrees off the driver's axis.
+    float natural_yaw_deg;
+    float natural_pitch_deg;
+    // A zone is left this far outside of it [deg], up to 15. Default 3, chosen: the error of a
+    // pose.
+    float zone_margin_deg;
+    // A glance away of this length is long [us]. Default 3000000: Euro NCAP 2026, 3 to 4 s.
+    uint32_t long_glance_us;
+    // So much of the last 30 s away is too much [us], up to 30000000. Default 10000000: Euro
+    // NCAP 2026.
+    uint32_t cumulative_us;
+    // Time on the road that ends a glance [us]. Default 300000, as gap_us.
+    uint32_t return_us;
+    // Time on the road that clears the time away [us]. Default 2000000: Euro NCAP 2026.
+    uint32_t clear_us;
+    // Eyes that are unknown for this long are reported [us]. Default 10000000: Euro NCAP 2026.
+    uint32_t degraded_us;
+} posewise_monitor_config;
+// Initialises a posewise_monitor_config: struct_size is set, all other fields are 0.
+#define POSEWISE_MONITOR_CONFIG_INIT \
+    {sizeof(posewise_monitor_config), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, \
+     0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}
+
+// What a driver monitor sees of one frame, from posewise_observe() or from elsewhere. Numbers that
+// are not finite are unknown.
+typedef struct posewise_observation {
+    // sizeof(posewise_observation).
+    uint32_t struct_size;
+    // As in posewise_result. Only POSEWISE_TRACKING is a face that is observed.
+    uint32_t state;
+    // As in posewise_result.
+    float confidence;
+    // As in posewise_result [deg].
+    float yaw_deg;
+    float pitch_deg;
+    // As in posewise_result [mm].
+    float translation_mm[3];
+    // As in posewise_result [deg].
+    float rotation_sigma_deg[3];
+    // As in posewise_result: the person's left and right eye, 0 shut .. 1 open, -1 unknown.
+    float eye_open[2];
+    // The animation weight jawOpen, 0..1; -1: unknown, because the mouth is hidden.
+    float jaw_open;
+} posewise_observation;
+// Initialises a posewise_observation: struct_size is set, all other fields are 0.
+#define POSEWISE_OBSERVATION_INIT \
+    {sizeof(posewise_observation), 0, 0, 0, 0, {0, 0, 0}, {0, 0, 0}, {0, 0}, 0}
+
+// Measures of eye closure over a window of whole seconds. This struct never grows.
+typedef struct posewise_perclos {
+    // Shares of the known time with eyes closed by at least 70 and 80 %, 0..1.
+    float p70;
+    float p80;
+    // Mean square of the closure over the known time, 0..1.
+    float em;
+    // Share of the window in which the eyes were known, 0..1.
+    float known;
+    // Closures that ended in the window, blinks too, and their mean length [us].
+    uint32_t closures;
+    uint32_t mean_closure_us;
+} posewise_perclos;
+
+// What a driver monitor knows after an observation.
+typedef struct posewise_monitor_state {
+    // sizeof(posewise_monitor_state), set by the caller.
+    uint32_t struct_size;
+    // POSEWISE_EYES_*.
+    uint32_t eyes;
+    // Timestamp of the last observation [us].
+    int64_t timestamp_us;
+    // POSEWISE_UNKNOWN_*: why the eyes are unknown.
+    uint32_t eyes_unknown;
+    // Both eyes, relative to this person's open ones: 0 shut .. 1 open, -1 unknown.
+    float openness;
+    // Known closed time of the closure that goes on [us].
+    uint32_t closure_us;
+    // Blinks, yawns and nods so far.
+    uint32_t blinks;
+    uint32_t yawns;
+    uint32_t nods;
+    // Known time for which the mouth is open as in a yawn [us].
+    uint32_t mouth_open_us;
+    // Index of the zone, POSEWISE_ZONE_OUTSIDE or POSEWISE_ZONE_UNKNOWN.
+    uint32_t zone;
+    // Time there [us].
+    uint32_t zone_us;
+    // Known time away from the road, less the grace of zones, in this glance [us].
+    uint32_t away_us;
+    // The same in the last 30 s [us]: the current quarter of a second and the 119 before.
+    uint32_t away_30_us;
+    // 1: natural_deg is final, after a minute of known pose. Before the first 10 s of it, the zone
+    // is unknown.
+    uint32_t natural_is_final;
+    // Yaw and pitch from the direction of the road [deg]; 0 for an unknown zone.
+    float from_road_deg[2];
+    // The natural pose: yaw and pitch from forward_yaw_deg and forward_pitch_deg [deg].
+    float natural_deg[2];
+    // posewise_result.eye_open of this person's open left and right eye; 1 until it is final.
+    float open_eye[2];
+    // 1: open_eye is final, after half a minute of known eyes while alert.
+    uint32_t open_eye_is_final;
+    // POSEWISE_LEVEL_*.
+    uint32_t drowsiness;
+    // 1: the eyes have been unknown for degraded_us.
+    uint32_t degraded;
+    // 0. Keeps the struct free of padding.
+    uint32_t reserved;
+    // Known time in each zone so far [us].
+    int64_t zones_us[8];
+    // Measures over the last 60 and 180 whole seconds since the first observation. They change
+    // once a second.
+    posewise_perclos perclos_60;
+    posewise_perclos perclos_180;
+} posewise_monitor_state;
+// Initialises a posewise_monitor_state: struct_size is set, all other fields are 0.
+#define POSEWISE_MONITOR_STATE_INIT \
+    {sizeof(posewise_monitor_state), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, {0, 0}, {0, 0}, \
+     {0, 0}, 0, 0, 0, 0, {0, 0, 0, 0, 0, 0, 0, 0}, {0, 0, 0, 0, 0, 0}, {0, 0, 0, 0, 0, 0}}
+
+// An event of posewise_monitor_events(). This struct never grows, so the layout of arrays stays
+// the same. Later libraries may have kinds that this header lacks.
+typedef struct posewise_monitor_event {
+    // Timestamp of the observation at which it was noticed [us].
+    int64_t timestamp_us;
+    // Timestamp at which what it is about began [us].
+    int64_t start_us;
+    // Known duration of it so far [us], without what was unknown in between.
+    uint32_t duration_us;
+    // POSEWISE_DRIVER_*.
+    uint32_t kind;
+    // Zone of a glance, else POSEWISE_ZONE_UNKNOWN.
+    uint32_t zone;
+    // 0 or POSEWISE_MONITOR_CUT: it could no longer be seen, and took at least duration_us.
+    uint32_t flags;
+    // As the kind says, else 0.
+    float value;
+    // 0. Keeps the struct free of padding.
+    uint32_t reserved;
+} posewise_monitor_event;
+
+// A zone of a driver monitor. Where zones overlap, the first one counts. This struct never grows,
+// so the layout of arrays stays the same.
+typedef struct posewise_zone {
+    // POSEWISE_ZONE_ANGLES, _BOX or _PLANE.
+    uint32_t kind;
+    // 0 or POSEWISE_ZONE_ROAD. What is not the road is away from it.
+    uint32_t flags;
+    // Time of a stay that does not count as away [us]; 0xFFFFFFFF: none of it does.
+    uint32_t grace_us;
+    // As the kind says, the rest 0. Angles are those from the direction of the road, within
+    // -180..180: yaw > 0 to the image right, pitch > 0 up. Boxes, along the axes, and planes, the
+    // parallelogram centre +- u +- v, are in the camera frame, within -20000..20000 mm.
+    float numbers[9];
+} posewise_zone;
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -473,6 +749,61 @@ posewise_status posewise_set_lens(posewise_tracker *tracker,
 // found, and only it is scanned, which takes less time. A face that is tracked may leave it. A
 // frame that does not hold all of it is POSEWISE_E_ROI. NULL or all zero: the whole frame.
 posewise_status posewise_set_roi(posewise_tracker *tracker, const posewise_roi *roi);
+
+// Writes the settings of a preset (POSEWISE_PRESET_*) with their values; 0 in a field has the same
+// meaning. As for every struct, out->struct_size must be set.
+posewise_status posewise_monitor_config_default(uint32_t preset,
+                                                posewise_monitor_config *out);
+
+// Memory that posewise_monitor_init() needs for these settings (NULL: defaults) [bytes], at most
+// POSEWISE_MONITOR_SIZE; 0 if the settings are invalid.
+size_t posewise_monitor_memory_size(const posewise_monitor_config *config);
+
+// Checks the settings (NULL: defaults), then creates a monitor of one driver in memory, which must
+// be aligned to POSEWISE_ALIGN and outlive it. Nothing needs to be freed. The monitor needs
+// neither model nor tracker, only observations. Its zones are those of the preset.
+posewise_status posewise_monitor_init(posewise_monitor **out,
+                                      void *memory,
+                                      size_t memory_len,
+                                      const posewise_monitor_config *config);
+
+// Writes what a monitor needs of the last step of a tracker.
+posewise_status posewise_observe(const posewise_tracker *tracker,
+                                 posewise_observation *out);
+
+// Takes one observation at its time [us], on any clock. Times may be irregular; frames without a
+// face are observations too, and frames that were dropped need none. A time before the last one
+// means that the clock was set back: what goes on ends, measures stay. The time of the last
+// observation again is POSEWISE_E_TIME. The work of a call is bounded.
+posewise_status posewise_monitor_update(posewise_monitor *monitor,
+                                        const posewise_observation *observation,
+                                        int64_t timestamp_us);
+
+// Writes what the monitor knows after the last observation.
+posewise_status posewise_monitor_get_state(const posewise_monitor *monitor,
+                                           posewise_monitor_state *out);
+
+// Takes the unread events out of the monitor's queue, oldest first, and writes the first capacity
+// of them; *count is how many were written. *overwritten is how many were lost since the last
+// call, because more than POSEWISE_MONITOR_EVENTS came unread.
+posewise_status posewise_monitor_events(posewise_monitor *monitor,
+                                        posewise_monitor_event *out,
+                                        size_t capacity,
+                                        size_t *count,
+                                        size_t *overwritten);
+
+// Replaces the zones by `count` others, at most POSEWISE_MONITOR_ZONES; times in zones begin anew.
+// zones may be NULL if count is 0: then no direction is on the road or away from it.
+posewise_status posewise_monitor_set_zones(posewise_monitor *monitor,
+                                           const posewise_zone *zones,
+                                           size_t count);
+
+// Another person drives: forgets open eye, natural pose and all measures. Settings, zones and
+// unread events stay.
+posewise_status posewise_monitor_forget_driver(posewise_monitor *monitor);
+
+// Name of a kind of event, as "long-closure". Static; NULL for a kind that the library lacks.
+const char *posewise_monitor_event_name(uint32_t kind);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -73,6 +73,7 @@ fn cpp_wrapper_does_what_the_header_says() {
 
 #[test]
 fn layouts_agree() {
+    use posewise::ffi::monitor_types::*;
     use posewise::ffi::types::*;
     let mut rust = String::new();
     macro_rules! layout {
@@ -96,6 +97,22 @@ fn layouts_agree() {
     layout!(posewise_face: face_box yaw_deg roll_deg confidence);
     layout!(posewise_landmark: x y confidence visibility x_mm y_mm z_mm);
     layout!(posewise_event: timestamp_us kind loss face_box confidence reserved);
+    layout!(posewise_monitor_config: struct_size flags preset gap_us min_confidence eye_yaw_deg
+        eye_pitch_deg closed_below open_above blink_us long_closure_us microsleep_us sleep_us
+        unresponsive_us drowsy_p80_60 drowsy_p80_180 awake_share min_known yawn_above yawn_below
+        yawn_us yawn_max_us nod_deg nod_us forward_yaw_deg forward_pitch_deg natural_yaw_deg
+        natural_pitch_deg zone_margin_deg long_glance_us cumulative_us return_us clear_us
+        degraded_us);
+    layout!(posewise_zone: kind flags grace_us numbers);
+    layout!(posewise_observation: struct_size state confidence yaw_deg pitch_deg translation_mm
+        rotation_sigma_deg eye_open jaw_open);
+    layout!(posewise_perclos: p70 p80 em known closures mean_closure_us);
+    layout!(posewise_monitor_state: struct_size eyes timestamp_us eyes_unknown openness
+        closure_us blinks yawns nods mouth_open_us zone zone_us away_us away_30_us
+        natural_is_final from_road_deg natural_deg open_eye open_eye_is_final drowsiness
+        degraded reserved zones_us perclos_60 perclos_180);
+    layout!(posewise_monitor_event: timestamp_us start_us duration_us kind zone flags value
+        reserved);
     let c = succeed(&mut Command::new(program(
         "tests/c/layout.c",
         "layout",
@@ -105,7 +122,7 @@ fn layouts_agree() {
 }
 
 /// Programs of tests/c that call every function with right and wrong arguments.
-const CALLERS: [&str; 2] = ["api", "search"];
+const CALLERS: [&str; 3] = ["api", "monitor", "search"];
 
 /// Compiles one of them with more flags.
 fn caller(name: &str, suffix: &str, flags: &[&str]) -> PathBuf {
@@ -254,6 +271,49 @@ fn example_answers_as_the_rust_api() {
     assert_eq!(rows.next(), None);
 }
 
+/// The events of the demo clip, as the Rust API has them.
+#[test]
+fn driver_example_prints_events() {
+    use posewise::{
+        Config, Frame, FrameLayout, Model, Monitor, MonitorConfig, Observation, Tracker,
+    };
+    let program = program("ffi-examples/driver.c", "driver", &[]);
+    let clip = clip();
+    let output = y4m(&program, &[], &clip.y4m);
+    let printed = String::from_utf8(output.stdout).expect("UTF-8");
+    assert!(output.status.success(), "{printed}");
+    let model = Model::load(posewise::DEFAULT_MODEL).expect("the default model is valid");
+    let mut tracker = Box::new(Tracker::new(&Config::default()).expect("defaults"));
+    let mut monitor = Monitor::new(&MonitorConfig::default()).expect("defaults");
+    let layout = FrameLayout::grey(clip.width as u32, clip.height as u32);
+    let mut lines = printed.lines();
+    for (i, luma) in clip.luma.iter().enumerate() {
+        let frame = Frame::new(&layout, luma).expect("a frame");
+        let timestamp_us = (i as f64 * clip.frame_us) as i64;
+        let result = tracker
+            .step(&model, &frame, timestamp_us)
+            .expect("in order");
+        let seen = Observation::from(result);
+        monitor.update(&seen, timestamp_us).expect("in order");
+        while let Some(event) = monitor.events().pop() {
+            let name = event.kind.name();
+            let expected = format!(
+                "{} {name} from {} us for {} us",
+                event.timestamp_us, event.start_us, event.duration_us
+            );
+            let line = lines.next().unwrap_or_default();
+            assert!(line.starts_with(&expected), "{line:?} is not {expected:?}");
+        }
+    }
+    let summary = lines.next().unwrap_or_default();
+    assert!(
+        summary.starts_with(&format!("{} frames, ", clip.luma.len())),
+        "{summary}"
+    );
+    let output = y4m(&program, &[], b"no video");
+    assert!(!output.status.success());
+}
+
 #[test]
 fn example_explains_bad_input() {
     let model = root().join("models/default.posewise");
@@ -336,7 +396,10 @@ fn makefile_builds_the_examples() {
     make.arg("all");
     let linux = cfg!(target_os = "linux").then_some("v4l2");
     succeed(make.args(linux).arg("CFLAGS=-O2 -Werror"));
-    for example in ["y4m", "static_memory", "faces"].into_iter().chain(linux) {
+    for example in ["y4m", "static_memory", "faces", "driver"]
+        .into_iter()
+        .chain(linux)
+    {
         assert!(
             target.join("ffi-examples").join(example).exists(),
             "{example}"

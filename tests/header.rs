@@ -17,7 +17,9 @@ fn generate() -> String {
     cbindgen::Builder::new()
         .with_config(config)
         .with_src(root().join("src/ffi/types.rs"))
+        .with_src(root().join("src/ffi/monitor_types.rs"))
         .with_src(root().join("src/ffi/api.rs"))
+        .with_src(root().join("src/ffi/monitor.rs"))
         .generate()
         .expect("cbindgen reads src/ffi")
         .write(&mut bytes);
@@ -55,6 +57,7 @@ fn zero(field: &str) -> String {
         _ if name == "struct_size" => "sizeof".into(),
         _ if name.starts_with('*') => "NULL".into(),
         ("posewise_intrinsics", _) => zeros(4),
+        ("posewise_perclos", _) => zeros(6),
         ("posewise_lens", _) => format!("{{0, {}}}", zeros(5)),
         _ => "0".into(),
     }
@@ -124,12 +127,18 @@ fn tidy(header: &str) -> String {
     out
 }
 
+/// Second words of the names of families.
+const FAMILIES: [&str; 13] = [
+    "E", "EVENT", "FMT", "FRAME", "LENS", "LOSS", "MONITOR", "PRESET", "ZONE", "EYES", "UNKNOWN",
+    "LEVEL", "DRIVER",
+];
+
 /// Constants of one family stand together.
 fn family(name: &str) -> &str {
     match name.split('_').nth(1) {
         Some("OK") => "E",
         Some("SEARCHING" | "TRACKING" | "COASTING") => "state",
-        Some(family @ ("E" | "EVENT" | "FMT" | "FRAME" | "LENS" | "LOSS")) => family,
+        Some(family) if FAMILIES.contains(&family) => family,
         _ => "",
     }
 }
@@ -188,7 +197,8 @@ fn version_is_that_of_the_crate() {
 
 #[test]
 fn every_exported_function_is_declared() {
-    let api = std::fs::read_to_string(root().join("src/ffi/api.rs")).expect("api.rs");
+    let read = |name| std::fs::read_to_string(root().join("src/ffi").join(name)).expect(name);
+    let api = read("api.rs") + &read("monitor.rs");
     let header = std::fs::read_to_string(root().join("include/posewise.h")).expect("posewise.h");
     let exported = api
         .split("extern \"C\" fn ")

@@ -183,6 +183,9 @@ fn stack_and_memory_are_bounded_here() {
 /// Code and constants that a program gets at most, the model not counted \[bytes\].
 const CODE_LIMIT: usize = 256 * 1024;
 
+/// What the driver monitor adds at most, in programs that use it \[bytes\].
+const MONITOR_LIMIT: usize = 24 * 1024;
+
 #[test]
 fn code_is_small() {
     let target = "aarch64-unknown-linux-gnu";
@@ -193,6 +196,13 @@ fn code_is_small() {
     let bytes = bytes.unwrap_or_else(|error| panic!("{error:#}"));
     assert!(bytes <= CODE_LIMIT, "{bytes} bytes of code");
     common::check_documented("code and constants without model, AArch64", bytes, 0.03);
+    let monitor = xtask::monitor_size(&built_for(Some(target)));
+    let monitor = monitor.unwrap_or_else(|error| panic!("{error:#}"));
+    assert!(
+        monitor <= MONITOR_LIMIT,
+        "{monitor} bytes of the driver monitor"
+    );
+    common::check_documented("… of the driver monitor on top, AArch64", monitor, 0.1);
 }
 
 #[test]

@@ -33,7 +33,7 @@ export function load(options?: LoadOptions): Promise<Engine>;
  * @property {WebAssembly.Module | BufferSource | string | URL} [wasm] The module, its bytes or its
  *   address. Without it: the one beside this file that suits the browser.
  * @property {BufferSource | string | URL} [model] A .posewise model or its address. Without it:
- *   clean.posewise beside this file.
+ *   default.posewise beside this file.
  */
 /** A call that the library rejected. */
 export class PosewiseError extends Error {
@@ -219,7 +219,7 @@ export type LoadOptions = {
     wasm?: string | BufferSource | URL | WebAssembly.Module | undefined;
     /**
      * A .posewise model or its address. Without it:
-     * clean.posewise beside this file.
+     * default.posewise beside this file.
      */
     model?: string | BufferSource | URL | undefined;
 };

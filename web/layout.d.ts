@@ -30,6 +30,9 @@ export namespace STATUS {
     let E_ROI: number;
     let E_EXCLUDED: number;
     let E_LENS: number;
+    let E_MONITOR: number;
+    let E_MONITOR_CONFIG: number;
+    let E_ZONES: number;
 }
 export namespace FORMATS {
     let GREY: number;
@@ -571,6 +574,598 @@ export namespace ROI {
     }
     export { fields_9 as fields };
 }
+export namespace MONITOR_CONFIG {
+    let size_10: number;
+    export { size_10 as size };
+    export namespace fields_10 {
+        export namespace structSize_4 {
+            let at_67: number;
+            export { at_67 as at };
+            let type_65: string;
+            export { type_65 as type };
+        }
+        export { structSize_4 as structSize };
+        export namespace flags_2 {
+            let at_68: number;
+            export { at_68 as at };
+            let type_66: string;
+            export { type_66 as type };
+        }
+        export { flags_2 as flags };
+        export namespace preset {
+            let at_69: number;
+            export { at_69 as at };
+            let type_67: string;
+            export { type_67 as type };
+        }
+        export namespace gapUs {
+            let at_70: number;
+            export { at_70 as at };
+            let type_68: string;
+            export { type_68 as type };
+        }
+        export namespace minConfidence {
+            let at_71: number;
+            export { at_71 as at };
+            let type_69: string;
+            export { type_69 as type };
+        }
+        export namespace eyeYawDeg {
+            let at_72: number;
+            export { at_72 as at };
+            let type_70: string;
+            export { type_70 as type };
+        }
+        export namespace eyePitchDeg {
+            let at_73: number;
+            export { at_73 as at };
+            let type_71: string;
+            export { type_71 as type };
+        }
+        export namespace closedBelow {
+            let at_74: number;
+            export { at_74 as at };
+            let type_72: string;
+            export { type_72 as type };
+        }
+        export namespace openAbove {
+            let at_75: number;
+            export { at_75 as at };
+            let type_73: string;
+            export { type_73 as type };
+        }
+        export namespace blinkUs {
+            let at_76: number;
+            export { at_76 as at };
+            let type_74: string;
+            export { type_74 as type };
+        }
+        export namespace longClosureUs {
+            let at_77: number;
+            export { at_77 as at };
+            let type_75: string;
+            export { type_75 as type };
+        }
+        export namespace microsleepUs {
+            let at_78: number;
+            export { at_78 as at };
+            let type_76: string;
+            export { type_76 as type };
+        }
+        export namespace sleepUs {
+            let at_79: number;
+            export { at_79 as at };
+            let type_77: string;
+            export { type_77 as type };
+        }
+        export namespace unresponsiveUs {
+            let at_80: number;
+            export { at_80 as at };
+            let type_78: string;
+            export { type_78 as type };
+        }
+        export namespace drowsyP8060 {
+            let at_81: number;
+            export { at_81 as at };
+            let type_79: string;
+            export { type_79 as type };
+        }
+        export namespace drowsyP80180 {
+            let at_82: number;
+            export { at_82 as at };
+            let type_80: string;
+            export { type_80 as type };
+        }
+        export namespace awakeShare {
+            let at_83: number;
+            export { at_83 as at };
+            let type_81: string;
+            export { type_81 as type };
+        }
+        export namespace minKnown {
+            let at_84: number;
+            export { at_84 as at };
+            let type_82: string;
+            export { type_82 as type };
+        }
+        export namespace yawnAbove {
+            let at_85: number;
+            export { at_85 as at };
+            let type_83: string;
+            export { type_83 as type };
+        }
+        export namespace yawnBelow {
+            let at_86: number;
+            export { at_86 as at };
+            let type_84: string;
+            export { type_84 as type };
+        }
+        export namespace yawnUs {
+            let at_87: number;
+            export { at_87 as at };
+            let type_85: string;
+            export { type_85 as type };
+        }
+        export namespace yawnMaxUs {
+            let at_88: number;
+            export { at_88 as at };
+            let type_86: string;
+            export { type_86 as type };
+        }
+        export namespace nodDeg {
+            let at_89: number;
+            export { at_89 as at };
+            let type_87: string;
+            export { type_87 as type };
+        }
+        export namespace nodUs {
+            let at_90: number;
+            export { at_90 as at };
+            let type_88: string;
+            export { type_88 as type };
+        }
+        export namespace forwardYawDeg {
+            let at_91: number;
+            export { at_91 as at };
+            let type_89: string;
+            export { type_89 as type };
+        }
+        export namespace forwardPitchDeg {
+            let at_92: number;
+            export { at_92 as at };
+            let type_90: string;
+            export { type_90 as type };
+        }
+        export namespace naturalYawDeg {
+            let at_93: number;
+            export { at_93 as at };
+            let type_91: string;
+            export { type_91 as type };
+        }
+        export namespace naturalPitchDeg {
+            let at_94: number;
+            export { at_94 as at };
+            let type_92: string;
+            export { type_92 as type };
+        }
+        export namespace zoneMarginDeg {
+            let at_95: number;
+            export { at_95 as at };
+            let type_93: string;
+            export { type_93 as type };
+        }
+        export namespace longGlanceUs {
+            let at_96: number;
+            export { at_96 as at };
+            let type_94: string;
+            export { type_94 as type };
+        }
+        export namespace cumulativeUs {
+            let at_97: number;
+            export { at_97 as at };
+            let type_95: string;
+            export { type_95 as type };
+        }
+        export namespace returnUs {
+            let at_98: number;
+            export { at_98 as at };
+            let type_96: string;
+            export { type_96 as type };
+        }
+        export namespace clearUs {
+            let at_99: number;
+            export { at_99 as at };
+            let type_97: string;
+            export { type_97 as type };
+        }
+        export namespace degradedUs {
+            let at_100: number;
+            export { at_100 as at };
+            let type_98: string;
+            export { type_98 as type };
+        }
+    }
+    export { fields_10 as fields };
+}
+export namespace OBSERVATION {
+    let size_11: number;
+    export { size_11 as size };
+    export namespace fields_11 {
+        export namespace structSize_5 {
+            let at_101: number;
+            export { at_101 as at };
+            let type_99: string;
+            export { type_99 as type };
+        }
+        export { structSize_5 as structSize };
+        export namespace state_1 {
+            let at_102: number;
+            export { at_102 as at };
+            let type_100: string;
+            export { type_100 as type };
+        }
+        export { state_1 as state };
+        export namespace confidence_4 {
+            let at_103: number;
+            export { at_103 as at };
+            let type_101: string;
+            export { type_101 as type };
+        }
+        export { confidence_4 as confidence };
+        export namespace yawDeg_3 {
+            let at_104: number;
+            export { at_104 as at };
+            let type_102: string;
+            export { type_102 as type };
+        }
+        export { yawDeg_3 as yawDeg };
+        export namespace pitchDeg_1 {
+            let at_105: number;
+            export { at_105 as at };
+            let type_103: string;
+            export { type_103 as type };
+        }
+        export { pitchDeg_1 as pitchDeg };
+        export namespace translationMm_1 {
+            let at_106: number;
+            export { at_106 as at };
+            let type_104: string;
+            export { type_104 as type };
+            let count_10: number;
+            export { count_10 as count };
+        }
+        export { translationMm_1 as translationMm };
+        export namespace rotationSigmaDeg_1 {
+            let at_107: number;
+            export { at_107 as at };
+            let type_105: string;
+            export { type_105 as type };
+            let count_11: number;
+            export { count_11 as count };
+        }
+        export { rotationSigmaDeg_1 as rotationSigmaDeg };
+        export namespace eyeOpen_1 {
+            let at_108: number;
+            export { at_108 as at };
+            let type_106: string;
+            export { type_106 as type };
+            let count_12: number;
+            export { count_12 as count };
+        }
+        export { eyeOpen_1 as eyeOpen };
+        export namespace jawOpen {
+            let at_109: number;
+            export { at_109 as at };
+            let type_107: string;
+            export { type_107 as type };
+        }
+    }
+    export { fields_11 as fields };
+}
+export namespace PERCLOS {
+    let size_12: number;
+    export { size_12 as size };
+    export namespace fields_12 {
+        namespace p70 {
+            let at_110: number;
+            export { at_110 as at };
+            let type_108: string;
+            export { type_108 as type };
+        }
+        namespace p80 {
+            let at_111: number;
+            export { at_111 as at };
+            let type_109: string;
+            export { type_109 as type };
+        }
+        namespace em {
+            let at_112: number;
+            export { at_112 as at };
+            let type_110: string;
+            export { type_110 as type };
+        }
+        namespace known {
+            let at_113: number;
+            export { at_113 as at };
+            let type_111: string;
+            export { type_111 as type };
+        }
+        namespace closures {
+            let at_114: number;
+            export { at_114 as at };
+            let type_112: string;
+            export { type_112 as type };
+        }
+        namespace meanClosureUs {
+            let at_115: number;
+            export { at_115 as at };
+            let type_113: string;
+            export { type_113 as type };
+        }
+    }
+    export { fields_12 as fields };
+}
+export namespace MONITOR_STATE {
+    let size_13: number;
+    export { size_13 as size };
+    export namespace fields_13 {
+        export namespace structSize_6 {
+            let at_116: number;
+            export { at_116 as at };
+            let type_114: string;
+            export { type_114 as type };
+        }
+        export { structSize_6 as structSize };
+        export namespace eyes {
+            let at_117: number;
+            export { at_117 as at };
+            let type_115: string;
+            export { type_115 as type };
+        }
+        export namespace timestampUs_3 {
+            let at_118: number;
+            export { at_118 as at };
+            let type_116: string;
+            export { type_116 as type };
+        }
+        export { timestampUs_3 as timestampUs };
+        export namespace eyesUnknown {
+            let at_119: number;
+            export { at_119 as at };
+            let type_117: string;
+            export { type_117 as type };
+        }
+        export namespace openness {
+            let at_120: number;
+            export { at_120 as at };
+            let type_118: string;
+            export { type_118 as type };
+        }
+        export namespace closureUs {
+            let at_121: number;
+            export { at_121 as at };
+            let type_119: string;
+            export { type_119 as type };
+        }
+        export namespace blinks {
+            let at_122: number;
+            export { at_122 as at };
+            let type_120: string;
+            export { type_120 as type };
+        }
+        export namespace yawns {
+            let at_123: number;
+            export { at_123 as at };
+            let type_121: string;
+            export { type_121 as type };
+        }
+        export namespace nods {
+            let at_124: number;
+            export { at_124 as at };
+            let type_122: string;
+            export { type_122 as type };
+        }
+        export namespace mouthOpenUs {
+            let at_125: number;
+            export { at_125 as at };
+            let type_123: string;
+            export { type_123 as type };
+        }
+        export namespace zone {
+            let at_126: number;
+            export { at_126 as at };
+            let type_124: string;
+            export { type_124 as type };
+        }
+        export namespace zoneUs {
+            let at_127: number;
+            export { at_127 as at };
+            let type_125: string;
+            export { type_125 as type };
+        }
+        export namespace awayUs {
+            let at_128: number;
+            export { at_128 as at };
+            let type_126: string;
+            export { type_126 as type };
+        }
+        export namespace away30Us {
+            let at_129: number;
+            export { at_129 as at };
+            let type_127: string;
+            export { type_127 as type };
+        }
+        export namespace naturalIsFinal {
+            let at_130: number;
+            export { at_130 as at };
+            let type_128: string;
+            export { type_128 as type };
+        }
+        export namespace fromRoadDeg {
+            let at_131: number;
+            export { at_131 as at };
+            let type_129: string;
+            export { type_129 as type };
+            let count_13: number;
+            export { count_13 as count };
+        }
+        export namespace naturalDeg {
+            let at_132: number;
+            export { at_132 as at };
+            let type_130: string;
+            export { type_130 as type };
+            let count_14: number;
+            export { count_14 as count };
+        }
+        export namespace openEye {
+            let at_133: number;
+            export { at_133 as at };
+            let type_131: string;
+            export { type_131 as type };
+            let count_15: number;
+            export { count_15 as count };
+        }
+        export namespace openEyeIsFinal {
+            let at_134: number;
+            export { at_134 as at };
+            let type_132: string;
+            export { type_132 as type };
+        }
+        export namespace drowsiness {
+            let at_135: number;
+            export { at_135 as at };
+            let type_133: string;
+            export { type_133 as type };
+        }
+        export namespace degraded {
+            let at_136: number;
+            export { at_136 as at };
+            let type_134: string;
+            export { type_134 as type };
+        }
+        export namespace reserved_2 {
+            let at_137: number;
+            export { at_137 as at };
+            let type_135: string;
+            export { type_135 as type };
+        }
+        export { reserved_2 as reserved };
+        export namespace zonesUs {
+            let at_138: number;
+            export { at_138 as at };
+            let type_136: string;
+            export { type_136 as type };
+            let count_16: number;
+            export { count_16 as count };
+        }
+        export namespace perclos60 {
+            let at_139: number;
+            export { at_139 as at };
+            export { PERCLOS as struct };
+        }
+        export namespace perclos180 {
+            let at_140: number;
+            export { at_140 as at };
+            export { PERCLOS as struct };
+        }
+    }
+    export { fields_13 as fields };
+}
+export namespace MONITOR_EVENT {
+    let size_14: number;
+    export { size_14 as size };
+    export namespace fields_14 {
+        export namespace timestampUs_4 {
+            let at_141: number;
+            export { at_141 as at };
+            let type_137: string;
+            export { type_137 as type };
+        }
+        export { timestampUs_4 as timestampUs };
+        export namespace startUs {
+            let at_142: number;
+            export { at_142 as at };
+            let type_138: string;
+            export { type_138 as type };
+        }
+        export namespace durationUs {
+            let at_143: number;
+            export { at_143 as at };
+            let type_139: string;
+            export { type_139 as type };
+        }
+        export namespace kind_1 {
+            let at_144: number;
+            export { at_144 as at };
+            let type_140: string;
+            export { type_140 as type };
+        }
+        export { kind_1 as kind };
+        export namespace zone_1 {
+            let at_145: number;
+            export { at_145 as at };
+            let type_141: string;
+            export { type_141 as type };
+        }
+        export { zone_1 as zone };
+        export namespace flags_3 {
+            let at_146: number;
+            export { at_146 as at };
+            let type_142: string;
+            export { type_142 as type };
+        }
+        export { flags_3 as flags };
+        export namespace value {
+            let at_147: number;
+            export { at_147 as at };
+            let type_143: string;
+            export { type_143 as type };
+        }
+        export namespace reserved_3 {
+            let at_148: number;
+            export { at_148 as at };
+            let type_144: string;
+            export { type_144 as type };
+        }
+        export { reserved_3 as reserved };
+    }
+    export { fields_14 as fields };
+}
+export namespace ZONE {
+    let size_15: number;
+    export { size_15 as size };
+    export namespace fields_15 {
+        export namespace kind_2 {
+            let at_149: number;
+            export { at_149 as at };
+            let type_145: string;
+            export { type_145 as type };
+        }
+        export { kind_2 as kind };
+        export namespace flags_4 {
+            let at_150: number;
+            export { at_150 as at };
+            let type_146: string;
+            export { type_146 as type };
+        }
+        export { flags_4 as flags };
+        export namespace graceUs {
+            let at_151: number;
+            export { at_151 as at };
+            let type_147: string;
+            export { type_147 as type };
+        }
+        export namespace numbers {
+            let at_152: number;
+            export { at_152 as at };
+            let type_148: string;
+            export { type_148 as type };
+            let count_17: number;
+            export { count_17 as count };
+        }
+    }
+    export { fields_15 as fields };
+}
 export type State = (typeof STATES)[number];
 export type Loss = (typeof LOSSES)[number];
 export type EventKind = (typeof EVENTS)[number];
@@ -883,4 +1478,407 @@ export type Roi = {
      * 16384.
      */
     height: number;
+};
+/**
+ * Settings of a driver monitor. A NULL pointer to this struct selects all defaults; 0 in a field
+ *   selects that of the preset, of which the comments have the general one. Times are at most 71
+ *   minutes.
+ */
+export type Monitor_config = {
+    /**
+     * POSEWISE_PRESET_*: the default of every other field, and the zones.
+     */
+    preset: number;
+    /**
+     * How long an observation counts when no other follows, and how long what
+     * goes on survives unknown time [us], 100000..2000000. Default 300000, the gap that arbiters of
+     * driver monitors bridge.
+     */
+    gapUs: number;
+    /**
+     * Least confidence of a face that is observed, 0..1. Default 0.5,
+     * chosen.
+     */
+    minConfidence: number;
+    /**
+     * Largest angles from the camera's axis at which eyes and mouth are
+     * known [deg], 10..90. Defaults 50 and 40, chosen: beyond, lids are seen too much from the side.
+     */
+    eyeYawDeg: number;
+    /**
+     * Largest angles from the camera's axis at which eyes and mouth are
+     * known [deg], 10..90. Defaults 50 and 40, chosen: beyond, lids are seen too much from the side.
+     */
+    eyePitchDeg: number;
+    /**
+     * Eyes close below the first openness and open above the second,
+     * 0.05..0.95. Defaults 0.3 (70 % closed, as P70) and 0.45, chosen.
+     */
+    closedBelow: number;
+    /**
+     * Eyes close below the first openness and open above the second,
+     * 0.05..0.95. Defaults 0.3 (70 % closed, as P70) and 0.45, chosen.
+     */
+    openAbove: number;
+    /**
+     * Shorter closures are no events [us]. Default 50000, chosen: a blink
+     * takes 100 to 400 ms.
+     */
+    blinkUs: number;
+    /**
+     * A longer closure is no blink [us]. Default 500000, as in studies
+     * of blinks.
+     */
+    longClosureUs: number;
+    /**
+     * Closures of these lengths are a microsleep, sleep, an
+     * unresponsive driver [us]. Defaults 1000000, 3000000, 6000000: Euro NCAP 2026.
+     */
+    microsleepUs: number;
+    /**
+     * Closures of these lengths are a microsleep, sleep, an unresponsive
+     * driver [us]. Defaults 1000000, 3000000, 6000000: Euro NCAP 2026.
+     */
+    sleepUs: number;
+    /**
+     * Closures of these lengths are a microsleep, sleep, an
+     * unresponsive driver [us]. Defaults 1000000, 3000000, 6000000: Euro NCAP 2026.
+     */
+    unresponsiveUs: number;
+    /**
+     * Drowsy from these P80 over 60 and 180 s, 0.01..1. Defaults 0.15
+     * (Wierwille 1994; NSTSCE 25-UI-177) and 0.12 (NHTSA and VTTI, DOT HS 811 117).
+     */
+    drowsyP8060: number;
+    /**
+     * Drowsy from these P80 over 60 and 180 s, 0.01..1. Defaults 0.15
+     * (Wierwille 1994; NSTSCE 25-UI-177) and 0.12 (NHTSA and VTTI, DOT HS 811 117).
+     */
+    drowsyP80180: number;
+    /**
+     * Awake below this share of both, 0.1..1. Default 0.5: Wierwille
+     * 1994, 7.5 and 15 %.
+     */
+    awakeShare: number;
+    /**
+     * Least known share of a window that decides, 0.05..1. Default 0.5,
+     * chosen.
+     */
+    minKnown: number;
+    /**
+     * The mouth is open for a yawn above the first jaw_open and shut below
+     * the second, up to 0.95. Defaults 0.5 (studies of mouth ratios have 0.5 to 0.6) and 0.35,
+     * chosen.
+     */
+    yawnAbove: number;
+    /**
+     * The mouth is open for a yawn above the first jaw_open and shut below
+     * the second, up to 0.95. Defaults 0.5 (studies of mouth ratios have 0.5 to 0.6) and 0.35,
+     * chosen.
+     */
+    yawnBelow: number;
+    /**
+     * Shortest and longest yawn [us]. Defaults 1500000 and 12000000, from
+     * studies of yawns.
+     */
+    yawnUs: number;
+    /**
+     * Shortest and longest yawn [us]. Defaults 1500000 and 12000000, from
+     * studies of yawns.
+     */
+    yawnMaxUs: number;
+    /**
+     * A nod is a drop of the pitch by nod_deg within a second, 5..60, and a
+     * return within nod_us, at least a second, with closed eyes. Defaults 12 [deg] and 3000000 [us],
+     * from studies.
+     */
+    nodDeg: number;
+    /**
+     * A nod is a drop of the pitch by nod_deg within a second, 5..60, and a
+     * return within nod_us, at least a second, with closed eyes. Defaults 12 [deg] and 3000000 [us],
+     * from studies.
+     */
+    nodUs: number;
+    /**
+     * Direction of the road: yaw (-90..90) and pitch (-60..60) of a
+     * face that looks there, in the camera frame [deg]. Default 0 and 0.
+     */
+    forwardYawDeg: number;
+    /**
+     * Direction of the road: yaw (-90..90) and pitch (-60..60) of a
+     * face that looks there, in the camera frame [deg]. Default 0 and 0.
+     */
+    forwardPitchDeg: number;
+    /**
+     * How far the driver's natural pose may be from there [deg], up to
+     * 50 and 30. Defaults 45 and 25, for cameras up to 40 degrees off the driver's axis.
+     */
+    naturalYawDeg: number;
+    /**
+     * How far the driver's natural pose may be from there [deg], up
+     * to 50 and 30. Defaults 45 and 25, for cameras up to 40 degrees off the driver's axis.
+     */
+    naturalPitchDeg: number;
+    /**
+     * A zone is left this far outside of it [deg], up to 15. Default
+     * 3, chosen: the error of a pose.
+     */
+    zoneMarginDeg: number;
+    /**
+     * A glance away of this length is long [us]. Default 3000000: Euro
+     * NCAP 2026, 3 to 4 s.
+     */
+    longGlanceUs: number;
+    /**
+     * So much of the last 30 s away is too much [us], up to 30000000.
+     * Default 10000000: Euro NCAP 2026.
+     */
+    cumulativeUs: number;
+    /**
+     * Time on the road that ends a glance [us]. Default 300000, as gap_us.
+     */
+    returnUs: number;
+    /**
+     * Time on the road that clears the time away [us]. Default 2000000: Euro
+     * NCAP 2026.
+     */
+    clearUs: number;
+    /**
+     * Eyes that are unknown for this long are reported [us]. Default
+     * 10000000: Euro NCAP 2026.
+     */
+    degradedUs: number;
+};
+/**
+ * What a driver monitor sees of one frame, from posewise_observe() or from elsewhere. Numbers that
+ *   are not finite are unknown.
+ */
+export type Observation = {
+    /**
+     * As in posewise_result. Only POSEWISE_TRACKING is a face that is
+     * observed.
+     */
+    state: number;
+    /**
+     * As in posewise_result.
+     */
+    confidence: number;
+    /**
+     * As in posewise_result [deg].
+     */
+    yawDeg: number;
+    /**
+     * As in posewise_result [deg].
+     */
+    pitchDeg: number;
+    /**
+     * As in posewise_result [mm].
+     */
+    translationMm: [number, number, number];
+    /**
+     * As in posewise_result [deg].
+     */
+    rotationSigmaDeg: [number, number, number];
+    /**
+     * As in posewise_result: the person's left and right eye, 0
+     * shut .. 1 open, -1 unknown.
+     */
+    eyeOpen: [number, number];
+    /**
+     * The animation weight jawOpen, 0..1; -1: unknown, because the mouth is
+     * hidden.
+     */
+    jawOpen: number;
+};
+/**
+ * Measures of eye closure over a window of whole seconds. This struct never grows.
+ */
+export type Perclos = {
+    /**
+     * Shares of the known time with eyes closed by at least 70 and 80 %, 0..1.
+     */
+    p70: number;
+    /**
+     * Shares of the known time with eyes closed by at least 70 and 80 %, 0..1.
+     */
+    p80: number;
+    /**
+     * Mean square of the closure over the known time, 0..1.
+     */
+    em: number;
+    /**
+     * Share of the window in which the eyes were known, 0..1.
+     */
+    known: number;
+    /**
+     * Closures that ended in the window, blinks too, and their mean length
+     * [us].
+     */
+    closures: number;
+    /**
+     * Closures that ended in the window, blinks too, and their mean
+     * length [us].
+     */
+    meanClosureUs: number;
+};
+/**
+ * What a driver monitor knows after an observation.
+ */
+export type Monitor_state = {
+    /**
+     * POSEWISE_EYES_*.
+     */
+    eyes: number;
+    /**
+     * Timestamp of the last observation [us].
+     */
+    timestampUs: number;
+    /**
+     * POSEWISE_UNKNOWN_*: why the eyes are unknown.
+     */
+    eyesUnknown: number;
+    /**
+     * Both eyes, relative to this person's open ones: 0 shut .. 1 open, -1
+     * unknown.
+     */
+    openness: number;
+    /**
+     * Known closed time of the closure that goes on [us].
+     */
+    closureUs: number;
+    /**
+     * Blinks, yawns and nods so far.
+     */
+    blinks: number;
+    /**
+     * Blinks, yawns and nods so far.
+     */
+    yawns: number;
+    /**
+     * Blinks, yawns and nods so far.
+     */
+    nods: number;
+    /**
+     * Known time for which the mouth is open as in a yawn [us].
+     */
+    mouthOpenUs: number;
+    /**
+     * Index of the zone, POSEWISE_ZONE_OUTSIDE or POSEWISE_ZONE_UNKNOWN.
+     */
+    zone: number;
+    /**
+     * Time there [us].
+     */
+    zoneUs: number;
+    /**
+     * Known time away from the road, less the grace of zones, in this glance
+     * [us].
+     */
+    awayUs: number;
+    /**
+     * The same in the last 30 s [us]: the current quarter of a second and
+     * the 119 before.
+     */
+    away30Us: number;
+    /**
+     * 1: natural_deg is final, after a minute of known pose. Before
+     * the first 10 s of it, the zone is unknown.
+     */
+    naturalIsFinal: number;
+    /**
+     * Yaw and pitch from the direction of the road [deg]; 0
+     * for an unknown zone.
+     */
+    fromRoadDeg: [number, number];
+    /**
+     * The natural pose: yaw and pitch from forward_yaw_deg and
+     * forward_pitch_deg [deg].
+     */
+    naturalDeg: [number, number];
+    /**
+     * posewise_result.eye_open of this person's open left and
+     * right eye; 1 until it is final.
+     */
+    openEye: [number, number];
+    /**
+     * 1: open_eye is final, after half a minute of known eyes while
+     * alert.
+     */
+    openEyeIsFinal: number;
+    /**
+     * POSEWISE_LEVEL_*.
+     */
+    drowsiness: number;
+    /**
+     * 1: the eyes have been unknown for degraded_us.
+     */
+    degraded: number;
+    /**
+     * Known time
+     * in each zone so far [us].
+     */
+    zonesUs: [number, number, number, number, number, number, number, number];
+    /**
+     * Measures over the last 60 and 180 whole seconds since the first
+     * observation. They change once a second.
+     */
+    perclos60: number;
+    /**
+     * Measures over the last 60 and 180 whole seconds since the first
+     * observation. They change once a second.
+     */
+    perclos180: number;
+};
+/**
+ * An event of posewise_monitor_events(). This struct never grows, so the layout of arrays stays the
+ *   same. Later libraries may have kinds that this header lacks.
+ */
+export type Monitor_event = {
+    /**
+     * Timestamp of the observation at which it was noticed [us].
+     */
+    timestampUs: number;
+    /**
+     * Timestamp at which what it is about began [us].
+     */
+    startUs: number;
+    /**
+     * Known duration of it so far [us], without what was unknown in
+     * between.
+     */
+    durationUs: number;
+    /**
+     * POSEWISE_DRIVER_*.
+     */
+    kind: number;
+    /**
+     * Zone of a glance, else POSEWISE_ZONE_UNKNOWN.
+     */
+    zone: number;
+    /**
+     * As the kind says, else 0.
+     */
+    value: number;
+};
+/**
+ * A zone of a driver monitor. Where zones overlap, the first one counts. This struct never grows,
+ *   so the layout of arrays stays the same.
+ */
+export type Zone = {
+    /**
+     * POSEWISE_ZONE_ANGLES, _BOX or _PLANE.
+     */
+    kind: number;
+    /**
+     * Time of a stay that does not count as away [us]; 0xFFFFFFFF: none of
+     * it does.
+     */
+    graceUs: number;
+    /**
+     * As
+     * the kind says, the rest 0. Angles are those from the direction of the road, within -180..180:
+     * yaw > 0 to the image right, pitch > 0 up. Boxes, along the axes, and planes, the parallelogram
+     * centre +- u +- v, are in the camera frame, within -20000..20000 mm.
+     */
+    numbers: [number, number, number, number, number, number, number, number, number];
 };

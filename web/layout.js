@@ -40,6 +40,9 @@ export const STATUS = {
   E_ROI: -23,
   E_EXCLUDED: -24,
   E_LENS: -25,
+  E_MONITOR: -26,
+  E_MONITOR_CONFIG: -27,
+  E_ZONES: -28,
 };
 
 /** Pixel formats by name. */
@@ -357,5 +360,290 @@ export const ROI = {
     y: { at: 4, type: 'u32' },
     width: { at: 8, type: 'u32' },
     height: { at: 12, type: 'u32' },
+  },
+};
+
+/**
+ * Settings of a driver monitor. A NULL pointer to this struct selects all defaults; 0 in a field
+ *   selects that of the preset, of which the comments have the general one. Times are at most 71
+ *   minutes.
+ * @typedef {object} Monitor_config
+ * @property {number} preset POSEWISE_PRESET_*: the default of every other field, and the zones.
+ * @property {number} gapUs How long an observation counts when no other follows, and how long what
+ *   goes on survives unknown time [us], 100000..2000000. Default 300000, the gap that arbiters of
+ *   driver monitors bridge.
+ * @property {number} minConfidence Least confidence of a face that is observed, 0..1. Default 0.5,
+ *   chosen.
+ * @property {number} eyeYawDeg Largest angles from the camera's axis at which eyes and mouth are
+ *   known [deg], 10..90. Defaults 50 and 40, chosen: beyond, lids are seen too much from the side.
+ * @property {number} eyePitchDeg Largest angles from the camera's axis at which eyes and mouth are
+ *   known [deg], 10..90. Defaults 50 and 40, chosen: beyond, lids are seen too much from the side.
+ * @property {number} closedBelow Eyes close below the first openness and open above the second,
+ *   0.05..0.95. Defaults 0.3 (70 % closed, as P70) and 0.45, chosen.
+ * @property {number} openAbove Eyes close below the first openness and open above the second,
+ *   0.05..0.95. Defaults 0.3 (70 % closed, as P70) and 0.45, chosen.
+ * @property {number} blinkUs Shorter closures are no events [us]. Default 50000, chosen: a blink
+ *   takes 100 to 400 ms.
+ * @property {number} longClosureUs A longer closure is no blink [us]. Default 500000, as in studies
+ *   of blinks.
+ * @property {number} microsleepUs Closures of these lengths are a microsleep, sleep, an
+ *   unresponsive driver [us]. Defaults 1000000, 3000000, 6000000: Euro NCAP 2026.
+ * @property {number} sleepUs Closures of these lengths are a microsleep, sleep, an unresponsive
+ *   driver [us]. Defaults 1000000, 3000000, 6000000: Euro NCAP 2026.
+ * @property {number} unresponsiveUs Closures of these lengths are a microsleep, sleep, an
+ *   unresponsive driver [us]. Defaults 1000000, 3000000, 6000000: Euro NCAP 2026.
+ * @property {number} drowsyP8060 Drowsy from these P80 over 60 and 180 s, 0.01..1. Defaults 0.15
+ *   (Wierwille 1994; NSTSCE 25-UI-177) and 0.12 (NHTSA and VTTI, DOT HS 811 117).
+ * @property {number} drowsyP80180 Drowsy from these P80 over 60 and 180 s, 0.01..1. Defaults 0.15
+ *   (Wierwille 1994; NSTSCE 25-UI-177) and 0.12 (NHTSA and VTTI, DOT HS 811 117).
+ * @property {number} awakeShare Awake below this share of both, 0.1..1. Default 0.5: Wierwille
+ *   1994, 7.5 and 15 %.
+ * @property {number} minKnown Least known share of a window that decides, 0.05..1. Default 0.5,
+ *   chosen.
+ * @property {number} yawnAbove The mouth is open for a yawn above the first jaw_open and shut below
+ *   the second, up to 0.95. Defaults 0.5 (studies of mouth ratios have 0.5 to 0.6) and 0.35,
+ *   chosen.
+ * @property {number} yawnBelow The mouth is open for a yawn above the first jaw_open and shut below
+ *   the second, up to 0.95. Defaults 0.5 (studies of mouth ratios have 0.5 to 0.6) and 0.35,
+ *   chosen.
+ * @property {number} yawnUs Shortest and longest yawn [us]. Defaults 1500000 and 12000000, from
+ *   studies of yawns.
+ * @property {number} yawnMaxUs Shortest and longest yawn [us]. Defaults 1500000 and 12000000, from
+ *   studies of yawns.
+ * @property {number} nodDeg A nod is a drop of the pitch by nod_deg within a second, 5..60, and a
+ *   return within nod_us, at least a second, with closed eyes. Defaults 12 [deg] and 3000000 [us],
+ *   from studies.
+ * @property {number} nodUs A nod is a drop of the pitch by nod_deg within a second, 5..60, and a
+ *   return within nod_us, at least a second, with closed eyes. Defaults 12 [deg] and 3000000 [us],
+ *   from studies.
+ * @property {number} forwardYawDeg Direction of the road: yaw (-90..90) and pitch (-60..60) of a
+ *   face that looks there, in the camera frame [deg]. Default 0 and 0.
+ * @property {number} forwardPitchDeg Direction of the road: yaw (-90..90) and pitch (-60..60) of a
+ *   face that looks there, in the camera frame [deg]. Default 0 and 0.
+ * @property {number} naturalYawDeg How far the driver's natural pose may be from there [deg], up to
+ *   50 and 30. Defaults 45 and 25, for cameras up to 40 degrees off the driver's axis.
+ * @property {number} naturalPitchDeg How far the driver's natural pose may be from there [deg], up
+ *   to 50 and 30. Defaults 45 and 25, for cameras up to 40 degrees off the driver's axis.
+ * @property {number} zoneMarginDeg A zone is left this far outside of it [deg], up to 15. Default
+ *   3, chosen: the error of a pose.
+ * @property {number} longGlanceUs A glance away of this length is long [us]. Default 3000000: Euro
+ *   NCAP 2026, 3 to 4 s.
+ * @property {number} cumulativeUs So much of the last 30 s away is too much [us], up to 30000000.
+ *   Default 10000000: Euro NCAP 2026.
+ * @property {number} returnUs Time on the road that ends a glance [us]. Default 300000, as gap_us.
+ * @property {number} clearUs Time on the road that clears the time away [us]. Default 2000000: Euro
+ *   NCAP 2026.
+ * @property {number} degradedUs Eyes that are unknown for this long are reported [us]. Default
+ *   10000000: Euro NCAP 2026.
+ */
+export const MONITOR_CONFIG = {
+  size: 136,
+  fields: {
+    structSize: { at: 0, type: 'u32' },
+    flags: { at: 4, type: 'u32' },
+    preset: { at: 8, type: 'u32' },
+    gapUs: { at: 12, type: 'u32' },
+    minConfidence: { at: 16, type: 'f32' },
+    eyeYawDeg: { at: 20, type: 'f32' },
+    eyePitchDeg: { at: 24, type: 'f32' },
+    closedBelow: { at: 28, type: 'f32' },
+    openAbove: { at: 32, type: 'f32' },
+    blinkUs: { at: 36, type: 'u32' },
+    longClosureUs: { at: 40, type: 'u32' },
+    microsleepUs: { at: 44, type: 'u32' },
+    sleepUs: { at: 48, type: 'u32' },
+    unresponsiveUs: { at: 52, type: 'u32' },
+    drowsyP8060: { at: 56, type: 'f32' },
+    drowsyP80180: { at: 60, type: 'f32' },
+    awakeShare: { at: 64, type: 'f32' },
+    minKnown: { at: 68, type: 'f32' },
+    yawnAbove: { at: 72, type: 'f32' },
+    yawnBelow: { at: 76, type: 'f32' },
+    yawnUs: { at: 80, type: 'u32' },
+    yawnMaxUs: { at: 84, type: 'u32' },
+    nodDeg: { at: 88, type: 'f32' },
+    nodUs: { at: 92, type: 'u32' },
+    forwardYawDeg: { at: 96, type: 'f32' },
+    forwardPitchDeg: { at: 100, type: 'f32' },
+    naturalYawDeg: { at: 104, type: 'f32' },
+    naturalPitchDeg: { at: 108, type: 'f32' },
+    zoneMarginDeg: { at: 112, type: 'f32' },
+    longGlanceUs: { at: 116, type: 'u32' },
+    cumulativeUs: { at: 120, type: 'u32' },
+    returnUs: { at: 124, type: 'u32' },
+    clearUs: { at: 128, type: 'u32' },
+    degradedUs: { at: 132, type: 'u32' },
+  },
+};
+
+/**
+ * What a driver monitor sees of one frame, from posewise_observe() or from elsewhere. Numbers that
+ *   are not finite are unknown.
+ * @typedef {object} Observation
+ * @property {number} state As in posewise_result. Only POSEWISE_TRACKING is a face that is
+ *   observed.
+ * @property {number} confidence As in posewise_result.
+ * @property {number} yawDeg As in posewise_result [deg].
+ * @property {number} pitchDeg As in posewise_result [deg].
+ * @property {[number, number, number]} translationMm As in posewise_result [mm].
+ * @property {[number, number, number]} rotationSigmaDeg As in posewise_result [deg].
+ * @property {[number, number]} eyeOpen As in posewise_result: the person's left and right eye, 0
+ *   shut .. 1 open, -1 unknown.
+ * @property {number} jawOpen The animation weight jawOpen, 0..1; -1: unknown, because the mouth is
+ *   hidden.
+ */
+export const OBSERVATION = {
+  size: 56,
+  fields: {
+    structSize: { at: 0, type: 'u32' },
+    state: { at: 4, type: 'u32' },
+    confidence: { at: 8, type: 'f32' },
+    yawDeg: { at: 12, type: 'f32' },
+    pitchDeg: { at: 16, type: 'f32' },
+    translationMm: { at: 20, type: 'f32', count: 3 },
+    rotationSigmaDeg: { at: 32, type: 'f32', count: 3 },
+    eyeOpen: { at: 44, type: 'f32', count: 2 },
+    jawOpen: { at: 52, type: 'f32' },
+  },
+};
+
+/**
+ * Measures of eye closure over a window of whole seconds. This struct never grows.
+ * @typedef {object} Perclos
+ * @property {number} p70 Shares of the known time with eyes closed by at least 70 and 80 %, 0..1.
+ * @property {number} p80 Shares of the known time with eyes closed by at least 70 and 80 %, 0..1.
+ * @property {number} em Mean square of the closure over the known time, 0..1.
+ * @property {number} known Share of the window in which the eyes were known, 0..1.
+ * @property {number} closures Closures that ended in the window, blinks too, and their mean length
+ *   [us].
+ * @property {number} meanClosureUs Closures that ended in the window, blinks too, and their mean
+ *   length [us].
+ */
+export const PERCLOS = {
+  size: 24,
+  fields: {
+    p70: { at: 0, type: 'f32' },
+    p80: { at: 4, type: 'f32' },
+    em: { at: 8, type: 'f32' },
+    known: { at: 12, type: 'f32' },
+    closures: { at: 16, type: 'u32' },
+    meanClosureUs: { at: 20, type: 'u32' },
+  },
+};
+
+/**
+ * What a driver monitor knows after an observation.
+ * @typedef {object} Monitor_state
+ * @property {number} eyes POSEWISE_EYES_*.
+ * @property {number} timestampUs Timestamp of the last observation [us].
+ * @property {number} eyesUnknown POSEWISE_UNKNOWN_*: why the eyes are unknown.
+ * @property {number} openness Both eyes, relative to this person's open ones: 0 shut .. 1 open, -1
+ *   unknown.
+ * @property {number} closureUs Known closed time of the closure that goes on [us].
+ * @property {number} blinks Blinks, yawns and nods so far.
+ * @property {number} yawns Blinks, yawns and nods so far.
+ * @property {number} nods Blinks, yawns and nods so far.
+ * @property {number} mouthOpenUs Known time for which the mouth is open as in a yawn [us].
+ * @property {number} zone Index of the zone, POSEWISE_ZONE_OUTSIDE or POSEWISE_ZONE_UNKNOWN.
+ * @property {number} zoneUs Time there [us].
+ * @property {number} awayUs Known time away from the road, less the grace of zones, in this glance
+ *   [us].
+ * @property {number} away30Us The same in the last 30 s [us]: the current quarter of a second and
+ *   the 119 before.
+ * @property {number} naturalIsFinal 1: natural_deg is final, after a minute of known pose. Before
+ *   the first 10 s of it, the zone is unknown.
+ * @property {[number, number]} fromRoadDeg Yaw and pitch from the direction of the road [deg]; 0
+ *   for an unknown zone.
+ * @property {[number, number]} naturalDeg The natural pose: yaw and pitch from forward_yaw_deg and
+ *   forward_pitch_deg [deg].
+ * @property {[number, number]} openEye posewise_result.eye_open of this person's open left and
+ *   right eye; 1 until it is final.
+ * @property {number} openEyeIsFinal 1: open_eye is final, after half a minute of known eyes while
+ *   alert.
+ * @property {number} drowsiness POSEWISE_LEVEL_*.
+ * @property {number} degraded 1: the eyes have been unknown for degraded_us.
+ * @property {[number, number, number, number, number, number, number, number]} zonesUs Known time
+ *   in each zone so far [us].
+ * @property {number} perclos60 Measures over the last 60 and 180 whole seconds since the first
+ *   observation. They change once a second.
+ * @property {number} perclos180 Measures over the last 60 and 180 whole seconds since the first
+ *   observation. They change once a second.
+ */
+export const MONITOR_STATE = {
+  size: 216,
+  fields: {
+    structSize: { at: 0, type: 'u32' },
+    eyes: { at: 4, type: 'u32' },
+    timestampUs: { at: 8, type: 'i64' },
+    eyesUnknown: { at: 16, type: 'u32' },
+    openness: { at: 20, type: 'f32' },
+    closureUs: { at: 24, type: 'u32' },
+    blinks: { at: 28, type: 'u32' },
+    yawns: { at: 32, type: 'u32' },
+    nods: { at: 36, type: 'u32' },
+    mouthOpenUs: { at: 40, type: 'u32' },
+    zone: { at: 44, type: 'u32' },
+    zoneUs: { at: 48, type: 'u32' },
+    awayUs: { at: 52, type: 'u32' },
+    away30Us: { at: 56, type: 'u32' },
+    naturalIsFinal: { at: 60, type: 'u32' },
+    fromRoadDeg: { at: 64, type: 'f32', count: 2 },
+    naturalDeg: { at: 72, type: 'f32', count: 2 },
+    openEye: { at: 80, type: 'f32', count: 2 },
+    openEyeIsFinal: { at: 88, type: 'u32' },
+    drowsiness: { at: 92, type: 'u32' },
+    degraded: { at: 96, type: 'u32' },
+    reserved: { at: 100, type: 'u32' },
+    zonesUs: { at: 104, type: 'i64', count: 8 },
+    perclos60: { at: 168, struct: PERCLOS },
+    perclos180: { at: 192, struct: PERCLOS },
+  },
+};
+
+/**
+ * An event of posewise_monitor_events(). This struct never grows, so the layout of arrays stays the
+ *   same. Later libraries may have kinds that this header lacks.
+ * @typedef {object} Monitor_event
+ * @property {number} timestampUs Timestamp of the observation at which it was noticed [us].
+ * @property {number} startUs Timestamp at which what it is about began [us].
+ * @property {number} durationUs Known duration of it so far [us], without what was unknown in
+ *   between.
+ * @property {number} kind POSEWISE_DRIVER_*.
+ * @property {number} zone Zone of a glance, else POSEWISE_ZONE_UNKNOWN.
+ * @property {number} value As the kind says, else 0.
+ */
+export const MONITOR_EVENT = {
+  size: 40,
+  fields: {
+    timestampUs: { at: 0, type: 'i64' },
+    startUs: { at: 8, type: 'i64' },
+    durationUs: { at: 16, type: 'u32' },
+    kind: { at: 20, type: 'u32' },
+    zone: { at: 24, type: 'u32' },
+    flags: { at: 28, type: 'u32' },
+    value: { at: 32, type: 'f32' },
+    reserved: { at: 36, type: 'u32' },
+  },
+};
+
+/**
+ * A zone of a driver monitor. Where zones overlap, the first one counts. This struct never grows,
+ *   so the layout of arrays stays the same.
+ * @typedef {object} Zone
+ * @property {number} kind POSEWISE_ZONE_ANGLES, _BOX or _PLANE.
+ * @property {number} graceUs Time of a stay that does not count as away [us]; 0xFFFFFFFF: none of
+ *   it does.
+ * @property {[number, number, number, number, number, number, number, number, number]} numbers As
+ *   the kind says, the rest 0. Angles are those from the direction of the road, within -180..180:
+ *   yaw > 0 to the image right, pitch > 0 up. Boxes, along the axes, and planes, the parallelogram
+ *   centre +- u +- v, are in the camera frame, within -20000..20000 mm.
+ */
+export const ZONE = {
+  size: 48,
+  fields: {
+    kind: { at: 0, type: 'u32' },
+    flags: { at: 4, type: 'u32' },
+    graceUs: { at: 8, type: 'u32' },
+    numbers: { at: 12, type: 'f32', count: 9 },
   },
 };

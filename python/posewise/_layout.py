@@ -177,3 +177,119 @@ class Roi(Structure):
         ("width", c_uint32),
         ("height", c_uint32),
     ]
+
+
+class Monitor_config(Structure):
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("flags", c_uint32),
+        ("preset", c_uint32),
+        ("gap_us", c_uint32),
+        ("min_confidence", c_float),
+        ("eye_yaw_deg", c_float),
+        ("eye_pitch_deg", c_float),
+        ("closed_below", c_float),
+        ("open_above", c_float),
+        ("blink_us", c_uint32),
+        ("long_closure_us", c_uint32),
+        ("microsleep_us", c_uint32),
+        ("sleep_us", c_uint32),
+        ("unresponsive_us", c_uint32),
+        ("drowsy_p80_60", c_float),
+        ("drowsy_p80_180", c_float),
+        ("awake_share", c_float),
+        ("min_known", c_float),
+        ("yawn_above", c_float),
+        ("yawn_below", c_float),
+        ("yawn_us", c_uint32),
+        ("yawn_max_us", c_uint32),
+        ("nod_deg", c_float),
+        ("nod_us", c_uint32),
+        ("forward_yaw_deg", c_float),
+        ("forward_pitch_deg", c_float),
+        ("natural_yaw_deg", c_float),
+        ("natural_pitch_deg", c_float),
+        ("zone_margin_deg", c_float),
+        ("long_glance_us", c_uint32),
+        ("cumulative_us", c_uint32),
+        ("return_us", c_uint32),
+        ("clear_us", c_uint32),
+        ("degraded_us", c_uint32),
+    ]
+
+
+class Observation(Structure):
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("state", c_uint32),
+        ("confidence", c_float),
+        ("yaw_deg", c_float),
+        ("pitch_deg", c_float),
+        ("translation_mm", c_float * 3),
+        ("rotation_sigma_deg", c_float * 3),
+        ("eye_open", c_float * 2),
+        ("jaw_open", c_float),
+    ]
+
+
+class Perclos(Structure):
+    _fields_ = [
+        ("p70", c_float),
+        ("p80", c_float),
+        ("em", c_float),
+        ("known", c_float),
+        ("closures", c_uint32),
+        ("mean_closure_us", c_uint32),
+    ]
+
+
+class Monitor_state(Structure):
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("eyes", c_uint32),
+        ("timestamp_us", c_int64),
+        ("eyes_unknown", c_uint32),
+        ("openness", c_float),
+        ("closure_us", c_uint32),
+        ("blinks", c_uint32),
+        ("yawns", c_uint32),
+        ("nods", c_uint32),
+        ("mouth_open_us", c_uint32),
+        ("zone", c_uint32),
+        ("zone_us", c_uint32),
+        ("away_us", c_uint32),
+        ("away_30_us", c_uint32),
+        ("natural_is_final", c_uint32),
+        ("from_road_deg", c_float * 2),
+        ("natural_deg", c_float * 2),
+        ("open_eye", c_float * 2),
+        ("open_eye_is_final", c_uint32),
+        ("drowsiness", c_uint32),
+        ("degraded", c_uint32),
+        ("reserved", c_uint32),
+        ("zones_us", c_int64 * 8),
+        ("perclos_60", Perclos),
+        ("perclos_180", Perclos),
+    ]
+
+
+class Monitor_event(Structure):
+    _fields_ = [
+        ("timestamp_us", c_int64),
+        ("start_us", c_int64),
+        ("duration_us", c_uint32),
+        ("kind", c_uint32),
+        ("zone", c_uint32),
+        ("flags", c_uint32),
+        ("value", c_float),
+        ("reserved", c_uint32),
+    ]
+
+
+class Zone(Structure):
+    _fields_ = [
+        ("kind", c_uint32),
+        ("flags", c_uint32),
+        ("grace_us", c_uint32),
+        ("numbers", c_float * 9),
+    ]

@@ -80,6 +80,11 @@ pub extern "C" fn posewise_strerror(status: posewise_status) -> *const c_char {
         POSEWISE_E_ROI => {
             c"the region of interest is empty, ends beyond 16384 px or is not in the frame"
         }
+        POSEWISE_E_MONITOR => c"the pointer is not to a driver monitor of this library",
+        POSEWISE_E_MONITOR_CONFIG => {
+            c"a setting of the driver monitor is out of range, or two are out of order"
+        }
+        POSEWISE_E_ZONES => c"more than 8 zones, or one whose kind or numbers are no zone",
         POSEWISE_E_SMOOTHING => c"smoothing_hz must be 0.01..100 and smoothing_beta 0..1000",
         _ => c"unknown status",
     };
@@ -536,7 +541,7 @@ pub unsafe extern "C" fn posewise_set_roi(
 }
 
 /// Runs the body of a function in the default floating-point environment; returns its status.
-fn status(body: impl FnOnce() -> Result<(), posewise_status>) -> posewise_status {
+pub(super) fn status(body: impl FnOnce() -> Result<(), posewise_status>) -> posewise_status {
     match float_env::with_default(body) {
         Ok(()) => POSEWISE_OK,
         Err(status) => status,

@@ -4,6 +4,7 @@
 //! points to as many readable (outputs: writable) bytes as its `struct_size` or length states, no
 //! other thread writes them during the call, and the model outlives its trackers.
 
+use super::monitor_types::{posewise_monitor_config, posewise_monitor_state, posewise_observation};
 use super::types::*;
 use core::mem::{MaybeUninit, align_of, size_of};
 
@@ -33,6 +34,19 @@ unsafe impl Growing for posewise_hint {
 }
 // SAFETY: as above.
 unsafe impl Growing for posewise_result {
+    const EARLIER_SIZES: &'static [usize] = &[];
+}
+
+// SAFETY: as above.
+unsafe impl Growing for posewise_monitor_config {
+    const EARLIER_SIZES: &'static [usize] = &[];
+}
+// SAFETY: as above.
+unsafe impl Growing for posewise_observation {
+    const EARLIER_SIZES: &'static [usize] = &[];
+}
+// SAFETY: as above.
+unsafe impl Growing for posewise_monitor_state {
     const EARLIER_SIZES: &'static [usize] = &[];
 }
 

@@ -1,7 +1,9 @@
-//! The C ABI: `include/posewise.h`, which is generated from [`types`] and [`api`].
+//! The C ABI: `include/posewise.h`, which is generated from [`types`], [`api`]
+//! and their likes for driver monitoring.
 //!
 //! `convert` checks the caller's structs and converts them to the crate's types, and results back.
 //! `memory` does all pointer work, `block` holds the tracker in the caller's memory.
+//! `monitor`, `monitor_types` and `monitor_convert` are the same for driver monitoring.
 //! `float_env` sets the floating-point environment for the time of a call.
 
 // C names; raw pointers need `unsafe`.
@@ -12,6 +14,12 @@ mod block;
 mod convert;
 mod float_env;
 mod memory;
+#[cfg(feature = "monitor")]
+pub mod monitor;
+#[cfg(feature = "monitor")]
+mod monitor_convert;
+#[allow(missing_docs)] // as for `types`
+pub mod monitor_types;
 #[cfg(feature = "panic-handler")]
 mod panic;
 #[allow(missing_docs)] // one comment documents a group of fields, as in the header

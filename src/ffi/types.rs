@@ -78,6 +78,12 @@ pub const POSEWISE_E_ROI: i32 = -23;
 pub const POSEWISE_E_EXCLUDED: i32 = -24;
 /// The lens, or a coefficient, out of range.
 pub const POSEWISE_E_LENS: i32 = -25;
+/// No monitor of this library is there.
+pub const POSEWISE_E_MONITOR: i32 = -26;
+/// A setting of the monitor is out of range.
+pub const POSEWISE_E_MONITOR_CONFIG: i32 = -27;
+/// Zones: too many, or not those of their kind.
+pub const POSEWISE_E_ZONES: i32 = -28;
 
 /// 8-bit grey.
 pub const POSEWISE_FMT_GREY: u32 = 0x5945_5247;
@@ -396,6 +402,8 @@ macro_rules! assert_no_padding {
         };
     };
 }
+
+pub(super) use assert_no_padding;
 
 assert_no_padding!(posewise_intrinsics: fx: f32, fy: f32, cx: f32, cy: f32);
 assert_no_padding!(posewise_roi: x: u32, y: u32, width: u32, height: u32);

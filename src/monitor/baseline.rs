@@ -3,6 +3,8 @@
 //! P80 is relative to the person's own wide-open eye. The tracker's openness is relative to the
 //! fitted face already; what is left differs between people and between their eyes.
 
+use super::quantile::{add, quantile};
+
 /// Bins of the openness, 0..1.
 const BINS: usize = 20;
 /// Learnt from so much known time \[µs\]. Chosen: half a PERCLOS window.
@@ -63,10 +65,7 @@ impl Baseline {
                 continue;
             };
             is_open = true;
-            let bin = ((open * BINS as f32) as usize).min(BINS - 1);
-            if let Some(sum) = bins.get_mut(bin) {
-                *sum += time_us;
-            }
+            add(bins, open * BINS as f32, time_us);
         }
         if !is_open {
             self.closed_us += time_us;
@@ -91,24 +90,10 @@ impl Baseline {
 }
 
 /// The quantile of the open samples; `None` where there are none.
-#[inline(never)]
 fn open_of(bins: &[u32; BINS]) -> Option<f32> {
-    let total: u32 = bins.iter().sum();
-    if total == 0 {
-        return None;
-    }
-    let wanted = QUANTILE * total as f32;
     let [least, most] = BOUNDS;
-    let mut sum = 0;
-    for (bin, time_us) in bins.iter().enumerate() {
-        let before = sum;
-        sum += time_us;
-        if sum as f32 >= wanted && *time_us > 0 {
-            let within = (wanted - before as f32) / *time_us as f32;
-            return Some(((bin as f32 + within) / BINS as f32).clamp(least, most));
-        }
-    }
-    Some(most)
+    let place = quantile(bins, QUANTILE)?;
+    Some((place / BINS as f32).clamp(least, most))
 }
 
 #[cfg(test)]

@@ -16,7 +16,6 @@ use super::reading::Reading;
 use super::state::{Drowsiness, EyeState, MonitorState};
 use super::yawn::Yawns;
 use super::zone::{Direction, Zone, ZoneState, Zones};
-use crate::math::{HeadAngles, head_rotation};
 use glam::Vec3;
 
 /// Watches one driver. Plain data of fixed size: a copy is a second, independent monitor.
@@ -281,16 +280,19 @@ impl Monitor {
         let (config, [more_yaw, more_pitch]) = (&self.config, self.natural.offset_deg());
         // Without what is this person's own: the direction that the zones are set for.
         let (yaw_deg, pitch_deg) = (yaw - more_yaw, pitch - more_pitch);
-        let head = head_rotation(HeadAngles {
-            yaw_deg,
-            pitch_deg,
-            roll_deg: 0.0,
-        });
+        // Where a nose of this yaw and pitch points; see `math::rotation`.
+        let (yaw, pitch) = (yaw_deg.to_radians(), pitch_deg.to_radians());
+        let level = libm::cosf(pitch);
+        let ray = Vec3::new(
+            level * libm::sinf(yaw),
+            -libm::sinf(pitch),
+            -level * libm::cosf(yaw),
+        );
         Some(Direction {
             yaw_deg: yaw_deg - config.forward_yaw_deg,
             pitch_deg: pitch_deg - config.forward_pitch_deg,
             origin_mm: Vec3::from(origin),
-            ray: -head.z_axis,
+            ray,
         })
     }
 

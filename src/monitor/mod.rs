@@ -13,6 +13,7 @@
 //! | `clock`, `perclos`, `recent` | time, and exact sums over windows of whole bins |
 //! | `closure`, `yawn`, `nod`, `glance`, `drowsiness` | one state machine each |
 //! | `baseline`, `natural` | openness of this person's open eyes, direction of the road |
+//! | `quantile` | of the histograms from which both are learnt |
 //! | `event`, `state`, `driver` | outputs, and the whole |
 //!
 //! Memory is fixed, work per observation is bounded.
@@ -30,6 +31,7 @@ mod nod;
 mod observation;
 mod perclos;
 mod preset;
+mod quantile;
 mod reading;
 mod recent;
 mod state;

@@ -4,6 +4,7 @@
 //! the time drivers look at the road. There is a first estimate after ten seconds.
 
 use super::config::MonitorConfig;
+use super::quantile::{add, quantile};
 
 /// Width of a bin \[deg\].
 const BIN_DEG: f32 = 2.0;
@@ -53,8 +54,9 @@ impl Natural {
         if self.is_final(config) || yaw.abs() > bounds[0] || pitch.abs() > bounds[1] {
             return false;
         }
-        add(&mut self.yaw_us, yaw, time_us);
-        add(&mut self.pitch_us, pitch, time_us);
+        let place = |angle: f32, bins: usize| angle / BIN_DEG + bins as f32 / 2.0;
+        add(&mut self.yaw_us, place(yaw, YAW_BINS), time_us);
+        add(&mut self.pitch_us, place(pitch, PITCH_BINS), time_us);
         self.known_us += time_us;
         self.offset_deg = [
             median(&self.yaw_us).clamp(-bounds[0], bounds[0]),
@@ -64,32 +66,14 @@ impl Natural {
     }
 }
 
+/// The median \[deg\]; bins are around 0.
+fn median(bins: &[u32]) -> f32 {
+    let centre = bins.len() as f32 / 2.0;
+    (quantile(bins, 0.5).unwrap_or(centre) - centre) * BIN_DEG
+}
+
 fn is_learnt(config: &MonitorConfig) -> bool {
     config.natural_yaw_deg > 0.0 && config.natural_pitch_deg > 0.0
-}
-
-fn add<const N: usize>(bins: &mut [u32; N], at_deg: f32, time_us: u32) {
-    // Not below 0: the conversion of a negative number gives 0.
-    let bin = (at_deg / BIN_DEG + N as f32 / 2.0) as usize;
-    if let Some(sum) = bins.get_mut(bin.min(N - 1)) {
-        *sum += time_us;
-    }
-}
-
-/// The median \[deg\], linear within its bin.
-#[inline(never)]
-fn median<const N: usize>(bins: &[u32; N]) -> f32 {
-    let half = bins.iter().sum::<u32>() as f32 / 2.0;
-    let mut sum = 0;
-    for (bin, time_us) in bins.iter().enumerate() {
-        let before = sum as f32;
-        sum += time_us;
-        if *time_us > 0 && sum as f32 >= half {
-            let within = (half - before) / *time_us as f32;
-            return (bin as f32 + within - N as f32 / 2.0) * BIN_DEG;
-        }
-    }
-    0.0
 }
 
 #[cfg(test)]

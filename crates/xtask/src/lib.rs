@@ -16,7 +16,7 @@ pub mod web;
 pub use library::{Library, optional_parts};
 pub use machine::{Machine, WINE};
 pub use replay::{Replay, demo_clip, replay, run_c};
-pub use size::{code_size, size_table};
+pub use size::{code_size, monitor_size, size_table};
 
 use anyhow::{Context, Result, ensure};
 use std::path::{Path, PathBuf};

@@ -8,9 +8,24 @@ use std::path::Path;
 /// Frames of a replay that find and fit a face, which takes the deepest stack.
 const FRAMES: usize = 10;
 
-/// Bytes of all that the header's functions reach, without the model. The model is linked by
-/// `posewise_default_model` alone, which is left out.
+/// Bytes of all that the header's functions reach, without the model and the driver monitor, which
+/// only its own functions reach. The model is linked by `posewise_default_model` alone, which is
+/// left out.
 pub fn code_size(library: &Library) -> Result<usize> {
+    code_of(library, |name| !is_of_monitor(name))
+}
+
+/// Bytes that the driver monitor adds to them.
+pub fn monitor_size(library: &Library) -> Result<usize> {
+    Ok(code_of(library, |_| true)? - code_size(library)?)
+}
+
+fn is_of_monitor(name: &str) -> bool {
+    name.starts_with("posewise_monitor_") || name == "posewise_observe"
+}
+
+/// Bytes of what some of the functions reach.
+fn code_of(library: &Library, is_wanted: impl Fn(&str) -> bool) -> Result<usize> {
     let machine = Machine::named(library.target.as_deref())?;
     let archive = library.build()?;
     let name = format!("whole-{}.o", library.target_name());
@@ -20,7 +35,7 @@ pub fn code_size(library: &Library) -> Result<usize> {
     let functions = functions_of_the_header()?;
     let reached = functions
         .iter()
-        .filter(|name| *name != "posewise_default_model");
+        .filter(|name| *name != "posewise_default_model" && is_wanted(name));
     link.args(reached.map(|name| format!("-Wl,-u,{name}")));
     output_of(link.arg(archive).arg("-o").arg(&whole))?;
 

@@ -1,0 +1,295 @@
+//! Conversion between C values of the driver monitor and the crate's types.
+
+use super::memory;
+use super::monitor_types::*;
+use super::types::*;
+use crate::monitor::{
+    Drowsiness, EyeState, MonitorConfig, MonitorConfigError, MonitorEvent, MonitorEventKind,
+    MonitorState, Observation, Perclos, Preset, Unknown, Zone, ZoneShape, ZoneState,
+};
+use crate::track::State;
+
+const _: () = {
+    use crate::monitor::{MAX_ZONES, MONITOR_EVENTS};
+    assert!(POSEWISE_MONITOR_ZONES as usize == MAX_ZONES);
+    assert!(POSEWISE_MONITOR_EVENTS as usize == MONITOR_EVENTS);
+    assert!(MonitorEventKind::ALL.len() == POSEWISE_DRIVER_CLOCK_BACK as usize + 1);
+};
+
+/// The preset of a number.
+pub(super) fn preset_from(preset: u32) -> Result<Preset, posewise_status> {
+    let known = Preset::ALL.get(preset as usize);
+    known.copied().ok_or(POSEWISE_E_MONITOR_CONFIG)
+}
+
+/// Checked settings and their preset; the preset's value where a field is 0.
+///
+/// # Safety
+/// As at the head of memory.rs.
+pub(super) unsafe fn monitor_config_from(
+    config: *const posewise_monitor_config,
+) -> Result<(MonitorConfig, Preset), posewise_status> {
+    if config.is_null() {
+        let preset = Preset::default();
+        return Ok((preset.config(), preset));
+    }
+    // SAFETY: the caller's contract.
+    let given = unsafe { memory::read_struct(config)? };
+    if given.flags & !POSEWISE_MONITOR_FIXED_POSE != 0 {
+        return Err(POSEWISE_E_FLAGS);
+    }
+    let preset = preset_from(given.preset)?;
+    let mut config = settings(&given, &preset.config());
+    if given.flags & POSEWISE_MONITOR_FIXED_POSE != 0 {
+        (config.natural_yaw_deg, config.natural_pitch_deg) = (0.0, 0.0);
+    }
+    config.check().map_err(monitor_config_error)?;
+    Ok((config, preset))
+}
+
+/// Every setting, or its default.
+fn settings(given: &posewise_monitor_config, default: &MonitorConfig) -> MonitorConfig {
+    let or = |value: f32, default: f32| if value == 0.0 { default } else { value };
+    let or_us = |value: u32, default: u32| if value == 0 { default } else { value };
+    let mut config = *default;
+    macro_rules! take {
+        ($or:ident: $($field:ident)+) => {
+            $(config.$field = $or(given.$field, default.$field);)+
+        };
+    }
+    take!(or: min_confidence eye_yaw_deg eye_pitch_deg closed_below open_above drowsy_p80_60
+        drowsy_p80_180 awake_share min_known yawn_above yawn_below nod_deg forward_yaw_deg
+        forward_pitch_deg natural_yaw_deg natural_pitch_deg zone_margin_deg);
+    take!(or_us: gap_us blink_us long_closure_us microsleep_us sleep_us unresponsive_us yawn_us
+        yawn_max_us nod_us long_glance_us cumulative_us return_us clear_us degraded_us);
+    config
+}
+
+/// Settings as their C struct, with `struct_size` 0.
+pub(super) fn monitor_config_to(preset: u32, config: &MonitorConfig) -> posewise_monitor_config {
+    let mut to = posewise_monitor_config {
+        preset,
+        ..Default::default()
+    };
+    macro_rules! give {
+        ($($field:ident)+) => {
+            $(to.$field = config.$field;)+
+        };
+    }
+    give!(min_confidence eye_yaw_deg eye_pitch_deg closed_below open_above drowsy_p80_60
+        drowsy_p80_180 awake_share min_known yawn_above yawn_below nod_deg forward_yaw_deg
+        forward_pitch_deg natural_yaw_deg natural_pitch_deg zone_margin_deg gap_us blink_us
+        long_closure_us microsleep_us sleep_us unresponsive_us yawn_us yawn_max_us nod_us
+        long_glance_us cumulative_us return_us clear_us degraded_us);
+    to
+}
+
+/// The status of settings that are out of range.
+pub(super) fn monitor_config_error(error: MonitorConfigError) -> posewise_status {
+    match error {
+        MonitorConfigError::Zone => POSEWISE_E_ZONES,
+        MonitorConfigError::Time | MonitorConfigError::Threshold | MonitorConfigError::Angle => {
+            POSEWISE_E_MONITOR_CONFIG
+        }
+    }
+}
+
+/// The zone that a C struct describes; the monitor checks its numbers.
+pub(super) fn zone_from(given: &posewise_zone) -> Result<Zone, posewise_status> {
+    let shape = match (given.kind, given.numbers) {
+        (POSEWISE_ZONE_ANGLES, [a, b, c, d, 0.0, 0.0, 0.0, 0.0, 0.0]) => ZoneShape::Angles {
+            yaw_deg: [a, b],
+            pitch_deg: [c, d],
+        },
+        (POSEWISE_ZONE_BOX, [a, b, c, d, e, f, 0.0, 0.0, 0.0]) => ZoneShape::Box {
+            min_mm: [a, b, c],
+            max_mm: [d, e, f],
+        },
+        (POSEWISE_ZONE_PLANE, [a, b, c, d, e, f, g, h, i]) => ZoneShape::Plane {
+            centre_mm: [a, b, c],
+            half_u_mm: [d, e, f],
+            half_v_mm: [g, h, i],
+        },
+        _ => return Err(POSEWISE_E_ZONES),
+    };
+    let zone = Zone::new(shape).with_grace(given.grace_us);
+    match given.flags {
+        0 => Ok(zone),
+        POSEWISE_ZONE_ROAD => Ok(zone.as_road()),
+        _ => Err(POSEWISE_E_FLAGS),
+    }
+}
+
+/// What a C struct observes.
+pub(super) fn observation_from(given: &posewise_observation) -> Observation {
+    let mut seen = Observation::NONE;
+    seen.state = match given.state {
+        POSEWISE_TRACKING => State::Tracking,
+        POSEWISE_COASTING => State::Coasting,
+        _ => State::Searching,
+    };
+    seen.confidence = given.confidence;
+    (seen.yaw_deg, seen.pitch_deg) = (given.yaw_deg, given.pitch_deg);
+    seen.translation_mm = given.translation_mm;
+    seen.rotation_sigma_deg = given.rotation_sigma_deg;
+    (seen.eye_open, seen.jaw_open) = (given.eye_open, given.jaw_open);
+    seen
+}
+
+/// An observation as its C struct, with `struct_size` 0.
+pub(super) fn observation_to(seen: &Observation) -> posewise_observation {
+    posewise_observation {
+        struct_size: 0, // write_struct() keeps the caller's
+        state: match seen.state {
+            State::Searching => POSEWISE_SEARCHING,
+            State::Tracking => POSEWISE_TRACKING,
+            State::Coasting => POSEWISE_COASTING,
+        },
+        confidence: seen.confidence,
+        yaw_deg: seen.yaw_deg,
+        pitch_deg: seen.pitch_deg,
+        translation_mm: seen.translation_mm,
+        rotation_sigma_deg: seen.rotation_sigma_deg,
+        eye_open: seen.eye_open,
+        jaw_open: seen.jaw_open,
+    }
+}
+
+fn zone_to(zone: ZoneState) -> u32 {
+    match zone {
+        ZoneState::In(index) => u32::from(index),
+        ZoneState::Outside => POSEWISE_ZONE_OUTSIDE,
+        ZoneState::Unknown => POSEWISE_ZONE_UNKNOWN,
+    }
+}
+
+fn perclos_to(measures: &Perclos) -> posewise_perclos {
+    posewise_perclos {
+        p70: measures.p70,
+        p80: measures.p80,
+        em: measures.em,
+        known: measures.known,
+        closures: measures.closures,
+        mean_closure_us: measures.mean_closure_us,
+    }
+}
+
+/// A state as its C struct, with `struct_size` 0.
+pub(super) fn monitor_state_to(state: &MonitorState) -> posewise_monitor_state {
+    posewise_monitor_state {
+        struct_size: 0, // write_struct() keeps the caller's
+        eyes: match state.eyes {
+            EyeState::Unknown => POSEWISE_EYES_UNKNOWN,
+            EyeState::Open => POSEWISE_EYES_OPEN,
+            EyeState::Closed => POSEWISE_EYES_CLOSED,
+        },
+        timestamp_us: state.timestamp_us,
+        eyes_unknown: match state.eyes_unknown {
+            Unknown::Known => POSEWISE_UNKNOWN_NOT,
+            Unknown::NoFace => POSEWISE_UNKNOWN_NO_FACE,
+            Unknown::LowConfidence => POSEWISE_UNKNOWN_CONFIDENCE,
+            Unknown::Turned => POSEWISE_UNKNOWN_TURNED,
+            Unknown::Hidden => POSEWISE_UNKNOWN_HIDDEN,
+        },
+        openness: state.openness,
+        closure_us: state.closure_us,
+        blinks: state.blinks,
+        yawns: state.yawns,
+        nods: state.nods,
+        mouth_open_us: state.mouth_open_us,
+        zone: zone_to(state.zone),
+        zone_us: state.zone_us,
+        away_us: state.away_us,
+        away_30_us: state.away_30_us,
+        natural_is_final: u32::from(state.is_natural_final),
+        from_road_deg: state.from_road_deg,
+        natural_deg: state.natural_deg,
+        open_eye: state.open_eye,
+        open_eye_is_final: u32::from(state.is_open_eye_final),
+        drowsiness: match state.drowsiness {
+            Drowsiness::Unknown => POSEWISE_LEVEL_UNKNOWN,
+            Drowsiness::Awake => POSEWISE_LEVEL_AWAKE,
+            Drowsiness::Questionable => POSEWISE_LEVEL_QUESTIONABLE,
+            Drowsiness::Drowsy => POSEWISE_LEVEL_DROWSY,
+        },
+        degraded: u32::from(state.is_degraded),
+        reserved: 0,
+        zones_us: state.zones_us.map(|us| us as i64),
+        perclos_60: perclos_to(&state.perclos_60),
+        perclos_180: perclos_to(&state.perclos_180),
+    }
+}
+
+/// An event as its C struct.
+pub(super) fn monitor_event_to(event: &MonitorEvent) -> posewise_monitor_event {
+    posewise_monitor_event {
+        timestamp_us: event.timestamp_us,
+        start_us: event.start_us,
+        duration_us: event.duration_us,
+        // The kinds are in the order of the header, as a test compares.
+        kind: event.kind as u32,
+        zone: event.zone.map_or(POSEWISE_ZONE_UNKNOWN, u32::from),
+        flags: if event.is_cut {
+            POSEWISE_MONITOR_CUT
+        } else {
+            0
+        },
+        value: event.value,
+        reserved: 0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn kinds_and_presets_are_those_of_the_header() {
+        let kinds = [
+            (MonitorEventKind::Blink, POSEWISE_DRIVER_BLINK),
+            (MonitorEventKind::LongClosure, POSEWISE_DRIVER_LONG_CLOSURE),
+            (MonitorEventKind::Microsleep, POSEWISE_DRIVER_MICROSLEEP),
+            (MonitorEventKind::Sleep, POSEWISE_DRIVER_SLEEP),
+            (MonitorEventKind::Unresponsive, POSEWISE_DRIVER_UNRESPONSIVE),
+            (MonitorEventKind::ClosureEnd, POSEWISE_DRIVER_CLOSURE_END),
+            (MonitorEventKind::Yawn, POSEWISE_DRIVER_YAWN),
+            (MonitorEventKind::YawnEnd, POSEWISE_DRIVER_YAWN_END),
+            (MonitorEventKind::Nod, POSEWISE_DRIVER_NOD),
+            (MonitorEventKind::Glance, POSEWISE_DRIVER_GLANCE),
+            (MonitorEventKind::LongGlance, POSEWISE_DRIVER_LONG_GLANCE),
+            (
+                MonitorEventKind::CumulativeGlance,
+                POSEWISE_DRIVER_CUMULATIVE,
+            ),
+            (MonitorEventKind::Drowsy, POSEWISE_DRIVER_DROWSY),
+            (MonitorEventKind::DrowsyEnd, POSEWISE_DRIVER_DROWSY_END),
+            (MonitorEventKind::Degraded, POSEWISE_DRIVER_DEGRADED),
+            (MonitorEventKind::Restored, POSEWISE_DRIVER_RESTORED),
+            (MonitorEventKind::OpenEyeLearnt, POSEWISE_DRIVER_EYE_LEARNT),
+            (MonitorEventKind::NaturalLearnt, POSEWISE_DRIVER_POSE_LEARNT),
+            (MonitorEventKind::ClockBack, POSEWISE_DRIVER_CLOCK_BACK),
+        ];
+        assert_eq!(kinds.map(|(kind, _)| kind), MonitorEventKind::ALL);
+        for (kind, number) in kinds {
+            assert_eq!(kind as u32, number, "{kind:?}");
+        }
+        let presets = [
+            (Preset::General, POSEWISE_PRESET_GENERAL),
+            (Preset::EuroNcap, POSEWISE_PRESET_EURO_NCAP),
+            (Preset::AddwFast, POSEWISE_PRESET_EU_ADDW_FAST),
+            (Preset::AddwSlow, POSEWISE_PRESET_EU_ADDW_SLOW),
+            (Preset::Ddaw, POSEWISE_PRESET_EU_DDAW),
+        ];
+        for (preset, number) in presets {
+            assert_eq!(preset_from(number), Ok(preset));
+            // Every field survives the way to C and back.
+            let config = preset.config();
+            let back = settings(
+                &monitor_config_to(number, &config),
+                &MonitorConfig::default(),
+            );
+            assert_eq!(back, config);
+        }
+        assert!(preset_from(5).is_err());
+    }
+}
