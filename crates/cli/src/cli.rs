@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use posewise::{Config, MAX_EXCLUDED, Roi};
+use posewise::{Config, MAX_EXCLUDED, Preset, Roi};
 
 /// Head pose, 68 landmarks and facial animation from camera frames.
 #[derive(Parser)]
@@ -100,6 +100,19 @@ pub struct TrackArgs {
     /// FILE to standard error
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true)]
     pub log: Option<Option<PathBuf>>,
+    /// Watch a driver: write blinks, microsleeps, yawns, glances and others, one event a line, to
+    /// FILE or to standard error; adds columns to the CSV and panels to the plot
+    #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true,
+        conflicts_with = "smooth")]
+    pub monitor: Option<Option<PathBuf>>,
+    /// The rule whose times and thresholds the monitor takes: general, euro-ncap, eu-addw-fast,
+    /// eu-addw-slow, eu-ddaw
+    #[arg(long, value_name = "NAME", default_value = "general", value_parser = preset,
+        requires = "monitor")]
+    pub monitor_preset: Preset,
+    /// Zones of the monitor, as JSON; without it those of the preset
+    #[arg(long, value_name = "FILE", requires = "monitor")]
+    pub monitor_zones: Option<PathBuf>,
     #[command(flatten)]
     pub tracker: TrackerArgs,
     /// Turn the frames clockwise to make them upright [deg]
@@ -157,6 +170,8 @@ pub enum EvalCommand {
     Pose(ClipsArgs),
     /// Eye openness and closures against per-frame truth
     Eyes(ClipsArgs),
+    /// Events and measures of the driver monitor against per-frame truth
+    Monitor(MonitorArgs),
     /// Jitter of the landmarks of a tracked clip
     Jitter(JitterArgs),
     /// Frames until a face that disappeared is tracked again elsewhere
@@ -206,6 +221,15 @@ fn rate(text: &str) -> Result<f64, String> {
         Ok(fps) if fps > 0.0 && fps <= MAX_FPS => Ok(fps),
         _ => Err(format!("not a number above 0, up to {MAX_FPS}")),
     }
+}
+
+/// Parses the name of a preset.
+fn preset(text: &str) -> Result<Preset, String> {
+    let known = Preset::ALL.into_iter().find(|preset| preset.name() == text);
+    known.ok_or_else(|| {
+        let names = Preset::ALL.map(Preset::name);
+        format!("not one of {}", names.join(", "))
+    })
 }
 
 /// Parses a region of interest.
@@ -291,6 +315,27 @@ pub struct ClipsArgs {
     /// Write the numbers as JSON
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
+}
+
+#[derive(Args)]
+pub struct MonitorArgs {
+    #[command(flatten)]
+    pub clips: ClipsArgs,
+    /// The rule whose times and thresholds the monitor takes
+    #[arg(long, value_name = "NAME", default_value = "general", value_parser = preset)]
+    pub preset: Preset,
+    /// Zones of the monitor, as for `track --monitor-zones`
+    #[arg(long, value_name = "FILE")]
+    pub zones: Option<PathBuf>,
+    /// Show the monitor so many frames a second of those in the CSV [default: all]
+    #[arg(long, value_name = "N", value_parser = within(1.0, 1000.0))]
+    pub fps: Option<f64>,
+    /// Leave out this share of the frames, by chance
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = within(0.0, 0.9))]
+    pub drop: f64,
+    /// Draws them
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
 }
 
 #[derive(Args)]

@@ -41,6 +41,16 @@ pub enum Cell {
     Word(&'static str),
 }
 
+impl Cell {
+    /// As it stands in the table.
+    pub fn text(&self) -> String {
+        match *self {
+            Cell::Number(value, decimals) => format!("{value:.decimals$}"),
+            Cell::Word(word) => word.to_string(),
+        }
+    }
+}
+
 /// A group of columns.
 pub struct Column {
     /// Names.
@@ -332,10 +342,6 @@ pub fn names() -> Vec<String> {
 
 /// All values of one row, in order.
 pub fn values(row: &Row<'_>) -> Vec<String> {
-    let text = |cell: Cell| match cell {
-        Cell::Number(value, decimals) => format!("{value:.decimals$}"),
-        Cell::Word(word) => word.to_string(),
-    };
     COLUMNS
         .iter()
         .flat_map(|column| {
@@ -344,7 +350,7 @@ pub fn values(row: &Row<'_>) -> Vec<String> {
                 Names::PerLandmark(_) => LANDMARKS,
                 Names::Animations => ANIMATION_NAMES.len(),
             };
-            (0..count).map(move |i| text((column.value)(row, i)))
+            (0..count).map(move |i| (column.value)(row, i).text())
         })
         .collect()
 }
@@ -381,17 +387,18 @@ pub struct CsvWriter<W: Write> {
 }
 
 impl<W: Write> CsvWriter<W> {
-    /// Writes the header.
-    pub fn new(out: W) -> Result<Self> {
+    /// Writes the header: the columns of the tracker, then others.
+    pub fn new(out: W, more: &[String]) -> Result<Self> {
         let mut out = csv::Writer::from_writer(out);
-        out.write_record(names()).context("cannot write the CSV")?;
+        let names = [&names()[..], more].concat();
+        out.write_record(names).context("cannot write the CSV")?;
         Ok(CsvWriter { out })
     }
 
-    /// Writes one row.
-    pub fn write(&mut self, row: &Row<'_>) -> Result<()> {
+    /// Writes one row, with the values of the other columns.
+    pub fn write(&mut self, row: &Row<'_>, more: &[String]) -> Result<()> {
         self.out
-            .write_record(values(row))
+            .write_record([&values(row)[..], more].concat())
             .context("cannot write the CSV")
     }
 

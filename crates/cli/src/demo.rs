@@ -36,18 +36,19 @@ pub fn run(args: &DemoArgs) -> Result<()> {
         ..TrackerArgs::default()
     };
     let mut session = Session::new(&model, &settings, false)?;
-    let mut csv = CsvWriter::new(Vec::new())?;
+    let mut csv = CsvWriter::new(Vec::new(), &[])?;
     let mut frames: Vec<(Picture, TrackResult)> = Vec::new();
     let mut step_ms = Vec::new();
     while let Some(picture) = source.next()? {
         let before = session.busy;
         let result = *session.step(&picture)?;
         step_ms.push((session.busy - before).as_secs_f64() * 1e3);
-        csv.write(&Row {
+        let row = Row {
             frame: frames.len() as u64 + 1,
             face_id: 0,
             result: &result,
-        })?;
+        };
+        csv.write(&row, &[])?;
         frames.push((picture, result));
     }
     let csv = csv.into_inner()?;

@@ -6,6 +6,7 @@
 //! | `source/` | INPUT → a stream of [`picture::Picture`]s |
 //! | `track`, `faces`, `session` | `posewise track`: the loop and its trackers |
 //! | `csv`, `jsonl`, `log`, `overlay/`, `plot` | its outputs |
+//! | `monitor/` | a driver monitor over the results |
 //! | `calibration` | camera and lens from a file |
 //! | `demo`, `demo_clip` | `posewise demo` |
 //! | `eval/` | `posewise eval …` |
@@ -29,6 +30,7 @@ mod jsonl;
 mod log;
 mod model_file;
 mod model_info;
+mod monitor;
 mod output;
 mod overlay;
 mod picture;
@@ -52,6 +54,12 @@ use cli::{Cli, Command, EvalCommand, ModelCommand};
 /// The tracker is plain data and may be moved by value; debug builds keep several copies.
 const STACK_BYTES: usize = 64 << 20;
 
+/// The columns of `track --csv`, then those that `--monitor` adds.
+fn columns() -> String {
+    let (own, more) = (csv::documentation(), monitor::columns::documentation());
+    format!("{own}\nWith `--monitor`, at the end:\n\n{more}")
+}
+
 fn main() -> ExitCode {
     let cli = Cli::parse();
     let run = || {
@@ -61,13 +69,14 @@ fn main() -> ExitCode {
             Command::Eval(EvalCommand::Landmarks(args)) => eval::landmarks::run(&args),
             Command::Eval(EvalCommand::Pose(args)) => eval::pose::run(&args),
             Command::Eval(EvalCommand::Eyes(args)) => eval::eyes::run(&args),
+            Command::Eval(EvalCommand::Monitor(args)) => eval::monitor::run(&args),
             Command::Eval(EvalCommand::Jitter(args)) => eval::jitter::run(&args),
             Command::Eval(EvalCommand::Recovery(args)) => eval::recovery::run(&args),
             Command::Eval(EvalCommand::Faceless(args)) => eval::faceless::run(&args),
             Command::Eval(EvalCommand::Drift(args)) => eval::drift::run(&args),
             Command::Bench(args) => bench::run(&args),
             Command::Model(ModelCommand::Info { file }) => model_info::run(&file),
-            Command::Columns => output::print(&csv::documentation()),
+            Command::Columns => output::print(&columns()),
         }
         .map(|()| None)
     };

@@ -90,48 +90,61 @@ impl Chart for Angles<'_> {
     fn draw<DB: DrawingBackend>(&self, root: &DrawingArea<DB, Shift>) -> Drawn<DB> {
         let samples = self.0;
         let (upper, lower) = root.split_vertically(SIZE.1 * 2 / 3);
-        let start = samples.first().map_or(0.0, |s| s.time_s);
-        let end = samples.last().map_or(0.0, |s| s.time_s).max(start + 1e-3);
-        let largest = samples.iter().filter_map(|s| s.angles).flatten();
-        let largest = largest.filter(|v| v.is_finite());
-        let largest = largest.fold(20.0f64, |m, v| m.max(v.abs())).ceil() + 5.0;
-        let mut angles = ChartBuilder::on(&upper)
-            .margin(12)
-            .caption("head angles [deg]", ("sans-serif", 16))
-            .x_label_area_size(28)
-            .y_label_area_size(48)
-            .build_cartesian_2d(start..end, -largest..largest)?;
-        angles.configure_mesh().light_line_style(WHITE).draw()?;
-        let lines = [("yaw", RED), ("pitch", GREEN), ("roll", BLUE)];
-        for (i, (name, color)) in lines.into_iter().enumerate() {
-            for run in samples.split(|s| s.angles.is_none()) {
-                let points = run.iter().filter_map(|s| Some((s.time_s, s.angles?[i])));
-                angles.draw_series(LineSeries::new(points, color))?;
-            }
-            let none: [(f64, f64); 0] = [];
-            angles
-                .draw_series(LineSeries::new(none, color))?
-                .label(name)
-                .legend(move |(x, y)| PathElement::new([(x, y), (x + 16, y)], color));
-        }
-        angles
-            .configure_series_labels()
-            .position(SeriesLabelPosition::UpperRight)
-            .border_style(BLACK)
-            .background_style(WHITE)
-            .label_font(("sans-serif", 14))
-            .draw()?;
+        draw_angles(&upper, samples)?;
         let mut confidence = ChartBuilder::on(&lower)
             .margin(12)
             .caption("confidence over time [s]", ("sans-serif", 16))
             .x_label_area_size(28)
             .y_label_area_size(48)
-            .build_cartesian_2d(start..end, 0.0..1.05)?;
+            .build_cartesian_2d(span(samples), 0.0..1.05)?;
         confidence.configure_mesh().light_line_style(WHITE).draw()?;
         let points = samples.iter().map(|s| (s.time_s, s.confidence));
         confidence.draw_series(LineSeries::new(points, BLACK))?;
         root.present()
     }
+}
+
+/// The time that the samples take \[s\].
+fn span(samples: &[Sample]) -> std::ops::Range<f64> {
+    let start = samples.first().map_or(0.0, |s| s.time_s);
+    start..samples.last().map_or(0.0, |s| s.time_s).max(start + 1e-3)
+}
+
+/// Draws yaw, pitch and roll over time.
+pub fn draw_angles<DB: DrawingBackend>(
+    area: &DrawingArea<DB, Shift>,
+    samples: &[Sample],
+) -> Drawn<DB> {
+    let largest = samples.iter().filter_map(|s| s.angles).flatten();
+    let largest = largest.filter(|v| v.is_finite());
+    let largest = largest.fold(20.0f64, |m, v| m.max(v.abs())).ceil() + 5.0;
+    let mut angles = ChartBuilder::on(area)
+        .margin(12)
+        .caption("head angles [deg]", ("sans-serif", 16))
+        .x_label_area_size(28)
+        .y_label_area_size(48)
+        .build_cartesian_2d(span(samples), -largest..largest)?;
+    angles.configure_mesh().light_line_style(WHITE).draw()?;
+    let lines = [("yaw", RED), ("pitch", GREEN), ("roll", BLUE)];
+    for (i, (name, color)) in lines.into_iter().enumerate() {
+        for run in samples.split(|s| s.angles.is_none()) {
+            let points = run.iter().filter_map(|s| Some((s.time_s, s.angles?[i])));
+            angles.draw_series(LineSeries::new(points, color))?;
+        }
+        let none: [(f64, f64); 0] = [];
+        angles
+            .draw_series(LineSeries::new(none, color))?
+            .label(name)
+            .legend(move |(x, y)| PathElement::new([(x, y), (x + 16, y)], color));
+    }
+    angles
+        .configure_series_labels()
+        .position(SeriesLabelPosition::UpperRight)
+        .border_style(BLACK)
+        .background_style(WHITE)
+        .label_font(("sans-serif", 14))
+        .draw()?;
+    Ok(())
 }
 
 /// plotters' bitmap, with the built-in font in place of the system's.

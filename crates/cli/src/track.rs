@@ -16,6 +16,8 @@ use crate::destination::{self, Destination, Named};
 use crate::faces::{Face, Faces};
 use crate::interrupt::Interrupt;
 use crate::model_file::ModelFile;
+use crate::monitor;
+use crate::monitor::watch::Watch;
 use crate::overlay::{Overlay, Painter};
 use crate::picture::Picture;
 use crate::plot::{self, Sample};
@@ -52,6 +54,7 @@ struct Outputs {
     csv: Option<CsvWriter<Box<dyn Write>>>,
     jsonl: Option<Box<dyn Write>>,
     log: Option<Box<dyn Write>>,
+    watch: Option<Watch>,
     overlay: Option<Overlay>,
     painter: Painter,
     samples: Vec<Sample>,
@@ -74,11 +77,25 @@ impl Outputs {
             Some(None) => Some(Box::new(std::io::stderr()) as Box<dyn Write>),
             Some(Some(path)) => Some(open(path)?),
         };
+        let events = match &args.monitor {
+            None => None,
+            Some(None) => Some(Box::new(std::io::stderr()) as Box<dyn Write>),
+            Some(Some(path)) => Some(open(path)?),
+        };
+        let watch = events.map(|out| {
+            let zones = args.monitor_zones.as_deref();
+            Watch::new(args.monitor_preset, zones, Some(out), args.plot.is_some())
+        });
+        let more = match &watch {
+            Some(_) => monitor::columns::names(),
+            None => Vec::new(),
+        };
         Ok(Outputs {
             destinations,
-            csv: csv.map(CsvWriter::new).transpose()?,
+            csv: csv.map(|out| CsvWriter::new(out, &more)).transpose()?,
             jsonl,
             log,
+            watch: watch.transpose()?,
             overlay: args
                 .overlay
                 .as_deref()
@@ -98,6 +115,7 @@ impl Outputs {
         camera: &Intrinsics,
         faces: &[Face],
     ) -> Result<()> {
+        let more = self.watch(picture, faces)?;
         for Face { id, result } in faces {
             let row = Row {
                 frame,
@@ -105,7 +123,7 @@ impl Outputs {
                 result,
             };
             if let Some(csv) = &mut self.csv {
-                csv.write(&row)?;
+                csv.write(&row, &more)?;
             }
             if let Some(out) = &mut self.jsonl {
                 jsonl::write(out, &row)?;
@@ -128,6 +146,16 @@ impl Outputs {
         Ok(())
     }
 
+    /// Shows the driver to the monitor; returns what it adds to the row.
+    fn watch(&mut self, picture: &Picture, faces: &[Face]) -> Result<Vec<String>> {
+        let Some(watch) = &mut self.watch else {
+            return Ok(Vec::new());
+        };
+        let result = faces.first().map_or(TrackResult::EMPTY, |face| face.result);
+        watch.see(&result, picture.timestamp_us)?;
+        Ok(monitor::columns::values(&watch.state()))
+    }
+
     /// `face_id` is that of a tracker among several.
     fn write_log(&mut self, face_id: Option<usize>, events: &mut EventLog) -> Result<()> {
         match &mut self.log {
@@ -146,6 +174,9 @@ impl Outputs {
         if let Some(out) = &mut self.log {
             out.flush().context("cannot write the log")?;
         }
+        if let Some(watch) = &mut self.watch {
+            watch.flush()?;
+        }
         Ok(())
     }
 
@@ -153,6 +184,9 @@ impl Outputs {
     fn finish(mut self, args: &TrackArgs) -> Result<()> {
         self.flush()?;
         (self.csv, self.jsonl, self.log) = (None, None, None);
+        if let Some(watch) = &mut self.watch {
+            watch.close();
+        }
         for destination in self.destinations.drain(..) {
             destination.finish()?;
         }
@@ -161,7 +195,13 @@ impl Outputs {
         }
         if let (Some(path), false) = (&args.plot, self.samples.is_empty()) {
             let destination = Destination::new(path);
-            plot::write(destination.path(), &self.samples)?;
+            let to = destination.path();
+            match &self.watch {
+                Some(Watch { states, events, .. }) => {
+                    monitor::plot::write(to, &self.samples, states, events)?;
+                }
+                None => plot::write(to, &self.samples)?,
+            }
             destination.finish()?;
         }
         Ok(())
@@ -170,14 +210,19 @@ impl Outputs {
     /// Whether results go to standard output, where a summary would be in the way.
     fn on_stdout(args: &TrackArgs) -> bool {
         let dash = Some(std::path::Path::new("-"));
-        let outputs = [&args.csv, &args.jsonl, log_file(args)];
+        let outputs = [
+            &args.csv,
+            &args.jsonl,
+            file_of(&args.log),
+            file_of(&args.monitor),
+        ];
         outputs.iter().any(|path| path.as_deref() == dash)
     }
 }
 
-/// The file of the log; `None` is standard error, or no log.
-fn log_file(args: &TrackArgs) -> &Option<PathBuf> {
-    args.log.as_ref().unwrap_or(&None)
+/// The file of an option whose value may be missing; `None` is standard error, or no output.
+fn file_of(option: &Option<Option<PathBuf>>) -> &Option<PathBuf> {
+    option.as_ref().unwrap_or(&None)
 }
 
 /// Refuses outputs that would overwrite what is read, or each other.
@@ -194,12 +239,14 @@ fn check_outputs(args: &TrackArgs) -> Result<()> {
     }
     inputs.extend(named("--model", &args.tracker.model));
     inputs.extend(named("--calibration", &args.tracker.calibration));
+    inputs.extend(named("--monitor-zones", &args.monitor_zones));
     let outputs = [
         named("--csv", &args.csv),
         named("--jsonl", &args.jsonl),
         named("--overlay", &args.overlay),
         named("--plot", &args.plot),
-        named("--log", log_file(args)),
+        named("--log", file_of(&args.log)),
+        named("--monitor", file_of(&args.monitor)),
     ];
     let outputs: Vec<Named<'_>> = outputs.into_iter().flatten().collect();
     destination::check(&inputs, &outputs)
@@ -212,6 +259,9 @@ pub fn run(args: &TrackArgs) -> Result<Option<u8>> {
     }
     if args.tracker.calibration.is_some() && (args.rotate != "0" || args.mirror) {
         bail!("--calibration is for upright frames, not for --rotate or --mirror");
+    }
+    if args.monitor.is_some() && args.faces > 1 {
+        bail!("--monitor watches one driver: not with --faces");
     }
     check_outputs(args)?;
     let file = ModelFile::read(args.tracker.model.as_deref())?;
@@ -301,7 +351,7 @@ fn state_of(faces: &[Face]) -> State {
 
 fn progress_bar(source: &dyn Source, args: &TrackArgs) -> ProgressBar {
     // The log and a bar would write over each other.
-    if args.quiet || args.log == Some(None) {
+    if args.quiet || args.log == Some(None) || args.monitor == Some(None) {
         return ProgressBar::hidden();
     }
     let total = [source.total(), args.frames].into_iter().flatten().min();

@@ -1,0 +1,210 @@
+//! `posewise eval monitor`: does the driver monitor notice what the truth says?
+//!
+//! The monitor is shown again what the tracker reported, as the CSV has it, so that rates and
+//! dropped frames can be tried. What is compared stands in docs/driver-monitor.md.
+
+use std::fmt::Write as _;
+
+use anyhow::{Result, bail};
+use posewise::{MonitorEvent, MonitorEventKind, MonitorState, Observation, State};
+use serde_json::json;
+
+use super::clips::clips_of;
+use super::monitor_metrics::{Found, Scores, Truth};
+use super::spans::Span;
+use super::table::Table;
+use crate::cli::MonitorArgs;
+use crate::monitor::watch::Watch;
+use crate::output;
+use crate::random::Random;
+
+/// Frames per second of a truth without times.
+const FPS: f64 = 30.0;
+/// The landmarks of the eyes.
+const EYES: std::ops::Range<usize> = 36..48;
+
+/// Runs the command.
+pub fn run(args: &MonitorArgs) -> Result<()> {
+    let mut out = String::new();
+    let (mut clips, mut all) = (Vec::new(), Scores::default());
+    for (truth, csv) in clips_of(&args.clips)? {
+        let truth_table = Table::read(truth)?;
+        let found = replay(args, &Table::read(csv)?)?;
+        let scores = Scores::of(&truth_of(&truth_table)?, &found);
+        let name = truth.display().to_string();
+        writeln!(out, "{name}:\n{}", scores.text())?;
+        let mut value = scores.json();
+        value["clip"] = name.into();
+        clips.push(value);
+        all.add(&scores);
+    }
+    writeln!(out, "all:\n{}", all.text())?;
+    output::print(&out)?;
+    if let Some(path) = &args.clips.json {
+        let mut value = all.json();
+        value["preset"] = args.preset.name().into();
+        value["fps"] = args.fps.map_or(json!(null), |fps| json!(fps));
+        value["drop"] = args.drop.into();
+        value["clips"] = clips.into();
+        output::write_json(path, &value)?;
+    }
+    Ok(())
+}
+
+/// The columns of `track --csv` that a monitor needs.
+struct Columns {
+    frame: usize,
+    timestamp: usize,
+    state: usize,
+    confidence: usize,
+    pose: [usize; 5],
+    sigma: [usize; 3],
+    eyes: [usize; 2],
+    jaw: usize,
+    mouth: Vec<usize>,
+}
+
+impl Columns {
+    fn of(csv: &Table) -> Result<Columns> {
+        let column = |name: &str| csv.column(name);
+        Ok(Columns {
+            frame: column("frame")?,
+            timestamp: column("timestamp")?,
+            state: column("state")?,
+            confidence: column("confidence")?,
+            pose: [
+                column("yaw_deg")?,
+                column("pitch_deg")?,
+                column("pose_Tx")?,
+                column("pose_Ty")?,
+                column("pose_Tz")?,
+            ],
+            sigma: [
+                column("R_sigma_x")?,
+                column("R_sigma_y")?,
+                column("R_sigma_z")?,
+            ],
+            eyes: [column("eye_open_left")?, column("eye_open_right")?],
+            jaw: column("jawOpen")?,
+            mouth: (48..68)
+                .map(|i| column(&format!("vis_{i}")))
+                .collect::<Result<_>>()?,
+        })
+    }
+
+    /// What a monitor sees of a row.
+    fn observation(&self, csv: &Table, row: usize) -> Result<Observation> {
+        let number = |column: usize| csv.number(row, column).map(|v| v as f32);
+        let mut seen = Observation::default();
+        seen.state = match csv.text(row, self.state) {
+            "tracking" => State::Tracking,
+            "coasting" => State::Coasting,
+            _ => State::Searching,
+        };
+        seen.confidence = number(self.confidence)?;
+        let [yaw, pitch, x, y, z] = self.pose;
+        (seen.yaw_deg, seen.pitch_deg) = (number(yaw)?, number(pitch)?);
+        seen.translation_mm = [number(x)?, number(y)?, number(z)?];
+        for (to, column) in seen.rotation_sigma_deg.iter_mut().zip(self.sigma) {
+            *to = number(column)?;
+        }
+        seen.eye_open = [number(self.eyes[0])?, number(self.eyes[1])?];
+        let mut visibility = 0.0;
+        for column in &self.mouth {
+            visibility += number(*column)?;
+        }
+        // As `Observation` has it from a result.
+        let is_visible = visibility >= 0.5 * self.mouth.len() as f32;
+        seen.jaw_open = if is_visible { number(self.jaw)? } else { -1.0 };
+        Ok(seen)
+    }
+}
+
+/// Shows the rows to a monitor, some of them left out.
+fn replay(args: &MonitorArgs, csv: &Table) -> Result<Found> {
+    let columns = Columns::of(csv)?;
+    let mut watch = Watch::new(args.preset, args.zones.as_deref(), None, false)?;
+    let mut random = Random::of(args.seed);
+    let mut next_s = f64::NEG_INFINITY;
+    let mut states: Vec<(i64, MonitorState)> = Vec::new();
+    for row in 0..csv.len() {
+        let time_s = csv.number(row, columns.timestamp)?;
+        let is_dropped = (random.below(1_000_000) as f64) < args.drop * 1e6;
+        // A tenth of a frame for times that are rounded.
+        let is_early = args.fps.is_some_and(|fps| time_s < next_s - 0.1 / fps);
+        if is_early || is_dropped {
+            continue;
+        }
+        if let Some(fps) = args.fps {
+            next_s = next_s.max(time_s - 1.0 / fps) + 1.0 / fps;
+        }
+        let seen = columns.observation(csv, row)?;
+        let timestamp_us = (time_s * 1e6).round() as i64;
+        watch.observe(&seen, timestamp_us)?;
+        // Rows are numbered from 1, frames of the truth from 0.
+        states.push((csv.number(row, columns.frame)? as i64 - 1, watch.state()));
+    }
+    if states.is_empty() {
+        bail!("no frame is left");
+    }
+    let start_s = csv.number(0, columns.timestamp)?;
+    Ok(Found {
+        closures: spans(&watch.events, start_s, |kind| {
+            matches!(kind, MonitorEventKind::Blink | MonitorEventKind::ClosureEnd)
+        }),
+        yawns: spans(&watch.events, start_s, |kind| {
+            kind == MonitorEventKind::YawnEnd
+        }),
+        nods: spans(&watch.events, start_s, |kind| kind == MonitorEventKind::Nod),
+        states,
+    })
+}
+
+/// When the events of some kinds were, from the first frame on.
+fn spans(
+    events: &[MonitorEvent],
+    start_s: f64,
+    is_wanted: impl Fn(MonitorEventKind) -> bool,
+) -> Vec<Span> {
+    let wanted = events.iter().filter(|event| is_wanted(event.kind));
+    let span = |event: &MonitorEvent| Span {
+        start_s: event.start_us as f64 / 1e6 - start_s,
+        length_s: f64::from(event.duration_us) / 1e6,
+    };
+    wanted.map(span).collect()
+}
+
+/// Reads the truth of a clip.
+fn truth_of(table: &Table) -> Result<Vec<Truth>> {
+    let column = |name: &str| table.column(name);
+    let (frame, yaw) = (column("frame")?, column("yaw")?);
+    let blinks = [column("eyeBlink_R")?, column("eyeBlink_L")?];
+    let jaw = column("jawOpen")?;
+    // Columns that a truth need not have.
+    let (time, nod, zone) = (column("time"), column("nod"), column("zone"));
+    let covered: Vec<usize> = EYES.filter_map(|i| column(&format!("o{i}")).ok()).collect();
+    let mut rows = Vec::new();
+    for row in 0..table.len() {
+        let number = |column: usize| table.number(row, column);
+        let mut hidden = 0;
+        for column in &covered {
+            hidden += usize::from(number(*column)? > 0.5);
+        }
+        let frame = number(frame)? as i64;
+        let optional = |column: &Result<usize>| match column {
+            Ok(column) => number(*column).map(Some),
+            Err(_) => Ok(None),
+        };
+        rows.push(Truth {
+            frame,
+            time_s: optional(&time)?.unwrap_or(frame as f64 / FPS),
+            blink: (number(blinks[0])? + number(blinks[1])?) / 2.0,
+            jaw: number(jaw)?,
+            yaw_deg: number(yaw)?,
+            is_covered: hidden >= EYES.len() / 2,
+            is_nod: optional(&nod)?.map(|nod| nod > 0.5),
+            zone: optional(&zone)?,
+        });
+    }
+    Ok(rows)
+}

@@ -1,0 +1,13 @@
+//! `posewise track --monitor`: a driver monitor over the tracker's results.
+//!
+//! | file | what it does |
+//! |---|---|
+//! | `watch` | the monitor of a run, and the lines of its events |
+//! | `zones` | zones from a file |
+//! | `columns` | what it adds to the CSV |
+//! | `plot` | what it adds to the plot |
+
+pub mod columns;
+pub mod plot;
+pub mod watch;
+pub mod zones;

@@ -1,0 +1,110 @@
+//! The monitor of a run: it sees each result, and its events become lines of text.
+
+use std::io::Write;
+use std::path::Path;
+
+use anyhow::{Context, Result, anyhow};
+use posewise::track::TrackResult;
+use posewise::{Monitor, MonitorEvent, MonitorState, Observation, Preset};
+
+use super::zones;
+
+/// A monitor and where its events go.
+pub struct Watch {
+    monitor: Monitor,
+    out: Option<Box<dyn Write>>,
+    /// All events so far, for the plot.
+    pub events: Vec<MonitorEvent>,
+    /// All states so far, if the plot wants them.
+    pub states: Vec<MonitorState>,
+    keeps: bool,
+}
+
+impl Watch {
+    /// A monitor with the settings of a rule, and zones from a file or those of the rule. States
+    /// are kept if something will draw them.
+    pub fn new(
+        preset: Preset,
+        zone_file: Option<&Path>,
+        out: Option<Box<dyn Write>>,
+        keeps: bool,
+    ) -> Result<Self> {
+        let given = zone_file.map(zones::read).transpose()?;
+        let zones = given.as_deref().unwrap_or(preset.zones());
+        let monitor = Monitor::with_zones(&preset.config(), zones);
+        Ok(Watch {
+            monitor: monitor.map_err(|e| anyhow!("{e}"))?,
+            out,
+            events: Vec::new(),
+            states: Vec::new(),
+            keeps,
+        })
+    }
+
+    /// The result of a frame.
+    pub fn see(&mut self, result: &TrackResult, timestamp_us: i64) -> Result<()> {
+        self.observe(&Observation::from(result), timestamp_us)
+    }
+
+    /// What is seen of a frame.
+    pub fn observe(&mut self, seen: &Observation, timestamp_us: i64) -> Result<()> {
+        let updated = self.monitor.update(seen, timestamp_us);
+        updated.map_err(|e| anyhow!("{e}"))?;
+        while let Some(event) = self.monitor.events().pop() {
+            if let Some(out) = &mut self.out {
+                writeln!(out, "{}", line(&event)).context("cannot write the events")?;
+            }
+            self.events.push(event);
+        }
+        if self.keeps {
+            self.states.push(self.monitor.state());
+        }
+        Ok(())
+    }
+
+    /// What is known now.
+    pub fn state(&self) -> MonitorState {
+        self.monitor.state()
+    }
+
+    /// Hands everything on to the file.
+    pub fn flush(&mut self) -> Result<()> {
+        match &mut self.out {
+            Some(out) => out.flush().context("cannot write the events"),
+            None => Ok(()),
+        }
+    }
+
+    /// Closes the file.
+    pub fn close(&mut self) {
+        self.out = None;
+    }
+}
+
+/// Time, event, when it began and for how long it was known to go on, as
+/// `4.966667 s  microsleep  from 3.933333 s  for 1.000 s`.
+fn line(event: &MonitorEvent) -> String {
+    let seconds = |us: i64| us as f64 / 1e6;
+    let mut line = format!(
+        "{:.6} s  {}",
+        seconds(event.timestamp_us),
+        event.kind.name()
+    );
+    if event.duration_us > 0 {
+        line += &format!(
+            "  from {:.6} s  for {:.3} s",
+            seconds(event.start_us),
+            f64::from(event.duration_us) / 1e6
+        );
+    }
+    if let Some(zone) = event.zone {
+        line += &format!("  zone {zone}");
+    }
+    if event.value != 0.0 {
+        line += &format!("  value {:.3}", event.value);
+    }
+    if event.is_cut {
+        line += "  cut";
+    }
+    line
+}
