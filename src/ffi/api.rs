@@ -72,7 +72,7 @@ pub extern "C" fn posewise_strerror(status: posewise_status) -> *const c_char {
         POSEWISE_E_MIN_FACE => c"min_face_px must be 24..4096",
         POSEWISE_E_SCAN_BUDGET => c"scan_budget must be 100..10000000",
         POSEWISE_E_HINT => {
-            c"the hint: its box must be 16..32768 px, its angles within -360..360 degrees"
+            c"the hint: its box must be 16..32768 px, its yaw -180..180, its roll -360..360 degrees"
         }
         POSEWISE_E_EXCLUDED => {
             c"more than 16 excluded boxes, or one whose sides are not 1..32768 px"
