@@ -33,6 +33,8 @@ struct Slot {
 pub struct Session<'a> {
     random: Random,
     model: &'a Exact,
+    /// Whether it was trained: a face is then where the picture is.
+    is_trained: bool,
     fill: u8,
     slots: Vec<Slot>,
     /// Another tracker, which is overwritten with copies.
@@ -46,7 +48,7 @@ impl<'a> Session<'a> {
     /// Runs the session that follows from a seed; returns the hash of all outputs.
     pub fn run(
         seed: u64,
-        model: &'a Exact,
+        (model, is_trained): (&'a Exact, bool),
         library: &Library,
         fill: u8,
         tally: &'a mut Tally,
@@ -58,6 +60,7 @@ impl<'a> Session<'a> {
         let mut session = Session {
             random,
             model,
+            is_trained,
             fill,
             slots,
             spare: Tracker::new(model, None, fill).expect("defaults"),
@@ -183,7 +186,9 @@ impl<'a> Session<'a> {
         check_change(slot, &r, outputs);
         check_events(slot.state, &r, &events);
         if r.state == POSEWISE_TRACKING {
-            check_place(&r, picture);
+            if self.is_trained {
+                check_place(&r, picture);
+            }
             slot.fitted_us = r.timestamp_us;
         }
         self.tally.changes[slot.state as usize][r.state as usize] += 1;
