@@ -3,16 +3,18 @@
 //! On each frame, trackers that have a face go first. A tracker without one is told the boxes of
 //! the faces that the others track, and finds none of those. Of the trackers without a face, those
 //! search that lost theirs a moment ago, so that a person keeps the number; if there is none, and
-//! none coasts, one of the others. Where two trackers are on the same face, the one with the
-//! smaller claim has slid onto it, mostly from a face that went behind it: it gives it back. A
-//! tracker's claim is its recent mean of confidence times visible share.
+//! none coasts, a scout looks for new faces, each of which is then given to one of the others. The
+//! scout only detects: its scan goes on where it was when a face is found. Where two trackers are
+//! on the same face, the one with the smaller claim has slid onto it, mostly from a face that went
+//! behind it: it gives it back. A tracker's claim is its recent mean of confidence times visible
+//! share.
 
 use std::time::Duration;
 
 use anyhow::Result;
 use posewise::Roi;
 use posewise::shape::Intrinsics;
-use posewise::track::{EventLog, Model, State, TrackResult, is_same_face};
+use posewise::track::{EventLog, FoundFace, Model, State, TrackResult, is_same_face};
 
 use crate::cli::TrackerArgs;
 use crate::picture::Picture;
@@ -48,6 +50,10 @@ struct Slot<'m> {
 /// Trackers for several faces.
 pub struct Faces<'m> {
     slots: Vec<Slot<'m>>,
+    /// Detects new faces, and has none itself.
+    scout: Session<'m>,
+    /// Whether the scout has searched every place since a face was found or lost.
+    is_scanned: bool,
     last_us: Option<i64>,
 }
 
@@ -60,17 +66,22 @@ impl<'m> Faces<'m> {
         live: bool,
         roi: Option<Roi>,
     ) -> Result<Self> {
-        let slot = |_| -> Result<Slot<'m>> {
+        let session = || -> Result<Session<'m>> {
             let mut session = Session::new(model, args, live)?;
             session.set_roi(roi)?;
+            Ok(session)
+        };
+        let slot = |_| -> Result<Slot<'m>> {
             Ok(Slot {
-                session,
+                session: session()?,
                 claim: 0.0,
                 tracked_us: None,
             })
         };
         Ok(Faces {
             slots: (0..count.max(1)).map(slot).collect::<Result<_>>()?,
+            scout: session()?,
+            is_scanned: false,
             last_us: None,
         })
     }
@@ -78,27 +89,44 @@ impl<'m> Faces<'m> {
     /// One frame: a single tracker's result, or those that have a face.
     pub fn step(&mut self, picture: &Picture) -> Result<Vec<Face>> {
         let now_us = picture.timestamp_us;
+        match self.slots.len() {
+            1 => self.step_one(0, picture)?,
+            _ => self.step_all(picture)?,
+        }
+        self.update_claims(now_us);
+        let single = self.slots.len() == 1;
+        let all = self.slots.iter().enumerate();
+        // A face is shown once: a tracker that slid onto another one's gives it back next time.
+        let is_own = |id: usize| !self.slots[id].is_tracking() || self.excluded(id).is_empty();
+        Ok(all
+            .filter(|(id, slot)| single || (slot.has_face() && is_own(*id)))
+            .map(|(id, slot)| Face {
+                id,
+                result: *slot.session.shown(),
+            })
+            .collect())
+    }
+
+    /// Trackers that have a face, then those that lost it a moment ago, then those without one.
+    fn step_all(&mut self, picture: &Picture) -> Result<()> {
         let ids = 0..self.slots.len();
         let with_face: Vec<usize> = ids.filter(|id| self.slots[*id].has_face()).collect();
         for id in &with_face {
             self.step_one(*id, picture)?;
         }
         // Some of these may have lost their face on this frame.
-        for id in self.searching(now_us) {
-            if !with_face.contains(&id) {
-                self.step_one(id, picture)?;
-            }
+        self.is_scanned &= with_face.iter().all(|id| self.slots[*id].has_face());
+        let returning = self.returning(picture.timestamp_us);
+        for id in returning.iter().filter(|id| !with_face.contains(id)) {
+            self.step_one(*id, picture)?;
         }
-        self.update_claims(now_us);
-        let single = self.slots.len() == 1;
-        let all = self.slots.iter().enumerate();
-        Ok(all
-            .filter(|(_, slot)| single || slot.has_face())
-            .map(|(id, slot)| Face {
-                id,
-                result: *slot.session.shown(),
-            })
-            .collect())
+        // A new number would be given to a face that another tracker has just lost.
+        let mut faces = self.slots.iter().filter(|slot| slot.has_face());
+        if returning.is_empty() && faces.all(Slot::is_tracking) {
+            let free = (0..self.slots.len()).filter(|id| !with_face.contains(id));
+            self.find_new(picture, free.collect())?;
+        }
+        Ok(())
     }
 
     fn step_one(&mut self, id: usize, picture: &Picture) -> Result<()> {
@@ -109,21 +137,52 @@ impl<'m> Faces<'m> {
         Ok(())
     }
 
-    /// The trackers that search, in order.
-    fn searching(&self, now_us: i64) -> Vec<usize> {
-        let ids = 0..self.slots.len();
-        let (faces, mut others): (Vec<_>, Vec<_>) = ids.partition(|id| self.slots[*id].has_face());
-        // The last to lose its face first, then those that never had one.
-        others.sort_by_key(|id| std::cmp::Reverse(self.slots[*id].tracked_us));
+    /// The trackers that lost their face a moment ago, the last one first.
+    fn returning(&self, now_us: i64) -> Vec<usize> {
         let is_back_soon = |id: &usize| {
-            let tracked_us = self.slots[*id].tracked_us;
-            tracked_us.is_some_and(|then| now_us.saturating_sub(then) < RETURN_US)
+            let slot = &self.slots[*id];
+            let since = |then| now_us.saturating_sub(then);
+            !slot.has_face() && slot.tracked_us.is_some_and(|then| since(then) < RETURN_US)
         };
-        let returning = others.iter().filter(|id| is_back_soon(id)).count();
-        // A new number would be given to a face that another tracker has just lost.
-        let waits = faces.iter().any(|id| !self.slots[*id].is_tracking());
-        others.truncate(if waits { returning } else { returning.max(1) });
-        others
+        let mut ids: Vec<usize> = (0..self.slots.len()).filter(is_back_soon).collect();
+        ids.sort_by_key(|id| std::cmp::Reverse(self.slots[*id].tracked_us));
+        ids
+    }
+
+    /// Gives new faces to trackers that have none, which this frame was not shown: those that had a
+    /// face before come last. The work is a step's for the scout and each tracker, until every
+    /// place was searched; then one step's.
+    fn find_new(&mut self, picture: &Picture, mut free: Vec<usize>) -> Result<()> {
+        free.sort_by_key(|id| self.slots[*id].tracked_us);
+        let calls = if self.is_scanned {
+            1
+        } else {
+            self.slots.len() + 1
+        };
+        for _ in 0..calls {
+            if free.is_empty() {
+                break;
+            }
+            let tracked = self.slots.iter().filter(|slot| slot.is_tracking());
+            let tracked: Vec<[f32; 4]> = tracked.map(Slot::face_box).collect();
+            self.scout.exclude(&tracked)?;
+            let mut found = [FoundFace::default(); 4];
+            let most = free.len().min(found.len());
+            let detected = self.scout.detect(picture, &mut found[..most])?;
+            for face in &found[..detected.count] {
+                let id = free.remove(0);
+                let excluded = self.excluded(id);
+                let session = &mut self.slots[id].session;
+                session.exclude(&excluded)?;
+                session.step_at(picture, face)?;
+                self.is_scanned = false;
+            }
+            if detected.finished {
+                self.is_scanned = detected.count == 0;
+                break;
+            }
+        }
+        Ok(())
     }
 
     /// Boxes of faces that a tracker must leave to others.
@@ -174,7 +233,8 @@ impl<'m> Faces<'m> {
 
     /// Time spent in steps.
     pub fn busy(&self) -> Duration {
-        self.slots.iter().map(|slot| slot.session.busy).sum()
+        let slots = self.slots.iter().map(|slot| slot.session.busy);
+        slots.sum::<Duration>() + self.scout.busy
     }
 }
 

@@ -3,9 +3,11 @@
 use std::time::{Duration, Instant};
 
 use anyhow::{Result, anyhow};
-use posewise::image::Roi;
+use posewise::image::{Frame, Roi};
 use posewise::shape::Intrinsics;
-use posewise::track::{Config, EventLog, Model, StepError, TrackResult, Tracker};
+use posewise::track::{
+    Config, Detected, EventLog, FoundFace, Model, StepError, TrackResult, Tracker,
+};
 
 use crate::calibration::Calibration;
 use crate::cli::TrackerArgs;
@@ -86,6 +88,34 @@ impl<'m> Session<'m> {
 
     /// One frame.
     pub fn step(&mut self, picture: &Picture) -> Result<&TrackResult> {
+        self.call(picture, |tracker, model, frame| {
+            let stepped = tracker.step(model, frame, picture.timestamp_us);
+            stepped.map(drop)
+        })?;
+        Ok(self.shown())
+    }
+
+    /// One frame, on which a face is expected.
+    pub fn step_at(&mut self, picture: &Picture, face: &FoundFace) -> Result<()> {
+        self.call(picture, |tracker, model, frame| {
+            let stepped = tracker.step_at(model, frame, picture.timestamp_us, &face.hint());
+            stepped.map(drop)
+        })
+    }
+
+    /// Looks for faces, whatever the tracker does.
+    pub fn detect(&mut self, picture: &Picture, found: &mut [FoundFace]) -> Result<Detected> {
+        self.call(picture, |tracker, model, frame| {
+            tracker.detect(model, frame, found)
+        })
+    }
+
+    /// Calls the tracker with a frame, and measures the time that it takes.
+    fn call<T>(
+        &mut self,
+        picture: &Picture,
+        call: impl FnOnce(&mut Tracker, &Model<'m>, &Frame<'_>) -> Result<T, StepError>,
+    ) -> Result<T> {
         let frame = picture.frame()?;
         let size = (frame.width(), frame.height());
         if size != self.size {
@@ -97,17 +127,16 @@ impl<'m> Session<'m> {
                 .map_err(|e| anyhow!("{e}"))?;
         }
         let start = Instant::now();
-        let stepped = self.tracker.step(self.model, &frame, picture.timestamp_us);
+        let called = call(&mut self.tracker, self.model, &frame);
         self.busy += start.elapsed();
-        stepped.map_err(|e| match e {
+        called.map_err(|e| match e {
             StepError::Roi => anyhow!(
                 "--roi: does not lie in the frame of {}×{} px",
                 size.0,
                 size.1
             ),
             e => anyhow!("{e}"),
-        })?;
-        Ok(self.shown())
+        })
     }
 
     /// The result of the last step.
