@@ -24,6 +24,8 @@
 //! POSEWISE_SOAK_REPORT   where the report is written
 //! ```
 
+mod calls;
+mod checks;
 #[path = "../common/mod.rs"]
 mod common;
 mod session;
