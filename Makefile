@@ -136,11 +136,12 @@ override WASM := $(abspath $(TARGET_DIR))/wasm
 override WASM_MAKE := $(MAKE) --no-print-directory -f $(ROOT)/Makefile wasm-module MODEL=none \
 	TARGET=wasm32-unknown-unknown
 wasm:
-	$(WASM_MAKE) TARGET_DIR=$(WASM)/plain NAME=posewise
-	$(WASM_MAKE) TARGET_DIR=$(WASM)/simd128 NAME=posewise-simd128 FLAGS=-Ctarget-feature=+simd128
+	+$(WASM_MAKE) TARGET_DIR=$(WASM)/plain NAME=posewise
+	+$(WASM_MAKE) TARGET_DIR=$(WASM)/simd128 NAME=posewise-simd128 FLAGS=-Ctarget-feature=+simd128
 
 # Debian's Rust has no linker for WebAssembly of its own; package lld has one.
 wasm-module:
+	$(if $(BUILD_CORE),$(if $(shell command -v wasm-ld),,$(error no wasm-ld: package lld)))
 	cd $(ROOT) && RUSTFLAGS="-Cstrip=symbols $(FLAGS) $(if $(BUILD_CORE),-Clinker=wasm-ld)" \
 	$(CARGO) rustc --quiet --profile dist --lib --crate-type cdylib --no-default-features \
 		--features "$(FEATURES)" $(BUILD_CORE) --target $(TARGET) --target-dir $(TARGET_DIR)

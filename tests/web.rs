@@ -8,6 +8,7 @@ use common::{root, scratch};
 use posewise::{Config, Frame, FrameLayout, Model, State, Tracker};
 use std::fmt::Write as _;
 use std::io::Read;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
@@ -109,14 +110,29 @@ fn types_are_up_to_date() {
     if !require("node") || !has_package("typescript") {
         return;
     }
-    let (folder, out) = (root().join("web"), scratch("web/types"));
-    let tsc = |project: &str| {
+    let (folder, source, out) = (
+        root().join("web"),
+        scratch("web/source"),
+        scratch("web/types"),
+    );
+    let tsc = |project: PathBuf| {
         let mut node = Command::new("node");
         node.arg(folder.join("node_modules/typescript/bin/tsc"));
-        node.arg("--project").arg(folder.join(project));
+        node.arg("--project").arg(project);
         node
     };
-    succeed(tsc("tsconfig.json").arg("--outDir").arg(&out));
+    // Where the old types lie beside the code, the compiler would read these.
+    for entry in std::fs::read_dir(&folder).expect("web/") {
+        let path = entry.expect("an entry").path();
+        if path
+            .extension()
+            .is_some_and(|ending| ending == "js" || ending == "json")
+        {
+            let name = path.file_name().expect("a name");
+            std::fs::copy(&path, source.join(name)).expect("target/ is writable");
+        }
+    }
+    succeed(tsc(source.join("tsconfig.json")).arg("--outDir").arg(&out));
     for entry in std::fs::read_dir(&out).expect("a folder") {
         let path = entry.expect("an entry").path();
         let name = path
@@ -128,7 +144,7 @@ fn types_are_up_to_date() {
         check_generated(&format!("web/{name}"), &fresh);
     }
     // The page, and what a caller in TypeScript writes.
-    succeed(&mut tsc("test/tsconfig.json"));
+    succeed(&mut tsc(folder.join("test/tsconfig.json")));
 }
 
 #[test]
@@ -230,7 +246,7 @@ fn the_page_works_in_chromium() {
         return;
     }
     let server = web::Site::bind(site, 0).expect("a free port");
-    let url = server.url();
+    let url = server.url().expect("bound");
     std::thread::spawn(move || server.serve());
     let out = scratch("web/page");
     let mut node = Command::new("node");
@@ -239,4 +255,42 @@ fn the_page_works_in_chromium() {
     println!("{}", succeed(&mut node));
     check_frames(&out.join("frames.bin"));
     check_table(&out.join("page.csv"));
+}
+
+/// What lies outside the folder is not served.
+#[test]
+fn the_server_stays_in_its_folder() {
+    let folder = scratch("web/served");
+    std::fs::create_dir_all(folder.join("site")).expect("target/ is writable");
+    std::fs::write(folder.join("secret.txt"), "secret").expect("target/ is writable");
+    std::fs::write(folder.join("site/index.html"), "page").expect("target/ is writable");
+    let server = web::Site::bind(&folder.join("site"), 0).expect("a free port");
+    let url = server.url().expect("bound");
+    let address = url
+        .trim_start_matches("http://")
+        .trim_end_matches('/')
+        .to_owned();
+    std::thread::spawn(move || server.serve());
+    let ask = |request: &str| {
+        let mut stream = std::net::TcpStream::connect(&address).expect("it listens");
+        write!(stream, "{request}\r\n\r\n").expect("it reads");
+        let mut text = String::new();
+        stream.read_to_string(&mut text).expect("it answers");
+        text
+    };
+    assert!(ask("GET / HTTP/1.1").ends_with("\r\n\r\npage"));
+    assert!(ask("GET /index.html?a HTTP/1.1").starts_with("HTTP/1.1 200 "));
+    let secret = folder.join("secret.txt");
+    for path in [
+        "/../secret.txt",
+        "/none",
+        &format!("/{}", secret.display()),
+        "/%2e%2e/secret.txt",
+    ] {
+        assert!(
+            ask(&format!("GET {path} HTTP/1.1")).starts_with("HTTP/1.1 404 "),
+            "{path}"
+        );
+    }
+    assert!(ask("POST / HTTP/1.1").starts_with("HTTP/1.1 404 "));
 }

@@ -1,11 +1,3 @@
-/**
- * The picture that an element shows now.
- * @param {HTMLVideoElement | HTMLCanvasElement} element
- * @param {number} timestampUs
- * @returns {Promise<VideoFrame | ImageBitmap>}
- */
-export function grabbed(element: HTMLVideoElement | HTMLCanvasElement, timestampUs: number): Promise<VideoFrame | ImageBitmap>;
-export { frameOf } from "./luma.js";
 /** @typedef {import('./engine.js').Frame} Frame */
 /** @typedef {import('./layout.js').Config} Config */
 /** @typedef {import('./layout.js').Intrinsics} Intrinsics */
@@ -20,9 +12,19 @@ export { frameOf } from "./luma.js";
  * @typedef {object} Options
  * @property {import('./engine.js').LoadOptions['wasm']} [wasm] As in load().
  * @property {import('./engine.js').LoadOptions['model']} [model] As in load().
- * @property {Worker} [worker] A worker that runs worker.js, where it has another address.
+ * @property {Worker} [worker] A worker that runs worker.js, from startWorker() or elsewhere.
  * @property {Config} [config] Settings of the tracker.
  */
+/** A worker that runs worker.js. It loads while the caller does something else. */
+export function startWorker(): Worker;
+/**
+ * The picture that an element shows now.
+ * @param {HTMLVideoElement | HTMLCanvasElement} element
+ * @param {number} timestampUs
+ * @returns {Promise<VideoFrame | ImageBitmap>}
+ */
+export function grabbed(element: HTMLVideoElement | HTMLCanvasElement, timestampUs: number): Promise<VideoFrame | ImageBitmap>;
+export { frameOf } from "./luma.js";
 /** Follows one face in a worker. */
 export class FaceTracker {
     /**
@@ -53,8 +55,8 @@ export class FaceTracker {
     setIntrinsics(intrinsics: Intrinsics | null): Promise<void>;
     /** @param {Lens | null} lens null: none. */
     setLens(lens: Lens | null): Promise<void>;
-    /** Ends the worker; calls that were not answered fail. */
-    close(): void;
+    /** Ends the worker when it has answered what was asked before. */
+    close(): Promise<void>;
     #private;
 }
 export type Frame = import("./engine.js").Frame;
@@ -80,7 +82,7 @@ export type Options = {
      */
     model?: import("./engine.js").LoadOptions["model"];
     /**
-     * A worker that runs worker.js, where it has another address.
+     * A worker that runs worker.js, from startWorker() or elsewhere.
      */
     worker?: Worker | undefined;
     /**

@@ -20,9 +20,14 @@ export { frameOf } from './luma.js';
  * @typedef {object} Options
  * @property {import('./engine.js').LoadOptions['wasm']} [wasm] As in load().
  * @property {import('./engine.js').LoadOptions['model']} [model] As in load().
- * @property {Worker} [worker] A worker that runs worker.js, where it has another address.
+ * @property {Worker} [worker] A worker that runs worker.js, from startWorker() or elsewhere.
  * @property {Config} [config] Settings of the tracker.
  */
+
+/** A worker that runs worker.js. It loads while the caller does something else. */
+export function startWorker() {
+  return new Worker(new URL('./worker.js', import.meta.url), { type: 'module' });
+}
 
 /** Follows one face in a worker. */
 export class FaceTracker {
@@ -36,7 +41,7 @@ export class FaceTracker {
    * @param {Options} [options]
    */
   static async create({ worker, config = {}, ...source } = {}) {
-    worker ??= new Worker(new URL('./worker.js', import.meta.url), { type: 'module' });
+    worker ??= startWorker();
     const tracker = new FaceTracker(worker);
     // Addresses are those that the page would use.
     const absolute = Object.entries(source).map(([name, value]) =>
@@ -128,10 +133,10 @@ export class FaceTracker {
     await this.#call('setLens', [lens]);
   }
 
-  /** Ends the worker; calls that were not answered fail. */
-  close() {
+  /** Ends the worker when it has answered what was asked before. */
+  async close() {
+    await this.#call('close', []);
     this.#worker.terminate();
-    this.#fail(new Error('the tracker was closed'));
   }
 }
 

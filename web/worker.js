@@ -29,6 +29,18 @@ let engine;
 /** @type {Tracker} */
 let tracker;
 
+/**
+ * The pixels of a picture, which is closed: browsers have few frames of a camera.
+ * @param {VideoFrame | ImageBitmap} picture
+ */
+async function pixelsOf(picture) {
+  try {
+    return await frameOf(picture);
+  } finally {
+    picture.close();
+  }
+}
+
 /** @type {Record<string, (...args: any[]) => any>} */
 const CALLS = {
   /**
@@ -48,9 +60,7 @@ const CALLS = {
    */
   async track(picture, timestampUs) {
     const start = performance.now();
-    const isFrame = 'data' in picture;
-    const frame = isFrame ? picture : await frameOf(picture);
-    if (!isFrame) picture.close();
+    const frame = 'data' in picture ? picture : await pixelsOf(picture);
     const ready = performance.now();
     const result = tracker.step(frame, timestampUs);
     const stepMs = performance.now() - ready;
@@ -70,6 +80,8 @@ const CALLS = {
     };
   },
 
+  /** Answered after everything before it. */
+  close() {},
   reset: () => tracker.reset(),
   forgetIdentity: () => tracker.forgetIdentity(),
   setRoi: (roi) => tracker.setRoi(roi),

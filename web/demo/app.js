@@ -1,7 +1,7 @@
 // The demo page: plays a source, tracks its frames in a worker, shows what comes out.
 
-import { FaceTracker, grabbed, moduleName } from '../posewise.js';
-import { asset, embeddedWorker } from './assets.js';
+import { FaceTracker, grabbed, moduleName, startWorker } from '../posewise.js';
+import { asset, embeddedWorker, isStandalone } from './assets.js';
 import { Chart } from './charts.js';
 import { header, row, save } from './csv.js';
 import { draw } from './overlay.js';
@@ -15,6 +15,12 @@ const NOTES = {
   default: 'Trained on renders and research photographs: check its terms before you ship it.',
   clean: 'Trained on renders only: may ship in a product, under the MIT licence.',
 };
+
+/**
+ * Work of a step while it searches: more than the default, so that a face is found at once. The
+ * worker has time for it.
+ */
+const SCAN_BUDGET = 20_000;
 
 /**
  * @template {HTMLElement} T
@@ -85,12 +91,16 @@ async function loadModel() {
   const name = model.value === 'clean' ? 'clean' : 'default';
   element('model-note', HTMLElement).textContent = NOTES[name];
   const [wasm, bytes, worker] = await Promise.all([
-    asset(moduleName()), asset(`${name}.posewise`), embeddedWorker(),
+    asset(moduleName()).then((module) => WebAssembly.compile(module)),
+    asset(`${name}.posewise`),
+    isStandalone() ? embeddedWorker() : startWorker(),
   ]);
-  const next = await FaceTracker.create({ wasm, model: bytes, worker });
-  tracker?.close();
+  const config = { scanBudget: SCAN_BUDGET };
+  const next = await FaceTracker.create({ wasm, model: bytes, worker, config });
+  const before = tracker;
   tracker = next;
   isBusy = false;
+  await before?.close();
 }
 
 /** @param {Tracked} tracked */
@@ -133,21 +143,21 @@ async function onFrame(timestampUs) {
   if (isBusy || !tracker) return;
   const current = tracker;
   isBusy = true;
+  /** @type {VideoFrame | ImageBitmap | undefined} */
+  let shown;
   try {
     const frame = await grabbed(video, timestampUs);
-    const shown = frame instanceof ImageBitmap ? await createImageBitmap(frame) : frame.clone();
+    shown = frame instanceof ImageBitmap ? await createImageBitmap(frame) : frame.clone();
     const tracked = await current.track(frame, timestampUs);
     showFrame(shown, tracked);
-    shown.close();
     if (table) {
       table.push(row(table.length, tracked));
       rows.textContent = `${table.length - 1} rows`;
     }
     document.dispatchEvent(new CustomEvent('posewise:tracked', { detail: tracked }));
-  } catch (error) {
-    // Another model was chosen in the meantime.
-    if (current === tracker) throw error;
   } finally {
+    shown?.close();
+    // Another model may have been chosen in the meantime.
     if (current === tracker) isBusy = false;
   }
 }

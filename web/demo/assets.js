@@ -21,9 +21,8 @@ export function isStandalone() {
   return document.getElementById('asset:worker.js') !== null;
 }
 
-/** A worker that runs worker.js, where it is not a file. */
+/** A worker that runs worker.js, of standalone.html. */
 export async function embeddedWorker() {
-  if (!isStandalone()) return undefined;
   const code = new Blob([await asset('worker.js')], { type: 'text/javascript' });
   // Not a module: pages on a disk may not start workers that are.
   return new Worker(URL.createObjectURL(code));

@@ -221,7 +221,9 @@ async function times() {
         video.onseeked = resolve;
         video.currentTime = 0.025 + 0.05 * i;
       });
-      const { data, ...rest } = await frameOf(new VideoFrame(video, { timestamp: 0 }));
+      const picture = new VideoFrame(video, { timestamp: 0 });
+      const { data, ...rest } = await frameOf(picture);
+      picture.close();
       frames.push({ data: data.slice(), ...rest });
     }
     const found = {};

@@ -126,7 +126,7 @@ fn main() -> Result<()> {
             println!("{}", folder.display());
             if serve {
                 let site = web::Site::bind(&folder, port)?;
-                println!("{} (Ctrl-C ends it)", site.url());
+                println!("{} (Ctrl-C ends it)", site.url()?);
                 site.serve();
             }
         }

@@ -70,7 +70,12 @@ pub fn page(folder: &Path) -> Result<String> {
             ),
         ),
     ];
-    let mut page = text("index.html")?;
+    let html = text("index.html")?;
+    let lines = html.lines();
+    let mut page: String = lines
+        .filter(|line| !line.starts_with("<link rel=\"modulepreload\""))
+        .flat_map(|line| [line, "\n"])
+        .collect();
     for (old, new) in changes {
         ensure!(page.matches(old).count() == 1, "index.html: {old}");
         page = page.replace(old, &new);
