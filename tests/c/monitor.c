@@ -1,7 +1,7 @@
 /* monitor.c MODEL FRAMES WIDTH HEIGHT - calls every function of the driver monitor with all kinds
  * of invalid arguments, and checks what the settings and a tracker's observations do. Compiled as
  * C99, also with sanitizers. Prints each check that fails, nothing on success. */
-#include "check.h"
+#include "guarded.h"
 
 #include <limits.h>
 #include <math.h>
@@ -188,11 +188,10 @@ static void test_pointers(void) {
     {
         /* The state would be written into the monitor. */
         posewise_monitor_state *own = inside;
-        uint8_t before[sizeof *own];
         own->struct_size = sizeof *own;
-        memcpy(before, own, sizeof before);
+        own->timestamp_us = 77;
         CHECK_STATUS(posewise_monitor_get_state(m, own), POSEWISE_E_OVERLAP);
-        CHECK(memcmp(before, own, sizeof before) == 0);
+        CHECK(own->timestamp_us == 77);
     }
     guarded_free(memory);
 }
