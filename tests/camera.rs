@@ -1,6 +1,6 @@
-//! What the examples do with cameras. ffi-examples/v4l2.c runs on a real V4L2 device: vivid, the
-//! kernel's virtual camera, in an emulated machine. It shows a test pattern, on which the capture
-//! is checked, and then the demo clip.
+//! What the examples do with cameras. ffi-examples/v4l2.c and driver.c run on a real V4L2 device:
+//! vivid, the kernel's virtual camera, in an emulated machine. It shows a test pattern, on which
+//! the capture is checked, and then the demo clip.
 //!
 //! `POSEWISE_KERNEL` names the folder of an unpacked Linux image that has vivid.
 #![cfg(target_os = "linux")]
@@ -40,6 +40,8 @@ fn runs(console: &str) -> Vec<(String, Run)> {
             command = Some(line.to_string());
         } else if let Some(words) = line.strip_prefix("v4l2: ") {
             said.push(words.to_string());
+        } else if line.starts_with("driver: ") || line.contains(" frames, ") {
+            said.push(line.to_string());
         } else if let [index, time_us, "us", size, state, ..] =
             line.split(' ').collect::<Vec<_>>()[..]
         {
@@ -62,13 +64,18 @@ fn captures_from_a_device() {
         return;
     }
     let v4l2 = program("ffi-examples/v4l2.c", "v4l2-static", &["-O2", "-static"]);
+    let driver = program(
+        "ffi-examples/driver.c",
+        "driver-static",
+        &["-O2", "-static"],
+    );
     let control = program("tests/c/control.c", "control-static", &["-static"]);
     let feed = program("tests/c/feed.c", "feed-static", &["-static"]);
     let face = scratch("camera").join("demo.y4m");
     let demo = common::demo().expect("tests/data/demo.y4m.gz");
     std::fs::write(&face, demo.y4m).expect("target/ is writable");
     let mut machine = Command::new(root().join("tests/camera.sh"));
-    machine.arg(kernel).arg(v4l2).arg(control);
+    machine.arg(kernel).arg(v4l2).arg(driver).arg(control);
     machine.arg(feed).arg(face);
     let console = succeed(machine.arg(scratch("camera").join("disk")));
     println!("{console}");
@@ -102,6 +109,16 @@ fn captures_from_a_device() {
         assert_eq!(run.status, 1);
         assert!(run.said[0].starts_with(why), "{:?}", run.said);
     }
+    let watched = run("driver 0 /dev/video0 5");
+    assert_eq!(watched.status, 0);
+    assert!(
+        watched.said[0].starts_with("5 frames, 0 blinks"),
+        "{:?}",
+        watched.said
+    );
+    let missing = run("driver 0 /dev/video9 5");
+    assert_eq!(missing.status, 1);
+    assert!(missing.said[0].contains("no camera"), "{:?}", missing.said);
     let interrupted = run("interrupt");
     assert_eq!(interrupted.status, 0, "Ctrl-C is a clean end");
     assert!(interrupted.frames.len() >= 3);

@@ -1,17 +1,18 @@
 #!/bin/sh
-# camera.sh KERNEL V4L2 CONTROL FEED CLIP WORK - runs the V4L2 example in an emulated machine whose
-# kernel has vivid, the kernel's own virtual video device, and prints what it prints.
+# camera.sh KERNEL V4L2 DRIVER CONTROL FEED CLIP WORK - runs the V4L2 examples in an emulated
+# machine whose kernel has vivid, the kernel's own virtual video device, and prints what they print.
 #
 # There, /dev/video0 is a camera that shows a test pattern; what is shown on the output /dev/video2
-# comes in at /dev/video1. KERNEL is an unpacked Linux image (boot/, lib/modules/); V4L2, CONTROL
-# and FEED are ffi-examples/v4l2.c and two of tests/c, linked statically; CLIP is a grey y4m file,
-# WORK a folder for the machine's disk.
+# comes in at /dev/video1. KERNEL is an unpacked Linux image (boot/, lib/modules/); V4L2,
+# DRIVER, CONTROL and FEED are two of ffi-examples and two of tests/c, linked statically; CLIP is a
+# grey y4m file, WORK a folder for the machine's disk.
 set -eu
-kernel=$1 v4l2=$2 control=$3 feed=$4 clip=$5 work=$6
+kernel=$1 v4l2=$2 driver=$3 control=$4 feed=$5 clip=$6 work=$7
 rm -rf "$work"
 mkdir -p "$work/bin" "$work/modules" "$work/proc" "$work/sys" "$work/dev"
 cp "$(command -v busybox)" "$work/bin/busybox"
 cp "$v4l2" "$work/bin/v4l2"
+cp "$driver" "$work/bin/driver"
 cp "$control" "$work/bin/control"
 cp "$feed" "$work/bin/feed"
 cp "$clip" "$work/clip.y4m"
@@ -55,6 +56,8 @@ run v4l2 /dev/video0 3
 run v4l2 /dev/video0 3 H264
 run v4l2 /dev/video0 3 - face
 run v4l2 /dev/video9 3
+run driver 0 /dev/video0 5
+run driver 0 /dev/video9 5
 # What comes while it runs, after some frames.
 during() {
     echo "== \$*"
