@@ -10,7 +10,7 @@ pub enum EyeState {
     Unknown,
     /// Open.
     Open,
-    /// Closed, since fewer than the µs of [`MonitorState::closure_us`] and what was unknown.
+    /// Closed, for the time of [`MonitorState::closure_us`].
     Closed,
 }
 
