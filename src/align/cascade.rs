@@ -69,8 +69,8 @@ impl Workspace {
         }
     }
 
-    /// Features of the last iteration for the verifier, `[68][features]`, 0..127: the fine map at the
-    /// landmarks of the global stage. Empty in builds without the feature `verifier`.
+    /// Features of the last iteration for the verifier, `[68][features]`, 0..127: the fine map at
+    /// the landmarks of the global stage. Empty in builds without the feature `verifier`.
     pub fn features(&self) -> &[i8] {
         self.features.get(..self.feature_count).unwrap_or(&[])
     }

@@ -31,9 +31,9 @@ pub(super) const RETRY_CONFIDENCE: f32 = 0.1;
 
 /// A candidate with less confidence after an iteration is rejected without another one.
 ///
-/// Source: 1,404 candidates in pictures without people: 88 % are rejected after one iteration. Found
-/// faces of `faces300w/dev` and of dim pictures of `faces68/dev` are the same with 0, 0.001, 0.003
-/// and 0.01.
+/// Source: 1,404 candidates in pictures without people: 88 % are rejected after one iteration.
+/// Found faces of `faces300w/dev` and of dim pictures of `faces68/dev` are the same with 0, 0.001,
+/// 0.003 and 0.01.
 pub(super) const DISCARD_CONFIDENCE: f32 = 0.01;
 
 /// From this confidence on a frame is trusted: the identity, the appearance and the keyframes are
