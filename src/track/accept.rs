@@ -56,6 +56,7 @@ impl Tracker {
             true => &*shape,
             false => &*global_shape,
         };
+        self.target.last.set(shape, step.frame);
         let faces_camera = fit.state.pose.rotation.z_axis.z >= ANCHOR_MIN_FACING;
         if faces_camera && confidence.face >= TRUST_CONFIDENCE {
             self.target.anchor.set(shape, step.frame);

@@ -130,12 +130,14 @@ impl Tracker {
             return kept;
         }
         let centre = centre(&alignment.shape);
-        match self.target.anchor.unchanged(step.frame, centre) {
-            Some(share) if share.in_place.max(share.moved) < CUT_SHARE => false,
-            Some(share) if self.target.may_be_covered(step.now_us) => {
-                kept || confidence.visible_share() + share.in_place >= IN_PLACE_SHARES
-            }
-            _ => kept,
+        let (anchor, last) = (&self.target.anchor, &self.target.last);
+        if last.unchanged(step.frame, centre).most() < CUT_SHARE {
+            return false;
+        }
+        let may_be_covered = anchor.is_set() && self.target.may_be_covered(step.now_us);
+        kept || may_be_covered && {
+            let share = anchor.unchanged(step.frame, centre).in_place;
+            confidence.visible_share() + share >= IN_PLACE_SHARES
         }
     }
 }

@@ -56,13 +56,18 @@ impl Anchor {
         }
     }
 
-    /// What surrounded the face, in place and around this centre. `None` without an anchor.
-    pub(super) fn unchanged(&self, frame: &Frame<'_>, centre: [f32; 2]) -> Option<Unchanged> {
+    /// Whether there is one.
+    pub(super) fn is_set(&self) -> bool {
+        self.is_set
+    }
+
+    /// How much of what surrounded the face is as it was, in place and around this centre.
+    pub(super) fn unchanged(&self, frame: &Frame<'_>, centre: [f32; 2]) -> Unchanged {
         let in_place = Square::around(&self.shape);
-        self.is_set.then(|| Unchanged {
+        Unchanged {
             in_place: self.unchanged_in(frame, &in_place),
             moved: self.unchanged_in(frame, &in_place.at(centre)),
-        })
+        }
     }
 
     /// Share of the cells of this square's ring whose luma is as it was, but for a small change
@@ -99,6 +104,13 @@ pub(super) struct Unchanged {
     pub(super) in_place: f32,
     /// Where they are if they moved along with the face.
     pub(super) moved: f32,
+}
+
+impl Unchanged {
+    /// The larger one.
+    pub(super) fn most(&self) -> f32 {
+        self.in_place.max(self.moved)
+    }
 }
 
 /// Columns and rows of the ring's cells.
@@ -181,9 +193,9 @@ mod tests {
             [80.0 + 25.0 * cos, 80.0 + 25.0 * sin]
         });
         let mut anchor = Anchor::EMPTY;
-        assert!(anchor.unchanged(after, centre).is_none());
+        assert!(!anchor.is_set());
         anchor.set(&shape, before);
-        anchor.unchanged(after, centre).unwrap()
+        anchor.unchanged(after, centre)
     }
 
     fn share(after: &[u8; WIDTH * WIDTH]) -> f32 {

@@ -101,11 +101,11 @@ pub(super) const ANCHOR_MIN_FACING: f32 = 0.707;
 pub(super) const IN_PLACE_SHARES: f32 = 0.5;
 
 /// A trusted target of low confidence is lost at once when a smaller share of what surrounds its
-/// face is unchanged, in place or moved along: the picture is another one.
+/// face is as in the frame before, in place or moved along: the picture is another one.
 ///
-/// Source: 3,000 frames in which a picture without people takes the place of a face: 9 are tracked,
-/// 12 with 0.2, 42 without; no covered frame of the validation clips is lost by it (*Covered faces
-/// and the anchor*).
+/// Source: 3,000 frames in which a picture without people takes the place of a face: 6 are tracked,
+/// 42 without this; no covered frame of the validation clips is lost by it (*Another picture, and
+/// candidates that end early*).
 pub(super) const CUT_SHARE: f32 = 0.25;
 
 /// Largest change of luma with which a cell around the face is as it was \[grey levels\].

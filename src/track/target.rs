@@ -38,6 +38,8 @@ pub(super) struct Target {
     identity: IdentityEstimator,
     pub(super) appearance: Appearance,
     pub(super) anchor: Anchor,
+    /// The same of the last frame.
+    pub(super) last: Anchor,
     /// When it was last fitted \[µs\].
     pub(super) fitted_us: i64,
     /// Whether a frame was trusted since this identity began. Only then may the confidence fall as
@@ -59,6 +61,7 @@ impl Target {
         identity: IdentityEstimator::with_memory(0.0),
         appearance: Appearance::EMPTY,
         anchor: Anchor::EMPTY,
+        last: Anchor::EMPTY,
         fitted_us: 0,
         is_trusted: false,
         trusted_frames: 0,
