@@ -87,24 +87,74 @@ pub fn warp(frame: &Frame<'_>, to_frame: &Similarity, side: usize, crop: &mut Cr
     // Samples sit at the centres of a taps×taps division of the crop pixel.
     let first = |axis: i64| -axis * (taps as i64 - 1) / (2 * taps as i64);
     let (sub_a, sub_b) = (a / taps as i64, b / taps as i64);
-    let area = (taps * taps) as u32;
-    let coarse = scale >= COARSE_SCALE;
-    for (v, row) in crop
-        .luma
-        .chunks_exact_mut(side.max(1))
-        .take(side)
-        .enumerate()
-    {
+    let samples = Samples {
+        taps: taps as usize,
+        steps: [(a, b), (sub_a, sub_b)],
+        coarse: scale >= COARSE_SCALE,
+    };
+    let inside = Inside::of(frame).filter(|_| !samples.coarse);
+    let rows = crop.luma.chunks_exact_mut(side.max(1)).take(side);
+    for (v, row) in rows.enumerate() {
         // Crop (u, v) → frame (a·u − b·v + tx, b·u + a·v + ty).
-        let mut x = tx - b * v as i64 + first(a) - first(b);
-        let mut y = ty + a * v as i64 + first(b) + first(a);
+        let x = tx - b * v as i64 + first(a) - first(b);
+        let y = ty + a * v as i64 + first(b) + first(a);
+        match &inside {
+            Some(inside) if samples.are_inside(frame, x, y, side) => match taps {
+                1 => inside.fill::<1>(&samples, x, y, row),
+                2 => inside.fill::<2>(&samples, x, y, row),
+                3 => inside.fill::<3>(&samples, x, y, row),
+                _ => inside.fill::<4>(&samples, x, y, row),
+            },
+            _ => samples.fill(frame, x, y, row),
+        }
+    }
+    if frame.is_box_filtered() {
+        // Filtering the crop saves the nine reads per sample that the frame's own filter takes.
+        let radius = libm::roundf((BOX_PX / scale.max(1e-3) - 1.0) / 2.0);
+        if radius >= 1.0 {
+            box_filter(crop, (radius as usize).min(RADIUS_MAX));
+        }
+    }
+}
+
+/// Where the frame is sampled for a crop: `taps`×`taps` samples for each crop pixel. Coordinates
+/// are 16.16 fixed point.
+struct Samples {
+    taps: usize,
+    /// Frame x and y of a step to the next crop pixel and to the next sample of a pixel, in the
+    /// crop's u.
+    steps: [(i64, i64); 2],
+    /// Whether samples are single pixels of the frame.
+    coarse: bool,
+}
+
+impl Samples {
+    /// Whether all samples of a row of `side` pixels, the first one at (x, y), have their four
+    /// neighbours in the frame.
+    fn are_inside(&self, frame: &Frame<'_>, x: i64, y: i64, side: usize) -> bool {
+        let [(a, b), (sub_a, sub_b)] = self.steps;
+        let (last, tap) = (side as i64 - 1, self.taps as i64 - 1);
+        // The samples lie in a parallelogram between these corners.
+        (0..8).all(|corner: i64| {
+            let [u, i, j] = [corner & 1, corner >> 1 & 1, corner >> 2];
+            let x = x + a * last * u + (sub_a * i - sub_b * j) * tap;
+            let y = y + b * last * u + (sub_b * i + sub_a * j) * tap;
+            let within = |v: i64, size: i32| v >= 0 && v >> FRACTION < i64::from(size) - 1;
+            within(x, frame.width()) && within(y, frame.height())
+        })
+    }
+
+    /// Fills a row of crop pixels, the first of which has its first sample at (x, y).
+    fn fill(&self, frame: &Frame<'_>, mut x: i64, mut y: i64, row: &mut [u8]) {
+        let [(a, b), (sub_a, sub_b)] = self.steps;
+        let area = (self.taps * self.taps).max(1) as u32;
         for pixel in row {
             let mut sum = 0;
-            for j in 0..taps as i64 {
-                for i in 0..taps as i64 {
+            for j in 0..self.taps as i64 {
+                for i in 0..self.taps as i64 {
                     let sx = x + sub_a * i - sub_b * j;
                     let sy = y + sub_b * i + sub_a * j;
-                    sum += match coarse {
+                    sum += match self.coarse {
                         true => nearest(frame, sx, sy),
                         false => bilinear(frame, sx, sy),
                     };
@@ -115,12 +165,68 @@ pub fn warp(frame: &Frame<'_>, to_frame: &Similarity, side: usize, crop: &mut Cr
             y += b;
         }
     }
-    if frame.is_box_filtered() {
-        // Filtering the crop saves the nine reads per sample that the frame's own filter takes.
-        let radius = libm::roundf((BOX_PX / scale.max(1e-3) - 1.0) / 2.0);
-        if radius >= 1.0 {
-            box_filter(crop, (radius as usize).min(RADIUS_MAX));
+}
+
+/// The bytes of a frame whose luma is one byte, for samples that are inside of it.
+struct Inside<'a> {
+    bytes: &'a [u8],
+    origin: isize,
+    /// Bytes to the neighbour on the right.
+    right: isize,
+    /// Bytes to the neighbour below.
+    below: isize,
+}
+
+impl<'a> Inside<'a> {
+    fn of(frame: &Frame<'a>) -> Option<Self> {
+        Some(Inside {
+            bytes: frame.luma_bytes()?,
+            origin: frame.byte_offset(0, 0),
+            right: frame.byte_step(1, 0),
+            below: frame.byte_step(0, 1),
+        })
+    }
+
+    /// As [`Samples::fill`], for `T`×`T` bilinear samples that are inside: their coordinates fit 32
+    /// bits.
+    fn fill<const T: usize>(&self, samples: &Samples, x: i64, y: i64, row: &mut [u8]) {
+        let [(a, b), (sub_a, sub_b)] = samples.steps;
+        let [a, b, sub_a, sub_b] = [a, b, sub_a, sub_b].map(|step| step as i32);
+        let (mut x, mut y) = (x as i32, y as i32);
+        let area = (T * T).max(1) as u32;
+        for pixel in row {
+            let mut sum = 0;
+            let (mut line_x, mut line_y) = (x, y);
+            for _ in 0..T {
+                let (mut sx, mut sy) = (line_x, line_y);
+                for _ in 0..T {
+                    sum += self.bilinear(sx, sy);
+                    sx = sx.wrapping_add(sub_a);
+                    sy = sy.wrapping_add(sub_b);
+                }
+                line_x = line_x.wrapping_sub(sub_b);
+                line_y = line_y.wrapping_add(sub_a);
+            }
+            *pixel = ((sum + area / 2) / area) as u8;
+            x = x.wrapping_add(a);
+            y = y.wrapping_add(b);
         }
+    }
+
+    /// As [`bilinear`].
+    #[inline(always)]
+    fn bilinear(&self, x: i32, y: i32) -> u32 {
+        let [column, row] = [x, y].map(|v| (v >> FRACTION) as isize);
+        let at = self.origin + column * self.right + row * self.below;
+        // A byte that is not there, which cannot be, reads as 0: no path panics.
+        let read = |offset: isize| {
+            let byte = self.bytes.get((at + offset) as usize);
+            byte.map_or(0, |v| u32::from(*v))
+        };
+        let [fx, fy] = [x, y].map(|v| (v >> (FRACTION - 8) & 255) as u32);
+        let top = read(0) * (256 - fx) + read(self.right) * fx;
+        let bottom = read(self.below) * (256 - fx) + read(self.below + self.right) * fx;
+        (top * (256 - fy) + bottom * fy + (1 << 15)) >> 16
     }
 }
 

@@ -1,9 +1,11 @@
 //! Execution of a network's nodes.
 
-use super::kernel::{BLOCK, NO_LATERAL, Scale, TAP_PAIRS, TILE, Tile, conv2d, depthwise3x3};
+use super::kernel::{
+    BLOCK, Kernel, MAX_ROWS, Rows, STAGING, Scale, Staging, Strip, StripParts, Sum, TapWeights,
+    dispatch,
+};
 use super::plan::{
-    ARENA, MAX_CHANNELS, MAX_COLUMNS, MAX_WEIGHTS, Map, Network, Node, OP_ADD, OP_DEPTHWISE,
-    OP_INPUT, OP_LATERAL, OP_LINEAR,
+    ARENA, MAX_CHANNELS, Map, Network, Node, OP_ADD, OP_DEPTHWISE, OP_INPUT, OP_LATERAL, OP_LINEAR,
 };
 use crate::image::Crop;
 use crate::math::isqrt;
@@ -13,10 +15,8 @@ use crate::math::isqrt;
 pub struct Activations {
     /// The maps; each node's output has its place ([`Map`]).
     arena: [u8; ARENA],
-    /// The current node's weights, widened to 16 bits.
-    weights: [i16; MAX_WEIGHTS],
-    /// The input windows of some output pixels (im2col).
-    columns: [i16; MAX_COLUMNS],
+    /// Operands of the kernels: input values of a strip, or weights of depthwise channels.
+    staging: Staging,
 }
 
 impl Default for Activations {
@@ -30,8 +30,7 @@ impl Activations {
     pub const fn new() -> Self {
         Activations {
             arena: [0; ARENA],
-            weights: [0; MAX_WEIGHTS],
-            columns: [0; MAX_COLUMNS],
+            staging: Staging::new(),
         }
     }
 
@@ -55,12 +54,16 @@ const INPUT_SCALE: i64 = 32;
 impl Network<'_> {
     /// Computes all maps of a crop, whose side is the one that the network was read for \[px\].
     pub fn run(&self, crop: &Crop, work: &mut Activations) {
+        dispatch!(kernel => self.run_with(kernel, crop, work));
+    }
+
+    fn run_with<K: Kernel>(&self, kernel: K, crop: &Crop, work: &mut Activations) {
         for node in self.nodes.iter().flatten() {
             match node.op {
                 OP_INPUT => standardise(crop, node, work),
-                OP_ADD => add(node, work),
-                OP_DEPTHWISE => depthwise(node, work),
-                _ => convolve(node, work),
+                OP_ADD => add(kernel, node, work),
+                OP_DEPTHWISE => depthwise(kernel, node, work),
+                _ => convolve(kernel, node, work),
             }
         }
     }
@@ -70,42 +73,31 @@ impl Network<'_> {
 fn standardise(crop: &Crop, node: &Node<'_>, work: &mut Activations) {
     let luma = crop.luma();
     let n = luma.len().max(1) as i64;
-    let sum: i64 = luma.iter().map(|v| *v as i64).sum();
-    let squares: i64 = luma.iter().map(|v| *v as i64 * *v as i64).sum();
+    // The squares of 128² bytes add up to less than 2³².
+    let sum = i64::from(luma.iter().map(|v| u32::from(*v)).sum::<u32>());
+    let squares = luma.iter().map(|v| u32::from(*v) * u32::from(*v));
+    let squares = i64::from(squares.fold(0, u32::wrapping_add));
     // Mean and variance in units of 1/256; the deviation is in units of 1/16.
     let mean = (sum * 256 + n / 2) / n;
     let variance = ((squares * n - sum * sum) * 256 / (n * n)).max(0);
     let deviation = isqrt(variance as u32) as i64 + 16 * DEVIATION_OFFSET;
     // (v − mean)·32/deviation, with 28 bits of fraction below.
     let gain = (INPUT_SCALE << 20) * 16 / deviation.max(1);
+    let mut table = [0u8; 256];
+    for (v, out) in table.iter_mut().enumerate() {
+        let value = (((v as i64 * 256 - mean) * gain + (1 << 27)) >> 28) + 128;
+        *out = value.clamp(0, 255) as u8;
+    }
     if let Some(out) = work.arena.get_mut(node.output.range()) {
         for (out, v) in out.iter_mut().zip(luma) {
-            let value = (((*v as i64 * 256 - mean) * gain + (1 << 27)) >> 28) + 128;
-            *out = value.clamp(0, 255) as u8;
+            *out = table.get(usize::from(*v)).copied().unwrap_or(0);
         }
     }
 }
 
-/// Full convolution, with the lateral map added for `OP_LATERAL`: windows of up to [`TILE`] output
-/// pixels are gathered (im2col) and multiplied by the weights, [`BLOCK`] channels at a time.
-fn convolve(node: &Node<'_>, work: &mut Activations) {
+/// Full convolution, with the lateral map added for `OP_LATERAL`.
+fn convolve<K: Kernel>(kernel: K, node: &Node<'_>, work: &mut Activations) {
     let (from, to) = (node.input, node.output);
-    let (side, channels) = (to.side().max(1), to.channels().max(1));
-    let kernel = node.kernel as usize;
-    let Some(wide) = work.weights.get_mut(..node.weights.len()) else {
-        return;
-    };
-    for (wide, weight) in wide.iter_mut().zip(node.weights) {
-        *wide = *weight as i16;
-    }
-    let count = (kernel * kernel * from.channels())
-        .next_multiple_of(2)
-        .max(2);
-    // As many pixels per tile as have windows that fit the memory.
-    let pixels = (MAX_COLUMNS / count).clamp(1, TILE);
-    let Some(columns) = work.columns.get_mut(..pixels * count) else {
-        return;
-    };
     // Without a second input, an empty map.
     let lateral = match node.op {
         OP_LATERAL => node.other.range(),
@@ -115,137 +107,251 @@ fn convolve(node: &Node<'_>, work: &mut Activations) {
     let Ok([input, lateral, output]) = work.arena.get_disjoint_mut(maps) else {
         return;
     };
-    for (tile, out) in output.chunks_mut((pixels * channels).max(1)).enumerate() {
-        let present = out.len() / channels;
-        // In the last tile, the last pixel fills the unused places.
-        let index: [usize; TILE] = core::array::from_fn(|p| p.min(present.saturating_sub(1)));
-        let places = index.map(|p| {
-            let at = tile * pixels + p;
-            (at / side, at % side)
-        });
-        let windows = columns.chunks_exact_mut(count).zip(places);
-        for (columns, (y, x)) in windows.take(present) {
-            window(node, input, y, x, columns);
+    upsample(lateral, to.side(), to.channels(), output);
+    let conv = Convolution::new::<K>(node);
+    let scale = node.scale(node.bias.as_chunks().0);
+    let staged = work.staging.bytes();
+    if from.channels() > 1 {
+        conv.run(kernel, input, node.weights, &scale, staged, output);
+        return;
+    }
+    // The rows of windows of one channel are padded, block by block.
+    let weights = node.weights.chunks_exact(conv.unpadded().max(1));
+    let constants = scale
+        .bias
+        .chunks_exact(1)
+        .zip(scale.multiplier.chunks_exact(1));
+    for (block, (weights, (bias, multiplier))) in weights.zip(constants).enumerate() {
+        let scale = Scale {
+            bias,
+            multiplier,
+            ..scale
+        };
+        let weights = conv.padded(weights);
+        let weights = weights.as_flattened().get(..conv.block_weights());
+        if let Some((weights, output)) = weights.zip(output.get_mut(block * BLOCK..)) {
+            conv.run(kernel, input, weights, &scale, staged, output);
         }
-        let columns = index.map(|p| columns.get(p * count..(p + 1) * count).unwrap_or(&[]));
-        let lateral_at = places.map(|(y, x)| ((y / 2) * node.other.side() + x / 2) * channels);
-        let blocks = wide.chunks_exact((count * BLOCK).max(1));
-        for (block, (weights, scale)) in blocks.zip(node.scales()).enumerate() {
-            let at = block * BLOCK;
-            let lateral = lateral_at.map(|start| {
-                let block = lateral.get(start + at..);
-                block.and_then(|b| b.first_chunk()).unwrap_or(&NO_LATERAL)
-            });
-            let bytes = conv2d(&Tile { columns, lateral }, weights, &scale);
-            for (p, bytes) in bytes.iter().enumerate() {
-                let out = out.get_mut(p * channels + at..);
-                if let Some(out) = out.and_then(|o| o.first_chunk_mut()) {
-                    *out = *bytes;
+    }
+}
+
+/// Copies each pixel of a map of half the side to the four pixels of `output` that it covers.
+fn upsample(map: &[u8], side: usize, channels: usize, output: &mut [u8]) {
+    let rows = output.chunks_exact_mut((side * channels).max(1));
+    let halves = map.chunks_exact((side / 2 * channels).max(1));
+    for (half, row) in halves.flat_map(|half| [half, half]).zip(rows) {
+        let pixels = row.chunks_exact_mut((2 * channels).max(1));
+        for (from, to) in half.chunks_exact(channels.max(1)).zip(pixels) {
+            to.chunks_exact_mut(channels.max(1))
+                .for_each(|to| to.copy_from_slice(from));
+        }
+    }
+}
+
+/// Geometry of a full convolution. One of 1×1 pixels is that of a single row of them.
+struct Convolution {
+    /// Rows and pixels per row of the input \[px\].
+    from: [usize; 2],
+    /// The same of the output.
+    to: [usize; 2],
+    kernel: usize,
+    stride: usize,
+    /// Of the input.
+    channels: usize,
+    /// Of the output.
+    outputs: usize,
+    /// Input value that stands for 0.
+    zero_point: u8,
+    /// Values of a row of a window, padded.
+    columns: usize,
+}
+
+/// Columns of a row of a window of one channel, padded.
+const PADDED: usize = 8;
+
+impl Convolution {
+    fn new<K: Kernel>(node: &Node<'_>) -> Self {
+        let (from, to) = (node.input, node.output);
+        let (kernel, stride) = (node.kernel as usize, node.stride as usize);
+        let (from_size, to_size) = match kernel == 1 && stride == 1 {
+            true => ([1, from.side() * from.side()], [1, to.side() * to.side()]),
+            false => ([from.side(); 2], [to.side(); 2]),
+        };
+        Convolution {
+            from: from_size,
+            to: to_size,
+            kernel,
+            stride,
+            channels: from.channels(),
+            outputs: to.channels(),
+            zero_point: node.zero_point,
+            columns: (kernel * from.channels()).next_multiple_of(K::GROUP),
+        }
+    }
+
+    /// Weights of a block in the model.
+    fn unpadded(&self) -> usize {
+        let columns = self.kernel * self.kernel * self.channels;
+        columns.next_multiple_of(2) * BLOCK
+    }
+
+    /// The weights of a block for one input channel, `[pair of columns][8 channels][2]`, in rows
+    /// that are padded with zeros: `[row][pair of columns][8 channels][2]`.
+    fn padded(&self, weights: &[i8]) -> [[i8; PADDED * BLOCK]; MAX_ROWS] {
+        let mut padded = [[0; PADDED * BLOCK]; MAX_ROWS];
+        let place =
+            |column: usize, channel: usize| column / 2 * 2 * BLOCK + channel * 2 + column % 2;
+        let out = padded.as_flattened_mut();
+        for row in 0..self.kernel {
+            for column in 0..self.kernel {
+                for channel in 0..BLOCK {
+                    let from = weights.get(place(row * self.kernel + column, channel));
+                    let to = row * self.columns * BLOCK + place(column, channel);
+                    if let Some((to, from)) = out.get_mut(to).zip(from) {
+                        *to = *from;
+                    }
+                }
+            }
+        }
+        padded
+    }
+
+    /// Weights of a block, padded.
+    fn block_weights(&self) -> usize {
+        self.kernel * self.columns * BLOCK
+    }
+
+    /// Computes the blocks of channels that the scale has: strip by strip, so that the staged rows
+    /// fit the memory, and in a strip row by row, so that each is staged once.
+    fn run<K: Kernel>(
+        &self,
+        kernel: K,
+        input: &[u8],
+        weights: &[i8],
+        scale: &Scale<'_>,
+        staged: &mut [u8],
+        output: &mut [u8],
+    ) {
+        let mut bias = [[0; BLOCK]; MAX_CHANNELS / BLOCK];
+        let Some(bias) = bias.get_mut(..scale.bias.len()) else {
+            return;
+        };
+        bias.copy_from_slice(scale.bias);
+        kernel.correct(weights, self.zero_point, bias);
+        let scale = Scale { bias, ..*scale };
+        let [height, width] = self.to;
+        let step = self.stride * self.channels * K::WIDTH;
+        // As many pixels as have windows that fit, in whole tiles.
+        let row_bytes = STAGING / self.kernel.max(1) / 16 * 16;
+        let windows = row_bytes.saturating_sub(self.columns * K::WIDTH) / step.max(1) + 1;
+        let tiles = (windows / K::TILE * K::TILE).max(windows.min(K::TILE));
+        let radius = self.kernel / 2;
+        for first in (0..width).step_by(tiles.max(1)) {
+            let pixels = tiles.min(width - first);
+            let mut next = 0;
+            for y in 0..height {
+                let top = y * self.stride;
+                // Rows are counted from the first one of the padding.
+                for row in next.max(top)..top + self.kernel {
+                    let slot = row % self.kernel.max(1) * row_bytes;
+                    if let Some(staged) = staged.get_mut(slot..slot + row_bytes) {
+                        let row = row.wrapping_sub(radius);
+                        self.stage_row(kernel, input, row, [first, pixels], staged);
+                    }
+                }
+                next = top + self.kernel;
+                let mut rows = [0; MAX_ROWS];
+                for (k, row) in rows.iter_mut().enumerate() {
+                    *row = (top + k) % self.kernel.max(1) * row_bytes;
+                }
+                let at = (y * width + first) * self.outputs;
+                let end = at + (pixels - 1) * self.outputs + scale.bias.len() * BLOCK;
+                let parts = StripParts {
+                    values: staged,
+                    rows: rows.get(..self.kernel).unwrap_or(&[]),
+                    step,
+                    columns: self.columns,
+                    weights,
+                    scale,
+                    out: output.get_mut(at..end).unwrap_or(&mut []),
+                    channels: self.outputs,
+                };
+                if let Some(strip) = Strip::new(parts, K::WIDTH, K::GROUP) {
+                    kernel.conv2d(strip);
                 }
             }
         }
     }
-}
 
-/// Gathers the input window of output pixel (x, y), row by row, minus the input's zero point; 0
-/// outside the map.
-#[inline]
-fn window(node: &Node<'_>, input: &[u8], y: usize, x: usize, columns: &mut [i16]) {
-    let from = node.input;
-    let (kernel, stride) = (node.kernel as usize, node.stride as usize);
-    let zero = node.zero_point as i16;
-    let radius = kernel / 2;
-    let width = kernel * from.channels();
-    if kernel == 1 {
-        let at = (y * stride * from.side() + x * stride) * from.channels();
-        if let Some(values) = input.get(at..at + from.channels()) {
-            for (c, v) in columns.iter_mut().zip(values) {
-                *c = *v as i16 - zero;
-            }
+    /// Stages what the windows of some output pixels read of an input row; `row` is beyond the map
+    /// where it is outside.
+    #[inline]
+    fn stage_row<K: Kernel>(
+        &self,
+        kernel: K,
+        input: &[u8],
+        row: usize,
+        [first, pixels]: [usize; 2],
+        staged: &mut [u8],
+    ) {
+        let [height, width] = self.from;
+        let radius = self.kernel / 2;
+        let padding = kernel.padding(self.zero_point);
+        let from = first * self.stride;
+        let to = from + (pixels - 1) * self.stride + self.kernel;
+        // In pixels, counted from the first one of the padding.
+        let (left, right) = (from.max(radius), to.min(width + radius));
+        let pixel_bytes = self.channels * K::WIDTH;
+        if row >= height || from < left || right < to || self.channels == 1 {
+            staged.fill(padding);
         }
-        return;
-    }
-    let left = (x * stride).saturating_sub(radius);
-    let right = (x * stride + radius + 1).min(from.side());
-    let skipped = (left + radius - x * stride) * from.channels();
-    let len = right.saturating_sub(left) * from.channels();
-    for (row, columns) in columns.chunks_exact_mut(width.max(1)).enumerate() {
-        let sy = (y * stride + row).wrapping_sub(radius);
-        let at = sy
-            .wrapping_mul(from.side())
-            .wrapping_add(left)
-            .wrapping_mul(from.channels());
-        let values = match sy < from.side() {
-            true => input.get(at..at + len).unwrap_or(&[]),
-            false => &[],
-        };
-        if values.len() < width {
-            columns.fill(0);
-        }
-        if let Some(columns) = columns.get_mut(skipped..) {
-            for (c, v) in columns.iter_mut().zip(values) {
-                *c = *v as i16 - zero;
+        if row < height && left < right {
+            let at = row * width - radius;
+            let values = input.get((at + left) * self.channels..(at + right) * self.channels);
+            let staged = staged.get_mut((left - from) * pixel_bytes..);
+            if let Some((values, staged)) = values.zip(staged) {
+                kernel.stage(values, self.zero_point, staged);
             }
         }
     }
 }
 
-/// 3×3 convolution of each channel by itself, [`BLOCK`] channels at a time.
-fn depthwise(node: &Node<'_>, work: &mut Activations) {
+/// 3×3 convolution of each channel by itself.
+fn depthwise<K: Kernel>(kernel: K, node: &Node<'_>, work: &mut Activations) {
     let (from, to) = (node.input, node.output);
-    let stride = node.stride as usize;
     let (side, channels) = (to.side().max(1), to.channels().max(1));
     let Ok([input, output]) = work.arena.get_disjoint_mut([from.range(), to.range()]) else {
         return;
     };
-    let pairs = work.weights.as_chunks_mut::<{ 2 * BLOCK }>().0;
-    let Some(pairs) = pairs.get_mut(..channels / BLOCK * TAP_PAIRS) else {
+    let weights = work.staging.tap_weights();
+    let Some(weights) = weights.get_mut(..channels / BLOCK) else {
         return;
     };
-    pair_taps(node.weights, channels, pairs);
-    let zeros = [0u8; MAX_CHANNELS];
-    for (at, pixel) in output.chunks_exact_mut(channels).enumerate() {
-        let (y, x) = (at / side, at % side);
-        let mut taps =
-            [[0, 1]; TAP_PAIRS].map(|pair| pair.map(|_: usize| zeros.as_chunks().0.iter()));
-        for (tap, values) in taps.as_flattened_mut().iter_mut().take(9).enumerate() {
-            let sy = (y * stride + tap / 3).wrapping_sub(1);
-            let sx = (x * stride + tap % 3).wrapping_sub(1);
-            if sy < from.side() && sx < from.side() {
-                let at = (sy * from.side() + sx) * channels;
-                *values = input
-                    .get(at..at + channels)
-                    .unwrap_or(&[])
-                    .as_chunks()
-                    .0
-                    .iter();
-            }
-        }
-        let out = pixel.as_chunks_mut::<BLOCK>().0;
-        let weights = pairs.as_chunks::<TAP_PAIRS>().0;
-        for ((out, weights), scale) in out.iter_mut().zip(weights).zip(node.scales()) {
-            let block = taps
-                .each_mut()
-                .map(|pair| pair.each_mut().map(|tap| tap.next().unwrap_or(&[0; BLOCK])));
-            *out = depthwise3x3(&block, weights, &scale);
+    pair_taps(node.weights, channels, weights);
+    let scale = node.scale(node.bias.as_chunks().0);
+    for (y, out) in output.chunks_exact_mut(side * channels).enumerate() {
+        let stride = node.stride as usize;
+        if let Some(rows) = Rows::new(input, from.side(), channels, y * stride, stride) {
+            kernel.depthwise3x3(&rows, weights, &scale, out);
         }
     }
 }
 
-/// Reorders the weights `[9][channels]` to `[block][pair of taps][channel][2]`, as the kernel reads
+/// Reorders the weights `[9][channels]` to `[block][pair of taps][channel][2]`, as the kernels read
 /// them; the tenth tap is 0.
-fn pair_taps(weights: &[i8], channels: usize, pairs: &mut [[i16; 2 * BLOCK]]) {
-    for (k, pair) in pairs.iter_mut().enumerate() {
-        let (first, tap) = (k / TAP_PAIRS * BLOCK, k % TAP_PAIRS * 2);
-        for (i, wide) in pair.iter_mut().enumerate() {
-            let at = (tap + i % 2) * channels + first + i / 2;
-            *wide = weights.get(at).map_or(0, |w| *w as i16);
+fn pair_taps(weights: &[i8], channels: usize, blocks: &mut [TapWeights]) {
+    for (block, pairs) in blocks.iter_mut().enumerate() {
+        for (pair, wide) in pairs.iter_mut().enumerate() {
+            for (i, wide) in wide.iter_mut().enumerate() {
+                let at = (2 * pair + i % 2) * channels + block * BLOCK + i / 2;
+                *wide = weights.get(at).map_or(0, |w| *w as i16);
+            }
         }
     }
 }
 
 /// Weighted sum of two maps, in place of the first.
-fn add(node: &Node<'_>, work: &mut Activations) {
+fn add<K: Kernel>(kernel: K, node: &Node<'_>, work: &mut Activations) {
     let maps = [node.other.range(), node.output.range()];
     let Ok([other, output]) = work.arena.get_disjoint_mut(maps) else {
         return;
@@ -253,31 +359,27 @@ fn add(node: &Node<'_>, work: &mut Activations) {
     let &[own, second] = node.multiplier else {
         return;
     };
-    let (pre_shift, post_shift) = (node.pre_shift as u32 & 31, node.post_shift as u32 & 31);
-    let half = 1i32 << (post_shift.wrapping_sub(1) & 31);
-    for (out, other) in output.iter_mut().zip(other) {
-        // 16-bit factors, for which SIMD units have a multiply-add of pairs.
-        let sum = (*out as i16 as i32).wrapping_mul(own as i16 as i32);
-        let sum = sum.wrapping_add((*other as i16 as i32).wrapping_mul(second as i16 as i32));
-        let value = (sum >> pre_shift).wrapping_add(half) >> post_shift;
-        *out = value.clamp(0, 255) as u8;
-    }
+    let sum = Sum {
+        factors: [own as i16, second as i16],
+        pre_shift: node.pre_shift as u32,
+        post_shift: node.post_shift as u32,
+    };
+    kernel.add(&sum, other, output);
 }
 
 impl<'m> Node<'m> {
-    /// The requantisation of each block of channels.
-    fn scales(&self) -> impl Iterator<Item = Scale<'m>> {
-        let (pre_shift, post_shift) = (self.pre_shift as u32, self.post_shift as u32);
-        let zero_point = if self.op == OP_LINEAR { 128 } else { 0 };
-        let (bias, multiplier) = (self.bias.as_chunks().0, self.multiplier.as_chunks().0);
-        bias.iter()
-            .zip(multiplier)
-            .map(move |(bias, multiplier)| Scale {
-                bias,
-                multiplier,
-                pre_shift,
-                post_shift,
-                zero_point,
-            })
+    /// The requantisation of all channels.
+    fn scale<'a>(&self, bias: &'a [[i32; BLOCK]]) -> Scale<'a>
+    where
+        'm: 'a,
+    {
+        Scale {
+            bias,
+            multiplier: self.multiplier.as_chunks().0,
+            pre_shift: self.pre_shift as u32,
+            post_shift: self.post_shift as u32,
+            zero_point: if self.op == OP_LINEAR { 128 } else { 0 },
+            lateral: self.op == OP_LATERAL,
+        }
     }
 }

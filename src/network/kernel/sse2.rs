@@ -1,138 +1,323 @@
-//! The kernels for x86-64: `pmaddwd` multiplies pairs of 16-bit numbers and adds the products.
+//! The kernel for x86-64: `pmaddwd` multiplies pairs of 16-bit numbers and adds the products.
 
-use super::{BLOCK, NO_LATERAL, Scale, TILE, TapWeights, Taps, Tile};
-use core::arch::x86_64::{
-    __m128i, _mm_add_epi32, _mm_and_si128, _mm_cvtsi32_si128, _mm_cvtsi64_si128, _mm_cvtsi128_si32,
-    _mm_cvtsi128_si64, _mm_madd_epi16, _mm_packs_epi32, _mm_packus_epi16, _mm_set_epi64x,
-    _mm_set1_epi32, _mm_setr_epi16, _mm_setr_epi32, _mm_setzero_si128, _mm_shuffle_epi32,
-    _mm_slli_epi32, _mm_sra_epi32, _mm_srai_epi16, _mm_unpackhi_epi8, _mm_unpackhi_epi16,
-    _mm_unpacklo_epi8, _mm_unpacklo_epi16,
-};
+use super::tail;
+use super::{BLOCK, Kernel, Rows, Scale, Strip, Sum, TapWeights, Tile};
+use core::arch::x86_64::*;
 
+#[derive(Clone, Copy)]
+pub(in crate::network) struct Sse2;
+
+impl Kernel for Sse2 {
+    const WIDTH: usize = 2;
+    const GROUP: usize = 8;
+    const TILE: usize = 4;
+
+    fn stage(self, values: &[u8], zero_point: u8, staged: &mut [u8]) {
+        tail::widen(values, zero_point, staged);
+    }
+
+    fn conv2d(self, strip: Strip<'_>) {
+        // SAFETY: SSE2 is part of x86-64.
+        unsafe { conv2d(strip) }
+    }
+
+    fn depthwise3x3(
+        self,
+        rows: &Rows<'_>,
+        weights: &[TapWeights],
+        scale: &Scale<'_>,
+        out: &mut [u8],
+    ) {
+        // SAFETY: as above.
+        unsafe { depthwise3x3(rows, weights, scale, out) }
+    }
+
+    fn add(self, sum: &Sum, other: &[u8], out: &mut [u8]) {
+        // SAFETY: as above.
+        unsafe { add(sum, other, out) }
+    }
+
+    fn dot(self, features: &[u8], weights: &[i8]) -> i32 {
+        // SAFETY: as above.
+        unsafe { dot(features, weights) }
+    }
+}
+
+/// Tiles of four pixels and one block, which fill eight of the sixteen registers.
 #[target_feature(enable = "sse2")]
-#[inline]
-pub(super) fn conv2d(tile: &Tile<'_>, weights: &[i16], scale: &Scale<'_>) -> [[u8; BLOCK]; TILE] {
-    let mut sums = [[_mm_setzero_si128(); 2]; TILE];
-    for (pairs, weights) in tile.pairs().zip(weights.as_chunks::<16>().0) {
-        let weights = halves(weights);
-        for (sums, [x0, x1]) in sums.iter_mut().zip(pairs) {
-            let pair = _mm_set1_epi32((*x0 as u16 as u32 | (*x1 as u16 as u32) << 16) as i32);
-            for (sum, weights) in sums.iter_mut().zip(weights) {
-                *sum = _mm_add_epi32(*sum, _mm_madd_epi16(pair, weights));
+fn conv2d(mut strip: Strip<'_>) {
+    let (pixels, channels) = (strip.pixels(), strip.channels());
+    let scale = *strip.scale();
+    let requantization = Requantization::new(&scale);
+    for block in 0..strip.blocks() {
+        let requantization = requantization.of_block(&scale, block);
+        let out = strip.out().as_mut_ptr().wrapping_add(block * BLOCK);
+        let mut first = 0;
+        while first < pixels {
+            let tile = strip.tile(first, TILE);
+            // SAFETY: the strip has this block.
+            let sums = unsafe { sums(&strip, tile, block) };
+            for (p, sums) in sums.iter().enumerate().take(tile.present) {
+                // SAFETY: the strip has the outputs of all its blocks at all its pixels.
+                unsafe { requantization.store(*sums, out.wrapping_add((first + p) * channels)) };
             }
+            first += tile.present;
         }
     }
-    let mut out = [[0; BLOCK]; TILE];
-    for ((out, sums), lateral) in out.iter_mut().zip(sums).zip(tile.lateral) {
-        *out = requantize(sums, scale, lateral);
-    }
-    out
 }
 
+/// Pixels of a tile.
+const TILE: usize = 4;
+
+/// The sums of the pixels of a tile in a block.
+///
+/// # Safety
+/// The strip has this block.
 #[target_feature(enable = "sse2")]
 #[inline]
-pub(super) fn depthwise3x3(
-    taps: &Taps<'_>,
-    weights: &TapWeights,
-    scale: &Scale<'_>,
-) -> [u8; BLOCK] {
-    let mut sums = [_mm_setzero_si128(); 2];
-    for ([first, second], weights) in taps.iter().zip(weights) {
-        let (first, second) = (widened(first), widened(second));
-        let pairs = [
-            _mm_unpacklo_epi16(first, second),
-            _mm_unpackhi_epi16(first, second),
-        ];
-        for ((sum, pair), weights) in sums.iter_mut().zip(pairs).zip(halves(weights)) {
-            *sum = _mm_add_epi32(*sum, _mm_madd_epi16(pair, weights));
+unsafe fn sums(strip: &Strip<'_>, tile: Tile, block: usize) -> [[__m128i; 2]; TILE] {
+    let mut sums = [[_mm_setzero_si128(); 2]; TILE];
+    let mut weights = strip
+        .weights()
+        .as_ptr()
+        .wrapping_add(block * strip.block_weights());
+    for row in strip.rows() {
+        let mut window = tile.window.wrapping_add(*row);
+        for _ in 0..strip.columns() / 8 {
+            // SAFETY: a window has eight two-byte values for each eight columns.
+            let mut values = [_mm_setzero_si128(); TILE];
+            for (p, values) in values.iter_mut().enumerate() {
+                // SAFETY: a window has eight two-byte values for each eight columns.
+                *values = unsafe { _mm_loadu_si128(window.add(p * tile.step).cast()) };
+            }
+            // SAFETY: a block has 64 weights for each eight columns of each row.
+            unsafe {
+                multiply::<0b00_00_00_00>(&mut sums, &values, weights);
+                multiply::<0b01_01_01_01>(&mut sums, &values, weights.add(16));
+                multiply::<0b10_10_10_10>(&mut sums, &values, weights.add(32));
+                multiply::<0b11_11_11_11>(&mut sums, &values, weights.add(48));
+            }
+            weights = weights.wrapping_add(8 * BLOCK);
+            window = window.wrapping_add(16);
         }
     }
-    requantize(sums, scale, &NO_LATERAL)
+    sums
 }
 
+/// Multiplies one pair of the values of each pixel, which `PAIR` copies to all places, by sixteen
+/// weights.
+///
+/// # Safety
+/// `weights` is valid for sixteen bytes.
 #[target_feature(enable = "sse2")]
 #[inline]
-pub(super) fn dot(features: &[[u8; 2 * BLOCK]], weights: &[[i8; 2 * BLOCK]]) -> i32 {
-    let zero = _mm_setzero_si128();
-    let [mut low, mut high] = [zero; 2];
-    for (features, weights) in features.iter().zip(weights) {
-        let features = sixteen(*features);
-        let weights = sixteen(weights.map(|w| w as u8));
-        // Sign extension: the byte is shifted down from the upper half of a word.
-        let below = _mm_srai_epi16::<8>(_mm_unpacklo_epi8(zero, weights));
-        let above = _mm_srai_epi16::<8>(_mm_unpackhi_epi8(zero, weights));
-        let first = _mm_unpacklo_epi8(features, zero);
-        let second = _mm_unpackhi_epi8(features, zero);
-        low = _mm_add_epi32(low, _mm_madd_epi16(first, below));
-        high = _mm_add_epi32(high, _mm_madd_epi16(second, above));
+unsafe fn multiply<const PAIR: i32>(
+    sums: &mut [[__m128i; 2]; TILE],
+    values: &[__m128i; TILE],
+    weights: *const i8,
+) {
+    // SAFETY: as the caller promises.
+    let bytes = unsafe { _mm_loadu_si128(weights.cast()) };
+    let weights = signed(bytes);
+    for ([low, high], values) in sums.iter_mut().zip(values) {
+        let pair = _mm_shuffle_epi32::<PAIR>(*values);
+        *low = _mm_add_epi32(*low, _mm_madd_epi16(pair, weights[0]));
+        *high = _mm_add_epi32(*high, _mm_madd_epi16(pair, weights[1]));
     }
-    let sums = _mm_add_epi32(low, high);
-    let sums = _mm_add_epi32(sums, _mm_shuffle_epi32::<0b1110>(sums));
-    _mm_cvtsi128_si32(_mm_add_epi32(sums, _mm_shuffle_epi32::<0b01>(sums)))
 }
 
+/// Sixteen signed bytes as 16-bit numbers.
 #[target_feature(enable = "sse2")]
 #[inline]
-fn sixteen(v: [u8; 2 * BLOCK]) -> __m128i {
-    let [low, high] = [v.first_chunk(), v.last_chunk()]
-        .map(|half: Option<&[u8; BLOCK]>| i64::from_le_bytes(*half.unwrap_or(&[0; BLOCK])));
-    _mm_set_epi64x(high, low)
-}
-
-/// Sixteen 16-bit numbers in two registers.
-#[target_feature(enable = "sse2")]
-#[inline]
-fn halves(v: &[i16; 16]) -> [__m128i; 2] {
-    let [a, b, c, d, e, f, g, h, rest @ ..] = *v;
-    let [i, j, k, l, m, n, o, p] = rest;
+fn signed(bytes: __m128i) -> [__m128i; 2] {
+    let sign = _mm_cmpgt_epi8(_mm_setzero_si128(), bytes);
     [
-        _mm_setr_epi16(a, b, c, d, e, f, g, h),
-        _mm_setr_epi16(i, j, k, l, m, n, o, p),
+        _mm_unpacklo_epi8(bytes, sign),
+        _mm_unpackhi_epi8(bytes, sign),
     ]
 }
 
-/// Eight 32-bit numbers in two registers.
+/// Sixteen unsigned bytes as 16-bit numbers.
 #[target_feature(enable = "sse2")]
 #[inline]
-fn quarters(v: &[i32; BLOCK]) -> [__m128i; 2] {
-    let [a, b, c, d, e, f, g, h] = *v;
-    [_mm_setr_epi32(a, b, c, d), _mm_setr_epi32(e, f, g, h)]
+fn unsigned(bytes: __m128i) -> [__m128i; 2] {
+    let zero = _mm_setzero_si128();
+    [
+        _mm_unpacklo_epi8(bytes, zero),
+        _mm_unpackhi_epi8(bytes, zero),
+    ]
 }
 
-/// Bytes as 16-bit numbers.
-#[target_feature(enable = "sse2")]
-#[inline]
-fn widened(v: &[u8; BLOCK]) -> __m128i {
-    let v = _mm_cvtsi64_si128(i64::from_le_bytes(*v));
-    _mm_unpacklo_epi8(v, _mm_setzero_si128())
+/// A [`Scale`] in registers; bias and multiplier are those of one block.
+#[derive(Clone, Copy)]
+struct Requantization {
+    bias: [__m128i; 2],
+    multiplier: [__m128i; 2],
+    pre_shift: __m128i,
+    post_shift: __m128i,
+    half: __m128i,
+    /// The zero point; less 2·128 where a lateral is added.
+    offset: __m128i,
+    lateral: bool,
 }
 
-#[target_feature(enable = "sse2")]
-#[inline]
-fn requantize(sums: [__m128i; 2], scale: &Scale<'_>, lateral: &[u8; BLOCK]) -> [u8; BLOCK] {
-    let (pre_shift, post_shift) = (scale.pre_shift & 31, scale.post_shift & 31);
-    let half = _mm_set1_epi32(1 << (post_shift.wrapping_sub(1) & 31));
-    let [pre_shift, post_shift] =
-        [pre_shift, post_shift].map(|shift| _mm_cvtsi32_si128(shift as i32));
-    // 2·(lateral − 128) = 2·lateral − 256.
-    let zero_point = _mm_set1_epi32(scale.zero_point - 256);
-    let lateral = widened(lateral);
-    let lateral = [
-        _mm_unpacklo_epi16(lateral, _mm_setzero_si128()),
-        _mm_unpackhi_epi16(lateral, _mm_setzero_si128()),
-    ];
-    let low = _mm_set1_epi32(0xffff);
-    let (bias, multiplier) = (quarters(scale.bias), quarters(scale.multiplier));
-    let mut out = [_mm_setzero_si128(); 2];
-    let constants = bias.into_iter().zip(multiplier).zip(lateral);
-    for ((out, sum), ((bias, multiplier), lateral)) in out.iter_mut().zip(sums).zip(constants) {
-        let kept = _mm_sra_epi32(_mm_add_epi32(sum, bias), pre_shift);
-        // Only the lower 16 bits of each factor are multiplied: the upper ones meet zeros.
-        let scaled = _mm_madd_epi16(kept, _mm_and_si128(multiplier, low));
-        let scaled = _mm_sra_epi32(_mm_add_epi32(scaled, half), post_shift);
-        let lateral = _mm_add_epi32(zero_point, _mm_slli_epi32::<1>(lateral));
-        *out = _mm_add_epi32(scaled, lateral);
+impl Requantization {
+    #[target_feature(enable = "sse2")]
+    #[inline]
+    fn new(scale: &Scale<'_>) -> Self {
+        let (pre_shift, post_shift, half) = scale.shifts();
+        let lateral = if scale.lateral { -256 } else { 0 };
+        Requantization {
+            bias: [_mm_setzero_si128(); 2],
+            multiplier: [_mm_setzero_si128(); 2],
+            pre_shift: _mm_cvtsi32_si128(pre_shift as i32),
+            post_shift: _mm_cvtsi32_si128(post_shift as i32),
+            half: _mm_set1_epi32(half),
+            offset: _mm_set1_epi16((scale.zero_point + lateral) as i16),
+            lateral: scale.lateral,
+        }
     }
-    let words = _mm_packs_epi32(out[0], out[1]);
-    _mm_cvtsi128_si64(_mm_packus_epi16(words, words)).to_le_bytes()
+
+    #[target_feature(enable = "sse2")]
+    #[inline]
+    fn of_block(&self, scale: &Scale<'_>, block: usize) -> Self {
+        let [bias, multiplier] = [scale.bias, scale.multiplier].map(|of| {
+            let [a, b, c, d, e, f, g, h] = of.get(block).copied().unwrap_or_default();
+            [_mm_setr_epi32(a, b, c, d), _mm_setr_epi32(e, f, g, h)]
+        });
+        Requantization {
+            bias,
+            // Only the lower 16 bits of each factor are multiplied: the upper ones meet zeros.
+            multiplier: multiplier.map(|m| _mm_and_si128(m, _mm_set1_epi32(0xffff))),
+            ..*self
+        }
+    }
+
+    /// Writes the outputs of the block at a pixel.
+    ///
+    /// # Safety
+    /// `out` is valid for eight bytes.
+    #[target_feature(enable = "sse2")]
+    #[inline]
+    unsafe fn store(&self, mut sums: [__m128i; 2], out: *mut u8) {
+        let constants = self.bias.iter().zip(&self.multiplier);
+        for (sum, (bias, multiplier)) in sums.iter_mut().zip(constants) {
+            let kept = _mm_sra_epi32(_mm_add_epi32(*sum, *bias), self.pre_shift);
+            let scaled = _mm_madd_epi16(kept, *multiplier);
+            *sum = _mm_sra_epi32(_mm_add_epi32(scaled, self.half), self.post_shift);
+        }
+        // What saturates here is clamped below anyway.
+        let words = _mm_packs_epi32(sums[0], sums[1]);
+        let mut offset = self.offset;
+        if self.lateral {
+            // SAFETY: as the caller promises.
+            let [lateral, _] = unsigned(unsafe { _mm_loadl_epi64(out.cast_const().cast()) });
+            offset = _mm_add_epi16(offset, _mm_slli_epi16::<1>(lateral));
+        }
+        let words = _mm_adds_epi16(words, offset);
+        // SAFETY: as the caller promises.
+        unsafe { _mm_storel_epi64(out.cast(), _mm_packus_epi16(words, words)) };
+    }
+}
+
+/// Eight channels of all pixels of the row, then the next eight.
+#[target_feature(enable = "sse2")]
+fn depthwise3x3(rows: &Rows<'_>, weights: &[TapWeights], scale: &Scale<'_>, out: &mut [u8]) {
+    let channels = rows.channels().max(1);
+    let blocks = (channels / BLOCK).min(weights.len());
+    let requantization = Requantization::new(scale);
+    for (x, out) in out.chunks_exact_mut(channels).enumerate() {
+        let taps = rows.tap_starts(x);
+        for block in 0..blocks {
+            let requantization = requantization.of_block(scale, block);
+            // SAFETY: every tap has all channels, as have the weights and the output.
+            unsafe {
+                let sums = depthwise8(&taps, block * BLOCK, weights.as_ptr().add(block));
+                requantization.store(sums, out.as_mut_ptr().add(block * BLOCK));
+            }
+        }
+    }
+}
+
+/// The sums of eight channels from `at` on.
+///
+/// # Safety
+/// Every tap and the weights have these channels.
+#[target_feature(enable = "sse2")]
+#[inline]
+unsafe fn depthwise8(
+    taps: &[*const u8; 10],
+    at: usize,
+    weights: *const TapWeights,
+) -> [__m128i; 2] {
+    let mut sums = [_mm_setzero_si128(); 2];
+    let mut weights = weights.cast::<__m128i>();
+    for pair in taps.as_chunks::<2>().0 {
+        // SAFETY: as the caller promises.
+        let [first, second] = pair.map(|tap| unsafe { _mm_loadl_epi64(tap.add(at).cast()) });
+        for (sum, pairs) in sums
+            .iter_mut()
+            .zip(unsigned(_mm_unpacklo_epi8(first, second)))
+        {
+            // SAFETY: as the caller promises.
+            let of_pairs = unsafe { _mm_loadu_si128(weights) };
+            weights = weights.wrapping_add(1);
+            *sum = _mm_add_epi32(*sum, _mm_madd_epi16(pairs, of_pairs));
+        }
+    }
+    sums
+}
+
+#[target_feature(enable = "sse2")]
+fn add(sum: &Sum, other: &[u8], out: &mut [u8]) {
+    let (pre_shift, post_shift, half) = sum.shifts();
+    let [own, second] = sum.factors.map(|f| f as u16 as u32);
+    let factors = _mm_set1_epi32((own | second << 16) as i32);
+    let half = _mm_set1_epi32(half);
+    let [pre_shift, post_shift] = [pre_shift, post_shift].map(|s| _mm_cvtsi32_si128(s as i32));
+    let (vectors, rest) = out.as_chunks_mut::<16>();
+    let (others, rest_of_other) = other.as_chunks::<16>();
+    for (out, other) in vectors.iter_mut().zip(others) {
+        // SAFETY: both are sixteen bytes.
+        let [own, other] = [&*out, other].map(|v| unsafe { _mm_loadu_si128(v.as_ptr().cast()) });
+        let pairs = [_mm_unpacklo_epi8(own, other), _mm_unpackhi_epi8(own, other)];
+        let words = pairs.map(|pairs| {
+            let [low, high] = unsigned(pairs).map(|pairs| {
+                let sum = _mm_sra_epi32(_mm_madd_epi16(pairs, factors), pre_shift);
+                _mm_sra_epi32(_mm_add_epi32(sum, half), post_shift)
+            });
+            _mm_packs_epi32(low, high)
+        });
+        // SAFETY: the output is sixteen bytes.
+        unsafe {
+            _mm_storeu_si128(
+                out.as_mut_ptr().cast(),
+                _mm_packus_epi16(words[0], words[1]),
+            )
+        };
+    }
+    tail::add(sum, rest_of_other, rest);
+}
+
+#[target_feature(enable = "sse2")]
+fn dot(features: &[u8], weights: &[i8]) -> i32 {
+    let (vectors, rest) = features.as_chunks::<16>();
+    let (rows, rest_of_row) = weights.as_chunks::<16>();
+    let mut sums = [_mm_setzero_si128(); 2];
+    for (features, weights) in vectors.iter().zip(rows) {
+        // SAFETY: both are sixteen bytes.
+        let (features, weights) = unsafe {
+            (
+                unsigned(_mm_loadu_si128(features.as_ptr().cast())),
+                signed(_mm_loadu_si128(weights.as_ptr().cast())),
+            )
+        };
+        for ((sum, features), weights) in sums.iter_mut().zip(features).zip(weights) {
+            *sum = _mm_add_epi32(*sum, _mm_madd_epi16(features, weights));
+        }
+    }
+    let sums = _mm_add_epi32(sums[0], sums[1]);
+    let sums = _mm_add_epi32(sums, _mm_shuffle_epi32::<0b1110>(sums));
+    let sum = _mm_cvtsi128_si32(_mm_add_epi32(sums, _mm_shuffle_epi32::<0b01>(sums)));
+    sum.wrapping_add(tail::dot(rest, rest_of_row))
 }

@@ -1,0 +1,170 @@
+//! The list of kernels, and which of them runs.
+
+use core::sync::atomic::{AtomicU8, Ordering};
+
+/// A kernel's instruction set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum KernelName {
+    /// Portable Rust, which defines what the others compute.
+    Scalar = 1,
+    /// x86-64.
+    Sse2,
+    /// x86-64 with AVX2.
+    Avx2,
+    /// AArch64.
+    Neon,
+    /// AArch64 with dot products.
+    Dotprod,
+}
+
+impl KernelName {
+    /// All kernels, the fastest of each machine last.
+    pub const ALL: [KernelName; 5] = [
+        Self::Scalar,
+        Self::Sse2,
+        Self::Avx2,
+        Self::Neon,
+        Self::Dotprod,
+    ];
+
+    /// Name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Scalar => "scalar",
+            Self::Sse2 => "sse2",
+            Self::Avx2 => "avx2",
+            Self::Neon => "neon",
+            Self::Dotprod => "dotprod",
+        }
+    }
+
+    /// Whether this build has the kernel and this machine runs it.
+    pub fn is_available(self) -> bool {
+        match self {
+            Self::Scalar => cfg!(any(
+                test,
+                feature = "unstable-internals",
+                not(any(target_arch = "x86_64", target_arch = "aarch64"))
+            )),
+            Self::Sse2 => cfg!(target_arch = "x86_64"),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => super::avx2::is_available(),
+            Self::Neon => cfg!(target_arch = "aarch64"),
+            Self::Dotprod => cfg!(all(target_arch = "aarch64", target_feature = "dotprod")),
+            #[allow(unreachable_patterns, reason = "kernels of other machines")]
+            _ => false,
+        }
+    }
+}
+
+/// Number of the chosen kernel; 0 until the first run chooses.
+static CHOSEN: AtomicU8 = AtomicU8::new(0);
+
+/// The kernel that runs: the fastest of this machine, unless another was selected.
+#[inline]
+pub fn chosen_kernel() -> KernelName {
+    let chosen = CHOSEN.load(Ordering::Relaxed);
+    let known = KernelName::ALL.into_iter().find(|k| *k as u8 == chosen);
+    match known {
+        Some(kernel) => kernel,
+        None => choose(),
+    }
+}
+
+#[cold]
+fn choose() -> KernelName {
+    let mut available = KernelName::ALL
+        .into_iter()
+        .rev()
+        .filter(|k| k.is_available());
+    let fastest = available.next().unwrap_or(KernelName::Scalar);
+    CHOSEN.store(fastest as u8, Ordering::Relaxed);
+    fastest
+}
+
+/// Makes every tracker run this kernel from its next network on. Returns false, and changes
+/// nothing, where it is not available.
+pub fn select_kernel(kernel: KernelName) -> bool {
+    let available = kernel.is_available();
+    if available {
+        CHOSEN.store(kernel as u8, Ordering::Relaxed);
+    }
+    available
+}
+
+/// The chosen kernel.
+#[derive(Clone, Copy)]
+pub(in crate::network) enum Chosen {
+    #[cfg(target_arch = "x86_64")]
+    Avx2(super::avx2::Avx2),
+    #[cfg(target_arch = "x86_64")]
+    Sse2(super::sse2::Sse2),
+    #[cfg(all(target_arch = "aarch64", target_feature = "dotprod"))]
+    Dotprod(super::dotprod::Dotprod),
+    #[cfg(target_arch = "aarch64")]
+    Neon(super::neon::Neon),
+    #[cfg(any(
+        test,
+        feature = "unstable-internals",
+        not(any(target_arch = "x86_64", target_arch = "aarch64"))
+    ))]
+    Scalar(super::scalar::Scalar),
+}
+
+/// The chosen kernel, for [`dispatch`].
+#[inline]
+pub(in crate::network) fn chosen() -> Chosen {
+    // SAFETY: only what is available is chosen.
+    unsafe { of_name(chosen_kernel()) }
+}
+
+/// The kernel of a name.
+///
+/// # Safety
+/// It is available.
+#[inline]
+pub(super) unsafe fn of_name(name: KernelName) -> Chosen {
+    match name {
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: the caller promises that it is available.
+        KernelName::Avx2 => Chosen::Avx2(unsafe { super::avx2::Avx2::new() }),
+        #[cfg(all(
+            any(target_arch = "x86_64", target_arch = "aarch64"),
+            any(test, feature = "unstable-internals")
+        ))]
+        KernelName::Scalar => Chosen::Scalar(super::scalar::Scalar),
+        #[cfg(target_arch = "x86_64")]
+        _ => Chosen::Sse2(super::sse2::Sse2),
+        #[cfg(all(target_arch = "aarch64", target_feature = "dotprod"))]
+        KernelName::Dotprod => Chosen::Dotprod(super::dotprod::Dotprod),
+        #[cfg(target_arch = "aarch64")]
+        _ => Chosen::Neon(super::neon::Neon),
+        #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+        _ => Chosen::Scalar(super::scalar::Scalar),
+    }
+}
+
+/// Evaluates an expression with the chosen [`Kernel`](super::Kernel).
+macro_rules! dispatch {
+    ($kernel:ident => $call:expr) => {{
+        use crate::network::kernel::{Chosen, chosen};
+        match chosen() {
+            #[cfg(target_arch = "x86_64")]
+            Chosen::Avx2($kernel) => $call,
+            #[cfg(target_arch = "x86_64")]
+            Chosen::Sse2($kernel) => $call,
+            #[cfg(all(target_arch = "aarch64", target_feature = "dotprod"))]
+            Chosen::Dotprod($kernel) => $call,
+            #[cfg(target_arch = "aarch64")]
+            Chosen::Neon($kernel) => $call,
+            #[cfg(any(
+                test,
+                feature = "unstable-internals",
+                not(any(target_arch = "x86_64", target_arch = "aarch64"))
+            ))]
+            Chosen::Scalar($kernel) => $call,
+        }
+    }};
+}
+pub(in crate::network) use dispatch;
