@@ -71,10 +71,8 @@ fn answer(mut stream: &TcpStream, folder: &Path) -> std::io::Result<()> {
     match file.and_then(|file| Some((file.metadata().ok()?, file))) {
         Some((data, mut file)) if data.is_file() => {
             let (kind, length) = (kind_of(path), data.len());
-            write!(
-                stream,
-                "HTTP/1.1 200 OK\r\nContent-Type: {kind}\r\nContent-Length: {length}\r\n{always}\r\n"
-            )?;
+            let sizes = format!("Content-Type: {kind}\r\nContent-Length: {length}");
+            write!(stream, "HTTP/1.1 200 OK\r\n{sizes}\r\n{always}\r\n")?;
             std::io::copy(&mut file, &mut stream)?;
         }
         _ => write!(
