@@ -232,7 +232,7 @@ static void test_lenses(void) {
         tracked += r->state == POSEWISE_TRACKING;
         frame_free(f);
     }
-    CHECK(tracked > 12);
+    CHECK(tracked > i / 4); /* it is found first */
     free(lens), free(r), free(t);
 }
 
