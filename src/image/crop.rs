@@ -92,18 +92,19 @@ pub fn warp(frame: &Frame<'_>, to_frame: &Similarity, side: usize, crop: &mut Cr
         steps: [(a, b), (sub_a, sub_b)],
         coarse: scale >= COARSE_SCALE,
     };
-    let inside = Inside::of(frame).filter(|_| !samples.coarse);
+    let inside = Inside::of(frame);
     let rows = crop.luma.chunks_exact_mut(side.max(1)).take(side);
     for (v, row) in rows.enumerate() {
         // Crop (u, v) → frame (a·u − b·v + tx, b·u + a·v + ty).
         let x = tx - b * v as i64 + first(a) - first(b);
         let y = ty + a * v as i64 + first(b) + first(a);
         match &inside {
-            Some(inside) if samples.are_inside(frame, x, y, side) => match taps {
-                1 => inside.fill::<1>(&samples, x, y, row),
-                2 => inside.fill::<2>(&samples, x, y, row),
-                3 => inside.fill::<3>(&samples, x, y, row),
-                _ => inside.fill::<4>(&samples, x, y, row),
+            Some(inside) if samples.are_inside(frame, x, y, side) => match (samples.coarse, taps) {
+                (true, _) => inside.fill::<4>(&samples, x, y, row, |x, y| inside.nearest(x, y)),
+                (_, 1) => inside.fill::<1>(&samples, x, y, row, |x, y| inside.bilinear(x, y)),
+                (_, 2) => inside.fill::<2>(&samples, x, y, row, |x, y| inside.bilinear(x, y)),
+                (_, 3) => inside.fill::<3>(&samples, x, y, row, |x, y| inside.bilinear(x, y)),
+                _ => inside.fill::<4>(&samples, x, y, row, |x, y| inside.bilinear(x, y)),
             },
             _ => samples.fill(frame, x, y, row),
         }
@@ -187,9 +188,16 @@ impl<'a> Inside<'a> {
         })
     }
 
-    /// As [`Samples::fill`], for `T`×`T` bilinear samples that are inside: their coordinates fit 32
-    /// bits.
-    fn fill<const T: usize>(&self, samples: &Samples, x: i64, y: i64, row: &mut [u8]) {
+    /// As [`Samples::fill`], for `T`×`T` samples that are inside: their coordinates fit 32 bits.
+    #[inline(always)]
+    fn fill<const T: usize>(
+        &self,
+        samples: &Samples,
+        x: i64,
+        y: i64,
+        row: &mut [u8],
+        sample: impl Fn(i32, i32) -> u32,
+    ) {
         let [(a, b), (sub_a, sub_b)] = samples.steps;
         let [a, b, sub_a, sub_b] = [a, b, sub_a, sub_b].map(|step| step as i32);
         let (mut x, mut y) = (x as i32, y as i32);
@@ -200,7 +208,7 @@ impl<'a> Inside<'a> {
             for _ in 0..T {
                 let (mut sx, mut sy) = (line_x, line_y);
                 for _ in 0..T {
-                    sum += self.bilinear(sx, sy);
+                    sum += sample(sx, sy);
                     sx = sx.wrapping_add(sub_a);
                     sy = sy.wrapping_add(sub_b);
                 }
@@ -213,16 +221,26 @@ impl<'a> Inside<'a> {
         }
     }
 
+    /// The byte at this index. One that is not there, which cannot be, reads as 0: no path
+    /// panics.
+    #[inline(always)]
+    fn read(&self, at: isize) -> u32 {
+        self.bytes.get(at as usize).map_or(0, |v| u32::from(*v))
+    }
+
+    /// As [`nearest`].
+    #[inline(always)]
+    fn nearest(&self, x: i32, y: i32) -> u32 {
+        let round = |v: i32| ((v + (1 << (FRACTION - 1))) >> FRACTION) as isize;
+        self.read(self.origin + round(x) * self.right + round(y) * self.below)
+    }
+
     /// As [`bilinear`].
     #[inline(always)]
     fn bilinear(&self, x: i32, y: i32) -> u32 {
         let [column, row] = [x, y].map(|v| (v >> FRACTION) as isize);
         let at = self.origin + column * self.right + row * self.below;
-        // A byte that is not there, which cannot be, reads as 0: no path panics.
-        let read = |offset: isize| {
-            let byte = self.bytes.get((at + offset) as usize);
-            byte.map_or(0, |v| u32::from(*v))
-        };
+        let read = |offset: isize| self.read(at + offset);
         let [fx, fy] = [x, y].map(|v| (v >> (FRACTION - 8) & 255) as u32);
         let top = read(0) * (256 - fx) + read(self.right) * fx;
         let bottom = read(self.below) * (256 - fx) + read(self.below + self.right) * fx;
