@@ -1,6 +1,6 @@
 /* mjpg.c JPEG FRAMES WIDTH HEIGHT - tests the decoder of the camera example. The decoded image is
  * close to the first frame; truncated and corrupt images do not crash. Compiled with sanitizers. */
-#include "check.h"
+#include "guarded.h"
 
 #include "../../ffi-examples/mjpg.h"
 
