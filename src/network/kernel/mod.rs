@@ -26,6 +26,7 @@ mod sse2;
 mod tail;
 #[cfg(test)]
 mod tests;
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
 mod unrolled;
 
 pub(super) use choice::{Chosen, chosen, dispatch};
