@@ -83,6 +83,7 @@ override LINK_SHARED = $(LINKER) -shared -nostartfiles -s -Wl,-soname,$(SONAME) 
 # Cargo knows whether the library is up to date. The file is replaced by renaming, because two runs
 # of make may share a folder. One object of the archive has all functions, and needs few others.
 # Bitcode in the others (.llvmbc) would make binutils with LLVM's plugin see nothing else.
+# Nothing unwinds here: without ARM's tables no function of Rust that would is asked for.
 lib:
 	cd $(ROOT) && $(CARGO) rustc --quiet --profile dist --lib --crate-type staticlib \
 		$(if $(strip $(UNWANTED)),--no-default-features) --features "$(FEATURES)" \
@@ -92,7 +93,8 @@ lib:
 	cd $$temporary && cp ../libposewise.a . && \
 	$(if $(CAN_HIDE),$(BINUTILS)objcopy -R .llvmbc -R .llvmcmd libposewise.a && \
 		$(BINUTILS)ld -r -u posewise_version -o posewise.o libposewise.a && \
-		$(BINUTILS)objcopy --wildcard --keep-global-symbol='posewise_*' posewise.o && \
+		$(BINUTILS)objcopy --wildcard --keep-global-symbol='posewise_*' \
+			-R '.ARM.ex*' -N rust_eh_personality posewise.o && \
 		rm libposewise.a && $(BINUTILS)ar rcsD libposewise.a posewise.o &&) \
 	$(if $(CAN_SHARE),$(LINK_SHARED) -o $(SONAME) posewise.o && \
 		mv $(SONAME) $(DIST)/lib/$(SONAME) &&) \
