@@ -306,8 +306,9 @@ impl Convolution {
             staged.fill(padding);
         }
         if row < height && left < right {
-            let at = row * width - radius;
-            let values = input.get((at + left) * self.channels..(at + right) * self.channels);
+            let at = row * width;
+            let [start, end] = [left, right].map(|v| (at + v - radius) * self.channels);
+            let values = input.get(start..end);
             let staged = staged.get_mut((left - from) * pixel_bytes..);
             if let Some((values, staged)) = values.zip(staged) {
                 kernel.stage(values, self.zero_point, staged);
