@@ -1,6 +1,6 @@
 /* posewise.h - head pose, 68 facial landmarks and animation weights from camera frames, and a
  * driver monitor over them.
- * C99 and C++11. No heap, no state of its own, no clock, no threads, no I/O.
+ * C99 and C++11. No heap, no clock, no threads, no I/O.
  *
  * Memory   The caller owns all memory. The library allocates nothing and frees nothing.
  * Stack    A call takes less than 32 KiB.

@@ -59,7 +59,7 @@ impl Tracker {
         self.target.last.set(shape, step.frame);
         let faces_camera = fit.state.pose.rotation.z_axis.z >= ANCHOR_MIN_FACING;
         if faces_camera && confidence.face >= TRUST_CONFIDENCE {
-            self.target.anchor.set(shape, step.frame);
+            self.target.anchor.clone_from(&self.target.last);
         } else if !faces_camera && confidence.face >= UNTRUSTED_KEEP_CONFIDENCE {
             self.target.anchor.clear();
         }

@@ -21,7 +21,7 @@ const LUMA_MAX: usize = 255;
 /// Cells of the ring at most.
 const CELLS: usize = 64;
 
-/// The landmarks of the last trusted frame and the mean luma of the cells around them.
+/// The landmarks of a frame and the mean luma of the cells around them.
 #[derive(Clone)]
 pub(super) struct Anchor {
     is_set: bool,
@@ -46,7 +46,7 @@ impl Anchor {
         self.is_set = false;
     }
 
-    /// The target is trusted on this frame.
+    /// Takes the surroundings of the face on this frame.
     pub(super) fn set(&mut self, shape: &Shape, frame: &Frame<'_>) {
         self.is_set = true;
         self.shape = *shape;

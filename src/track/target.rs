@@ -37,8 +37,9 @@ pub(super) struct Target {
     face: FaceState,
     identity: IdentityEstimator,
     pub(super) appearance: Appearance,
+    /// Of the last trusted frame.
     pub(super) anchor: Anchor,
-    /// The same of the last frame.
+    /// Of the last frame.
     pub(super) last: Anchor,
     /// When it was last fitted \[µs\].
     pub(super) fitted_us: i64,
