@@ -47,6 +47,7 @@
 #define POSEWISE_ANIMATIONS          24u          // Weights, named by posewise_animation_name()
 #define POSEWISE_EXCLUDED            16u          // Most boxes of posewise_set_excluded()
 #define POSEWISE_EVENTS              64u          // Unread events that a tracker keeps
+#define POSEWISE_CPU_DOTPROD         1u           // Dot products of AArch64, for posewise_set_cpu()
 
 #define POSEWISE_OK                  0            // Success
 #define POSEWISE_E_ARG               (-1)         // Another invalid argument; not returned today
@@ -619,6 +620,14 @@ uint32_t posewise_version(void);
 
 // POSEWISE_ABI of the linked library.
 uint32_t posewise_abi(void);
+
+// Says which instructions the processor has beyond those that the library was compiled for: bits
+// POSEWISE_CPU_*, or 0. Steps get faster; results have the same bits. It holds for all trackers
+// from their next step on, so call it once at the start. Without it, a library for AArch64 uses
+// what every such processor has; on x86-64 the library finds out by itself, and the bits of other
+// machines have no effect. On Linux, POSEWISE_CPU_DOTPROD is HWCAP_ASIMDDP of getauxval(AT_HWCAP).
+// A bit that is not true ends the program with an illegal instruction.
+posewise_status posewise_set_cpu(uint32_t features);
 
 // A description of a status: one line of English, static, never NULL.
 const char *posewise_strerror(posewise_status status);

@@ -30,7 +30,7 @@ fn every_build_tracks() {
             without: without.split(' ').map(String::from).collect(),
             target_dir: folder.clone(),
         };
-        let replay = xtask::replay(&library, &clip, FRAMES);
+        let replay = xtask::replay(&library, &clip, FRAMES, 0);
         let replay = replay.unwrap_or_else(|error| panic!("{error:#}"));
         println!("without {without}: {}{}", replay.line, replay.notes);
         assert!(replay.tracked() >= Some(least), "{}", replay.line);

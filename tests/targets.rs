@@ -7,6 +7,7 @@ mod common;
 
 use common::c::{self, STRICT, cc, cxx, exists, library, require, succeed};
 use common::{root, scratch};
+use posewise::ffi::types::POSEWISE_CPU_DOTPROD;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
@@ -30,7 +31,7 @@ fn expected() -> &'static str {
     static EXPECTED: OnceLock<String> = OnceLock::new();
     EXPECTED.get_or_init(|| {
         library();
-        let replay = replay(None);
+        let replay = replay(None, 0);
         assert!(replay.tracked() > Some(FRAMES / 2), "{}", replay.line);
         replay.line
     })
@@ -43,8 +44,8 @@ fn clip() -> &'static Path {
 }
 
 /// Builds and runs tests/c/replay.c on a machine.
-fn replay(target: Option<&str>) -> Replay {
-    let replay = xtask::replay(&built_for(target), clip(), FRAMES);
+fn replay(target: Option<&str>, cpu: u32) -> Replay {
+    let replay = xtask::replay(&built_for(target), clip(), FRAMES, cpu);
     let replay = replay.unwrap_or_else(|error| panic!("{error:#}"));
     print!("{}: {}", target.unwrap_or("this machine"), replay.line);
     replay
@@ -57,6 +58,9 @@ fn possible(target: &str, programs: &[&str]) -> bool {
     }
     built_for(Some(target)).can_be_built() || require(&format!("Rust for {target}"))
 }
+
+/// Part of a figure in docs/memory.md by which a measured one may be off.
+const TOLERANCE: f64 = 0.02;
 
 /// What the header promises of the stack of a call \[bytes\].
 const STACK_LIMIT: usize = 32 * 1024;
@@ -77,14 +81,14 @@ fn check_stack(replay: &Replay, machine: &str) {
             bytes < STACK_LIMIT,
             "{machine}: {call} takes {bytes} bytes of stack"
         );
-        common::check_documented(&format!("stack of `{call}`, {machine}"), bytes, 0.1);
+        common::check_documented(&format!("stack of `{call}`, {machine}"), bytes, TOLERANCE);
     }
 }
 
 /// Runs the clip on a machine, if that is possible: the same results as here, on a bounded stack.
-fn check_target(target: &str, machine: &str, programs: &[&str]) {
+fn check_target(target: &str, machine: &str, cpu: u32, programs: &[&str]) {
     if require("make") && possible(target, programs) {
-        let replay = replay(Some(target));
+        let replay = replay(Some(target), cpu);
         assert_eq!(replay.line, expected(), "this machine at the right");
         check_stack(&replay, machine);
     }
@@ -93,19 +97,21 @@ fn check_target(target: &str, machine: &str, programs: &[&str]) {
 #[test]
 fn aarch64_answers_alike() {
     let programs = ["aarch64-linux-gnu-gcc", "qemu-aarch64-static"];
-    check_target("aarch64-unknown-linux-gnu", "AArch64", &programs);
+    for cpu in [0, POSEWISE_CPU_DOTPROD] {
+        check_target("aarch64-unknown-linux-gnu", "AArch64", cpu, &programs);
+    }
 }
 
 #[test]
 fn armv7_answers_alike() {
     let programs = ["arm-linux-gnueabihf-gcc", "qemu-arm-static"];
-    check_target("armv7-unknown-linux-gnueabihf", "ARMv7", &programs);
+    check_target("armv7-unknown-linux-gnueabihf", "ARMv7", 0, &programs);
 }
 
 #[test]
 fn cortex_m_answers_alike() {
     let programs = ["arm-none-eabi-gcc", "qemu-system-arm"];
-    check_target("thumbv7em-none-eabihf", "Cortex-M4", &programs);
+    check_target("thumbv7em-none-eabihf", "Cortex-M4", 0, &programs);
 }
 
 /// Every call of the search with right and wrong arguments, and the caller's floating-point
@@ -148,7 +154,7 @@ fn every_wrong_call_is_answered_on_arm() {
 fn windows_answers_alike() {
     let target = "x86_64-pc-windows-gnu";
     if require("make") && possible(target, &["x86_64-w64-mingw32-gcc", xtask::WINE]) {
-        let replay = replay(Some(target));
+        let replay = replay(Some(target), 0);
         assert_eq!(replay.line, expected(), "this machine at the right");
     }
 }
@@ -163,7 +169,7 @@ fn stack_and_memory_are_bounded_here() {
         return;
     }
     library();
-    let replay = replay(None);
+    let replay = replay(None, 0);
     if cfg!(target_arch = "x86_64") {
         check_stack(&replay, "x86-64");
     }
@@ -172,7 +178,7 @@ fn stack_and_memory_are_bounded_here() {
         posewise::ffi::types::POSEWISE_MEMORY_SIZE as usize,
     );
     assert!(need <= stated);
-    common::check_documented("tracker, 64-bit machine", need, 0.03);
+    common::check_documented("tracker, 64-bit machine", need, TOLERANCE);
     common::check_documented("… at most, known when compiling", stated, 0.0);
     assert!(
         stated as f64 <= need as f64 * MEMORY_SLACK,
@@ -195,14 +201,22 @@ fn code_is_small() {
     let bytes = xtask::code_size(&built_for(Some(target)));
     let bytes = bytes.unwrap_or_else(|error| panic!("{error:#}"));
     assert!(bytes <= CODE_LIMIT, "{bytes} bytes of code");
-    common::check_documented("code and constants without model, AArch64", bytes, 0.03);
+    common::check_documented(
+        "code and constants without model, AArch64",
+        bytes,
+        TOLERANCE,
+    );
     let monitor = xtask::monitor_size(&built_for(Some(target)));
     let monitor = monitor.unwrap_or_else(|error| panic!("{error:#}"));
     assert!(
         monitor <= MONITOR_LIMIT,
         "{monitor} bytes of the driver monitor"
     );
-    common::check_documented("… of the driver monitor on top, AArch64", monitor, 0.1);
+    common::check_documented(
+        "… of the driver monitor on top, AArch64",
+        monitor,
+        TOLERANCE,
+    );
 }
 
 #[test]

@@ -158,6 +158,16 @@ impl<'m> AlignModel<'m> {
         self.iterations
     }
 
+    /// Multiply-adds of one iteration of the global stage.
+    pub fn iteration_multiply_adds(&self) -> usize {
+        self.global.multiply_adds() + self.second.multiply_adds()
+    }
+
+    /// Multiply-adds of the refiners.
+    pub fn refiner_multiply_adds(&self) -> usize {
+        self.refiners.multiply_adds()
+    }
+
     /// Runs `iterations` iterations of the global stage and then the refiners, from the initial
     /// `shape` (frame px), which is updated in place. Returns false when the shape collapsed or is
     /// not finite; it is undefined then.

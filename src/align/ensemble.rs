@@ -44,6 +44,13 @@ impl<'m> EnsembleMember<'m> {
         })
     }
 
+    /// Multiply-adds of one run; 0 without a network.
+    pub(super) fn multiply_adds(&self) -> usize {
+        let regressor = |section: &Section<'m>| Regressor::read(&mut section.clone(), LANDMARKS);
+        let read = self.content.as_ref().and_then(|s| regressor(s).ok());
+        read.map_or(0, |regressor| regressor.multiply_adds())
+    }
+
     /// Checks that its crops have the size and zoom of the first member's.
     ///
     /// # Errors

@@ -83,6 +83,16 @@ impl<'m> Refiners<'m> {
         Ok(refiners)
     }
 
+    /// Multiply-adds of one run: each refiner runs twice.
+    pub(super) fn multiply_adds(&self) -> usize {
+        let Some(mut content) = self.content.clone() else {
+            return 0;
+        };
+        let read = (0..self.count).map_while(|_| Refiner::read(&mut content).ok());
+        read.map(|refiner| 2 * refiner.regressor.multiply_adds())
+            .sum()
+    }
+
     /// Refines a nearly right shape (frame px) in place; leaves it where it has no extent.
     #[inline(never)]
     pub(super) fn run(

@@ -136,6 +136,13 @@ impl<'m> Regressor<'m> {
         self.fine.channels()
     }
 
+    /// Multiply-adds of one run: the network and its heads.
+    pub fn multiply_adds(&self) -> usize {
+        let head = |head: &Head<'_>| head.project.len() + head.expand.len();
+        let heads: usize = self.heads.iter().flatten().map(head).sum();
+        self.network.multiply_adds() + heads
+    }
+
     /// Regresses the points, in place, on the crop.
     pub fn run(&self, crop: &Crop, points: &mut [[f32; 2]], work: &mut Memory) {
         self.network.run(crop, &mut work.maps);

@@ -13,6 +13,7 @@ use super::convert::{
 };
 use super::types::*;
 use super::{float_env, memory};
+use crate::network;
 use crate::shape::{ANIMATION_NAMES, ANIMATIONS, Distortion, LANDMARKS};
 use crate::track::{Config, EVENTS, FoundFace, MAX_EXCLUDED};
 use core::ffi::{c_char, c_void};
@@ -33,6 +34,24 @@ pub extern "C" fn posewise_version() -> u32 {
 #[unsafe(no_mangle)]
 pub extern "C" fn posewise_abi() -> u32 {
     POSEWISE_ABI
+}
+
+/// Says which instructions the processor has beyond those that the library was compiled for: bits
+/// POSEWISE_CPU_*, or 0. Steps get faster; results have the same bits. It holds for all trackers
+/// from their next step on, so call it once at the start. Without it, a library for AArch64 uses
+/// what every such processor has; on x86-64 the library finds out by itself, and the bits of other
+/// machines have no effect. On Linux, POSEWISE_CPU_DOTPROD is HWCAP_ASIMDDP of getauxval(AT_HWCAP).
+/// A bit that is not true ends the program with an illegal instruction.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn posewise_set_cpu(features: u32) -> posewise_status {
+    status(|| {
+        if features & !POSEWISE_CPU_DOTPROD != 0 {
+            return Err(POSEWISE_E_FLAGS);
+        }
+        // SAFETY: the caller's contract.
+        unsafe { network::set_dotprod(features & POSEWISE_CPU_DOTPROD != 0) };
+        Ok(())
+    })
 }
 
 /// A description of a status: one line of English, static, never NULL.

@@ -22,6 +22,9 @@ pub const POSEWISE_EXCLUDED: u32 = 16;
 /// Unread events that a tracker keeps.
 pub const POSEWISE_EVENTS: u32 = 64;
 
+/// Dot products of AArch64, for posewise_set_cpu().
+pub const POSEWISE_CPU_DOTPROD: u32 = 1;
+
 /// Return value of a function: POSEWISE_OK, or a negative error code POSEWISE_E_*.
 /// Not an enum, because the width of an enum is a compiler option on ARM.
 pub type posewise_status = i32;

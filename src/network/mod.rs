@@ -15,7 +15,7 @@ mod plan;
 pub const MAX_FEATURES: usize = 48;
 
 pub(crate) use kernel::dot;
-pub use kernel::{KernelName, chosen_kernel, select_kernel};
+pub use kernel::{KernelName, chosen_kernel, select_kernel, set_dotprod};
 pub use layer::Activations;
 pub use plan::{
     ARENA, MAX_CHANNELS, MAX_NODES, Map, Network, OP_ADD, OP_CONV, OP_DEPTHWISE, OP_INPUT,

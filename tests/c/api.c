@@ -82,6 +82,9 @@ static void test_constants(void) {
     uint32_t i;
     CHECK(posewise_version() == POSEWISE_VERSION);
     CHECK(posewise_abi() == POSEWISE_ABI);
+    CHECK(posewise_set_cpu(0) == POSEWISE_OK);
+    CHECK(posewise_set_cpu(POSEWISE_CPU_DOTPROD << 1) == POSEWISE_E_FLAGS);
+    CHECK(posewise_set_cpu(UINT32_MAX) == POSEWISE_E_FLAGS);
     CHECK(posewise_memory_align() == POSEWISE_ALIGN);
     CHECK(posewise_memory_size(NULL) > 0);
     CHECK(posewise_memory_size(NULL) <= POSEWISE_MEMORY_SIZE);

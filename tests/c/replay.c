@@ -1,4 +1,4 @@
-/* replay.c VIDEO.y4m FRAMES - prints a hash of all bytes of all results for the video's first
+/* replay.c VIDEO.y4m FRAMES [CPU] - prints a hash of all bytes of all results for the video's first
  * frames. The line is the same on every machine. Standard error gets the sizes of model and tracker
  * and the peak stacks of posewise_init, _step, _step_at and _detect [bytes].
  * C99 with GCC's attributes; reads 8-bit mono y4m. */
@@ -106,11 +106,13 @@ int main(int argc, char **argv) {
     const void *model = posewise_default_model(&model_len);
     long count = 0, tracked = 0, more;
     unsigned landmark_count = 0;
-    FILE *video = argc == 3 ? fopen(argv[1], "rb") : NULL;
+    FILE *video = argc >= 3 ? fopen(argv[1], "rb") : NULL;
     char line[128];
 
+    if (argc > 3 && posewise_set_cpu((uint32_t)strtol(argv[3], NULL, 10)) != POSEWISE_OK)
+        return fail("the features of the processor are unknown");
     if (video == NULL)
-        return fail("usage: replay VIDEO.y4m FRAMES");
+        return fail("usage: replay VIDEO.y4m FRAMES [CPU]");
     if (fgets(line, sizeof line, video) == NULL ||
         sscanf(line, "YUV4MPEG2 W%u H%u", &width, &height) != 2 ||
         (len = (size_t)width * height) > sizeof pixels)

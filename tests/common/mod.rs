@@ -23,14 +23,19 @@ pub fn scratch(name: &str) -> PathBuf {
 /// Fails when docs/memory.md, in the row that starts so, states a figure that is off by more than
 /// the given part of it.
 pub fn check_documented(row: &str, measured: usize, part: f64) {
-    let page = std::fs::read_to_string(root().join("docs/memory.md")).expect("docs/memory.md");
+    check_page("docs/memory.md", row, measured, part);
+}
+
+/// As [`check_documented`], in any page.
+pub fn check_page(page: &str, row: &str, measured: usize, part: f64) {
+    let text = std::fs::read_to_string(root().join(page)).expect(page);
     let start = format!("| {row} | ");
-    let line = page.lines().find_map(|line| line.strip_prefix(&start));
+    let line = text.lines().find_map(|line| line.strip_prefix(&start));
     let figure = line.and_then(|rest| rest.split(' ').next()).expect("a row");
     let figure: f64 = figure.replace(',', "").parse().expect("a number");
     assert!(
         (measured as f64 - figure).abs() <= part * figure,
-        "docs/memory.md says {figure} in the row '{row}', measured: {measured}"
+        "{page} says {figure} in the row '{row}', measured: {measured}"
     );
 }
 

@@ -8,6 +8,7 @@ use std::fmt::Write as _;
 
 use anyhow::Result;
 use image::GrayImage;
+use posewise::network::{chosen_kernel, select_kernel};
 use posewise::track::{Model, Tracker};
 use serde_json::{Value, json};
 
@@ -16,8 +17,9 @@ use crate::clip::Clip;
 use crate::model_file::ModelFile;
 use crate::picture::Picture;
 use crate::scenes::Scenes;
+use crate::stages::Stage;
 use crate::steps::{self, Kind, STEP_US, Steps};
-use crate::{demo_clip, output, source, stack, stages};
+use crate::{demo_clip, frame_sizes, output, source, stack, stages};
 
 /// Most frames of the clip that are kept in memory.
 const MAX_FRAMES: usize = 300;
@@ -28,13 +30,16 @@ const STACK_FRAMES: usize = 60;
 pub fn run(args: &BenchArgs) -> Result<()> {
     let file = ModelFile::read(args.model.as_deref())?;
     let model = file.model()?;
+    // Parsing the option has checked that the machine runs it.
+    args.kernel.map(select_kernel);
     let clip = match &args.input {
         Some(input) => Clip::read(source::open(input, 30.0)?.as_mut(), MAX_FRAMES, input)?,
         None => Clip::read(demo_clip::open()?.as_mut(), MAX_FRAMES, "the demo clip")?,
     };
     let scenes = Scenes::of(&clip.frames);
-    let steps = Steps::time(&model, &scenes)?;
-    let parts = stages::time(&model, &clip.frames)?;
+    let steps = Steps::time(&model, || scenes.pictures())?;
+    let sizes = frame_sizes::time(&model, &clip.frames, args.clutter.as_deref())?;
+    let stages = stages::time(&model, &clip.frames)?;
     let peak_stack = measure_stack(&model, &clip.frames, scenes.shuffled());
     let tracking = steps.of(Some(Kind::Tracking)).quantile(0.5);
     let over_tracking = |ns: Option<u64>| {
@@ -46,6 +51,7 @@ pub fn run(args: &BenchArgs) -> Result<()> {
     let mut value = json!({
         "frame": clip.frames[0].dimensions(),
         "runs": steps.runs,
+        "kernel": chosen_kernel().name(),
     });
     for (kind, name) in Kind::ALL {
         value[name] = steps.of(Some(kind)).json();
@@ -56,7 +62,8 @@ pub fn run(args: &BenchArgs) -> Result<()> {
     value["worst_ns"] = json!(worst.map(|w| w.1));
     value["worst_state"] = json!(worst.and_then(|w| name(w.0)));
     value["worst_over_tracking"] = json!(over_tracking(worst.map(|w| w.1)));
-    value["stages_ns"] = parts.iter().map(|(name, ns)| json!([name, ns])).collect();
+    value["stages"] = stages.iter().map(|s| stage(s, tracking)).collect();
+    value["frame_sizes"] = sizes.into();
     value["model_bytes"] = json!(model.blob().total_len());
     value["tracker_bytes"] = json!(std::mem::size_of::<Tracker>());
     value["peak_stack_bytes"] = json!(peak_stack);
@@ -65,6 +72,24 @@ pub fn run(args: &BenchArgs) -> Result<()> {
         output::write_json(path, &value)?;
     }
     output::print(&report(&value))
+}
+
+fn stage(stage: &Stage, tracking: Option<u64>) -> Value {
+    let Stage {
+        name,
+        ns,
+        multiply_adds,
+        of_tracking,
+    } = *stage;
+    let over = |n: u64, d: u64| n as f64 / d.max(1) as f64;
+    let share = tracking.map(|tracking| over(ns, tracking));
+    json!({
+        "name": name,
+        "ns": ns,
+        "multiply_adds": multiply_adds,
+        "multiply_adds_per_ns": (multiply_adds > 0).then(|| over(multiply_adds as u64, ns)),
+        "share_of_tracking": share.filter(|_| of_tracking),
+    })
 }
 
 /// Peak stack over steps of all kinds \[bytes\].
@@ -84,12 +109,16 @@ fn measure_stack(model: &Model<'_>, frames: &[GrayImage], shuffled: &[GrayImage]
     })
 }
 
+/// A number with at most two decimals.
+fn number(value: &Value) -> String {
+    match value.as_f64() {
+        Some(value) => format!("{}", (value * 100.0).round() / 100.0),
+        None => "–".into(),
+    }
+}
+
 fn report(value: &Value) -> String {
     let mut out = String::new();
-    let number = |v: &Value| {
-        v.as_f64()
-            .map_or("–".into(), |v| format!("{}", (v * 100.0).round() / 100.0))
-    };
     // Writing to a String cannot fail.
     let _ = writeln!(
         out,
@@ -119,10 +148,8 @@ fn report(value: &Value) -> String {
         number(&value["worst_over_tracking"]),
         value["worst_state"].as_str().unwrap_or("–")
     );
-    for part in value["stages_ns"].as_array().into_iter().flatten() {
-        let name = part[0].as_str().unwrap_or_default();
-        let _ = writeln!(out, "  {name:<28}{:>12} ns median", number(&part[1]));
-    }
+    report_stages(&mut out, &value["stages"]);
+    report_sizes(&mut out, &value["frame_sizes"]);
     for (name, key, unit) in [
         ("search / track", "searching_over_tracking", "×"),
         ("model", "model_bytes", "bytes"),
@@ -132,4 +159,45 @@ fn report(value: &Value) -> String {
         let _ = writeln!(out, "{name:<18}{:>12} {unit}", number(&value[key]));
     }
     out
+}
+
+fn report_stages(out: &mut String, stages: &Value) {
+    // Writing to a String cannot fail, here and below.
+    let _ = writeln!(
+        out,
+        "{:<18}{:>12}{:>12}{:>12}{:>8}",
+        "stage", "median ns", "MAC", "MAC/ns", "share"
+    );
+    for stage in stages.as_array().into_iter().flatten() {
+        let _ = writeln!(
+            out,
+            "  {:<16}{:>12}{:>12}{:>12}{:>8}",
+            stage["name"].as_str().unwrap_or_default(),
+            number(&stage["ns"]),
+            number(&stage["multiply_adds"]),
+            number(&stage["multiply_adds_per_ns"]),
+            number(&stage["share_of_tracking"])
+        );
+    }
+}
+
+fn report_sizes(out: &mut String, sizes: &Value) {
+    let _ = writeln!(
+        out,
+        "{:<18}{:>12}{:>12}{:>12}{:>12}   p99 / tracking",
+        "frame [ns]", "tracking", "in clutter", "p99", "maximum"
+    );
+    for row in sizes.as_array().into_iter().flatten() {
+        let searching = &row["searching"];
+        let frame = format!("{}×{}", row["frame"][0], row["frame"][1]);
+        let _ = writeln!(
+            out,
+            "  {frame:<16}{:>12}{:>12}{:>12}{:>12}{:>17}",
+            number(&row["tracking"]["median_ns"]),
+            number(&searching["median_ns"]),
+            number(&searching["p99_ns"]),
+            number(&searching["max_ns"]),
+            number(&row["searching_p99_over_tracking"])
+        );
+    }
 }

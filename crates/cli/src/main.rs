@@ -6,7 +6,6 @@
 //! | `source/` | INPUT → a stream of [`picture::Picture`]s |
 //! | `track`, `faces`, `session` | `posewise track`: the loop and its trackers |
 //! | `csv`, `jsonl`, `log`, `overlay/`, `plot` | its outputs |
-//! | `streams/` | its results as datagrams for other programs |
 //! | `monitor/` | a driver monitor over the results |
 //! | `calibration` | camera and lens from a file |
 //! | `demo`, `demo_clip` | `posewise demo` |
@@ -26,6 +25,7 @@ mod demo_clip;
 mod destination;
 mod eval;
 mod faces;
+mod frame_sizes;
 mod interrupt;
 mod jsonl;
 mod log;
@@ -43,7 +43,6 @@ mod source;
 mod stack;
 mod stages;
 mod steps;
-mod streams;
 mod text;
 mod track;
 
@@ -62,7 +61,17 @@ fn columns() -> String {
     format!("{own}\nWith `--monitor`, at the end:\n\n{more}")
 }
 
+/// Tells the library what of the processor it cannot find out without an operating system.
+fn detect_cpu() {
+    #[cfg(target_arch = "aarch64")]
+    // SAFETY: the operating system says so.
+    unsafe {
+        posewise::network::set_dotprod(std::arch::is_aarch64_feature_detected!("dotprod"));
+    }
+}
+
 fn main() -> ExitCode {
+    detect_cpu();
     let cli = Cli::parse();
     let run = || {
         match cli.command {

@@ -16,37 +16,51 @@ use crate::picture::Picture;
 /// Repetitions of each part.
 const ROUNDS: usize = 300;
 
-/// Name of a part and the median of its times \[ns\].
-pub type Part = (&'static str, u64);
+/// One part of a step.
+pub struct Stage {
+    pub name: &'static str,
+    /// Median time \[ns\].
+    pub ns: u64,
+    /// Multiply-adds of its networks; 0 without any.
+    pub multiply_adds: usize,
+    /// Whether each tracking step does it; the scan is of searching steps.
+    pub of_tracking: bool,
+}
 
 /// Times every part on the first frame of the clip in which the face is tracked.
-pub fn time(model: &Model<'_>, frames: &[GrayImage]) -> Result<Vec<Part>> {
+pub fn time(model: &Model<'_>, frames: &[GrayImage]) -> Result<Vec<Stage>> {
     let (picture, shape) = tracked(model, frames)?;
     let frame = picture.frame()?;
+    let align = model.align();
     let mut work = Box::new(Workspace::new());
-    let mut parts = vec![(
-        "align, tracking",
-        median(|| {
-            let mut shape = shape;
-            black_box(model.align().run(&frame, 1, &mut shape, &mut work));
-        }),
-    )];
-    parts.push((
-        "global stage (part of align)",
-        median(|| {
-            let mut shape = shape;
-            black_box(model.align().iterate(&frame, &mut shape, &mut work));
-        }),
-    ));
-    parts.push((
-        "verifier",
-        median(|| {
-            black_box(model.verifier().evaluate(work.features(), work.view()));
-        }),
-    ));
-    parts.push(("fit, tracking", time_fit(model, &frame, &shape)?));
-    parts.push(("scan, one budget", time_scan(model, &frame)));
-    Ok(parts)
+    let stage = |name, ns, multiply_adds| Stage {
+        name,
+        ns,
+        multiply_adds,
+        of_tracking: true,
+    };
+    let global = median(|| {
+        let mut shape = shape;
+        black_box(align.iterate(&frame, &mut shape, &mut work));
+    });
+    let verifier = median(|| {
+        black_box(model.verifier().evaluate(work.features(), work.view()));
+    });
+    let refiners = median(|| {
+        let mut shape = shape;
+        black_box(align.refine(&frame, &mut shape, &mut work));
+    });
+    let fit = time_fit(model, &frame, &shape)?;
+    Ok(vec![
+        stage("global stage", global, align.iteration_multiply_adds()),
+        stage("verifier", verifier, 0),
+        stage("refiners", refiners, align.refiner_multiply_adds()),
+        stage("3D fit", fit, 0),
+        Stage {
+            of_tracking: false,
+            ..stage("scan, one budget", time_scan(model, &frame), 0)
+        },
+    ])
 }
 
 fn tracked(model: &Model<'_>, frames: &[GrayImage]) -> Result<(Picture, Shape)> {

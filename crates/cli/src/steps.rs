@@ -8,11 +8,11 @@
 use std::time::Instant;
 
 use anyhow::{Result, anyhow, ensure};
+use image::GrayImage;
 use posewise::track::{Config, Model, State, Tracker};
 use serde_json::{Value, json};
 
 use crate::picture::Picture;
-use crate::scenes::Scenes;
 
 /// Least and greatest number of runs over all steps.
 const RUNS: (usize, usize) = (5, 20);
@@ -64,16 +64,19 @@ pub struct Steps {
 }
 
 impl Steps {
-    /// Takes all steps often enough.
-    pub fn time(model: &Model<'_>, scenes: &Scenes<'_>) -> Result<Self> {
+    /// Takes a step on each picture, often enough. `pictures` gives the same ones each time.
+    pub fn time<P>(model: &Model<'_>, pictures: impl Fn() -> P) -> Result<Self>
+    where
+        P: Iterator<Item = GrayImage>,
+    {
         let mut timed = Steps {
             runs: 1,
-            steps: run(model, scenes)?,
+            steps: run(model, pictures())?,
         };
         let mut quiet = 0;
         while timed.runs < RUNS.0 || (quiet < QUIET_RUNS && timed.runs < RUNS.1) {
             let before = timed.worst();
-            timed.join(&run(model, scenes)?)?;
+            timed.join(&run(model, pictures())?)?;
             let cheaper = |(before, now): (Step, Step)| 100 * now.1 < 99 * before.1;
             let is_cheaper = before.zip(timed.worst()).is_some_and(cheaper);
             quiet = if is_cheaper { 0 } else { quiet + 1 };
@@ -112,11 +115,11 @@ pub fn fresh() -> Result<Box<Tracker>> {
     Ok(Box::new(tracker))
 }
 
-fn run(model: &Model<'_>, scenes: &Scenes<'_>) -> Result<Vec<Step>> {
+fn run(model: &Model<'_>, pictures: impl Iterator<Item = GrayImage>) -> Result<Vec<Step>> {
     let mut tracker = fresh()?;
     let mut before = State::Searching;
     let mut steps = Vec::new();
-    for (n, image) in scenes.pictures().enumerate() {
+    for (n, image) in pictures.enumerate() {
         let picture = Picture::from_grey(image);
         let frame = picture.frame()?;
         let start = Instant::now();

@@ -47,6 +47,33 @@ fn bench_measures_and_names_bad_inputs() {
     );
     let ratio = worst as f64 / number("tracking", "median_ns") as f64;
     assert!((json["worst_over_tracking"].as_f64().unwrap() - ratio).abs() < 1e-9);
+    let stages = json["stages"].as_array().unwrap();
+    for stage in [
+        "global stage",
+        "refiners",
+        "verifier",
+        "3D fit",
+        "scan, one budget",
+    ] {
+        assert!(
+            stages
+                .iter()
+                .any(|s| s["name"] == stage && s["ns"].as_u64() > Some(0))
+        );
+    }
+    assert!(stages[0]["multiply_adds"].as_u64() > Some(1_000_000));
+    let sizes = json["frame_sizes"].as_array().unwrap();
+    assert_eq!(
+        sizes.last().unwrap()["frame"],
+        serde_json::json!([3840, 2160])
+    );
+    for row in sizes {
+        assert!(row["tracking"]["steps"].as_u64() > Some(0), "{row}");
+        assert!(
+            row["searching_p99_over_tracking"].as_f64() > Some(0.0),
+            "{row}"
+        );
+    }
     assert!(json["model_bytes"].as_u64().unwrap() >= 64);
     assert!(json["tracker_bytes"].as_u64().unwrap() > 1000);
     if cfg!(unix) {
@@ -56,6 +83,16 @@ fn bench_measures_and_names_bad_inputs() {
         &["bench", "--input", "none.mp4"],
         Vec::new(),
         &["no such file", "none.mp4"],
+    );
+    fails_with(
+        &["bench", "--kernel", "mmx"],
+        Vec::new(),
+        &["--kernel", "mmx", "this machine runs", "scalar"],
+    );
+    fails_with(
+        &["bench", "--clutter", "none"],
+        Vec::new(),
+        &["cannot list folder none"],
     );
     let args = [
         "bench",

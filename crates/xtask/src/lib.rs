@@ -4,6 +4,7 @@
 
 pub mod figures;
 pub mod header;
+mod instructions;
 mod library;
 mod machine;
 pub mod notices;
@@ -13,6 +14,7 @@ mod replay;
 mod size;
 pub mod web;
 
+pub use instructions::{COUNTING_EMULATOR, instructions_per_step};
 pub use library::{Library, optional_parts};
 pub use machine::{Machine, WINE};
 pub use replay::{Replay, demo_clip, replay, run_c};

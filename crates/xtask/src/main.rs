@@ -109,7 +109,7 @@ fn main() -> Result<()> {
             clip,
             frames,
         } => {
-            let replay = replay(&build.library(), &clip.path()?, frames)?;
+            let replay = replay(&build.library(), &clip.path()?, frames, 0)?;
             eprint!("{}", replay.notes);
             print!("{}", replay.line);
         }

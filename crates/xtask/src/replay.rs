@@ -27,9 +27,14 @@ impl Replay {
     }
 }
 
-/// Tracks the first frames of a y4m clip with a library, on its machine.
-pub fn replay(library: &Library, clip: &Path, frames: usize) -> Result<Replay> {
-    let arguments = [clip.display().to_string(), frames.to_string()];
+/// Tracks the first frames of a y4m clip with a library, on its machine, which has these features
+/// of `POSEWISE_CPU_*`.
+pub fn replay(library: &Library, clip: &Path, frames: usize, cpu: u32) -> Result<Replay> {
+    let arguments = [
+        clip.display().to_string(),
+        frames.to_string(),
+        cpu.to_string(),
+    ];
     let output = run_c(library, "replay", &arguments)?;
     // Windows ends lines with two characters.
     let text = |bytes| String::from_utf8(bytes).map(|text| text.replace("\r\n", "\n"));
@@ -41,6 +46,13 @@ pub fn replay(library: &Library, clip: &Path, frames: usize) -> Result<Replay> {
 
 /// Compiles a program of tests/c with a library, and runs it on the library's machine.
 pub fn run_c(library: &Library, name: &str, arguments: &[String]) -> Result<Output> {
+    let program = compile_c(library, name)?;
+    let machine = Machine::named(library.target.as_deref())?;
+    output_of(machine.run(&program, arguments).stdin(Stdio::null()))
+}
+
+/// Compiles a program of tests/c with a library, and gives its path.
+pub(crate) fn compile_c(library: &Library, name: &str) -> Result<PathBuf> {
     let machine = Machine::named(library.target.as_deref())?;
     let archive = library.build()?;
     let file = format!("{name}-{}{}", library.target_name(), machine.suffix());
@@ -59,7 +71,7 @@ pub fn run_c(library: &Library, name: &str, arguments: &[String]) -> Result<Outp
     compile.args(machine.start_up()).arg(archive);
     compile.args(["-Wl,--gc-sections", "-lm", "-o"]);
     output_of(compile.arg(&program))?;
-    output_of(machine.run(&program, arguments).stdin(Stdio::null()))
+    Ok(program)
 }
 
 /// Unpacks the clip of the repository into a folder, and gives its path.

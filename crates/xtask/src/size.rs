@@ -67,7 +67,7 @@ pub fn size_table(library: &Library, clip: &Path) -> Result<String> {
             ..library.clone()
         };
         let code = code_size(&library)?;
-        let replay = replay(&library, clip, FRAMES)?;
+        let replay = replay(&library, clip, FRAMES, 0)?;
         let figure = |name| match replay.figure(name) {
             Some(bytes) => bytes.to_string(),
             None => "-".into(),

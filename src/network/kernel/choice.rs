@@ -51,20 +51,44 @@ impl KernelName {
             #[cfg(target_arch = "x86_64")]
             Self::Avx2 => super::avx2::is_available(),
             Self::Neon => cfg!(target_arch = "aarch64"),
-            Self::Dotprod => cfg!(all(target_arch = "aarch64", target_feature = "dotprod")),
+            Self::Dotprod => cfg!(target_arch = "aarch64") && has_dotprod(),
             #[allow(unreachable_patterns, reason = "kernels of other machines")]
             _ => false,
         }
     }
 }
 
-/// Number of the chosen kernel; 0 until the first run chooses.
+/// Number of the chosen kernel, 0 until the first run chooses; and [`DOTPROD`].
 static CHOSEN: AtomicU8 = AtomicU8::new(0);
+
+/// The bit of [`CHOSEN`] that says that an AArch64 processor has dot products.
+const DOTPROD: u8 = 1 << 7;
+
+fn has_dotprod() -> bool {
+    cfg!(target_feature = "dotprod") || CHOSEN.load(Ordering::Relaxed) & DOTPROD != 0
+}
+
+/// Says whether an AArch64 processor has dot products, which only its operating system tells. The
+/// kernel is chosen anew. Elsewhere, and where the build is for such processors, nothing changes.
+///
+/// # Safety
+/// What it says is true.
+pub unsafe fn set_dotprod(has: bool) {
+    if cfg!(target_arch = "aarch64") {
+        CHOSEN.store(if has { DOTPROD } else { 0 }, Ordering::Relaxed);
+    }
+}
+
+/// Notes the choice.
+fn store(kernel: KernelName) {
+    let flag = CHOSEN.load(Ordering::Relaxed) & DOTPROD;
+    CHOSEN.store(kernel as u8 | flag, Ordering::Relaxed);
+}
 
 /// The kernel that runs: the fastest of this machine, unless another was selected.
 #[inline]
 pub fn chosen_kernel() -> KernelName {
-    let chosen = CHOSEN.load(Ordering::Relaxed);
+    let chosen = CHOSEN.load(Ordering::Relaxed) & !DOTPROD;
     let known = KernelName::ALL.into_iter().find(|k| *k as u8 == chosen);
     match known {
         Some(kernel) => kernel,
@@ -79,7 +103,7 @@ fn choose() -> KernelName {
         .rev()
         .filter(|k| k.is_available());
     let fastest = available.next().unwrap_or(KernelName::Scalar);
-    CHOSEN.store(fastest as u8, Ordering::Relaxed);
+    store(fastest);
     fastest
 }
 
@@ -88,7 +112,7 @@ fn choose() -> KernelName {
 pub fn select_kernel(kernel: KernelName) -> bool {
     let available = kernel.is_available();
     if available {
-        CHOSEN.store(kernel as u8, Ordering::Relaxed);
+        store(kernel);
     }
     available
 }
@@ -100,7 +124,7 @@ pub(in crate::network) enum Chosen {
     Avx2(super::avx2::Avx2),
     #[cfg(target_arch = "x86_64")]
     Sse2(super::sse2::Sse2),
-    #[cfg(all(target_arch = "aarch64", target_feature = "dotprod"))]
+    #[cfg(target_arch = "aarch64")]
     Dotprod(super::dotprod::Dotprod),
     #[cfg(target_arch = "aarch64")]
     Neon(super::neon::Neon),
@@ -136,8 +160,9 @@ pub(super) unsafe fn of_name(name: KernelName) -> Chosen {
         KernelName::Scalar => Chosen::Scalar(super::scalar::Scalar),
         #[cfg(target_arch = "x86_64")]
         _ => Chosen::Sse2(super::sse2::Sse2),
-        #[cfg(all(target_arch = "aarch64", target_feature = "dotprod"))]
-        KernelName::Dotprod => Chosen::Dotprod(super::dotprod::Dotprod),
+        #[cfg(target_arch = "aarch64")]
+        // SAFETY: the caller promises that it is available.
+        KernelName::Dotprod => Chosen::Dotprod(unsafe { super::dotprod::Dotprod::new() }),
         #[cfg(target_arch = "aarch64")]
         _ => Chosen::Neon(super::neon::Neon),
         #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
@@ -154,7 +179,7 @@ macro_rules! dispatch {
             Chosen::Avx2($kernel) => $call,
             #[cfg(target_arch = "x86_64")]
             Chosen::Sse2($kernel) => $call,
-            #[cfg(all(target_arch = "aarch64", target_feature = "dotprod"))]
+            #[cfg(target_arch = "aarch64")]
             Chosen::Dotprod($kernel) => $call,
             #[cfg(target_arch = "aarch64")]
             Chosen::Neon($kernel) => $call,

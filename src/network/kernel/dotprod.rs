@@ -9,8 +9,18 @@ use super::{BLOCK, Kernel, Rows, Scale, Strip, Sum, TapWeights, Tile, unrolled};
 use core::arch::aarch64::*;
 use core::arch::asm;
 
+/// Shows that the machine has dot products.
 #[derive(Clone, Copy)]
-pub(in crate::network) struct Dotprod;
+pub(in crate::network) struct Dotprod(());
+
+impl Dotprod {
+    /// # Safety
+    /// The machine has dot products.
+    #[inline(always)]
+    pub(in crate::network) unsafe fn new() -> Self {
+        Dotprod(())
+    }
+}
 
 /// Flips the sign bit: x − 128 as a signed byte.
 const SIGN: u8 = 128;
@@ -47,7 +57,7 @@ impl Kernel for Dotprod {
     }
 
     fn conv2d(self, strip: Strip<'_>) {
-        // SAFETY: the module is compiled only for machines with dot products; so below.
+        // SAFETY: `self` exists only where the machine has them; so for all functions below.
         unsafe { conv2d(strip) }
     }
 

@@ -10,7 +10,7 @@
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 mod choice;
-#[cfg(all(target_arch = "aarch64", target_feature = "dotprod"))]
+#[cfg(target_arch = "aarch64")]
 mod dotprod;
 #[cfg(target_arch = "aarch64")]
 mod neon;
@@ -30,7 +30,7 @@ mod tests;
 mod unrolled;
 
 pub(super) use choice::{Chosen, chosen, dispatch};
-pub use choice::{KernelName, chosen_kernel, select_kernel};
+pub use choice::{KernelName, chosen_kernel, select_kernel, set_dotprod};
 #[cfg(test)]
 use operands::TAP_PAIRS;
 pub(super) use operands::{
