@@ -2,7 +2,8 @@
 #
 #   make            builds target/dist/lib/libposewise.a and, on Linux, libposewise.so beside it;
 #                   for another machine in target/TARGET/dist/…
-#   make install    installs libraries, headers, model, pkg-config and CMake files
+#   make install    installs libraries, headers, model, pkg-config and CMake files; for this machine
+#                   also the command with its manual pages and completions
 #   make uninstall  removes what install put there
 #   make dist       packs what is installed: target/posewise-VERSION-TARGET.tar.gz
 #   make wasm       builds the modules of web/: target/wasm/posewise.wasm and posewise-simd128.wasm
@@ -14,6 +15,7 @@
 #   WITHOUT="…"     leaves out any of the default features of Cargo.toml; see docs/memory.md
 #   TARGET_DIR=…    cargo's build folder (target)
 #   SHARED=none     builds no shared library
+#   COMMAND=…       the command is built already, at this path; none installs none
 #   BINUTILS=…      prefix of ld, objcopy and ar for TARGET; known for the machines of the tests
 #
 # What developers measure (sizes, results on emulated machines) is in `cargo xtask --help`.
@@ -102,7 +104,7 @@ lib:
 
 override TO := $(DESTDIR)$(PREFIX)
 override CMAKE := $(TO)/lib/cmake/posewise
-install: lib
+install: lib $(if $(TARGET)$(filter none,$(COMMAND)),,install-command)
 	install -d $(TO)/include $(TO)/share/posewise $(TO)/lib/pkgconfig $(CMAKE)
 	install -m 644 $(LIB) $(TO)/lib/
 	$(if $(CAN_SHARE),install -m 755 $(DIST)/lib/$(SONAME) $(TO)/lib/)
@@ -117,7 +119,18 @@ install: lib
 	$(if $(CAN_SHARE),sed 's/@VERSION@/$(VERSION)/' $(ROOT)/packaging/posewise-shared.pc.in \
 		> $(TO)/lib/pkgconfig/posewise-shared.pc)
 
+install-command:
+	$(if $(COMMAND),,cd $(ROOT) && $(CARGO) build --quiet --release --bin posewise \
+		--target-dir $(abspath $(TARGET_DIR)))
+	install -d $(TO)/bin $(TO)/share/posewise
+	install -m 644 $(ROOT)/packaging/NOTICES-command.txt $(TO)/share/posewise/
+	install -s -m 755 $(or $(COMMAND),$(TARGET_DIR)/release/posewise) $(TO)/bin/posewise
+	$(TO)/bin/posewise manual $(TO)/share
+
 uninstall:
+	rm -f $(TO)/bin/posewise $(TO)/share/man/man1/posewise.1 $(TO)/share/man/man1/posewise-*.1
+	rm -f $(TO)/share/zsh/site-functions/_posewise $(addprefix $(TO)/share/,\
+		bash-completion/completions/posewise.bash fish/vendor_completions.d/posewise.fish)
 	rm -f $(TO)/lib/libposewise.a $(TO)/lib/libposewise.so $(TO)/lib/$(SONAME)
 	rm -f $(TO)/lib/pkgconfig/posewise.pc $(TO)/lib/pkgconfig/posewise-shared.pc
 	rm -f $(TO)/include/posewise.h $(TO)/include/posewise.hpp
@@ -149,4 +162,4 @@ wasm-module:
 		--features "$(FEATURES)" $(BUILD_CORE) --target $(TARGET) --target-dir $(TARGET_DIR)
 	cp $(DIST)/posewise.wasm $(TARGET_DIR)/../$(NAME).wasm
 
-.PHONY: lib install uninstall dist wasm wasm-module
+.PHONY: lib install install-command uninstall dist wasm wasm-module

@@ -3,13 +3,15 @@
 
 mod common;
 
-use common::c::{cc, example, library, require, succeed};
+use common::c::{cc, command, example, library, require, succeed};
 use common::{root, scratch};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::OnceLock;
 
-const FILES: [&str; 13] = [
+/// What `make dist` packs, and manual pages beside these.
+const FILES: [&str; 19] = [
+    "bin/posewise",
     "include/posewise.h",
     "include/posewise.hpp",
     "lib/cmake/posewise/posewise-config-version.cmake",
@@ -19,16 +21,22 @@ const FILES: [&str; 13] = [
     "lib/libposewise.so.1",
     "lib/pkgconfig/posewise-shared.pc",
     "lib/pkgconfig/posewise.pc",
+    "share/bash-completion/completions/posewise.bash",
+    "share/fish/vendor_completions.d/posewise.fish",
+    "share/man/man1/posewise.1",
     "share/posewise/LICENSE",
+    "share/posewise/NOTICES-command.txt",
     "share/posewise/NOTICES.txt",
     "share/posewise/default.md",
     "share/posewise/default.posewise",
+    "share/zsh/site-functions/_posewise",
 ];
 
 fn make(arguments: &[String]) -> String {
     let mut make = Command::new("make");
     make.arg("-s").arg("-C").arg(root());
     make.arg(format!("TARGET_DIR={}", scratch("dist").display()));
+    make.arg(format!("COMMAND={}", command().display()));
     succeed(make.args(arguments))
 }
 
@@ -191,9 +199,15 @@ fn uninstall_removes_what_install_put_there() {
 
 #[test]
 fn notices_are_of_what_is_linked_in() {
-    let file = std::fs::read_to_string(root().join(xtask::notices::FILE)).expect("a file");
-    let current = xtask::notices::text().expect("sources of all crates");
-    assert!(file == current, "run `cargo xtask notices`");
+    for notices in &xtask::notices::NOTICES {
+        let file = std::fs::read_to_string(root().join(notices.file)).unwrap_or_default();
+        let current = notices.text().expect("sources of all crates");
+        assert!(
+            file == current,
+            "{}: run `cargo xtask notices`",
+            notices.file
+        );
+    }
 }
 
 /// Built in another folder, the archive has the same bytes.
@@ -225,6 +239,8 @@ fn archive_holds_all() {
         .filter(|line| !line.ends_with('/'))
         .filter_map(|line| line.split_once('/'))
         .map(|(_, file)| file)
+        // One for each subcommand.
+        .filter(|file| !file.starts_with("share/man/man1/posewise-"))
         .collect();
     files.sort_unstable();
     assert_eq!(files, FILES);

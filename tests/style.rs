@@ -18,6 +18,10 @@ fn text_files(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).expect("a folder") {
         let path = entry.expect("an entry").path();
         let name = path.file_name().expect("a name").to_string_lossy();
+        // Licences of others, as they wrote them.
+        if name.starts_with("NOTICES") {
+            continue;
+        }
         let hidden = name.starts_with('.') && name != ".ci" && name != ".cargo";
         if path.is_dir() {
             if !hidden && !OUTPUT.contains(&&*name) && !path.is_symlink() {

@@ -1,6 +1,6 @@
-//! Compiling C against the static library as `make` builds it. It is built in its own
-//! folder under target/, so that the cargo that runs the tests and the one that they run do not
-//! wait for each other.
+//! Compiling C against the static library as `make` builds it, and the built command. The library
+//! is built in its own folder under target/, so that the cargo that runs the tests and the one that
+//! they run do not wait for each other.
 
 use super::{Clip, root, scratch};
 use std::path::{Path, PathBuf};
@@ -79,6 +79,18 @@ pub fn library() -> &'static Path {
         ]);
         succeed(cargo.arg("--target-dir").arg(&target));
         target.join("dist/libposewise.a")
+    })
+}
+
+/// The `posewise` command, as a build of the whole workspace makes it.
+pub fn command() -> &'static Path {
+    static COMMAND: OnceLock<PathBuf> = OnceLock::new();
+    COMMAND.get_or_init(|| {
+        let mut cargo = Command::new(env!("CARGO"));
+        cargo.args(["build", "--quiet", "--release", "--workspace"]);
+        succeed(cargo.args(["--bin", "posewise"]).current_dir(root()));
+        let tmp = Path::new(env!("CARGO_TARGET_TMPDIR"));
+        tmp.with_file_name("release").join("posewise")
     })
 }
 

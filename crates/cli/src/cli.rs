@@ -6,9 +6,9 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use posewise::network::KernelName;
 use posewise::{Config, MAX_EXCLUDED, Preset, Roi};
 
-/// Head pose, 68 landmarks and facial animation from camera frames.
+/// Head pose, 68 landmarks and facial animation from camera frames
 #[derive(Parser)]
-#[command(name = "posewise", version, about)]
+#[command(name = "posewise", version)]
 pub struct Cli {
     #[command(subcommand)]
     pub command: Command,
@@ -30,6 +30,12 @@ pub enum Command {
     Model(ModelCommand),
     /// Print the columns of `track --csv` with their units, as a Markdown table
     Columns,
+    /// Write manual pages and shell completions into a folder that has the shape of /usr/share
+    #[command(hide = true)]
+    Manual {
+        /// The folder; those below it are made
+        folder: PathBuf,
+    },
 }
 
 /// Most frames per second: timestamps are whole microseconds.

@@ -14,6 +14,7 @@
 //! | `destination`, `interrupt`, `output` | output files, signals, standard output |
 //! | `clip`, `random` | clips in memory and reproducible chance, for the two above |
 //! | `model_file`, `model_info` | reading models, `posewise model info` |
+//! | `manual` | manual pages and shell completions, for packages |
 
 mod bench;
 mod calibration;
@@ -29,6 +30,7 @@ mod frame_sizes;
 mod interrupt;
 mod jsonl;
 mod log;
+mod manual;
 mod model_file;
 mod model_info;
 mod monitor;
@@ -88,6 +90,7 @@ fn main() -> ExitCode {
             Command::Bench(args) => bench::run(&args),
             Command::Model(ModelCommand::Info { file }) => model_info::run(&file),
             Command::Columns => output::print(&columns()),
+            Command::Manual { folder } => manual::write(&folder),
         }
         .map(|()| None)
     };

@@ -1,4 +1,4 @@
-//! The licences of what is linked into the static library, for packages: `packaging/NOTICES.txt`.
+//! The licences of what is linked into the library and into the command, for packages.
 
 use crate::root;
 use anyhow::{Context, Result, ensure};
@@ -8,51 +8,98 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Where the notices are.
-pub const FILE: &str = "packaging/NOTICES.txt";
-
-/// Files of a licence in a crate, the wanted ones first: of a choice, MIT.
-const LICENCES: [&str; 3] = ["LICENSE-MIT", "LICENSE.txt", "LICENSE"];
-
-const HEAD: &str = "\
-The posewise library is under the MIT License, see LICENSE. These crates are linked into it. Where a
-crate lets the user choose among licences, the MIT License is chosen.
-";
-
-/// Writes the file.
-pub fn write() -> Result<()> {
-    Ok(std::fs::write(root().join(FILE), text()?)?)
+/// The notices of one product.
+pub struct Notices {
+    /// Where they are.
+    pub file: &'static str,
+    package: &'static str,
+    features: &'static str,
+    what: &'static str,
 }
 
-/// What the file has to hold.
-pub fn text() -> Result<String> {
+/// The products that packages hold.
+pub const NOTICES: [Notices; 2] = [
+    Notices {
+        file: "packaging/NOTICES.txt",
+        package: "posewise",
+        features: "ffi",
+        what: "library",
+    },
+    Notices {
+        file: "packaging/NOTICES-command.txt",
+        package: "posewise-cli",
+        features: "default",
+        what: "command",
+    },
+];
+
+/// Files of a licence in a crate, the wanted ones first: of a choice, MIT.
+const LICENCES: [&str; 8] = [
+    "LICENSE-MIT",
+    "LICENSE-MIT.md",
+    "MIT-LICENSE",
+    "LICENSE.txt",
+    "LICENSE",
+    "LICENSE.md",
+    "LICENSE-BOOST",
+    "LICENSE-ZLIB.md",
+];
+
+/// Writes the files.
+pub fn write() -> Result<()> {
+    for notices in &NOTICES {
+        std::fs::write(root().join(notices.file), notices.text()?)?;
+    }
+    Ok(())
+}
+
+impl Notices {
+    /// What the file has to hold.
+    pub fn text(&self) -> Result<String> {
+        let mut out = format!(
+            "The posewise {} is under the MIT License, see LICENSE. These crates are linked into \
+             it. Where a\ncrate lets the user choose among licences, the MIT License is chosen.\n",
+            self.what
+        );
+        for (text, crates) in by_text(linked(self.package, self.features)?)? {
+            let line = "-".repeat(80);
+            write!(
+                out,
+                "\n{line}\n{}\n{line}\n\n{}\n",
+                crates.join(", "),
+                text.trim()
+            )?;
+        }
+        Ok(out)
+    }
+}
+
+/// The crates under each text of a licence.
+fn by_text(crates: BTreeSet<String>) -> Result<BTreeMap<String, Vec<String>>> {
     let folders = folders()?;
     let mut by_text: BTreeMap<String, Vec<String>> = BTreeMap::new();
-    for name in linked()? {
+    for name in crates {
         let folder = folders
             .get(&name)
             .with_context(|| format!("no sources of {name}"))?;
         let text = licence(folder).with_context(|| name.clone())?;
         by_text.entry(text).or_default().push(name);
     }
-    let mut out = HEAD.to_owned();
-    for (text, crates) in by_text {
-        let line = "-".repeat(80);
-        write!(
-            out,
-            "\n{line}\n{}\n{line}\n\n{}\n",
-            crates.join(", "),
-            text.trim()
-        )?;
-    }
-    Ok(out)
+    Ok(by_text)
 }
 
-/// Names with versions of the crates that the library is made of, its own crates left out.
-fn linked() -> Result<BTreeSet<String>> {
+/// Names with versions of the crates that a package is made of, those of this repository left out.
+fn linked(package: &str, features: &str) -> Result<BTreeSet<String>> {
     let mut tree = cargo("tree");
-    tree.args(["--package", "posewise", "--edges", "normal,no-proc-macro"]);
-    tree.args(["--features", "ffi", "--prefix", "none", "--format", "{p}"]);
+    tree.args(["--package", package, "--edges", "normal,no-proc-macro"]);
+    tree.args([
+        "--features",
+        features,
+        "--prefix",
+        "none",
+        "--format",
+        "{p}",
+    ]);
     let list = output(&mut tree)?;
     let name = |line: &str| {
         let mut words = line.split_whitespace();
