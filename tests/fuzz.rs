@@ -74,6 +74,22 @@ fn forged_models() {
     assert!(accepted > 1000);
 }
 
+/// Random networks, all kernels.
+#[test]
+fn whole_layers() {
+    let mut seed = 2u32;
+    let mut layers = 0;
+    for round in 0..2000 {
+        let input: Vec<u8> = (0..6 + 4 * (1 + round % 8))
+            .map(|_| targets::input::scramble(&mut seed))
+            .collect();
+        println!("{round}: {input:?}"); // shown when the kernels differ
+        layers += targets::kernels::compared(&input).unwrap_or(0);
+    }
+    println!("{layers} layers");
+    assert!(layers > 2000);
+}
+
 /// The other tests need a tiny model that is accepted and detects faces.
 #[test]
 fn tiny_model_tracks() {

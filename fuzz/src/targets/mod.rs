@@ -7,6 +7,7 @@ pub mod calls;
 pub mod forged;
 pub mod frame;
 pub mod input;
+pub mod kernels;
 pub mod memory;
 pub mod model;
 pub mod outputs;

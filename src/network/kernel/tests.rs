@@ -24,7 +24,7 @@ macro_rules! each_kernel {
                 Chosen::Sse2($kernel) => $test,
                 #[cfg(target_arch = "aarch64")]
                 Chosen::Neon($kernel) => $test,
-                #[cfg(all(target_arch = "aarch64", target_feature = "dotprod"))]
+                #[cfg(target_arch = "aarch64")]
                 Chosen::Dotprod($kernel) => $test,
                 Chosen::Scalar(_) => {}
             }
