@@ -17,7 +17,7 @@ pub struct Cli {
 #[derive(Subcommand)]
 pub enum Command {
     /// Track the face in a video, pictures, a pipe or a camera
-    Track(TrackArgs),
+    Track(Box<TrackArgs>),
     /// Track the clip that ships with posewise; writes posewise-demo.png and posewise-demo.csv here
     Demo(DemoArgs),
     /// Measure accuracy against labelled data
@@ -79,7 +79,8 @@ pub struct TrackerArgs {
 
 #[derive(Args)]
 pub struct TrackArgs {
-    /// A video file, a folder or glob of pictures, `-` for y4m on standard input, or /dev/videoN
+    /// A video file, a folder or glob of pictures, `-` for y4m on standard input, /dev/videoN, or
+    /// an address (rtsp, rtsps, http, https)
     #[arg(allow_hyphen_values = true)]
     pub input: String,
     /// Write one row per frame (OpenFace 2's columns first); `-` for standard output
@@ -107,6 +108,13 @@ pub struct TrackArgs {
     /// FILE to standard error
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true)]
     pub log: Option<Option<PathBuf>>,
+    /// Send head rotation and blendshapes over OSC, as the Virtual Motion Capture protocol has them
+    /// (VSeeFace, Warudo, VNyan and others)
+    #[arg(long, value_name = "HOST:PORT", value_parser = host_port)]
+    pub osc: Option<String>,
+    /// Send the head pose to opentrack's input "UDP over network"
+    #[arg(long, value_name = "HOST:PORT", value_parser = host_port)]
+    pub udp_opentrack: Option<String>,
     /// Watch a driver: write blinks, microsleeps, yawns, glances and others, one event a line, to
     /// FILE or to standard error; adds columns to the CSV and panels to the plot
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true,
@@ -227,6 +235,16 @@ fn rate(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(fps) if fps > 0.0 && fps <= MAX_FPS => Ok(fps),
         _ => Err(format!("not a number above 0, up to {MAX_FPS}")),
+    }
+}
+
+/// Checks the form of a host and a port; the host is looked up later.
+fn host_port(text: &str) -> Result<String, String> {
+    match text.rsplit_once(':') {
+        Some((host, port)) if !host.is_empty() && port.parse().is_ok_and(|n: u16| n > 0) => {
+            Ok(text.to_string())
+        }
+        _ => Err("not HOST:PORT with a port from 1 to 65535".into()),
     }
 }
 

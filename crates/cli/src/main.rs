@@ -6,6 +6,7 @@
 //! | `source/` | INPUT → a stream of [`picture::Picture`]s |
 //! | `track`, `faces`, `session` | `posewise track`: the loop and its trackers |
 //! | `csv`, `jsonl`, `log`, `overlay/`, `plot` | its outputs |
+//! | `streams/` | its results as datagrams for other programs |
 //! | `monitor/` | a driver monitor over the results |
 //! | `calibration` | camera and lens from a file |
 //! | `demo`, `demo_clip` | `posewise demo` |
@@ -45,6 +46,7 @@ mod source;
 mod stack;
 mod stages;
 mod steps;
+mod streams;
 mod text;
 mod track;
 

@@ -22,6 +22,7 @@ use crate::overlay::{Overlay, Painter};
 use crate::picture::Picture;
 use crate::plot::{self, Sample};
 use crate::source::Source;
+use crate::streams::{Pace, Streams};
 use crate::{jsonl, log, output, source};
 
 /// What happened over a run.
@@ -56,6 +57,7 @@ struct Outputs {
     log: Option<Box<dyn Write>>,
     watch: Option<Watch>,
     overlay: Option<Overlay>,
+    streams: Streams,
     painter: Painter,
     samples: Vec<Sample>,
     live: bool,
@@ -101,6 +103,7 @@ impl Outputs {
                 .as_deref()
                 .map(|path| Overlay::create(path, source.fps()))
                 .transpose()?,
+            streams: Streams::open(args.osc.as_deref(), args.udp_opentrack.as_deref())?,
             painter: Painter::new(&args.overlay_style),
             samples: Vec::new(),
             live: source.is_live(),
@@ -134,12 +137,13 @@ impl Outputs {
             self.painter.paint(&mut image, frame, faces, camera);
             overlay.write(&image)?;
         }
+        let first = faces.iter().find(|face| face.id == 0);
+        let mut result = first.map_or(TrackResult::EMPTY, |face| face.result);
+        result.timestamp_us = picture.timestamp_us;
         if args.plot.is_some() {
-            let first = faces.iter().find(|face| face.id == 0);
-            let mut result = first.map_or(TrackResult::EMPTY, |face| face.result);
-            result.timestamp_us = picture.timestamp_us;
             self.samples.push(Sample::of(&result));
         }
+        self.streams.send(&result)?;
         if self.live {
             self.flush()?;
         }
@@ -192,6 +196,9 @@ impl Outputs {
         }
         if let Some(overlay) = self.overlay.take() {
             overlay.finish()?;
+        }
+        for warning in self.streams.warnings() {
+            eprintln!("posewise: warning: {warning}");
         }
         if let (Some(path), false) = (&args.plot, self.samples.is_empty()) {
             let destination = Destination::new(path);
@@ -320,12 +327,16 @@ fn follow(
         _ => Rotation::None,
     };
     let limit = args.frames.unwrap_or(u64::MAX);
+    let mut pace = (!outputs.streams.is_empty() && !source.is_live()).then(Pace::default);
     for frame in 1..=limit {
         let Some(mut picture) = source.next()? else {
             break;
         };
         picture.layout.rotation = rotation;
         picture.layout.mirrored = args.mirror;
+        if let Some(pace) = &mut pace {
+            pace.wait(picture.timestamp_us);
+        }
         let faces = trackers.step(&picture)?;
         for (id, events) in trackers.events() {
             outputs.write_log(id, events)?;

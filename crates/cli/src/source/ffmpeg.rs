@@ -1,26 +1,37 @@
-//! Any video file, decoded by the `ffmpeg` program into a y4m pipe.
+//! Any video file or address, decoded by the `ffmpeg` program into a y4m pipe.
 //!
 //! The coded luma is passed on as it is (no range conversion), so that
 //! `ffmpeg -i x … -f yuv4mpegpipe - | posewise track -` gives the same results.
 
+use std::ffi::OsString;
 use std::io::Read;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::thread::JoinHandle;
+use std::time::Duration;
 
 use anyhow::{Result, anyhow, bail};
 
+use super::address::Address;
+use super::patient::Patient;
 use super::stream::Source;
 use super::y4m::Y4mSource;
 use crate::picture::Picture;
 
+/// How long an address may be silent. Source: chosen; cameras need a second or two to begin.
+/// `ffmpeg` has such settings too, but names them differently from version to version.
+const PATIENCE: Duration = Duration::from_secs(10);
+
 /// A running `ffmpeg`.
 pub struct FfmpegSource {
     name: String,
+    /// Where the input is elsewhere.
+    address: Option<Address>,
     child: Child,
     messages: Option<JoinHandle<String>>,
     y4m: Y4mSource,
     frames: u64,
+    total: Option<u64>,
     warning: Option<String>,
 }
 
@@ -33,14 +44,30 @@ pub fn missing(program: &str, what: &str) -> String {
 }
 
 impl FfmpegSource {
-    /// Starts decoding.
+    /// Starts decoding a file.
     pub fn open(path: &Path) -> Result<Self> {
-        let name = path.display().to_string();
         // "file:" keeps names with colons or leading dashes from being taken for something else.
+        let input = ["-i".into(), file_url(path)];
+        let mut source = Self::start(path.display().to_string(), None, input)?;
+        source.total = frame_count(path);
+        Ok(source)
+    }
+
+    /// Starts to decode what an address gives.
+    pub fn open_address(address: Address) -> Result<Self> {
+        let input: Vec<_> = address.arguments().iter().map(OsString::from).collect();
+        Self::start(address.name().to_string(), Some(address), input)
+    }
+
+    fn start(
+        name: String,
+        address: Option<Address>,
+        input: impl IntoIterator<Item = OsString>,
+    ) -> Result<Self> {
         let mut command = Command::new("ffmpeg");
         command
-            .args(["-v", "error", "-nostdin", "-i"])
-            .arg(file_url(path))
+            .args(["-v", "error", "-nostdin"])
+            .args(input)
             .args(["-map", "0:v:0", "-pix_fmt", "yuv420p"])
             .args(["-f", "yuv4mpegpipe", "-"])
             .stdin(Stdio::null())
@@ -61,23 +88,32 @@ impl FfmpegSource {
             String::from_utf8_lossy(&bytes).into_owned()
         });
         let stdout = child.stdout.take().ok_or_else(|| anyhow!("no pipe"))?;
-        let stdout = std::io::BufReader::with_capacity(1 << 20, stdout);
+        let stdout: Box<dyn Read> = match &address {
+            Some(_) => Box::new(Patient::new(stdout, PATIENCE)),
+            None => Box::new(std::io::BufReader::with_capacity(1 << 20, stdout)),
+        };
         match Y4mSource::new(stdout, &name) {
             Ok(y4m) => Ok(FfmpegSource {
-                y4m: y4m.with_total(frame_count(path)),
+                y4m,
                 name,
+                address,
                 child,
                 messages: Some(messages),
                 frames: 0,
+                total: None,
                 warning: None,
             }),
             Err(error) => {
+                // It has ended by itself, or waits for the other side.
+                let _ = child.kill();
                 let _ = child.wait();
                 let said = first_line(&messages.join().unwrap_or_default());
-                if said.is_empty() {
-                    bail!("{name}: the video has no frames ({error})");
+                match &address {
+                    Some(_) if said.is_empty() => Err(error),
+                    None if said.is_empty() => bail!("{name}: the video has no frames ({error})"),
+                    Some(address) => bail!("cannot read {name}: {}", address.redacted(&said)),
+                    None => bail!("cannot decode {name}: {said}"),
                 }
-                bail!("cannot decode {name}: {said}");
             }
         }
     }
@@ -90,17 +126,25 @@ impl Source for FfmpegSource {
             self.frames += 1;
             return picture;
         }
+        if picture.is_err() && self.address.is_some() {
+            // It waits for the other side.
+            let _ = self.child.kill();
+        }
         // The pipe has ended: learn whether ffmpeg was content.
         let status = self.child.wait()?;
         let said = self.messages.take().and_then(|m| m.join().ok());
-        let said = first_line(&said.unwrap_or_default());
+        let mut said = first_line(&said.unwrap_or_default());
+        if let Some(address) = &self.address {
+            said = address.redacted(&said);
+        }
         if self.frames == 0 || !status.success() {
-            bail!(
-                "{}: ffmpeg stopped after {} frames: {}",
-                self.name,
-                self.frames,
-                if said.is_empty() { "no message" } else { &said }
-            );
+            let (name, frames) = (&self.name, self.frames);
+            match &picture {
+                Err(error) if said.is_empty() => said = error.to_string(),
+                _ if said.is_empty() => said = "no message".into(),
+                _ => {}
+            }
+            bail!("{name}: ffmpeg stopped after {frames} frames: {said}");
         }
         if !said.is_empty() {
             self.warning = Some(format!("{}: ffmpeg says: {said}", self.name));
@@ -113,7 +157,11 @@ impl Source for FfmpegSource {
     }
 
     fn total(&self) -> Option<u64> {
-        self.y4m.total()
+        self.total
+    }
+
+    fn is_live(&self) -> bool {
+        self.address.as_ref().is_some_and(Address::is_live)
     }
 
     fn warning(&self) -> Option<String> {
@@ -129,8 +177,8 @@ impl Drop for FfmpegSource {
     }
 }
 
-fn file_url(path: &Path) -> std::ffi::OsString {
-    let mut url = std::ffi::OsString::from("file:");
+fn file_url(path: &Path) -> OsString {
+    let mut url = OsString::from("file:");
     url.push(path);
     url
 }

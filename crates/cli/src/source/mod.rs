@@ -1,8 +1,11 @@
-//! Where frames come from: files, folders, pipes and cameras, all as one stream of pictures.
+//! Where frames come from: files, folders, pipes, cameras and addresses, all as one stream of
+//! pictures.
 
+mod address;
 mod camera;
 mod ffmpeg;
 mod images;
+mod patient;
 mod stream;
 mod y4m;
 
@@ -12,11 +15,13 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use flate2::bufread::MultiGzDecoder;
 
+use self::address::Address;
 pub use self::images::{is_image, read_rgb};
 pub use self::stream::Source;
 pub use self::y4m::Y4mSource;
 
-/// Opens INPUT of `posewise track`: `-`, `/dev/videoN`, a folder, a glob, y4m or any video file.
+/// Opens INPUT of `posewise track`: `-`, `/dev/videoN`, a folder, a glob, y4m, any
+/// video file, or an address.
 /// `image_fps` times the pictures of a folder or glob.
 pub fn open(input: &str, image_fps: f64) -> Result<Box<dyn Source>> {
     if input == "-" {
@@ -25,6 +30,9 @@ pub fn open(input: &str, image_fps: f64) -> Result<Box<dyn Source>> {
     }
     if input.starts_with("/dev/video") {
         return camera::open(input);
+    }
+    if let Some(address) = Address::parse(input)? {
+        return Ok(Box::new(ffmpeg::FfmpegSource::open_address(address)?));
     }
     let path = Path::new(input);
     if path.is_dir() {
@@ -58,7 +66,7 @@ pub fn open(input: &str, image_fps: f64) -> Result<Box<dyn Source>> {
 
 /// The files that INPUT names, and the folders of those that a pattern or folder gives.
 pub fn files(input: &str) -> Vec<PathBuf> {
-    if input == "-" {
+    if input == "-" || Address::parse(input).is_ok_and(|address| address.is_some()) {
         return Vec::new();
     }
     let path = Path::new(input);

@@ -111,12 +111,6 @@ impl Y4mSource {
         self.total = len.map(|len| len / (self.frame_len + 6));
         self
     }
-
-    /// Sets the number of frames, for the progress bar.
-    pub fn with_total(mut self, total: Option<u64>) -> Self {
-        self.total = total;
-        self
-    }
 }
 
 impl Source for Y4mSource {

@@ -1,0 +1,133 @@
+//! The Virtual Motion Capture protocol (<https://protocol.vmc.info>) over OSC, as tools for avatars
+//! read it: head rotation and blendshapes.
+//!
+//! The protocol's axes are Unity's: left-handed, x to the avatar's right, y up, z forward. Ours
+//! (x to the person's left, y to the chin, z to the back of the head) are their opposites, all
+//! three: a rotation has the same matrix, and the same quaternion, in both.
+
+use anyhow::{Result, anyhow};
+use posewise::shape::ANIMATION_NAMES;
+use posewise::track::{State, TrackResult};
+use rosc::{OscBundle, OscMessage, OscPacket, OscTime, OscType};
+
+/// OSC's time tag for "at once".
+const AT_ONCE: OscTime = OscTime {
+    seconds: 0,
+    fractional: 1,
+};
+/// `/VMC/Ext/OK`: a model is loaded; it is calibrated; calibrated in the normal way.
+const STATUS: [i32; 3] = [1, 3, 0];
+
+/// Two datagrams, each within an Ethernet frame: status, time and head; then the blendshapes.
+/// Without a face only the status, which says so.
+pub fn datagrams(result: &TrackResult) -> Result<Vec<Vec<u8>>> {
+    let has_face = result.state != State::Searching;
+    let status = STATUS.into_iter().chain([i32::from(has_face)]);
+    let seconds = result.timestamp_us as f64 / 1e6;
+    let mut first = vec![
+        message("/VMC/Ext/OK", status.map(OscType::Int).collect()),
+        message("/VMC/Ext/T", vec![OscType::Float(seconds as f32)]),
+    ];
+    if !has_face {
+        return Ok(vec![bundle(first)?]);
+    }
+    first.push(head(result));
+    Ok(vec![bundle(first)?, bundle(blendshapes(result))?])
+}
+
+/// The head's rotation to that of the camera. Where the bone is belongs to the avatar: 0.
+fn head(result: &TrackResult) -> OscPacket {
+    let numbers = [[0.0; 3].as_slice(), &result.rotation].concat();
+    let name = OscType::String("Head".into());
+    let values = numbers.into_iter().map(OscType::Float);
+    message(
+        "/VMC/Ext/Bone/Pos",
+        [name].into_iter().chain(values).collect(),
+    )
+}
+
+/// All weights, then the order to show them.
+fn blendshapes(result: &TrackResult) -> Vec<OscPacket> {
+    let weights = ANIMATION_NAMES.iter().zip(result.animation);
+    weights
+        .map(|(name, weight)| {
+            let name = OscType::String(capitalized(name));
+            message("/VMC/Ext/Blend/Val", vec![name, OscType::Float(weight)])
+        })
+        .chain([message("/VMC/Ext/Blend/Apply", Vec::new())])
+        .collect()
+}
+
+/// ARKit's name as Unity spells it, which is what the protocol refers to; some receivers
+/// distinguish case.
+fn capitalized(name: &str) -> String {
+    let (first, rest) = name.split_at_checked(1).unwrap_or((name, ""));
+    first.to_ascii_uppercase() + rest
+}
+
+fn message(address: &str, args: Vec<OscType>) -> OscPacket {
+    OscPacket::Message(OscMessage {
+        addr: address.into(),
+        args,
+    })
+}
+
+fn bundle(content: Vec<OscPacket>) -> Result<Vec<u8>> {
+    let packet = OscPacket::Bundle(OscBundle {
+        timetag: AT_ONCE,
+        content,
+    });
+    rosc::encoder::encode(&packet).map_err(|e| anyhow!("cannot encode OSC: {e:?}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{Quat, Vec3};
+    use posewise::math::{HeadAngles, head_rotation};
+
+    /// Largest payload of UDP over IPv4 in an Ethernet frame \[bytes\].
+    const MOST: usize = 1500 - 20 - 8;
+
+    /// Where the avatar's forward and up axes point, in Unity's frame.
+    fn turned(yaw_deg: f32, pitch_deg: f32, roll_deg: f32) -> (Vec3, Vec3) {
+        let rotation = head_rotation(HeadAngles {
+            yaw_deg,
+            pitch_deg,
+            roll_deg,
+        });
+        let matrix = glam::Mat3::from_cols_array(&rotation.to_cols_array());
+        let mut result = TrackResult::default();
+        result.rotation = Quat::from_mat3(&matrix).to_array();
+        let OscPacket::Message(OscMessage { args, .. }) = head(&result) else {
+            panic!("a message");
+        };
+        let floats: Vec<f32> = args.into_iter().filter_map(OscType::float).collect();
+        assert_eq!(floats[..3], [0.0; 3]);
+        let quat = Quat::from_slice(&floats[3..]);
+        (quat * Vec3::Z, quat * Vec3::Y)
+    }
+
+    /// Unity: x is the avatar's right, y up, z forward.
+    #[test]
+    fn signs_by_hand() {
+        let (forward, up) = turned(30.0, 0.0, 0.0);
+        assert!(forward.x < -0.4 && up.y > 0.99, "to the avatar's left");
+        let (forward, _) = turned(0.0, 20.0, 0.0);
+        assert!(forward.y > 0.3, "up");
+        let (forward, up) = turned(0.0, 0.0, 10.0);
+        // Clockwise in the image: the top of the head moves to the image right, the person's left.
+        assert!(forward.z > 0.99 && up.x < -0.1, "to the left shoulder");
+    }
+
+    #[test]
+    fn datagrams_are_whole_frames() {
+        let mut result = TrackResult::default();
+        assert_eq!(datagrams(&result).unwrap().len(), 1);
+        result.state = State::Tracking;
+        let sent = datagrams(&result).unwrap();
+        assert_eq!(sent.len(), 2);
+        assert!(sent.iter().all(|d| d.len() <= MOST), "no fragments");
+        assert_eq!(capitalized("eyeBlinkLeft"), "EyeBlinkLeft");
+    }
+}
