@@ -31,4 +31,9 @@ export type Tracked = {
      * Time until its pixels were there [ms].
      */
     pixelsMs: number;
+    /**
+     * Where it is not the one that the tracker
+     * assumes.
+     */
+    camera?: import("./layout.js").Intrinsics | undefined;
 };

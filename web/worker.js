@@ -22,6 +22,8 @@ import { frameOf } from './luma.js';
  * @property {number} height Height of the frame [px].
  * @property {number} stepMs Time that the tracker took [ms].
  * @property {number} pixelsMs Time until its pixels were there [ms].
+ * @property {import('./layout.js').Intrinsics} [camera] Where it is not the one that the tracker
+ *   assumes.
  */
 
 /** @type {Engine} */

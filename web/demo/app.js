@@ -2,13 +2,8 @@
 
 import { FaceTracker, grabbed, moduleName, startWorker } from '../posewise.js';
 import { asset, embeddedWorker, isStandalone } from './assets.js';
-import { Chart } from './charts.js';
-import { header, row, save } from './csv.js';
-import { draw } from './overlay.js';
-import { readings, show } from './readings.js';
+import { attempt, begin, connectDisplay, element, say, showFrame } from './display.js';
 import { Source } from './sources.js';
-
-/** @typedef {import('../worker.js').Tracked} Tracked */
 
 /** What the page says of each model; models/*.md has the terms. */
 const NOTES = {
@@ -22,69 +17,14 @@ const NOTES = {
  */
 const SCAN_BUDGET = 20_000;
 
-/**
- * @template {HTMLElement} T
- * @param {string} id
- * @param {new () => T} kind
- * @returns {T}
- */
-function element(id, kind) {
-  const found = document.getElementById(id);
-  if (!(found instanceof kind)) throw new Error(`no ${id}`);
-  return found;
-}
-
-const picture = element('picture', HTMLCanvasElement);
-const context = /** @type {CanvasRenderingContext2D} */ (picture.getContext('2d'));
 const video = element('video', HTMLVideoElement);
-const status = element('status', HTMLParagraphElement);
 const stage = element('stage', HTMLElement);
 const model = element('model', HTMLSelectElement);
 const pause = element('pause', HTMLButtonElement);
-const record = element('record', HTMLButtonElement);
-const rows = element('rows', HTMLOutputElement);
-const smooth = element('smooth', HTMLInputElement);
-const mirror = element('mirror', HTMLInputElement);
-const list = element('readings', HTMLElement);
-
-/**
- * @param {string} id
- * @param {string[]} curves
- * @param {[number, number]} least
- */
-const chartIn = (id, curves, least) => new Chart(element(id, HTMLCanvasElement), curves, least);
-const angles = chartIn('angles', ['yaw', 'pitch', 'roll'], [-30, 30]);
-const shares = chartIn('shares', ['left', 'right', 'confidence'], [0, 1]);
-const times = chartIn('times', ['step', 'pixels'], [0, 5]);
-
 const source = new Source(video);
 /** @type {FaceTracker | undefined} */
 let tracker;
-/** @type {string[] | undefined} */
-let table;
 let isBusy = false;
-
-/**
- * Says something to everybody, screen readers included.
- * @param {string} text
- * @param {boolean} [isError]
- */
-function say(text, isError = false) {
-  if (status.textContent !== text) status.textContent = text;
-  status.classList.toggle('error', isError);
-}
-
-/**
- * Does something that may fail, and says so then.
- * @param {() => Promise<void>} action
- */
-async function attempt(action) {
-  try {
-    await action();
-  } catch (error) {
-    say(error instanceof Error ? error.message : String(error), true);
-  }
-}
 
 /** Starts a tracker with the chosen model. */
 async function loadModel() {
@@ -103,40 +43,6 @@ async function loadModel() {
   await before?.close();
 }
 
-/** @param {Tracked} tracked */
-function chart({ result: r, stepMs, pixelsMs }) {
-  const hasFace = r.state !== 'searching';
-  const known = (/** @type {number} */ value) => (hasFace && value >= 0 ? value : null);
-  const angle = (/** @type {number} */ value) => (hasFace ? value : null);
-  angles.add(r.timestampUs, [angle(r.yawDeg), angle(r.pitchDeg), angle(r.rollDeg)]);
-  shares.add(r.timestampUs, [known(r.eyeOpen[0]), known(r.eyeOpen[1]), known(r.confidence)]);
-  times.add(r.timestampUs, [stepMs, pixelsMs]);
-}
-
-/**
- * Shows a picture with what was found in it.
- * @param {CanvasImageSource} image
- * @param {Tracked} tracked
- */
-function showFrame(image, tracked) {
-  const { width, height, result } = tracked;
-  if (picture.width !== width || picture.height !== height) {
-    picture.width = width;
-    picture.height = height;
-  }
-  context.drawImage(image, 0, 0, width, height);
-  const boxes = document.querySelectorAll('input[name=draw]:checked');
-  const wanted = new Set(Array.from(boxes, (box) => /** @type {HTMLInputElement} */ (box).value));
-  const isSmooth = smooth.checked;
-  draw(context, isSmooth ? tracked.smoothed : result,
-    isSmooth ? tracked.smoothedLandmarks : tracked.landmarks, wanted);
-  show(list, readings(tracked, isSmooth));
-  chart(tracked);
-  const text = { searching: 'No face', tracking: 'Face found', coasting: 'Face lost for a moment' };
-  picture.setAttribute('aria-label', `Video. ${text[result.state]}`);
-  say(text[result.state]);
-}
-
 /** @param {number} timestampUs */
 async function onFrame(timestampUs) {
   // A tracker that is busy does without this frame.
@@ -148,13 +54,7 @@ async function onFrame(timestampUs) {
   try {
     const frame = await grabbed(video, timestampUs);
     shown = frame instanceof ImageBitmap ? await createImageBitmap(frame) : frame.clone();
-    const tracked = await current.track(frame, timestampUs);
-    showFrame(shown, tracked);
-    if (table) {
-      table.push(row(table.length, tracked));
-      rows.textContent = `${table.length - 1} rows`;
-    }
-    document.dispatchEvent(new CustomEvent('posewise:tracked', { detail: tracked }));
+    showFrame(shown, await current.track(frame, timestampUs));
   } finally {
     shown?.close();
     // Another model may have been chosen in the meantime.
@@ -169,19 +69,9 @@ async function onFrame(timestampUs) {
 async function use(open) {
   say('Opening…');
   await open();
-  for (const one of [angles, shares, times]) one.clear();
-  mirror.checked = source.isCamera;
-  picture.classList.toggle('mirror', mirror.checked);
+  begin(source.isCamera);
   pause.setAttribute('aria-pressed', 'false');
   await tracker?.reset();
-}
-
-/** Starts the recording, or ends and saves it. */
-function toggleRecord() {
-  if (table) save('posewise.csv', table);
-  table = table ? undefined : [header(tracker?.animationNames ?? [])];
-  record.textContent = table ? 'Stop and save' : 'Record CSV';
-  record.setAttribute('aria-pressed', String(table !== undefined));
 }
 
 function connect() {
@@ -193,9 +83,7 @@ function connect() {
     pause.setAttribute('aria-pressed', String(!video.paused));
     await (video.paused ? video.play() : video.pause());
   });
-  on('record', async () => toggleRecord());
   model.addEventListener('change', () => attempt(loadModel));
-  mirror.addEventListener('change', () => picture.classList.toggle('mirror', mirror.checked));
   const file = element('file', HTMLInputElement);
   const open = (/** @type {FileList | null | undefined} */ files) => {
     const first = files?.[0];
@@ -216,6 +104,7 @@ function connect() {
 }
 
 connect();
+connectDisplay(() => tracker?.animationNames ?? []);
 await attempt(async () => {
   await Promise.all([loadModel(), source.clip()]);
   say('Looking for a face…');

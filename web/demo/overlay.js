@@ -2,6 +2,7 @@
 
 /** @typedef {import('../layout.js').Result} Result */
 /** @typedef {import('../layout.js').Landmark} Landmark */
+/** @typedef {import('../layout.js').Intrinsics} Intrinsics */
 /** @typedef {[number, number]} Point2 */
 
 const MESH = 'rgb(120 160 200)';
@@ -99,14 +100,17 @@ function colorOf(confidence) {
  * @param {Result} result
  * @param {Landmark[]} landmarks
  * @param {Set<string>} wanted points, mesh, axes, box
+ * @param {Intrinsics} [camera] Without it a horizontal field of view of 60 degrees, as the tracker
+ *   assumes.
  */
-export function draw(context, result, landmarks, wanted) {
+export function draw(context, result, landmarks, wanted, camera) {
   if (result.state === 'searching') return;
   const { width, height } = context.canvas;
-  // As the tracker assumes it: a horizontal field of view of 60 degrees.
   const focal = width / 2 / Math.tan(Math.PI / 6);
+  const { fx, fy, cx, cy } =
+    camera ?? { fx: focal, fy: focal, cx: (width - 1) / 2, cy: (height - 1) / 2 };
   const project = (/** @type {number[]} */ [x, y, z]) =>
-    /** @type {Point2} */ ([(focal * x) / z + (width - 1) / 2, (focal * y) / z + (height - 1) / 2]);
+    /** @type {Point2} */ ([(fx * x) / z + cx, (fy * y) / z + cy]);
   const size = Math.max(result.faceBox[2], result.faceBox[3]);
   context.lineWidth = Math.max(1, size / 180);
   if (wanted.has('mesh')) {

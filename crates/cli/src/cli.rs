@@ -1,8 +1,11 @@
 //! The command line's grammar. Every option stands here, which makes this file longer than others.
 
+use std::net::SocketAddr;
 use std::path::PathBuf;
 
+use anyhow::{Result, bail};
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use posewise::image::Rotation;
 use posewise::network::KernelName;
 use posewise::{Config, MAX_EXCLUDED, Preset, Roi};
 
@@ -18,6 +21,8 @@ pub struct Cli {
 pub enum Command {
     /// Track the face in a video, pictures, a pipe or a camera
     Track(Box<TrackArgs>),
+    /// Track a camera or a video, and show it live in browsers, also on other machines
+    View(ViewArgs),
     /// Track the clip that ships with posewise; writes posewise-demo.png and posewise-demo.csv here
     Demo(DemoArgs),
     /// Measure accuracy against labelled data
@@ -77,6 +82,44 @@ pub struct TrackerArgs {
     pub smooth_beta: Option<f32>,
 }
 
+/// How the frames of INPUT are to be read.
+#[derive(Args)]
+pub struct FrameArgs {
+    /// Turn the frames clockwise to make them upright [deg]
+    #[arg(long, value_name = "DEG", default_value = "0", value_parser = ["0", "90", "180", "270"])]
+    pub rotate: String,
+    /// The frames are mirrored left to right (a selfie preview)
+    #[arg(long)]
+    pub mirror: bool,
+    /// Search for faces only where they are centred in this rectangle of the upright frame [px]
+    /// [default: the whole frame]
+    #[arg(long, value_name = "X,Y,W,H", value_parser = roi, allow_hyphen_values = true)]
+    pub roi: Option<Roi>,
+    /// Frame rate of a folder or glob of pictures
+    #[arg(long, value_name = "N", default_value_t = 30.0, value_parser = rate)]
+    pub fps: f64,
+}
+
+impl FrameArgs {
+    /// What makes the frames upright.
+    pub fn rotation(&self) -> Rotation {
+        match self.rotate.as_str() {
+            "90" => Rotation::Cw90,
+            "180" => Rotation::Half,
+            "270" => Rotation::Cw270,
+            _ => Rotation::None,
+        }
+    }
+
+    /// Refuses what does not go together with the tracker's settings.
+    pub fn check(&self, tracker: &TrackerArgs) -> Result<()> {
+        if tracker.calibration.is_some() && (self.rotate != "0" || self.mirror) {
+            bail!("--calibration is for upright frames, not for --rotate or --mirror");
+        }
+        Ok(())
+    }
+}
+
 #[derive(Args)]
 pub struct TrackArgs {
     /// A video file, a folder or glob of pictures, `-` for y4m on standard input, /dev/videoN, or
@@ -130,31 +173,42 @@ pub struct TrackArgs {
     pub monitor_zones: Option<PathBuf>,
     #[command(flatten)]
     pub tracker: TrackerArgs,
-    /// Turn the frames clockwise to make them upright [deg]
-    #[arg(long, value_name = "DEG", default_value = "0", value_parser = ["0", "90", "180", "270"])]
-    pub rotate: String,
-    /// The frames are mirrored left to right (a selfie preview)
-    #[arg(long)]
-    pub mirror: bool,
-    /// Search for faces only where they are centred in this rectangle of the upright frame [px]
-    /// [default: the whole frame]
-    #[arg(long, value_name = "X,Y,W,H", value_parser = roi, allow_hyphen_values = true)]
-    pub roi: Option<Roi>,
+    #[command(flatten)]
+    pub frame: FrameArgs,
     /// Track up to this many faces; with more than one, a row is written for each face that is
     /// tracked or coasted, and none for a frame without any
     #[arg(long, value_name = "N", default_value_t = 1,
         value_parser = clap::builder::RangedU64ValueParser::<usize>::new()
             .range(1..=MAX_FACES as u64))]
     pub faces: usize,
-    /// Frame rate of a folder or glob of pictures
-    #[arg(long, value_name = "N", default_value_t = 30.0, value_parser = rate)]
-    pub fps: f64,
     /// Stop after this many frames [default: all]
     #[arg(long, value_name = "N")]
     pub frames: Option<u64>,
     /// No progress bar, no summary
     #[arg(long, short)]
     pub quiet: bool,
+}
+
+#[derive(Args)]
+pub struct ViewArgs {
+    /// /dev/videoN, or any other INPUT of `track`; files begin again at their end
+    #[arg(allow_hyphen_values = true, default_value = "/dev/video0")]
+    pub input: String,
+    /// Where to listen. Other machines reach only another address than the default; pictures are
+    /// not encrypted
+    #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:8041")]
+    pub bind: SocketAddr,
+    /// Widest picture that is sent [px]
+    #[arg(long, value_name = "PX", default_value_t = 640,
+        value_parser = clap::value_parser!(u32).range(16..=4096))]
+    pub width: u32,
+    /// End at the end of a file
+    #[arg(long)]
+    pub once: bool,
+    #[command(flatten)]
+    pub tracker: TrackerArgs,
+    #[command(flatten)]
+    pub frame: FrameArgs,
 }
 
 /// A part of the overlay.

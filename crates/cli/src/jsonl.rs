@@ -9,14 +9,15 @@ use serde_json::{Map, Value, json};
 use crate::csv::{Row, state_name};
 
 /// Shortest decimal form of an f32, so that 0.1 is not written as 0.10000000149011612.
-fn number(value: f32) -> Value {
+pub fn number(value: f32) -> Value {
     value
         .to_string()
         .parse::<f64>()
         .map_or(Value::Null, Value::from)
 }
 
-fn numbers(values: &[f32]) -> Value {
+/// A list of them.
+pub fn numbers(values: &[f32]) -> Value {
     values.iter().copied().map(number).collect()
 }
 

@@ -35,7 +35,7 @@ fn line(event: &Event) -> String {
 }
 
 /// The name of a reason.
-fn loss_name(loss: Loss) -> &'static str {
+pub fn loss_name(loss: Loss) -> &'static str {
     match loss {
         Loss::None => "none",
         Loss::LowConfidence => "low-confidence",

@@ -9,6 +9,7 @@
 //! | `streams/` | its results as datagrams for other programs |
 //! | `monitor/` | a driver monitor over the results |
 //! | `calibration` | camera and lens from a file |
+//! | `view/` | `posewise view`: a web server that shows the tracker's frames |
 //! | `demo`, `demo_clip` | `posewise demo` |
 //! | `eval/` | `posewise eval …` |
 //! | `bench`, `scenes`, `steps`, `stages`, `stack` | `posewise bench` |
@@ -49,6 +50,7 @@ mod steps;
 mod streams;
 mod text;
 mod track;
+mod view;
 
 use std::process::ExitCode;
 
@@ -80,6 +82,7 @@ fn main() -> ExitCode {
     let run = || {
         match cli.command {
             Command::Track(args) => return track::run(&args),
+            Command::View(args) => view::run(&args),
             Command::Demo(args) => demo::run(&args),
             Command::Eval(EvalCommand::Landmarks(args)) => eval::landmarks::run(&args),
             Command::Eval(EvalCommand::Pose(args)) => eval::pose::run(&args),

@@ -144,11 +144,16 @@ impl<'m> Session<'m> {
         self.tracker.result()
     }
 
+    /// The same, smoothed.
+    pub fn smoothed(&self) -> &TrackResult {
+        self.tracker.smoothed()
+    }
+
     /// The same, smoothed if that is wanted.
     pub fn shown(&self) -> &TrackResult {
         match self.smooth {
-            false => self.tracker.result(),
-            true => self.tracker.smoothed(),
+            false => self.result(),
+            true => self.smoothed(),
         }
     }
 

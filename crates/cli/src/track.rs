@@ -6,7 +6,6 @@ use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
-use posewise::image::Rotation;
 use posewise::shape::Intrinsics;
 use posewise::track::{EventLog, State, TrackResult};
 
@@ -264,18 +263,16 @@ pub fn run(args: &TrackArgs) -> Result<Option<u8>> {
     if let Some(path) = &args.plot {
         plot::check_name(path)?;
     }
-    if args.tracker.calibration.is_some() && (args.rotate != "0" || args.mirror) {
-        bail!("--calibration is for upright frames, not for --rotate or --mirror");
-    }
+    args.frame.check(&args.tracker)?;
     if args.monitor.is_some() && args.faces > 1 {
         bail!("--monitor watches one driver: not with --faces");
     }
     check_outputs(args)?;
     let file = ModelFile::read(args.tracker.model.as_deref())?;
     let model = file.model()?;
-    let mut source = source::open(&args.input, args.fps)?;
+    let mut source = source::open(&args.input, args.frame.fps)?;
     let live = source.is_live();
-    let mut trackers = Faces::new(args.faces, &model, &args.tracker, live, args.roi)?;
+    let mut trackers = Faces::new(args.faces, &model, &args.tracker, live, args.frame.roi)?;
     let interrupt = Interrupt::listen().context("cannot listen for signals")?;
     let mut outputs = Outputs::open(args, source.as_ref())?;
     let progress = progress_bar(source.as_ref(), args);
@@ -320,12 +317,7 @@ fn follow(
     outputs: &mut Outputs,
     mut go_on: impl FnMut(State) -> bool,
 ) -> Result<()> {
-    let rotation = match args.rotate.as_str() {
-        "90" => Rotation::Cw90,
-        "180" => Rotation::Half,
-        "270" => Rotation::Cw270,
-        _ => Rotation::None,
-    };
+    let rotation = args.frame.rotation();
     let limit = args.frames.unwrap_or(u64::MAX);
     let mut pace = (!outputs.streams.is_empty() && !source.is_live()).then(Pace::default);
     for frame in 1..=limit {
@@ -333,7 +325,7 @@ fn follow(
             break;
         };
         picture.layout.rotation = rotation;
-        picture.layout.mirrored = args.mirror;
+        picture.layout.mirrored = args.frame.mirror;
         if let Some(pace) = &mut pace {
             pace.wait(picture.timestamp_us);
         }

@@ -18,7 +18,7 @@ const WORKER: [&str; 5] = [
 ];
 
 /// Modules of the page, likewise.
-const PAGE: [&str; 12] = [
+const PAGE: [&str; 13] = [
     "layout.js",
     "struct.js",
     "engine.js",
@@ -29,6 +29,7 @@ const PAGE: [&str; 12] = [
     "demo/overlay.js",
     "demo/csv.js",
     "demo/readings.js",
+    "demo/display.js",
     "demo/sources.js",
     "demo/app.js",
 ];
