@@ -86,7 +86,8 @@ fn the_wheel_passes_its_tests() {
     let Some(python) = python() else { return };
     let site = install(&python);
     let mut pytest = Command::new(&python);
-    pytest.args(["-m", "pytest", "-q", "-p", "no:cacheprovider"]);
+    // What is skipped is said.
+    pytest.args(["-m", "pytest", "-q", "-rs", "-p", "no:cacheprovider"]);
     pytest.arg(root().join("python/tests"));
     println!(
         "{}",

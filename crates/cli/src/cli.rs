@@ -23,6 +23,8 @@ pub enum Command {
     Track(Box<TrackArgs>),
     /// Track a camera or a video, and show it live in browsers, also on other machines
     View(ViewArgs),
+    /// Track many videos on all cores: a Parquet file each, and a manifest
+    Index(IndexArgs),
     /// Track the clip that ships with posewise; writes posewise-demo.png and posewise-demo.csv here
     Demo(DemoArgs),
     /// Measure accuracy against labelled data
@@ -209,6 +211,28 @@ pub struct ViewArgs {
     pub tracker: TrackerArgs,
     #[command(flatten)]
     pub frame: FrameArgs,
+}
+
+#[derive(Args)]
+pub struct IndexArgs {
+    /// A folder, whose videos and those of its subfolders are tracked, or a text file with the path
+    /// of a video on each line
+    #[arg(value_name = "DIR|LIST")]
+    pub input: PathBuf,
+    /// Folder of the tables and of manifest.jsonl. What is there of the same video, model and
+    /// settings is kept
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Videos that are tracked at the same time; 0 for as many as there are cores
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub threads: usize,
+    #[command(flatten)]
+    pub tracker: TrackerArgs,
+    #[command(flatten)]
+    pub frame: FrameArgs,
+    /// No progress bar, no summary
+    #[arg(long, short)]
+    pub quiet: bool,
 }
 
 /// A part of the overlay.

@@ -341,18 +341,20 @@ pub fn names() -> Vec<String> {
 }
 
 /// All values of one row, in order.
+pub fn cells<'a>(row: &'a Row<'_>) -> impl Iterator<Item = Cell> + 'a {
+    COLUMNS.iter().flat_map(move |column| {
+        let count = match column.names {
+            Names::One(_) => 1,
+            Names::PerLandmark(_) => LANDMARKS,
+            Names::Animations => ANIMATION_NAMES.len(),
+        };
+        (0..count).map(move |i| (column.value)(row, i))
+    })
+}
+
+/// All values of one row as they stand in the table.
 pub fn values(row: &Row<'_>) -> Vec<String> {
-    COLUMNS
-        .iter()
-        .flat_map(|column| {
-            let count = match column.names {
-                Names::One(_) => 1,
-                Names::PerLandmark(_) => LANDMARKS,
-                Names::Animations => ANIMATION_NAMES.len(),
-            };
-            (0..count).map(move |i| (column.value)(row, i).text())
-        })
-        .collect()
+    cells(row).map(|cell| cell.text()).collect()
 }
 
 /// Names of animation weights on one line of the documentation.

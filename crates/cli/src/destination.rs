@@ -6,6 +6,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 
+/// How the names of incomplete files begin; the process follows.
+const TEMPORARY: &str = ".posewise-";
+
 /// A file that appears under its name when it is complete. Dropped before, it leaves nothing.
 pub struct Destination {
     path: PathBuf,
@@ -24,13 +27,19 @@ impl Destination {
         };
         let temporary = target.file_name().filter(|_| !is_stream).map(|name| {
             // The extension stays: it decides the format.
-            let name = format!(".posewise-{}-{}", std::process::id(), name.display());
+            let name = format!("{TEMPORARY}{}-{}", std::process::id(), name.display());
             target.with_file_name(name)
         });
         Destination {
             path: target,
             temporary,
         }
+    }
+
+    /// Whether the name is that of an incomplete file.
+    pub fn is_temporary(path: &Path) -> bool {
+        let name = path.file_name().unwrap_or_default();
+        name.as_encoded_bytes().starts_with(TEMPORARY.as_bytes())
     }
 
     /// Where to write until it is finished.

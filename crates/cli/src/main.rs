@@ -10,6 +10,7 @@
 //! | `monitor/` | a driver monitor over the results |
 //! | `calibration` | camera and lens from a file |
 //! | `view/` | `posewise view`: a web server that shows the tracker's frames |
+//! | `index/` | `posewise index`: tables of many videos |
 //! | `demo`, `demo_clip` | `posewise demo` |
 //! | `eval/` | `posewise eval …` |
 //! | `bench`, `scenes`, `steps`, `stages`, `stack` | `posewise bench` |
@@ -29,6 +30,7 @@ mod destination;
 mod eval;
 mod faces;
 mod frame_sizes;
+mod index;
 mod interrupt;
 mod jsonl;
 mod log;
@@ -83,6 +85,7 @@ fn main() -> ExitCode {
         match cli.command {
             Command::Track(args) => return track::run(&args),
             Command::View(args) => view::run(&args),
+            Command::Index(args) => return index::run(&args),
             Command::Demo(args) => demo::run(&args),
             Command::Eval(EvalCommand::Landmarks(args)) => eval::landmarks::run(&args),
             Command::Eval(EvalCommand::Pose(args)) => eval::pose::run(&args),
