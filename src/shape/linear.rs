@@ -239,8 +239,16 @@ impl System {
                 let a = row.weight * a;
                 *rhs += a * residual;
                 // The lower triangle, rounded up to whole SIMD vectors of four.
-                let lower = sums.iter_mut().zip(g).take((i | 3) + 1);
-                lower.for_each(|(s, b)| *s += a * b);
+                let ((sums, last_sums), (g, last_g)) =
+                    (sums.as_chunks_mut::<4>(), g.as_chunks::<4>());
+                let vectors = i / 4 + 1;
+                for (sums, g) in sums.iter_mut().zip(g).take(vectors) {
+                    sums.iter_mut().zip(g).for_each(|(s, b)| *s += a * b);
+                }
+                if vectors > g.len() {
+                    let last = last_sums.iter_mut().zip(last_g);
+                    last.for_each(|(s, b)| *s += a * b);
+                }
             }
             self.squares += row.weight * residual * residual;
         }

@@ -31,9 +31,7 @@ impl Kernel for Dotprod {
     const TILE: usize = TILE;
 
     fn stage(self, values: &[u8], _zero_point: u8, staged: &mut [u8]) {
-        for (out, value) in staged.iter_mut().zip(values) {
-            *out = value ^ SIGN;
-        }
+        flip_signs(values, staged);
     }
 
     fn padding(self, zero_point: u8) -> u8 {
@@ -80,6 +78,14 @@ impl Kernel for Dotprod {
     fn dot(self, features: &[u8], weights: &[i8]) -> i32 {
         // SAFETY: as above.
         unsafe { neon::dot(features, weights) }
+    }
+}
+
+// Not inlined: the compiler then computes the loop's end once, and uses vectors.
+#[inline(never)]
+fn flip_signs(values: &[u8], staged: &mut [u8]) {
+    for (out, value) in staged.iter_mut().zip(values) {
+        *out = value ^ SIGN;
     }
 }
 

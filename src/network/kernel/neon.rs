@@ -13,7 +13,7 @@ impl Kernel for Neon {
     const TILE: usize = TILE;
 
     fn stage(self, values: &[u8], zero_point: u8, staged: &mut [u8]) {
-        tail::widen(values, zero_point, staged);
+        stage(values, zero_point, staged);
     }
 
     fn conv2d(self, strip: Strip<'_>) {
@@ -41,6 +41,12 @@ impl Kernel for Neon {
         // SAFETY: as above.
         unsafe { dot(features, weights) }
     }
+}
+
+// Not inlined: the compiler then computes the loop's end once, and uses vectors.
+#[inline(never)]
+fn stage(values: &[u8], zero_point: u8, staged: &mut [u8]) {
+    tail::widen(values, zero_point, staged);
 }
 
 /// Pixels of a tile, whose sums fill sixteen of the 32 registers.

@@ -13,7 +13,7 @@ impl Kernel for Sse2 {
     const TILE: usize = 4;
 
     fn stage(self, values: &[u8], zero_point: u8, staged: &mut [u8]) {
-        tail::widen(values, zero_point, staged);
+        stage(values, zero_point, staged);
     }
 
     fn conv2d(self, strip: Strip<'_>) {
@@ -41,6 +41,12 @@ impl Kernel for Sse2 {
         // SAFETY: as above.
         unsafe { dot(features, weights) }
     }
+}
+
+// Not inlined: the compiler then computes the loop's end once, and uses vectors.
+#[inline(never)]
+fn stage(values: &[u8], zero_point: u8, staged: &mut [u8]) {
+    tail::widen(values, zero_point, staged);
 }
 
 /// Tiles of four pixels and one block, which fill eight of the sixteen registers.
