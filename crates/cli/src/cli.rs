@@ -574,8 +574,8 @@ mod tests {
     use super::*;
     use clap::CommandFactory;
 
-    /// Options whose absence means that nothing is read or written.
-    const FILES: [&str; 4] = ["FILE", "CLIP", "DIR", "INPUT"];
+    /// Options whose absence means that nothing is read, written or sent.
+    const FILES: [&str; 5] = ["FILE", "CLIP", "DIR", "INPUT", "HOST:PORT"];
 
     fn check(command: &clap::Command) {
         command.get_subcommands().for_each(check);

@@ -32,10 +32,13 @@ use crate::destination::Destination;
 use crate::interrupt::Interrupt;
 use crate::model_file::ModelFile;
 use crate::session::Session;
-use crate::{STACK_BYTES, output, source};
+use crate::{output, source};
 
 /// The list of all videos, in the folder of the tables.
 const MANIFEST: &str = "manifest.jsonl";
+
+/// Stack of a thread \[bytes\]: a tracker may be moved by value.
+const THREAD_STACK: usize = 16 << 20;
 
 /// What became of a video.
 enum Outcome {
@@ -60,7 +63,7 @@ pub fn run(args: &IndexArgs) -> Result<Option<u8>> {
     let interrupt = Interrupt::listen().context("cannot listen for signals")?;
     let threads = rayon::ThreadPoolBuilder::new()
         .num_threads(args.threads)
-        .stack_size(STACK_BYTES)
+        .stack_size(THREAD_STACK)
         .build()
         .context("cannot start threads")?;
     let broken = AtomicUsize::new(0);
