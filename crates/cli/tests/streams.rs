@@ -217,6 +217,82 @@ fn http_addresses_are_read_as_files_are() {
     assert!(!said.contains("secret"), "{said}");
 }
 
+/// A camera that sends an MPEG transport stream over RTSP, within the connection, to one client.
+fn rtsp_camera(stream: Vec<u8>) -> SocketAddr {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = listener.local_addr().unwrap();
+    std::thread::spawn(move || {
+        let (mut client, _) = listener.accept().unwrap();
+        let mut lines = BufReader::new(client.try_clone().unwrap()).lines();
+        while let Some(Ok(request)) = lines.next() {
+            let mut headers = lines.by_ref().map(|line| line.unwrap());
+            let mut sequence = String::new();
+            for header in headers.by_ref().take_while(|line| !line.is_empty()) {
+                if header.starts_with("CSeq") {
+                    sequence = header;
+                }
+            }
+            let sdp = "v=0\r\no=- 0 0 IN IP4 127.0.0.1\r\ns=x\r\nt=0 0\r\n\
+                       m=video 0 RTP/AVP 33\r\na=control:track1\r\n";
+            let (header, body) = match request.split(' ').next().unwrap() {
+                "OPTIONS" => ("Public: DESCRIBE, SETUP, PLAY", ""),
+                "DESCRIBE" => ("Content-Type: application/sdp", sdp),
+                "SETUP" => (
+                    "Session: 1\r\nTransport: RTP/AVP/TCP;unicast;interleaved=0-1",
+                    "",
+                ),
+                _ => ("Session: 1", ""),
+            };
+            let length = body.len();
+            let answer = format!(
+                "RTSP/1.0 200 OK\r\n{sequence}\r\n{header}\r\n\
+                 Content-Length: {length}\r\n\r\n{body}"
+            );
+            client.write_all(answer.as_bytes()).unwrap();
+            if request.starts_with("PLAY") {
+                break;
+            }
+        }
+        // Seven packets of the transport stream make one of RTP.
+        for (number, part) in (0u16..).zip(stream.chunks(7 * 188)) {
+            let mut packet = vec![b'$', 0];
+            packet.extend((12 + part.len() as u16).to_be_bytes());
+            packet.extend([0x80, 33]);
+            packet.extend(number.to_be_bytes());
+            packet.extend([0, 0, 0, 0, 0, 0, 0, 1]);
+            packet.extend(part);
+            client.write_all(&packet).unwrap();
+        }
+    });
+    address
+}
+
+#[test]
+fn an_rtsp_camera_is_tracked() {
+    if !has_program("ffmpeg") {
+        return;
+    }
+    let dir = tempfile::tempdir().unwrap();
+    let (clip, stream) = (dir.path().join("a.y4m"), dir.path().join("a.ts"));
+    std::fs::write(&clip, gradient_clip(64, 48, 30)).unwrap();
+    let coded = std::process::Command::new("ffmpeg")
+        .args(["-v", "error", "-i"])
+        .arg(&clip)
+        .args(["-c:v", "mpeg2video", "-g", "5"])
+        .arg(&stream)
+        .status();
+    assert!(coded.unwrap().success());
+    let camera = rtsp_camera(std::fs::read(&stream).unwrap());
+    let run = posewise()
+        .args(["track", &format!("rtsp://me:secret@{camera}/live")])
+        .assert()
+        .success();
+    let said = String::from_utf8_lossy(&run.get_output().stdout).into_owned();
+    let frames = said.lines().next().unwrap().trim_start_matches("frames");
+    // The decoder may leave out the last ones.
+    assert!(frames.trim().parse::<u32>().unwrap() >= 25, "{said}");
+}
+
 #[test]
 fn addresses_that_cannot_be_read() {
     if !has_program("ffmpeg") {
