@@ -6,6 +6,8 @@
 #                   also the command with its manual pages and completions
 #   make uninstall  removes what install put there
 #   make dist       packs what is installed: target/posewise-VERSION-TARGET.tar.gz
+#   make release    makes every package that this machine has the tools for, with checksums, in
+#                   target/packages
 #   make wasm       builds the modules of web/: target/wasm/posewise.wasm and posewise-simd128.wasm
 #
 #   PREFIX=…        where to install (/usr/local)
@@ -141,8 +143,8 @@ override STAGE = $(abspath $(TARGET_DIR))/package/$(PACKAGE)
 dist:
 	rm -rf $(STAGE)
 	$(MAKE) -f $(ROOT)/Makefile install DESTDIR=$(STAGE) PREFIX=
-	tar -C $(STAGE)/.. --sort=name --owner=0 --group=0 --numeric-owner --mtime=@0 \
-		-czf $(TARGET_DIR)/$(PACKAGE).tar.gz $(PACKAGE)
+	tar -C $(STAGE)/.. --sort=name --owner=0 --group=0 --numeric-owner \
+		--mtime=@$(or $(SOURCE_DATE_EPOCH),0) -czf $(TARGET_DIR)/$(PACKAGE).tar.gz $(PACKAGE)
 	@echo $(TARGET_DIR)/$(PACKAGE).tar.gz
 
 # The library in WebAssembly, once with SIMD and once without it, and no model built in. RUSTFLAGS
@@ -161,5 +163,9 @@ wasm-module:
 	$(CARGO) rustc --quiet --profile dist --lib --crate-type cdylib --no-default-features \
 		--features "$(FEATURES)" $(BUILD_CORE) --target $(TARGET) --target-dir $(TARGET_DIR)
 	cp $(DIST)/posewise.wasm $(TARGET_DIR)/../$(NAME).wasm
+
+# Everything that can be packed here, with checksums.
+release:
+	$(CARGO) xtask release
 
 .PHONY: lib install install-command uninstall dist wasm wasm-module

@@ -10,6 +10,7 @@ mod machine;
 pub mod notices;
 pub mod picture;
 pub mod python;
+pub mod release;
 mod replay;
 mod size;
 pub mod web;

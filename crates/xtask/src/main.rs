@@ -4,7 +4,8 @@ use anyhow::{Context, Result};
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 use xtask::{
-    Library, code_size, demo_clip, figures, notices, picture, replay, root, size_table, web,
+    Library, code_size, demo_clip, figures, notices, picture, release, replay, root, size_table,
+    web,
 };
 
 /// Measures the static library and the models.
@@ -55,6 +56,15 @@ enum Task {
         /// Serves it at another port
         #[arg(long, default_value_t = 8040, requires = "serve")]
         port: u16,
+    },
+    /// Makes every package that this machine has the tools for, with checksums (`make release`)
+    Release {
+        /// The folder of the packages, which is emptied [default: target/packages]
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
+        /// Makes only these, separated by commas [default: all]
+        #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+        only: Vec<String>,
     },
 }
 
@@ -128,6 +138,13 @@ fn main() -> Result<()> {
                 let site = web::Site::bind(&folder, port)?;
                 println!("{} (Ctrl-C ends it)", site.url()?);
                 site.serve();
+            }
+        }
+        Task::Release { out, only } => {
+            let folder = out.unwrap_or_else(|| target_dir().join("packages"));
+            let packer = release::Packer::new(&target_dir(), &folder)?;
+            for (what, outcome) in packer.pack(&only)? {
+                println!("{what}: {outcome}");
             }
         }
     }

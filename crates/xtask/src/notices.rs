@@ -75,21 +75,20 @@ impl Notices {
 }
 
 /// The crates under each text of a licence.
-fn by_text(crates: BTreeSet<String>) -> Result<BTreeMap<String, Vec<String>>> {
-    let folders = folders()?;
+fn by_text(names: BTreeSet<String>) -> Result<BTreeMap<String, Vec<String>>> {
+    let crates = crates()?;
     let mut by_text: BTreeMap<String, Vec<String>> = BTreeMap::new();
-    for name in crates {
-        let folder = folders
-            .get(&name)
-            .with_context(|| format!("no sources of {name}"))?;
-        let text = licence(folder).with_context(|| name.clone())?;
+    for name in names {
+        let of = crates.get(&name);
+        let of = of.with_context(|| format!("no sources of {name}"))?;
+        let text = licence(of).with_context(|| name.clone())?;
         by_text.entry(text).or_default().push(name);
     }
     Ok(by_text)
 }
 
 /// Names with versions of the crates that a package is made of, those of this repository left out.
-fn linked(package: &str, features: &str) -> Result<BTreeSet<String>> {
+pub(crate) fn linked(package: &str, features: &str) -> Result<BTreeSet<String>> {
     let mut tree = cargo("tree");
     tree.args(["--package", package, "--edges", "normal,no-proc-macro"]);
     tree.args([
@@ -109,29 +108,65 @@ fn linked(package: &str, features: &str) -> Result<BTreeSet<String>> {
     Ok(list.lines().filter_map(name).collect())
 }
 
-/// The folder of each crate's sources.
-fn folders() -> Result<BTreeMap<String, PathBuf>> {
+/// A crate whose licence is wanted.
+struct Crate {
+    folder: PathBuf,
+    /// The names of its licences, as its Cargo.toml has them.
+    licences: String,
+}
+
+/// All crates by name and version.
+fn crates() -> Result<BTreeMap<String, Crate>> {
     let metadata: Value =
         serde_json::from_str(&output(cargo("metadata").args(["--format-version", "1"]))?)?;
     let packages = metadata["packages"].as_array().context("no packages")?;
-    let folder = |package: &Value| {
+    let described = |package: &Value| {
         let text = |key: &str| package[key].as_str().map(str::to_owned);
         let manifest = PathBuf::from(text("manifest_path")?);
         let name = format!("{} {}", text("name")?, text("version")?);
-        Some((name, manifest.parent()?.to_owned()))
+        let folder = manifest.parent()?.to_owned();
+        let licences = text("license").unwrap_or_default();
+        Some((name, Crate { folder, licences }))
     };
-    Ok(packages.iter().filter_map(folder).collect())
+    Ok(packages.iter().filter_map(described).collect())
 }
 
-fn licence(folder: &Path) -> Result<String> {
-    let file = LICENCES.iter().map(|name| folder.join(name));
-    let file = file.into_iter().find(|path| path.is_file());
-    let text = std::fs::read_to_string(file.context("it has no file of its licence")?)?;
+/// The text of a crate's licence, or its name where the crate has no text.
+fn licence(of: &Crate) -> Result<String> {
+    let file = LICENCES.iter().map(|name| of.folder.join(name));
+    let Some(file) = file
+        .into_iter()
+        .find(|path| path.is_file())
+        .or(any(&of.folder)?)
+    else {
+        ensure!(!of.licences.is_empty(), "it names no licence");
+        return Ok(format!("{} (the crate holds no text)", of.licences));
+    };
+    let text = std::fs::read_to_string(file)?;
     Ok(text
         .lines()
         .map(str::trim_end)
         .collect::<Vec<_>>()
         .join("\n"))
+}
+
+/// The first file of a crate whose name says that it is a licence.
+fn any(folder: &Path) -> Result<Option<PathBuf>> {
+    let mut paths = Vec::new();
+    for entry in std::fs::read_dir(folder)? {
+        let path = entry?.path();
+        let name = path.file_name().unwrap_or_default().to_ascii_uppercase();
+        let name = name.to_string_lossy();
+        if path.is_file()
+            && ["LICENSE", "LICENCE", "COPYING"]
+                .iter()
+                .any(|n| name.starts_with(n))
+        {
+            paths.push(path);
+        }
+    }
+    paths.sort();
+    Ok(paths.into_iter().next())
 }
 
 fn cargo(subcommand: &str) -> Command {

@@ -1,0 +1,86 @@
+//! Packages for the package managers of Python, JavaScript and Rust.
+
+use super::{Outcome, Packer, VERSION, exists};
+use crate::{output_of, root, web};
+use anyhow::{Context, Result};
+use std::path::PathBuf;
+use std::process::Command;
+
+/// Crates that are published, in this order.
+const CRATES: [&str; 2] = ["posewise-format", "posewise"];
+
+/// What a Python needs to build the wheel; setuptools wants to be the first.
+const WHEEL_NEEDS: &str = "import setuptools, pip, wheel";
+
+impl Packer {
+    /// The wheel, by the Python that `POSEWISE_PYTHON` names or else `python3`.
+    pub fn wheel(&self) -> Result<Outcome> {
+        let python = std::env::var("POSEWISE_PYTHON").unwrap_or("python3".into());
+        let asked = Command::new(&python).args(["-c", WHEEL_NEEDS]).output();
+        if !asked.is_ok_and(|output| output.status.success()) {
+            let why = format!("no {python} that can `{WHEEL_NEEDS}`");
+            return Ok(Outcome::Skipped(why));
+        }
+        // What an earlier build left there would be packed, too.
+        let left = root().join("python/build");
+        if left.exists() {
+            std::fs::remove_dir_all(&left).with_context(|| format!("cannot remove {left:?}"))?;
+        }
+        let stage = self.stage("wheel")?;
+        let mut pip = self.program(&python);
+        pip.args(["-m", "pip", "--quiet", "--disable-pip-version-check"]);
+        pip.args(["wheel", "--no-deps", "--no-index", "--no-build-isolation"]);
+        pip.env("CARGO_TARGET_DIR", &self.target_dir);
+        output_of(
+            pip.arg("--wheel-dir")
+                .arg(&stage)
+                .arg(root().join("python")),
+        )?;
+        self.take_all(&stage)
+    }
+
+    /// What `npm publish` would upload.
+    pub fn npm(&self) -> Result<Outcome> {
+        if !exists("npm") {
+            return Ok(Outcome::Skipped("no npm".into()));
+        }
+        if !web::can_be_built(&self.target_dir) {
+            let why = "no Rust for WebAssembly (rustup target add wasm32-unknown-unknown)";
+            return Ok(Outcome::Skipped(why.into()));
+        }
+        let package = web::build(&self.target_dir)?;
+        let stage = self.stage("npm")?;
+        let mut npm = self.program("npm");
+        npm.args(["pack", "--silent", "--offline", "--pack-destination"]);
+        output_of(npm.arg(&stage).current_dir(package))?;
+        self.take_all(&stage)
+    }
+
+    /// What `cargo publish` would upload.
+    pub fn crates(&self) -> Result<Outcome> {
+        let mut cargo = self.program("cargo");
+        cargo.args(["package", "--quiet", "--allow-dirty", "--no-verify"]);
+        cargo.arg("--target-dir").arg(&self.target_dir);
+        for name in CRATES {
+            cargo.args(["--package", name]);
+        }
+        output_of(cargo.current_dir(root()))?;
+        let file = |name| {
+            let name = format!("{name}-{VERSION}.crate");
+            self.take(&self.target_dir.join("package").join(name))
+        };
+        let made: Result<Vec<_>> = CRATES.map(file).into_iter().collect();
+        Ok(Outcome::Made(made?))
+    }
+
+    /// Copies all files of a folder into the folder of packages.
+    pub(super) fn take_all(&self, stage: &std::path::Path) -> Result<Outcome> {
+        let mut paths = Vec::new();
+        for entry in std::fs::read_dir(stage)? {
+            paths.push(entry?.path());
+        }
+        paths.sort();
+        let made: Result<Vec<PathBuf>> = paths.iter().map(|path| self.take(path)).collect();
+        Ok(Outcome::Made(made?))
+    }
+}
