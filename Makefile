@@ -64,12 +64,14 @@ ifeq ($(TARGET),armv7-unknown-linux-gnueabihf)
 export RUSTFLAGS := -Ctarget-feature=+neon
 endif
 
-# With the machine's binutils, all symbols but posewise_* become local. Without them (Android,
-# Apple) the archive stays as cargo makes it: the functions of Rust's compiler_builtins are visible.
+# With the machine's binutils, all symbols but posewise_* become local. Without them (Apple) the
+# archive stays as cargo makes it: the functions of Rust's compiler_builtins are visible.
 BINUTILS_aarch64-unknown-linux-gnu := aarch64-linux-gnu-
 BINUTILS_armv7-unknown-linux-gnueabihf := arm-linux-gnueabihf-
 BINUTILS_thumbv7em-none-eabihf := arm-none-eabi-
 BINUTILS_x86_64-pc-windows-gnu := x86_64-w64-mingw32-
+BINUTILS_aarch64-linux-android := aarch64-linux-gnu-
+BINUTILS_x86_64-linux-android := x86_64-linux-gnu-
 BINUTILS ?= $(BINUTILS_$(TARGET))
 override TOOL = $(shell command -v $(BINUTILS)$(1))
 ifneq ($(BINUTILS)$(if $(TARGET),,$(filter Linux,$(shell uname -s))),)
@@ -80,7 +82,7 @@ endif
 # posewise_* are local. Of the C library it needs memcpy, memmove, memset and memcmp.
 override LINKER := $(if $(TARGET),$(BINUTILS)gcc,$(CC))
 override CAN_SHARE := $(and $(CAN_HIDE),$(if $(filter none,$(SHARED)),,yes),$(if \
-	$(TARGET),$(findstring linux,$(TARGET)),yes),$(shell command -v $(firstword $(LINKER))))
+	$(TARGET),$(findstring linux-gnu,$(TARGET)),yes),$(shell command -v $(firstword $(LINKER))))
 override LINK_SHARED = $(LINKER) -shared -nostartfiles -s -Wl,-soname,$(SONAME) -Wl,-z,defs \
 	-Wl,-z,relro -Wl,-z,now -Wl,-z,noexecstack -Wl,--gc-sections
 

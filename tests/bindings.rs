@@ -3,25 +3,10 @@
 
 mod common;
 
-use common::c::{STRICT, arguments, cc, clip, library, require, succeed};
+use common::c::{STRICT, cc, library, require, succeed};
+use common::java::jdk;
 use common::{root, scratch};
-use posewise::{Config, Frame, FrameLayout, Model, Tracker};
-use std::path::PathBuf;
 use std::process::Command;
-
-/// Where the JDK is that `javac` belongs to.
-fn jdk() -> PathBuf {
-    let asked = "java.home = ";
-    let mut java = Command::new("java");
-    let output = java
-        .args(["-XshowSettings:properties", "-version"])
-        .output();
-    let said = String::from_utf8(output.expect("java runs").stderr).expect("UTF-8");
-    let home = said
-        .lines()
-        .find_map(|line| line.trim().strip_prefix(asked));
-    home.expect("java prints its home").into()
-}
 
 #[test]
 fn java_tracks_the_demo() {
@@ -42,40 +27,8 @@ fn java_tracks_the_demo() {
     let mut javac = Command::new("javac");
     javac.args(["-Xlint:all", "-Werror", "-d"]).arg(&out);
     javac.arg(source.join("dev/posewise/Tracker.java"));
-    succeed(javac.arg(source.join("TrackFile.java")));
-
-    let [_, frames, width, height] = arguments();
-    let mut java = Command::new("java");
-    java.arg("-Xcheck:jni").arg("-cp").arg(&out);
-    java.arg(format!("-Djava.library.path={}", out.display()));
-    java.args(["TrackFile", frames, width, height]);
-    let lines = succeed(java.arg(clip().frame_us.to_string()));
-
-    let model = Model::load(posewise::DEFAULT_MODEL).expect("the default model is valid");
-    let mut tracker = Box::new(Tracker::new(&Config::default()).expect("defaults"));
-    let layout = FrameLayout::grey(clip().width as u32, clip().height as u32);
-    let mut lines = lines.lines();
-    for (i, luma) in clip().luma.iter().take(60).enumerate() {
-        let frame = Frame::new(&layout, luma).expect("a frame");
-        let time_us = (i as f64 * clip().frame_us) as i64;
-        let result = tracker.step(&model, &frame, time_us).expect("in order");
-        let line = lines.next().expect("a line per frame");
-        let numbers: Vec<f32> = line
-            .split(' ')
-            .map(|word| word.parse().expect("a number"))
-            .collect();
-        let expected = [
-            i as f32,
-            result.state as u8 as f32,
-            result.yaw_deg,
-            result.pitch_deg,
-            result.roll_deg,
-            result.landmarks[30].x,
-            result.landmarks[30].y,
-        ];
-        assert_eq!(numbers, expected, "frame {i}");
-    }
-    assert_eq!(lines.next(), None);
+    succeed(&mut javac);
+    common::java::check_demo(&out, &out);
 }
 
 #[test]

@@ -2,6 +2,7 @@
 #![allow(dead_code)] // each test uses its part
 
 pub mod c;
+pub mod java;
 pub mod random;
 pub mod watch;
 

@@ -7,6 +7,7 @@ pub mod header;
 mod instructions;
 mod library;
 mod machine;
+pub mod mobile;
 pub mod notices;
 pub mod picture;
 pub mod python;
@@ -14,6 +15,7 @@ pub mod release;
 mod replay;
 mod size;
 pub mod web;
+mod zip;
 
 pub use instructions::{COUNTING_EMULATOR, instructions_per_step};
 pub use library::{Library, optional_parts};

@@ -25,13 +25,14 @@ impl Machine {
     pub fn named(target: Option<&str>) -> Result<Self> {
         let words = |line: &str| line.split(' ').map(String::from).collect();
         Ok(match target {
-            None => Machine {
+            // Android's C library is not needed: a Linux program links the library as well.
+            None | Some("x86_64-linux-android") => Machine {
                 compiler: vec![std::env::var("CC").unwrap_or("cc".into())],
                 size: "size",
                 emulator: &[],
                 bare: false,
             },
-            Some("aarch64-unknown-linux-gnu") => Machine {
+            Some("aarch64-unknown-linux-gnu" | "aarch64-linux-android") => Machine {
                 compiler: words("aarch64-linux-gnu-gcc -static"),
                 size: "aarch64-linux-gnu-size",
                 emulator: &["qemu-aarch64-static", "-cpu", "cortex-a76"],

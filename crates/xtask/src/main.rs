@@ -4,8 +4,8 @@ use anyhow::{Context, Result};
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 use xtask::{
-    Library, code_size, demo_clip, figures, notices, picture, release, replay, root, size_table,
-    web,
+    Library, code_size, demo_clip, figures, mobile, notices, picture, release, replay, root,
+    size_table, web,
 };
 
 /// Measures the static library and the models.
@@ -57,6 +57,10 @@ enum Task {
         #[arg(long, default_value_t = 8040, requires = "serve")]
         port: u16,
     },
+    /// Makes a folder in the shape of an AAR for Android, and prints its path
+    Android,
+    /// Makes an XCFramework for iOS, and prints its path
+    Ios,
     /// Makes every package that this machine has the tools for, with checksums (`make release`)
     Release {
         /// The folder of the packages, which is emptied [default: target/packages]
@@ -140,6 +144,8 @@ fn main() -> Result<()> {
                 site.serve();
             }
         }
+        Task::Android => println!("{}", mobile::android(&target_dir())?.display()),
+        Task::Ios => println!("{}", mobile::ios(&target_dir())?.display()),
         Task::Release { out, only } => {
             let folder = out.unwrap_or_else(|| target_dir().join("packages"));
             let packer = release::Packer::new(&target_dir(), &folder)?;

@@ -6,10 +6,12 @@
 //! | `tarball` | `make dist` for each machine |
 //! | `languages` | the Python wheel, the JavaScript package, the crates |
 //! | `debian` | Debian packages |
+//! | `mobile` | the folders for Android and iOS |
 //! | `sbom` | the parts of each, in CycloneDX |
 
 mod debian;
 mod languages;
+mod mobile;
 mod sbom;
 mod tarball;
 
@@ -24,7 +26,9 @@ use std::process::Command;
 pub const CHECKSUMS: &str = "SHA256SUMS";
 
 /// Names of the packages, in the order in which they are made.
-pub const NAMES: [&str; 6] = ["tarballs", "wheel", "npm", "crates", "debian", "sbom"];
+pub const NAMES: [&str; 8] = [
+    "tarballs", "wheel", "npm", "crates", "debian", "android", "ios", "sbom",
+];
 
 /// Version of everything in this repository.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -110,6 +114,8 @@ impl Packer {
             "npm" => self.npm(),
             "crates" => self.crates(),
             "debian" => self.debian(),
+            "android" => self.android(),
+            "ios" => self.ios(),
             "sbom" => self.sbom(),
             _ => bail!("no package {name}"),
         }
