@@ -188,7 +188,9 @@ impl Packer {
         let mut cargo = self.program("cargo");
         cargo.args(["build", "--quiet", "--release", "--bin", "posewise"]);
         cargo.arg("--target-dir").arg(&folder).current_dir(root());
-        let flags = format!("--remap-path-prefix={}=cargo", cargo_home.display());
+        // Symbols have hashes of cargo's folder in their names, and the linker hashes them.
+        let home = cargo_home.display();
+        let flags = format!("--remap-path-prefix={home}=cargo -Cstrip=symbols");
         output_of(cargo.env("RUSTFLAGS", flags))?;
         Ok(folder.join("release/posewise"))
     }
