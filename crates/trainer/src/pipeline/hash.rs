@@ -7,6 +7,7 @@ use sha2::{Digest, Sha256};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::fs::File;
+use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
 
@@ -23,8 +24,13 @@ impl Hash {
     /// Of a file's content.
     pub fn of_file(path: &Path) -> Result<Hash> {
         let mut hasher = Sha256::new();
-        let mut file = File::open(path).with_context(|| format!("reading {}", path.display()))?;
-        std::io::copy(&mut file, &mut hasher)?;
+        let file = File::open(path).with_context(|| format!("reading {}", path.display()))?;
+        let mut reader = BufReader::with_capacity(1 << 16, file);
+        while let bytes @ [_, ..] = reader.fill_buf()? {
+            hasher.update(bytes);
+            let count = bytes.len();
+            reader.consume(count);
+        }
         Ok(Hash::finished(hasher))
     }
 

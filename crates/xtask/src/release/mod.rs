@@ -128,7 +128,8 @@ impl Packer {
             let path = entry?.path();
             let name = path.file_name().context("no name")?.to_string_lossy();
             let hash = Sha256::digest(std::fs::read(&path)?);
-            lines.push(format!("{hash:x}  {name}\n"));
+            let digits: String = hash.iter().map(|byte| format!("{byte:02x}")).collect();
+            lines.push(format!("{digits}  {name}\n"));
         }
         // By name, which begins after the hash and two blanks.
         lines.sort_by(|a, b| a[66..].cmp(&b[66..]));
