@@ -6,7 +6,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 /// Frames of a replay that find and fit a face, which takes the deepest stack.
-const FRAMES: usize = 10;
+const FRAMES: usize = 100;
 
 /// Bytes of all that the header's functions reach, without the model and the driver monitor, which
 /// only its own functions reach. The model is linked by `posewise_default_model` alone, which is
