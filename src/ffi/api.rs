@@ -11,6 +11,7 @@ use super::convert::{
     camera_from, config_error, config_from, distortion_from, event_to, face_of, frame_from,
     hint_from, landmarks_of, load, model_bytes, result_to, roi_from, step_error,
 };
+use super::events::Places;
 use super::types::*;
 use super::{float_env, memory};
 use crate::network;
@@ -443,21 +444,13 @@ pub unsafe extern "C" fn posewise_events(
     status(|| {
         // SAFETY: the caller's contract, here and below.
         let log = unsafe { block::get_mut(tracker)? }.tracker.events();
-        memory::check_pointer(out)?;
-        memory::check_pointer(count)?;
-        memory::check_pointer(overwritten)?;
-        let written = capacity.min(log.unread());
-        let most = size_of::<posewise_event>() * capacity.min(EVENTS);
-        memory::require_disjoint(tracker, BLOCK_SIZE, out, most)?;
-        memory::require_disjoint(tracker, BLOCK_SIZE, count, size_of::<usize>())?;
-        memory::require_disjoint(tracker, BLOCK_SIZE, overwritten, size_of::<usize>())?;
-        let events = core::iter::from_fn(|| log.pop());
-        unsafe {
-            memory::write_first(out, written, events.map(|event| event_to(&event)))?;
-            count.write(written);
-            overwritten.write(log.take_overwritten() as usize);
-        }
-        Ok(())
+        let places = Places {
+            out,
+            capacity,
+            count,
+            overwritten,
+        };
+        unsafe { places.fill(log, (tracker, BLOCK_SIZE), event_to) }
     })
 }
 

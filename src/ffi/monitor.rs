@@ -6,6 +6,7 @@
 
 use super::api::status;
 use super::block;
+use super::events::Places;
 use super::memory;
 use super::monitor_convert::*;
 use super::monitor_types::*;
@@ -155,22 +156,13 @@ pub unsafe extern "C" fn posewise_monitor_events(
     status(|| {
         // SAFETY: the caller's contract, here and below.
         let log = unsafe { get_mut(monitor)? }.events();
-        memory::check_pointer(out)?;
-        memory::check_pointer(count)?;
-        memory::check_pointer(overwritten)?;
-        let written = capacity.min(log.unread());
-        let most = capacity.min(POSEWISE_MONITOR_EVENTS as usize);
-        let most = size_of::<posewise_monitor_event>() * most;
-        memory::require_disjoint(monitor, BLOCK_SIZE, out, most)?;
-        memory::require_disjoint(monitor, BLOCK_SIZE, count, size_of::<usize>())?;
-        memory::require_disjoint(monitor, BLOCK_SIZE, overwritten, size_of::<usize>())?;
-        let events = core::iter::from_fn(|| log.pop());
-        unsafe {
-            memory::write_first(out, written, events.map(|event| monitor_event_to(&event)))?;
-            count.write(written);
-            overwritten.write(log.take_overwritten() as usize);
-        }
-        Ok(())
+        let places = Places {
+            out,
+            capacity,
+            count,
+            overwritten,
+        };
+        unsafe { places.fill(log, (monitor, BLOCK_SIZE), monitor_event_to) }
     })
 }
 
