@@ -163,6 +163,34 @@ fn node_gives_the_same_bits() {
     }
 }
 
+/// The unit tests of the library as WebAssembly, those of the kernels among them.
+#[test]
+fn unit_tests_pass_in_node() {
+    let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("web/unit");
+    if site().is_none() || !require("node") {
+        return;
+    }
+    let module = target.join("unit.wasm");
+    let mut cargo = Command::new(env!("CARGO"));
+    cargo
+        .current_dir(root())
+        .args(["rustc", "--quiet", "--lib"]);
+    cargo.args(["--profile=release", "--no-default-features"]);
+    // The crate type makes cargo build whole dependencies, which a program needs.
+    cargo.args(["--crate-type=cdylib", "--target=wasm32-unknown-unknown"]);
+    cargo.arg("--target-dir").arg(&target);
+    cargo.args(["--", "--test", "-o"]).arg(&module);
+    cargo.env("RUSTFLAGS", "-Ctarget-feature=+simd128");
+    match cargo.output() {
+        Ok(output) if output.status.success() => {}
+        // Debian's Rust for WebAssembly has no std, which tests need.
+        _ => return skip("std for WebAssembly (rustup target add wasm32-unknown-unknown)"),
+    }
+    let mut node = Command::new("node");
+    node.arg(root().join("web/test/unit.mjs")).arg(&module);
+    succeed(&mut node);
+}
+
 /// The clip as Chromium's fake camera reads it: with chroma.
 fn fake_camera() -> PathBuf {
     let clip = common::demo().expect("the demo clip");

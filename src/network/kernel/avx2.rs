@@ -5,7 +5,7 @@
 //! file is long because a kernel is one file.
 
 use super::{BLOCK, Kernel, Rows, Scale, Strip, Sum, TapWeights, Tile};
-use super::{tail, unrolled};
+use super::{forwarded, tail, unrolled};
 use core::arch::x86_64::*;
 
 /// Shows that the machine has AVX2.
@@ -52,35 +52,11 @@ impl Kernel for Avx2 {
     const TILE: usize = 6;
 
     fn stage(self, values: &[u8], zero_point: u8, staged: &mut [u8]) {
-        // SAFETY: `self` exists only where the machine has AVX2; so for all functions below.
+        // SAFETY: `self` exists only where the machine has AVX2; so for all below.
         unsafe { stage(values, zero_point, staged) }
     }
 
-    fn conv2d(self, strip: Strip<'_>) {
-        // SAFETY: as above.
-        unsafe { conv2d(strip) }
-    }
-
-    fn depthwise3x3(
-        self,
-        rows: &Rows<'_>,
-        weights: &[TapWeights],
-        scale: &Scale<'_>,
-        out: &mut [u8],
-    ) {
-        // SAFETY: as above.
-        unsafe { depthwise3x3(rows, weights, scale, out) }
-    }
-
-    fn add(self, sum: &Sum, other: &[u8], out: &mut [u8]) {
-        // SAFETY: as above.
-        unsafe { add(sum, other, out) }
-    }
-
-    fn dot(self, features: &[u8], weights: &[i8]) -> i32 {
-        // SAFETY: as above.
-        unsafe { dot(features, weights) }
-    }
+    forwarded!();
 }
 
 #[target_feature(enable = "avx2")]

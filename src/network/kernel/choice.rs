@@ -16,16 +16,19 @@ pub enum KernelName {
     Neon,
     /// AArch64 with dot products.
     Dotprod,
+    /// WebAssembly with 128-bit SIMD.
+    Simd128,
 }
 
 impl KernelName {
     /// All kernels, the fastest of each machine last.
-    pub const ALL: [KernelName; 5] = [
+    pub const ALL: [KernelName; 6] = [
         Self::Scalar,
         Self::Sse2,
         Self::Avx2,
         Self::Neon,
         Self::Dotprod,
+        Self::Simd128,
     ];
 
     /// Name on the command line.
@@ -36,22 +39,20 @@ impl KernelName {
             Self::Avx2 => "avx2",
             Self::Neon => "neon",
             Self::Dotprod => "dotprod",
+            Self::Simd128 => "simd128",
         }
     }
 
     /// Whether this build has the kernel and this machine runs it.
     pub fn is_available(self) -> bool {
         match self {
-            Self::Scalar => cfg!(any(
-                test,
-                feature = "unstable-internals",
-                not(any(target_arch = "x86_64", target_arch = "aarch64"))
-            )),
+            Self::Scalar => cfg!(any(test, feature = "unstable-internals", not(simd_kernel))),
             Self::Sse2 => cfg!(target_arch = "x86_64"),
             #[cfg(target_arch = "x86_64")]
             Self::Avx2 => super::avx2::is_available(),
             Self::Neon => cfg!(target_arch = "aarch64"),
             Self::Dotprod => cfg!(target_arch = "aarch64") && has_dotprod(),
+            Self::Simd128 => cfg!(all(target_arch = "wasm32", simd_kernel)),
             #[allow(unreachable_patterns, reason = "kernels of other machines")]
             _ => false,
         }
@@ -128,11 +129,9 @@ pub(in crate::network) enum Chosen {
     Dotprod(super::dotprod::Dotprod),
     #[cfg(target_arch = "aarch64")]
     Neon(super::neon::Neon),
-    #[cfg(any(
-        test,
-        feature = "unstable-internals",
-        not(any(target_arch = "x86_64", target_arch = "aarch64"))
-    ))]
+    #[cfg(all(target_arch = "wasm32", simd_kernel))]
+    Simd128(super::simd128::Simd128),
+    #[cfg(any(test, feature = "unstable-internals", not(simd_kernel)))]
     Scalar(super::scalar::Scalar),
 }
 
@@ -153,10 +152,7 @@ pub(super) unsafe fn of_name(name: KernelName) -> Chosen {
         #[cfg(target_arch = "x86_64")]
         // SAFETY: the caller promises that it is available.
         KernelName::Avx2 => Chosen::Avx2(unsafe { super::avx2::Avx2::new() }),
-        #[cfg(all(
-            any(target_arch = "x86_64", target_arch = "aarch64"),
-            any(test, feature = "unstable-internals")
-        ))]
+        #[cfg(all(simd_kernel, any(test, feature = "unstable-internals")))]
         KernelName::Scalar => Chosen::Scalar(super::scalar::Scalar),
         #[cfg(target_arch = "x86_64")]
         _ => Chosen::Sse2(super::sse2::Sse2),
@@ -165,7 +161,9 @@ pub(super) unsafe fn of_name(name: KernelName) -> Chosen {
         KernelName::Dotprod => Chosen::Dotprod(unsafe { super::dotprod::Dotprod::new() }),
         #[cfg(target_arch = "aarch64")]
         _ => Chosen::Neon(super::neon::Neon),
-        #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+        #[cfg(all(target_arch = "wasm32", simd_kernel))]
+        _ => Chosen::Simd128(super::simd128::Simd128),
+        #[cfg(not(simd_kernel))]
         _ => Chosen::Scalar(super::scalar::Scalar),
     }
 }
@@ -183,11 +181,9 @@ macro_rules! dispatch {
             Chosen::Dotprod($kernel) => $call,
             #[cfg(target_arch = "aarch64")]
             Chosen::Neon($kernel) => $call,
-            #[cfg(any(
-                test,
-                feature = "unstable-internals",
-                not(any(target_arch = "x86_64", target_arch = "aarch64"))
-            ))]
+            #[cfg(all(target_arch = "wasm32", simd_kernel))]
+            Chosen::Simd128($kernel) => $call,
+            #[cfg(any(test, feature = "unstable-internals", not(simd_kernel)))]
             Chosen::Scalar($kernel) => $call,
         }
     }};

@@ -4,8 +4,8 @@
 //! Values x are staged as x − 128, which fits a signed byte; the bias makes up for it:
 //! Σ w·(x − z) = Σ w·(x − 128) + (128 − z)·Σ w, where z is the zero point.
 
-use super::neon::{self, Requantization};
-use super::{BLOCK, Kernel, Rows, Scale, Strip, Sum, TapWeights, Tile, unrolled};
+use super::neon::{Requantization, add, depthwise3x3, dot};
+use super::{BLOCK, Kernel, Strip, Tile, conv2d_by_block, forwarded, unrolled};
 use core::arch::aarch64::*;
 use core::arch::asm;
 
@@ -54,31 +54,7 @@ impl Kernel for Dotprod {
         }
     }
 
-    fn conv2d(self, strip: Strip<'_>) {
-        // SAFETY: `self` exists only where the machine has them; so for all functions below.
-        unsafe { conv2d(strip) }
-    }
-
-    fn depthwise3x3(
-        self,
-        rows: &Rows<'_>,
-        weights: &[TapWeights],
-        scale: &Scale<'_>,
-        out: &mut [u8],
-    ) {
-        // SAFETY: as above.
-        unsafe { neon::depthwise3x3(rows, weights, scale, out) }
-    }
-
-    fn add(self, sum: &Sum, other: &[u8], out: &mut [u8]) {
-        // SAFETY: as above.
-        unsafe { neon::add(sum, other, out) }
-    }
-
-    fn dot(self, features: &[u8], weights: &[i8]) -> i32 {
-        // SAFETY: as above.
-        unsafe { neon::dot(features, weights) }
-    }
+    forwarded!();
 }
 
 // Not inlined: the compiler then computes the loop's end once, and uses vectors.
@@ -92,30 +68,7 @@ fn flip_signs(values: &[u8], staged: &mut [u8]) {
 /// Pixels of a tile, whose sums fill sixteen of the 32 registers.
 const TILE: usize = 8;
 
-#[target_feature(enable = "neon,dotprod")]
-fn conv2d(mut strip: Strip<'_>) {
-    let (pixels, channels) = (strip.pixels(), strip.channels());
-    let scale = *strip.scale();
-    let requantization = Requantization::new(&scale);
-    for block in 0..strip.blocks() {
-        let requantization = requantization.of_block(&scale, block);
-        let out = strip.out().as_mut_ptr().wrapping_add(block * BLOCK);
-        let mut first = 0;
-        while first < pixels {
-            let tile = strip.tile(first, TILE);
-            // SAFETY: the strip has this block.
-            let sums = unsafe { sums(&strip, tile, block) };
-            unrolled!(p < TILE => {
-                if p < tile.present {
-                    let out = out.wrapping_add((first + p) * channels);
-                    // SAFETY: the strip has the outputs of all its blocks at all its pixels.
-                    unsafe { requantization.store(sums[p], out) };
-                }
-            });
-            first += tile.present;
-        }
-    }
-}
+conv2d_by_block!("neon,dotprod");
 
 /// The sums of the pixels of a tile in a block.
 ///

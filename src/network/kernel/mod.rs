@@ -15,18 +15,18 @@ mod dotprod;
 #[cfg(target_arch = "aarch64")]
 mod neon;
 mod operands;
-#[cfg(any(
-    test,
-    feature = "unstable-internals",
-    not(any(target_arch = "x86_64", target_arch = "aarch64"))
-))]
+#[cfg(any(test, feature = "unstable-internals", not(simd_kernel)))]
 mod scalar;
+#[cfg(simd_kernel)]
+mod shared;
+#[cfg(all(target_arch = "wasm32", simd_kernel))]
+mod simd128;
 #[cfg(target_arch = "x86_64")]
 mod sse2;
 mod tail;
 #[cfg(test)]
 mod tests;
-#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+#[cfg(simd_kernel)]
 mod unrolled;
 
 pub(super) use choice::{Chosen, chosen, dispatch};
@@ -36,7 +36,9 @@ use operands::TAP_PAIRS;
 pub(super) use operands::{
     BLOCK, MAX_ROWS, Rows, STAGING, Scale, Staging, Strip, StripParts, TapWeights, Tile,
 };
-#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+#[cfg(simd_kernel)]
+use shared::{conv2d_by_block, depthwise3x3_by_block, forwarded};
+#[cfg(simd_kernel)]
 use unrolled::unrolled;
 
 /// The loops of one instruction set. A value of the type shows that the machine has it.

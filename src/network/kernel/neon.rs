@@ -1,7 +1,7 @@
 //! The kernel for AArch64: `smlal` multiplies 16-bit numbers and adds the products to 32-bit sums.
 
 use super::{BLOCK, Kernel, Rows, Scale, Strip, Sum, TapWeights, Tile};
-use super::{tail, unrolled};
+use super::{conv2d_by_block, depthwise3x3_by_block, forwarded, tail, unrolled};
 use core::arch::aarch64::*;
 
 #[derive(Clone, Copy)]
@@ -16,31 +16,7 @@ impl Kernel for Neon {
         stage(values, zero_point, staged);
     }
 
-    fn conv2d(self, strip: Strip<'_>) {
-        // SAFETY: NEON is part of AArch64 with floats, which its targets name; so below.
-        unsafe { conv2d(strip) }
-    }
-
-    fn depthwise3x3(
-        self,
-        rows: &Rows<'_>,
-        weights: &[TapWeights],
-        scale: &Scale<'_>,
-        out: &mut [u8],
-    ) {
-        // SAFETY: as above.
-        unsafe { depthwise3x3(rows, weights, scale, out) }
-    }
-
-    fn add(self, sum: &Sum, other: &[u8], out: &mut [u8]) {
-        // SAFETY: as above.
-        unsafe { add(sum, other, out) }
-    }
-
-    fn dot(self, features: &[u8], weights: &[i8]) -> i32 {
-        // SAFETY: as above.
-        unsafe { dot(features, weights) }
-    }
+    forwarded!();
 }
 
 // Not inlined: the compiler then computes the loop's end once, and uses vectors.
@@ -52,30 +28,7 @@ fn stage(values: &[u8], zero_point: u8, staged: &mut [u8]) {
 /// Pixels of a tile, whose sums fill sixteen of the 32 registers.
 const TILE: usize = 8;
 
-#[target_feature(enable = "neon")]
-fn conv2d(mut strip: Strip<'_>) {
-    let (pixels, channels) = (strip.pixels(), strip.channels());
-    let scale = *strip.scale();
-    let requantization = Requantization::new(&scale);
-    for block in 0..strip.blocks() {
-        let requantization = requantization.of_block(&scale, block);
-        let out = strip.out().as_mut_ptr().wrapping_add(block * BLOCK);
-        let mut first = 0;
-        while first < pixels {
-            let tile = strip.tile(first, TILE);
-            // SAFETY: the strip has this block.
-            let sums = unsafe { sums(&strip, tile, block) };
-            unrolled!(p < TILE => {
-                if p < tile.present {
-                    let out = out.wrapping_add((first + p) * channels);
-                    // SAFETY: the strip has the outputs of all its blocks at all its pixels.
-                    unsafe { requantization.store(sums[p], out) };
-                }
-            });
-            first += tile.present;
-        }
-    }
-}
+conv2d_by_block!("neon");
 
 /// The sums of the pixels of a tile in a block.
 ///
@@ -208,29 +161,7 @@ impl Requantization {
     }
 }
 
-/// Eight channels at a time.
-#[target_feature(enable = "neon")]
-pub(super) fn depthwise3x3(
-    rows: &Rows<'_>,
-    weights: &[TapWeights],
-    scale: &Scale<'_>,
-    out: &mut [u8],
-) {
-    let channels = rows.channels().max(1);
-    let blocks = (channels / BLOCK).min(weights.len());
-    let requantization = Requantization::new(scale);
-    for (x, out) in out.chunks_exact_mut(channels).enumerate() {
-        let taps = rows.tap_starts(x);
-        for block in 0..blocks {
-            let requantization = requantization.of_block(scale, block);
-            // SAFETY: every tap has all channels, as have the weights and the output.
-            unsafe {
-                let sums = depthwise8(&taps, block * BLOCK, weights.as_ptr().add(block));
-                requantization.store(sums, out.as_mut_ptr().add(block * BLOCK));
-            }
-        }
-    }
-}
+depthwise3x3_by_block!("neon");
 
 /// The sums of eight channels from `at` on.
 ///

@@ -1,7 +1,7 @@
 //! The kernel for x86-64: `pmaddwd` multiplies pairs of 16-bit numbers and adds the products.
 
-use super::tail;
 use super::{BLOCK, Kernel, Rows, Scale, Strip, Sum, TapWeights, Tile};
+use super::{conv2d_by_block, depthwise3x3_by_block, forwarded, tail, unrolled};
 use core::arch::x86_64::*;
 
 #[derive(Clone, Copy)]
@@ -10,37 +10,13 @@ pub(in crate::network) struct Sse2;
 impl Kernel for Sse2 {
     const WIDTH: usize = 2;
     const GROUP: usize = 8;
-    const TILE: usize = 4;
+    const TILE: usize = TILE;
 
     fn stage(self, values: &[u8], zero_point: u8, staged: &mut [u8]) {
         stage(values, zero_point, staged);
     }
 
-    fn conv2d(self, strip: Strip<'_>) {
-        // SAFETY: SSE2 is part of x86-64.
-        unsafe { conv2d(strip) }
-    }
-
-    fn depthwise3x3(
-        self,
-        rows: &Rows<'_>,
-        weights: &[TapWeights],
-        scale: &Scale<'_>,
-        out: &mut [u8],
-    ) {
-        // SAFETY: as above.
-        unsafe { depthwise3x3(rows, weights, scale, out) }
-    }
-
-    fn add(self, sum: &Sum, other: &[u8], out: &mut [u8]) {
-        // SAFETY: as above.
-        unsafe { add(sum, other, out) }
-    }
-
-    fn dot(self, features: &[u8], weights: &[i8]) -> i32 {
-        // SAFETY: as above.
-        unsafe { dot(features, weights) }
-    }
+    forwarded!();
 }
 
 // Not inlined: the compiler then computes the loop's end once, and uses vectors.
@@ -49,31 +25,10 @@ fn stage(values: &[u8], zero_point: u8, staged: &mut [u8]) {
     tail::widen(values, zero_point, staged);
 }
 
-/// Tiles of four pixels and one block, which fill eight of the sixteen registers.
-#[target_feature(enable = "sse2")]
-fn conv2d(mut strip: Strip<'_>) {
-    let (pixels, channels) = (strip.pixels(), strip.channels());
-    let scale = *strip.scale();
-    let requantization = Requantization::new(&scale);
-    for block in 0..strip.blocks() {
-        let requantization = requantization.of_block(&scale, block);
-        let out = strip.out().as_mut_ptr().wrapping_add(block * BLOCK);
-        let mut first = 0;
-        while first < pixels {
-            let tile = strip.tile(first, TILE);
-            // SAFETY: the strip has this block.
-            let sums = unsafe { sums(&strip, tile, block) };
-            for (p, sums) in sums.iter().enumerate().take(tile.present) {
-                // SAFETY: the strip has the outputs of all its blocks at all its pixels.
-                unsafe { requantization.store(*sums, out.wrapping_add((first + p) * channels)) };
-            }
-            first += tile.present;
-        }
-    }
-}
-
-/// Pixels of a tile.
+/// Pixels of a tile, whose sums fill eight of the sixteen registers.
 const TILE: usize = 4;
+
+conv2d_by_block!("sse2");
 
 /// The sums of the pixels of a tile in a block.
 ///
@@ -226,24 +181,7 @@ impl Requantization {
     }
 }
 
-/// Eight channels of all pixels of the row, then the next eight.
-#[target_feature(enable = "sse2")]
-fn depthwise3x3(rows: &Rows<'_>, weights: &[TapWeights], scale: &Scale<'_>, out: &mut [u8]) {
-    let channels = rows.channels().max(1);
-    let blocks = (channels / BLOCK).min(weights.len());
-    let requantization = Requantization::new(scale);
-    for (x, out) in out.chunks_exact_mut(channels).enumerate() {
-        let taps = rows.tap_starts(x);
-        for block in 0..blocks {
-            let requantization = requantization.of_block(scale, block);
-            // SAFETY: every tap has all channels, as have the weights and the output.
-            unsafe {
-                let sums = depthwise8(&taps, block * BLOCK, weights.as_ptr().add(block));
-                requantization.store(sums, out.as_mut_ptr().add(block * BLOCK));
-            }
-        }
-    }
-}
+depthwise3x3_by_block!("sse2");
 
 /// The sums of eight channels from `at` on.
 ///

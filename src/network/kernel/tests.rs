@@ -26,6 +26,8 @@ macro_rules! each_kernel {
                 Chosen::Neon($kernel) => $test,
                 #[cfg(target_arch = "aarch64")]
                 Chosen::Dotprod($kernel) => $test,
+                #[cfg(all(target_arch = "wasm32", simd_kernel))]
+                Chosen::Simd128($kernel) => $test,
                 Chosen::Scalar(_) => {}
             }
         }

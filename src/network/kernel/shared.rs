@@ -1,0 +1,94 @@
+//! What several kernels have in common, as macros: a generic function could not have the target
+//! features of the one that calls it.
+
+/// The methods of [`Kernel`](super::Kernel) that call the functions of their names, which need the
+/// target features that a value of the kernel's type shows.
+macro_rules! forwarded {
+    () => {
+        fn conv2d(self, strip: $crate::network::kernel::Strip<'_>) {
+            // SAFETY: `self` exists only where the machine has the features; so for all below.
+            unsafe { conv2d(strip) }
+        }
+
+        fn depthwise3x3(
+            self,
+            rows: &$crate::network::kernel::Rows<'_>,
+            weights: &[$crate::network::kernel::TapWeights],
+            scale: &$crate::network::kernel::Scale<'_>,
+            out: &mut [u8],
+        ) {
+            // SAFETY: as above.
+            unsafe { depthwise3x3(rows, weights, scale, out) }
+        }
+
+        fn add(self, sum: &$crate::network::kernel::Sum, other: &[u8], out: &mut [u8]) {
+            // SAFETY: as above.
+            unsafe { add(sum, other, out) }
+        }
+
+        fn dot(self, features: &[u8], weights: &[i8]) -> i32 {
+            // SAFETY: as above.
+            unsafe { dot(features, weights) }
+        }
+    };
+}
+
+/// `conv2d` with tiles of `TILE` pixels and one block, by the module's `sums` and `Requantization`.
+macro_rules! conv2d_by_block {
+    ($features:literal) => {
+        #[target_feature(enable = $features)]
+        fn conv2d(mut strip: Strip<'_>) {
+            let (pixels, channels) = (strip.pixels(), strip.channels());
+            let scale = *strip.scale();
+            let requantization = Requantization::new(&scale);
+            for block in 0..strip.blocks() {
+                let requantization = requantization.of_block(&scale, block);
+                let out = strip.out().as_mut_ptr().wrapping_add(block * BLOCK);
+                let mut first = 0;
+                while first < pixels {
+                    let tile = strip.tile(first, TILE);
+                    // SAFETY: the strip has this block.
+                    let sums = unsafe { sums(&strip, tile, block) };
+                    unrolled!(p < TILE => {
+                        if p < tile.present {
+                            let out = out.wrapping_add((first + p) * channels);
+                            // SAFETY: the strip has the outputs of all its blocks at all pixels.
+                            unsafe { requantization.store(sums[p], out) };
+                        }
+                    });
+                    first += tile.present;
+                }
+            }
+        }
+    };
+}
+
+/// `depthwise3x3` with eight channels at a time, by the module's `depthwise8` and `Requantization`.
+macro_rules! depthwise3x3_by_block {
+    ($features:literal) => {
+        #[target_feature(enable = $features)]
+        pub(super) fn depthwise3x3(
+            rows: &Rows<'_>,
+            weights: &[TapWeights],
+            scale: &Scale<'_>,
+            out: &mut [u8],
+        ) {
+            let channels = rows.channels().max(1);
+            let blocks = (channels / BLOCK).min(weights.len());
+            let requantization = Requantization::new(scale);
+            for (x, out) in out.chunks_exact_mut(channels).enumerate() {
+                let taps = rows.tap_starts(x);
+                for block in 0..blocks {
+                    let requantization = requantization.of_block(scale, block);
+                    // SAFETY: every tap has all channels, as have the weights and the output.
+                    unsafe {
+                        let sums = depthwise8(&taps, block * BLOCK, weights.as_ptr().add(block));
+                        requantization.store(sums, out.as_mut_ptr().add(block * BLOCK));
+                    }
+                }
+            }
+        }
+    };
+}
+
+pub(super) use {conv2d_by_block, depthwise3x3_by_block, forwarded};

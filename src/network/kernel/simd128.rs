@@ -1,0 +1,237 @@
+//! The kernel for WebAssembly with 128-bit SIMD: `i32x4.dot_i16x8` multiplies pairs of 16-bit
+//! numbers and adds the products.
+//!
+//! A module that holds such instructions loads only where they exist, so it is chosen when
+//! compiling, by `-Ctarget-feature=+simd128`.
+
+use super::{BLOCK, Kernel, Rows, Scale, Strip, Sum, TapWeights, Tile};
+use super::{conv2d_by_block, depthwise3x3_by_block, forwarded, tail, unrolled};
+use core::arch::wasm32::*;
+
+#[derive(Clone, Copy)]
+pub(in crate::network) struct Simd128;
+
+#[allow(
+    unused_unsafe,
+    reason = "WebAssembly checks a module's features when it is loaded"
+)]
+impl Kernel for Simd128 {
+    const WIDTH: usize = 2;
+    const GROUP: usize = 2;
+    const TILE: usize = TILE;
+
+    fn stage(self, values: &[u8], zero_point: u8, staged: &mut [u8]) {
+        stage(values, zero_point, staged);
+    }
+
+    forwarded!();
+}
+
+// Not inlined: the compiler then computes the loop's end once, and uses vectors.
+#[inline(never)]
+fn stage(values: &[u8], zero_point: u8, staged: &mut [u8]) {
+    tail::widen(values, zero_point, staged);
+}
+
+/// Pixels of a tile, whose sums fill eight registers.
+const TILE: usize = 4;
+
+conv2d_by_block!("simd128");
+
+/// The sums of the pixels of a tile in a block.
+///
+/// # Safety
+/// The strip has this block.
+#[target_feature(enable = "simd128")]
+#[inline]
+unsafe fn sums(strip: &Strip<'_>, tile: Tile, block: usize) -> [[v128; 2]; TILE] {
+    let mut sums = [[i32x4_splat(0); 2]; TILE];
+    let mut weights = strip
+        .weights()
+        .as_ptr()
+        .wrapping_add(block * strip.block_weights());
+    for row in strip.rows() {
+        let mut window = tile.window.wrapping_add(*row);
+        for _ in 0..strip.columns() / 2 {
+            // SAFETY: a block has sixteen weights for each pair of columns of each row.
+            let pairs = unsafe {
+                [
+                    i16x8_load_extend_i8x8(weights),
+                    i16x8_load_extend_i8x8(weights.add(8)),
+                ]
+            };
+            unrolled!(p < TILE => {
+                // SAFETY: a window has a pair of two-byte values for each pair of columns.
+                let pair = unsafe { v128_load32_splat(window.add(p * tile.step).cast()) };
+                unrolled!(half < 2 => {
+                    sums[p][half] = i32x4_add(sums[p][half], i32x4_dot_i16x8(pair, pairs[half]));
+                });
+            });
+            weights = weights.wrapping_add(2 * BLOCK);
+            window = window.wrapping_add(4);
+        }
+    }
+    sums
+}
+
+/// A [`Scale`] in registers; bias and multiplier are those of one block.
+#[derive(Clone, Copy)]
+struct Requantization {
+    bias: [v128; 2],
+    multiplier: [v128; 2],
+    pre_shift: u32,
+    post_shift: u32,
+    half: v128,
+    /// The zero point; less 2·128 where a lateral is added.
+    offset: v128,
+    lateral: bool,
+}
+
+impl Requantization {
+    #[target_feature(enable = "simd128")]
+    #[inline]
+    fn new(scale: &Scale<'_>) -> Self {
+        let (pre_shift, post_shift, half) = scale.shifts();
+        let lateral = if scale.lateral { -256 } else { 0 };
+        Requantization {
+            bias: [i32x4_splat(0); 2],
+            multiplier: [i32x4_splat(0); 2],
+            pre_shift,
+            post_shift,
+            half: i32x4_splat(half),
+            offset: i16x8_splat((scale.zero_point + lateral) as i16),
+            lateral: scale.lateral,
+        }
+    }
+
+    #[target_feature(enable = "simd128")]
+    #[inline]
+    fn of_block(&self, scale: &Scale<'_>, block: usize) -> Self {
+        let [bias, multiplier] = [scale.bias, scale.multiplier].map(|of| {
+            let [a, b, c, d, e, f, g, h] = of.get(block).copied().unwrap_or_default();
+            [i32x4(a, b, c, d), i32x4(e, f, g, h)]
+        });
+        Requantization {
+            bias,
+            // Only the lower 16 bits of each factor are multiplied: the upper ones meet zeros.
+            multiplier: multiplier.map(|m| v128_and(m, i32x4_splat(0xffff))),
+            ..*self
+        }
+    }
+
+    /// Writes the outputs of the block at a pixel.
+    ///
+    /// # Safety
+    /// `out` is valid for eight bytes.
+    #[target_feature(enable = "simd128")]
+    #[inline]
+    unsafe fn store(&self, mut sums: [v128; 2], out: *mut u8) {
+        unrolled!(half < 2 => {
+            let kept = i32x4_shr(i32x4_add(sums[half], self.bias[half]), self.pre_shift);
+            let scaled = i32x4_dot_i16x8(kept, self.multiplier[half]);
+            sums[half] = i32x4_shr(i32x4_add(scaled, self.half), self.post_shift);
+        });
+        // What saturates here is clamped below anyway.
+        let words = i16x8_narrow_i32x4(sums[0], sums[1]);
+        let mut offset = self.offset;
+        if self.lateral {
+            // SAFETY: as the caller promises.
+            let lateral = unsafe { i16x8_load_extend_u8x8(out) };
+            offset = i16x8_add(offset, i16x8_shl(lateral, 1));
+        }
+        let words = i16x8_add_sat(words, offset);
+        // SAFETY: as the caller promises.
+        unsafe { v128_store64_lane::<0>(u8x16_narrow_i16x8(words, words), out.cast()) };
+    }
+}
+
+depthwise3x3_by_block!("simd128");
+
+/// The sums of eight channels from `at` on.
+///
+/// # Safety
+/// Every tap and the weights have these channels.
+#[target_feature(enable = "simd128")]
+#[inline]
+unsafe fn depthwise8(taps: &[*const u8; 10], at: usize, weights: *const TapWeights) -> [v128; 2] {
+    let mut sums = [i32x4_splat(0); 2];
+    let mut weights = weights.cast::<v128>();
+    for pair in taps.as_chunks::<2>().0 {
+        // SAFETY: as the caller promises.
+        let [first, second] = pair.map(|tap| unsafe { v128_load64_zero(tap.add(at).cast()) });
+        let pairs = interleaved(first, second);
+        for (sum, pairs) in sums.iter_mut().zip(unsigned(pairs)) {
+            // SAFETY: as the caller promises.
+            let of_pairs = unsafe { v128_load(weights) };
+            weights = weights.wrapping_add(1);
+            *sum = i32x4_add(*sum, i32x4_dot_i16x8(pairs, of_pairs));
+        }
+    }
+    sums
+}
+
+/// The first eight bytes of both, by turns.
+#[target_feature(enable = "simd128")]
+#[inline]
+fn interleaved(a: v128, b: v128) -> v128 {
+    i8x16_shuffle::<0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23>(a, b)
+}
+
+/// Sixteen unsigned bytes as 16-bit numbers.
+#[target_feature(enable = "simd128")]
+#[inline]
+fn unsigned(bytes: v128) -> [v128; 2] {
+    [
+        u16x8_extend_low_u8x16(bytes),
+        u16x8_extend_high_u8x16(bytes),
+    ]
+}
+
+#[target_feature(enable = "simd128")]
+fn add(sum: &Sum, other: &[u8], out: &mut [u8]) {
+    let (pre_shift, post_shift, half) = sum.shifts();
+    let [own, second] = sum.factors;
+    let factors = i16x8(own, second, own, second, own, second, own, second);
+    let half = i32x4_splat(half);
+    let (vectors, rest) = out.as_chunks_mut::<8>();
+    let (others, rest_of_other) = other.as_chunks::<8>();
+    for (out, other) in vectors.iter_mut().zip(others) {
+        // SAFETY: both are eight bytes.
+        let [own, other] = [&*out, other].map(|v| unsafe { v128_load64_zero(v.as_ptr().cast()) });
+        let [low, high] = unsigned(interleaved(own, other)).map(|pairs| {
+            let sum = i32x4_shr(i32x4_dot_i16x8(pairs, factors), pre_shift);
+            i32x4_shr(i32x4_add(sum, half), post_shift)
+        });
+        let words = i16x8_narrow_i32x4(low, high);
+        // SAFETY: the output is eight bytes.
+        unsafe {
+            v128_store64_lane::<0>(u8x16_narrow_i16x8(words, words), out.as_mut_ptr().cast());
+        }
+    }
+    tail::add(sum, rest_of_other, rest);
+}
+
+#[target_feature(enable = "simd128")]
+fn dot(features: &[u8], weights: &[i8]) -> i32 {
+    let (vectors, rest) = features.as_chunks::<8>();
+    let (rows, rest_of_row) = weights.as_chunks::<8>();
+    let mut sums = i32x4_splat(0);
+    for (features, weights) in vectors.iter().zip(rows) {
+        // SAFETY: both are eight bytes.
+        let (features, weights) = unsafe {
+            (
+                i16x8_load_extend_u8x8(features.as_ptr()),
+                i16x8_load_extend_i8x8(weights.as_ptr()),
+            )
+        };
+        sums = i32x4_add(sums, i32x4_dot_i16x8(features, weights));
+    }
+    let sums = [
+        i32x4_extract_lane::<0>(sums),
+        i32x4_extract_lane::<1>(sums),
+        i32x4_extract_lane::<2>(sums),
+        i32x4_extract_lane::<3>(sums),
+    ];
+    sums.iter()
+        .fold(tail::dot(rest, rest_of_row), |a, b| a.wrapping_add(*b))
+}
