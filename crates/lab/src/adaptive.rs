@@ -5,16 +5,14 @@
 //! share of its distance from the person's own model is added, and the areas under the ROC are
 //! printed for several shares and rates; share 0 is the verifier alone.
 
-use anyhow::{Context, Result, bail};
+use crate::video::Video;
+use anyhow::{Context, Result};
 use posewise::align::{Shape, Workspace};
-use posewise::image::{Frame, FrameLayout};
 use posewise::shape::LANDMARKS;
 use posewise::track::Model;
 use posewise_format::AlignedBytes;
 use posewise_metrics::auc;
-use std::io::Read;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
 
 /// Settings of `posewise-lab adaptive`.
 #[derive(Clone, Debug, clap::Args)]
@@ -129,7 +127,8 @@ fn follow(model: &Model<'_>, truth: &Path, rows: &mut Vec<Row>) -> Result<()> {
         std::array::from_fn(|_| vec![Local::default(); views * LANDMARKS]);
     let mut shape: Option<Shape> = None;
     for truth in &truths {
-        let Some(frame) = video.next()? else { break };
+        let Some(luma) = video.next()? else { break };
+        let frame = luma.frame()?;
         let mut fitted = shape.unwrap_or(truth.shape);
         let ran = model.align().run(&frame, 1, &mut fitted, &mut work);
         let confidence = model.verifier().evaluate(work.features(), work.view());
@@ -192,66 +191,6 @@ fn read_truth(path: &Path) -> Result<Vec<Truth>> {
             Ok(truth)
         })
         .collect()
-}
-
-/// Grey frames out of the `ffmpeg` program.
-struct Video {
-    from: std::process::ChildStdout,
-    layout: FrameLayout,
-    luma: Vec<u8>,
-}
-
-impl Video {
-    fn open(path: &Path) -> Result<Video> {
-        let mut child = Command::new("ffmpeg")
-            .args(["-v", "error", "-i"])
-            .arg(path)
-            .args([
-                "-f",
-                "yuv4mpegpipe",
-                "-strict",
-                "-1",
-                "-pix_fmt",
-                "gray",
-                "-",
-            ])
-            .stdout(Stdio::piped())
-            .spawn()
-            .context("the ffmpeg program")?;
-        let mut from = child.stdout.take().context("no output of ffmpeg")?;
-        let head = line(&mut from)?;
-        let size = |mark: char| {
-            let word = head.split(' ').find(|w| w.starts_with(mark));
-            word.and_then(|w| w[1..].parse::<u32>().ok())
-        };
-        let (Some(width), Some(height)) = (size('W'), size('H')) else {
-            bail!("{}: ffmpeg cannot read it", path.display());
-        };
-        Ok(Video {
-            from,
-            layout: FrameLayout::grey(width, height),
-            luma: vec![0; (width * height) as usize],
-        })
-    }
-
-    fn next(&mut self) -> Result<Option<Frame<'_>>> {
-        if !line(&mut self.from)?.starts_with("FRAME") {
-            return Ok(None);
-        }
-        self.from.read_exact(&mut self.luma)?;
-        let frame = Frame::new(&self.layout, &self.luma);
-        Ok(Some(frame.map_err(|e| anyhow::anyhow!("{e}"))?))
-    }
-}
-
-/// Up to the end of the line, or of the stream.
-fn line(from: &mut impl Read) -> Result<String> {
-    let mut out = String::new();
-    let mut byte = [0];
-    while from.read(&mut byte)? == 1 && byte[0] != b'\n' {
-        out.push(byte[0] as char);
-    }
-    Ok(out)
 }
 
 #[cfg(test)]

@@ -3,8 +3,14 @@
 
 mod adaptive;
 mod features;
+mod product;
+mod protocol;
 mod sweeps;
+mod table;
 mod templates;
+mod tracked;
+mod truth;
+mod video;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
@@ -28,6 +34,8 @@ enum Command {
     Adaptive(adaptive::Args),
     /// Render clips with exact truth to validate pose and covered faces, harder than training.
     Sweeps(sweeps::Args),
+    /// Print a public data set's own measures.
+    Protocol(protocol::Args),
     /// Render clips in which two people pass each other, with the places of both faces.
     Crossings(sweeps::CrossingArgs),
 }
@@ -37,6 +45,7 @@ fn main() -> Result<()> {
         Command::Features(args) => features::run(&args),
         Command::Templates(args) => templates::run(&args),
         Command::Adaptive(args) => adaptive::run(&args),
+        Command::Protocol(args) => protocol::run(&args),
         Command::Sweeps(args) => sweeps::run(&args),
         Command::Crossings(args) => sweeps::run_crossings(&args),
     }

@@ -8,6 +8,7 @@
 //! | [`landmarks`] | distances of landmarks, normalised mean error (NME) |
 //! | [`cumulative`] | area under the cumulative error distribution (CED) |
 //! | [`jitter`] | how much landmarks jitter from frame to frame |
+//! | [`pose`] | errors of head pose, share of frames tracked |
 //! | [`box_jitter`] | boxes as far off as a detector's |
 
 pub mod box_jitter;
@@ -15,6 +16,7 @@ pub mod calibration;
 pub mod cumulative;
 pub mod jitter;
 pub mod landmarks;
+pub mod pose;
 pub mod roc;
 pub mod statistics;
 

@@ -1,0 +1,130 @@
+//! posewise itself, through its public interface.
+
+use crate::tracked::Tracked;
+use crate::video::Luma;
+use anyhow::{Context, Result, anyhow};
+use posewise::{Config, FaceHint, Intrinsics, Model, State, TrackResult, Tracker};
+use posewise_format::AlignedBytes;
+use std::path::{Path, PathBuf};
+
+/// Time between frames \[µs\]: 30 a second.
+const STEP_US: i64 = 33_333;
+/// A still is shown at most so often until its face is tracked; the scan budget covers a whole
+/// picture in one step.
+const STILL_SEARCHES: usize = 8;
+/// More steps on a still once it is tracked, as `posewise eval landmarks` has by default.
+const STILL_STEPS: usize = 4;
+/// Work per step: nothing here is in a hurry.
+const SCAN_BUDGET: u32 = 10_000_000;
+
+/// Which model, and which camera.
+#[derive(Clone, Debug, clap::Args)]
+pub struct Options {
+    /// The model; the embedded one without it.
+    #[arg(long)]
+    pub model: Option<PathBuf>,
+    /// Focal length \[px\]; that of 60° across without it.
+    #[arg(long)]
+    pub focal: Option<f32>,
+}
+
+/// The bytes of a model, and the camera.
+pub struct Product {
+    bytes: Option<AlignedBytes>,
+    focal: Option<f32>,
+}
+
+impl Product {
+    /// Reads the model.
+    pub fn new(options: &Options) -> Result<Product> {
+        let read = |path: &PathBuf| -> Result<AlignedBytes> {
+            let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
+            Ok(AlignedBytes::new(&bytes))
+        };
+        let product = Product {
+            bytes: options.model.as_ref().map(read).transpose()?,
+            focal: options.focal,
+        };
+        product.model()?;
+        Ok(product)
+    }
+
+    /// The model.
+    pub fn model(&self) -> Result<Model<'_>> {
+        let bytes = self.bytes.as_deref().unwrap_or(posewise::DEFAULT_MODEL);
+        Model::load(bytes).map_err(|e| anyhow!("the model: {e}"))
+    }
+
+    /// The camera of frames of this size.
+    pub fn camera(&self, width: usize, height: usize) -> Intrinsics {
+        let default = Intrinsics::of_frame(width as i32, height as i32);
+        let focal = self.focal;
+        focal.map_or(default, |f| Intrinsics::new(f, f, default.cx, default.cy))
+    }
+
+    /// A tracker for one clip.
+    pub fn start(&self) -> Result<Session<'_>> {
+        let mut config = Config::default();
+        config.scan_budget = SCAN_BUDGET;
+        Ok(Session {
+            product: self,
+            model: self.model()?,
+            tracker: Box::new(Tracker::new(&config).map_err(|e| anyhow!("{e}"))?),
+            time_us: 0,
+        })
+    }
+
+    /// One picture for a fresh tracker, which sees it again until it has settled. `bounds` (left,
+    /// top, right, bottom \[px\]) is where the face is, if that is known.
+    pub fn still(&self, path: &Path, bounds: Option<[f64; 4]>) -> Result<Option<Tracked>> {
+        let luma = Luma::read(path)?;
+        let mut session = self.start()?;
+        let mut is_tracked = match bounds.map(|b| b.map(|v| v as f32)) {
+            Some([left, top, right, bottom]) => {
+                let hint = FaceHint::new([left, top, right - left, bottom - top]);
+                session.step_with(&luma, Some(&hint))?.state == State::Tracking
+            }
+            None => false,
+        };
+        for _ in 0..STILL_SEARCHES {
+            is_tracked = is_tracked || session.step(&luma)?.state == State::Tracking;
+        }
+        let mut found = None;
+        for _ in 0..STILL_STEPS {
+            found = Tracked::of(session.step(&luma)?).or(found);
+        }
+        Ok(found)
+    }
+}
+
+/// A tracker that follows one clip.
+pub struct Session<'p> {
+    product: &'p Product,
+    model: Model<'p>,
+    tracker: Box<Tracker>,
+    time_us: i64,
+}
+
+impl Session<'_> {
+    /// The next frame.
+    pub fn step(&mut self, luma: &Luma) -> Result<&TrackResult> {
+        self.step_with(luma, None)
+    }
+
+    fn step_with(&mut self, luma: &Luma, hint: Option<&FaceHint>) -> Result<&TrackResult> {
+        if self.time_us == 0 {
+            let camera = self.product.camera(luma.width, luma.height);
+            let set = self.tracker.set_intrinsics(Some(camera));
+            set.map_err(|e| anyhow!("{e}"))?;
+        }
+        self.time_us += STEP_US;
+        let frame = luma.frame()?;
+        let stepped = match hint {
+            Some(hint) => self
+                .tracker
+                .step_at(&self.model, &frame, self.time_us, hint),
+            None => self.tracker.step(&self.model, &frame, self.time_us),
+        };
+        stepped.map_err(|e| anyhow!("{e}"))
+    }
+}

@@ -1,0 +1,94 @@
+//! What is compared with the truth: tables of any tracker, or the product's own results.
+
+use crate::product::Product;
+use crate::tracked::{self, Tracked};
+use crate::video::{Luma, Video};
+use anyhow::{Context, Result};
+use std::path::{Path, PathBuf};
+
+/// What a data set shows.
+pub enum Media {
+    /// A video file.
+    Video(PathBuf),
+    /// Pictures that are the frames of a video.
+    Frames(Vec<PathBuf>),
+    /// One picture, and the box of the face (left, top, right, bottom \[px\]) where it is known.
+    Still(PathBuf, Option<[f64; 4]>),
+}
+
+/// Where predictions come from.
+pub enum Predictions {
+    /// `NAME.csv` in a folder, as `posewise track --csv` writes it.
+    Tables(PathBuf),
+    /// posewise runs on the media.
+    Product(Product),
+}
+
+impl Predictions {
+    /// By frame. `name` is that of the clip or picture, with the folders that it is in.
+    pub fn of(&self, name: &str, media: &Media, frames: usize) -> Result<Vec<Option<Tracked>>> {
+        let mut found = match self {
+            Predictions::Tables(folder) => {
+                let mut rows = tracked::read(&folder.join(format!("{name}.csv")))?;
+                (0..frames).map(|frame| rows.remove(&frame)).collect()
+            }
+            Predictions::Product(product) => match media {
+                Media::Still(path, bounds) => vec![product.still(path, *bounds)?],
+                Media::Video(path) => video(product, path)?,
+                Media::Frames(paths) => {
+                    let mut session = product.start()?;
+                    let step = |path: &PathBuf| -> Result<Option<Tracked>> {
+                        Ok(Tracked::of(session.step(&Luma::read(path)?)?))
+                    };
+                    paths.iter().map(step).collect::<Result<Vec<_>>>()?
+                }
+            },
+        };
+        found.resize(frames, None);
+        Ok(found)
+    }
+}
+
+fn video(product: &Product, path: &Path) -> Result<Vec<Option<Tracked>>> {
+    let mut session = product.start()?;
+    let mut video = Video::open(path)?;
+    let mut found = Vec::new();
+    while let Some(luma) = video.next()? {
+        found.push(Tracked::of(session.step(luma)?));
+    }
+    Ok(found)
+}
+
+/// All files below a folder with one of these endings (in lower case), by name.
+pub fn files(folder: &Path, endings: &[&str]) -> Result<Vec<PathBuf>> {
+    let mut found = Vec::new();
+    let mut folders = vec![folder.to_path_buf()];
+    while let Some(folder) = folders.pop() {
+        let entries = std::fs::read_dir(&folder).with_context(|| folder.display().to_string())?;
+        for entry in entries {
+            let path = entry?.path();
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            let name = name.to_lowercase();
+            if path.is_dir() {
+                folders.push(path);
+            } else if endings.iter().any(|ending| name.ends_with(ending)) {
+                found.push(path);
+            }
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
+/// The file's path below `folder`, without its ending.
+pub fn name_below(folder: &Path, path: &Path) -> String {
+    let below = path.strip_prefix(folder).unwrap_or(path);
+    below.with_extension("").to_string_lossy().into_owned()
+}
+
+/// The first of these endings with which the file beside `path` is there; the first where none is.
+pub fn beside(path: &Path, endings: &[&str]) -> PathBuf {
+    let mut candidates = endings.iter().map(|ending| path.with_extension(ending));
+    let found = candidates.clone().find(|c| c.exists());
+    found.or_else(|| candidates.next()).unwrap_or_default()
+}
