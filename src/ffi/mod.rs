@@ -2,8 +2,8 @@
 //! and their likes for driver monitoring.
 //!
 //! `convert` checks the caller's structs and converts them to the crate's types, and results back.
-//! `memory` does all pointer work, `block` holds the tracker in the caller's memory, `events` writes
-//! unread events.
+//! `memory` does all pointer work, `block` holds the tracker in the caller's memory, `events`
+//! writes unread events.
 //! `monitor`, `monitor_types` and `monitor_convert` are the same for driver monitoring.
 //! `float_env` sets the floating-point environment for the time of a call.
 
