@@ -9,6 +9,7 @@ mod common;
 
 use common::c::{STRICT, arguments, cxx, exists, library, program, require, succeed};
 use common::{root, scratch};
+use posewise::{Config, Frame, FrameLayout, Model, State, Tracker};
 use std::path::Path;
 use std::process::Command;
 
@@ -232,6 +233,88 @@ fn gstreamer_delivers_frames() {
         assert_eq!(output.status.code(), Some(1), "{said}");
         assert!(said.contains(why), "{said}");
     }
+}
+
+/// Yaw of the frames, as the Rust library tracks them; `None` where there is no face.
+fn yaw_of_frames(frames: &Path, width: &str, height: &str) -> Vec<Option<f32>> {
+    let model = Model::load(posewise::DEFAULT_MODEL).expect("the default model is valid");
+    let mut tracker = Box::new(Tracker::new(&Config::default()).expect("defaults"));
+    let layout = FrameLayout::grey(width.parse().unwrap(), height.parse().unwrap());
+    let bytes = std::fs::read(frames).expect("the frames");
+    let frames = bytes.chunks_exact((layout.width * layout.height) as usize);
+    let steps = frames.enumerate().map(|(i, luma)| {
+        let frame = Frame::new(&layout, luma).expect("a frame");
+        let time_us = 50_000 * i as i64;
+        let result = tracker.step(&model, &frame, time_us).expect("in order");
+        (result.state != State::Searching).then_some(result.yaw_deg)
+    });
+    steps.collect()
+}
+
+/// The element's messages have the library's numbers, and frames pass unchanged.
+#[test]
+fn gstreamer_element_posts_results() {
+    if !exists("pkg-config") || !require("gst-launch-1.0") {
+        return;
+    }
+    let mut packages = Command::new("pkg-config");
+    packages.args(["--exists", "gstreamer-video-1.0"]);
+    if !packages.status().is_ok_and(|status| status.success()) {
+        require("gstreamer-video-1.0");
+        return;
+    }
+    library();
+    let target = scratch("dist");
+    let mut make = Command::new("make");
+    make.arg("-C").arg(root().join("ffi-examples"));
+    make.arg(format!("TARGET_DIR={}", target.display()));
+    succeed(make.args(["gst-plugin", "CFLAGS=-O2 -Werror"]));
+    let [_, frames, width, height] = arguments();
+    let out = scratch("camera").join("passed.raw");
+    let run = |element: &str| {
+        let line = format!(
+            "filesrc location={frames} ! rawvideoparse width={width} height={height} format=gray8 \
+             framerate=20/1 ! {element} ! filesink location={}",
+            out.display()
+        );
+        // A pipeline that never ends would stop the tests.
+        let mut run = Command::new("timeout");
+        run.args(["120", "gst-launch-1.0", "-m"]);
+        run.args(line.split(' ').filter(|word| !word.is_empty()));
+        run.env("GST_PLUGIN_PATH", target.join("ffi-examples"));
+        run.env("GST_REGISTRY", scratch("camera").join("registry"));
+        let output = run.output().expect("timeout is there");
+        let [stdout, stderr] = [output.stdout, output.stderr]
+            .map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
+        (output.status.success(), stdout, stderr)
+    };
+    let (is_well, printed, said) = run("posewise");
+    if said.contains("no element \"rawvideoparse") {
+        require("rawvideoparse");
+        return;
+    }
+    assert!(is_well, "{said}");
+    let messages = printed.lines().filter(|line| line.contains("posewise, "));
+    let yaw = messages.map(|line| {
+        let value = line.split("yaw=(float)").nth(1)?.split(',').next()?;
+        value.parse::<f32>().ok()
+    });
+    let yaw: Vec<Option<f32>> = yaw.collect();
+    assert_eq!(yaw, yaw_of_frames(Path::new(frames), width, height));
+    assert!(yaw.iter().flatten().count() >= 50, "{printed}");
+    let [before, after] = [Path::new(frames), &out].map(|path| std::fs::read(path).unwrap());
+    assert!(before == after, "frames pass unchanged");
+
+    let clean = root().join("models/clean.posewise");
+    let nv12 = "videoconvert ! video/x-raw,format=NV12 ! posewise model";
+    let (is_well, printed, said) = run(&format!("{nv12}={}", clean.display()));
+    assert!(is_well, "{said}");
+    assert!(
+        printed.matches("state=(string)tracking").count() >= 50,
+        "{printed}"
+    );
+    let (is_well, _, said) = run("posewise model=/none");
+    assert!(!is_well && said.contains("/none"), "{said}");
 }
 
 #[test]
