@@ -1,6 +1,9 @@
 // Runs a tracker in a worker. Messages are { id, call, args }; answers { id, value } or
 // { id, error }. Calls are carried out one after the other.
 
+// These two first: their importers then do not have to arrive before they are asked for.
+import './layout.js';
+import './struct.js';
 import { load } from './engine.js';
 import { frameOf } from './luma.js';
 

@@ -1,8 +1,9 @@
 // The demo page: plays a source, tracks its frames in a worker, shows what comes out.
 
 import { FaceTracker, grabbed, moduleName, startWorker } from '../posewise.js';
-import { asset, embeddedWorker, isStandalone } from './assets.js';
+import { asset, compiled, embeddedWorker, isStandalone } from './assets.js';
 import { attempt, begin, connectDisplay, element, say, showFrame } from './display.js';
+import { firstClip, firstModel, firstModule, firstWorker } from './early.js';
 import { Source } from './sources.js';
 
 /** What the page says of each model; models/*.md has the terms. */
@@ -12,10 +13,10 @@ const NOTES = {
 };
 
 /**
- * Work of a step while it searches: more than the default, so that a face is found at once. The
- * worker has time for it.
+ * Work of a step while it searches: enough for a whole frame of 320×240 pixels, so that a face is
+ * found in the first one. The worker has time for it.
  */
-const SCAN_BUDGET = 20_000;
+const SCAN_BUDGET = 200_000;
 
 const video = element('video', HTMLVideoElement);
 const stage = element('stage', HTMLElement);
@@ -25,22 +26,34 @@ const source = new Source(video);
 /** @type {FaceTracker | undefined} */
 let tracker;
 let isBusy = false;
+/** Time of the frame that the video shows [us]. */
+let shownUs = -1;
 
-/** Starts a tracker with the chosen model. */
-async function loadModel() {
+/** What the chosen model's tracker is made of. */
+async function chosen() {
   const name = model.value === 'clean' ? 'clean' : 'default';
   element('model-note', HTMLElement).textContent = NOTES[name];
-  const [wasm, bytes, worker] = await Promise.all([
-    asset(moduleName()).then((module) => WebAssembly.compile(module)),
+  return Promise.all([
+    compiled(moduleName()),
     asset(`${name}.posewise`),
     isStandalone() ? embeddedWorker() : startWorker(),
   ]);
+}
+
+/**
+ * Starts a tracker.
+ * @param {Promise<[WebAssembly.Module, ArrayBuffer, Worker]>} parts
+ */
+async function loadModel(parts) {
+  const [wasm, bytes, worker] = await parts;
   const config = { scanBudget: SCAN_BUDGET };
   const next = await FaceTracker.create({ wasm, model: bytes, worker, config });
   const before = tracker;
   tracker = next;
   isBusy = false;
   await before?.close();
+  // Frames that came before it are gone, but for the one that is shown.
+  if (!before && shownUs >= 0) attempt(() => onFrame(shownUs));
 }
 
 /** @param {number} timestampUs */
@@ -83,7 +96,7 @@ function connect() {
     pause.setAttribute('aria-pressed', String(!video.paused));
     await (video.paused ? video.play() : video.pause());
   });
-  model.addEventListener('change', () => attempt(loadModel));
+  model.addEventListener('change', () => attempt(() => loadModel(chosen())));
   const file = element('file', HTMLInputElement);
   const open = (/** @type {FileList | null | undefined} */ files) => {
     const first = files?.[0];
@@ -100,12 +113,17 @@ function connect() {
     stage.classList.remove('dropping');
     open(event.dataTransfer?.files);
   });
-  source.eachFrame((timestampUs) => attempt(() => onFrame(timestampUs)));
+  source.eachFrame((timestampUs) => {
+    shownUs = timestampUs;
+    attempt(() => onFrame(timestampUs));
+  });
 }
 
 connect();
 connectDisplay(() => tracker?.animationNames ?? []);
 await attempt(async () => {
-  await Promise.all([loadModel(), source.clip()]);
+  element('model-note', HTMLElement).textContent = NOTES.default;
+  const parts = Promise.all([firstModule, firstModel, firstWorker]);
+  await Promise.all([loadModel(parts), source.clip(firstClip)]);
   say('Looking for a face…');
 });

@@ -16,6 +16,20 @@ export async function asset(name) {
   return new Response(stream).arrayBuffer();
 }
 
+/**
+ * @param {string} name A WebAssembly module, as for `asset`.
+ * @returns {Promise<WebAssembly.Module>}
+ */
+export async function compiled(name) {
+  if (isStandalone()) return WebAssembly.compile(await asset(name));
+  const response = await fetch(new URL(name, document.baseURI));
+  // A server that does not know the type would make the streaming compiler fail.
+  const isKnown = response.headers.get('content-type') === 'application/wasm';
+  if (isKnown) return WebAssembly.compileStreaming(response);
+  if (!response.ok) throw new Error(`${name}: ${response.status} ${response.statusText}`);
+  return WebAssembly.compile(await response.arrayBuffer());
+}
+
 /** Whether the page is standalone.html. */
 export function isStandalone() {
   return document.getElementById('asset:worker.js') !== null;

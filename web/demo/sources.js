@@ -25,10 +25,12 @@ export class Source {
       stream.getTracks().forEach((track) => track.stop()));
   }
 
-  /** Plays the demo clip. */
-  async clip() {
-    const clip = new Blob([await asset('demo/clip.webm')], { type: 'video/webm' });
-    await this.file(clip);
+  /**
+   * Plays the demo clip.
+   * @param {Promise<ArrayBuffer>} [bytes] The clip, if somebody has begun to load it.
+   */
+  async clip(bytes = asset('demo/clip.webm')) {
+    await this.file(new Blob([await bytes], { type: 'video/webm' }));
   }
 
   /**

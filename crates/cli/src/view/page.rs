@@ -70,7 +70,13 @@ const CHANGES: [(&str, &str); 5] = [
 pub fn index() -> Result<String> {
     let lines = INDEX.lines();
     let mut page: String = lines
-        .filter(|line| !line.starts_with("<link rel=\"modulepreload\""))
+        .filter(|line| {
+            let early = [
+                "<link rel=\"modulepreload\"",
+                "<script type=\"module\" async",
+            ];
+            !early.iter().any(|start| line.starts_with(start))
+        })
         .flat_map(|line| [line, "\n"])
         .collect();
     for (old, new) in CHANGES {

@@ -13,7 +13,7 @@ pub use layout::offsets;
 pub use serve::Site;
 
 /// Files of the package and of the page that are served as they are in the repository, from web/.
-const FILES: [&str; 25] = [
+const FILES: [&str; 26] = [
     "README.md",
     "package.json",
     "index.html",
@@ -35,6 +35,7 @@ const FILES: [&str; 25] = [
     "demo/clip.webm",
     "demo/csv.js",
     "demo/display.js",
+    "demo/early.js",
     "demo/overlay.js",
     "demo/readings.js",
     "demo/sources.js",

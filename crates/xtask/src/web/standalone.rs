@@ -18,7 +18,7 @@ const WORKER: [&str; 5] = [
 ];
 
 /// Modules of the page, likewise.
-const PAGE: [&str; 13] = [
+const PAGE: [&str; 14] = [
     "layout.js",
     "struct.js",
     "engine.js",
@@ -30,6 +30,7 @@ const PAGE: [&str; 13] = [
     "demo/csv.js",
     "demo/readings.js",
     "demo/display.js",
+    "demo/early.js",
     "demo/sources.js",
     "demo/app.js",
 ];
@@ -74,7 +75,13 @@ pub fn page(folder: &Path) -> Result<String> {
     let html = text("index.html")?;
     let lines = html.lines();
     let mut page: String = lines
-        .filter(|line| !line.starts_with("<link rel=\"modulepreload\""))
+        .filter(|line| {
+            let early = [
+                "<link rel=\"modulepreload\"",
+                "<script type=\"module\" async",
+            ];
+            !early.iter().any(|start| line.starts_with(start))
+        })
         .flat_map(|line| [line, "\n"])
         .collect();
     for (old, new) in changes {
