@@ -2,6 +2,7 @@
 //! and left out, or not yet taken in; docs/accuracy.md holds their figures.
 
 mod adaptive;
+mod compare;
 mod features;
 mod product;
 mod protocol;
@@ -34,6 +35,10 @@ enum Command {
     Adaptive(adaptive::Args),
     /// Render clips with exact truth to validate pose and covered faces, harder than training.
     Sweeps(sweeps::Args),
+    /// Follow a clip with posewise or a tracker of the thesis.
+    Track(compare::TrackArgs),
+    /// Print the measures of several trackers on clips with truth.
+    Compare(compare::TableArgs),
     /// Print a public data set's own measures.
     Protocol(protocol::Args),
     /// Render clips in which two people pass each other, with the places of both faces.
@@ -45,6 +50,8 @@ fn main() -> Result<()> {
         Command::Features(args) => features::run(&args),
         Command::Templates(args) => templates::run(&args),
         Command::Adaptive(args) => adaptive::run(&args),
+        Command::Track(args) => compare::run_track(&args),
+        Command::Compare(args) => compare::run_table(&args),
         Command::Protocol(args) => protocol::run(&args),
         Command::Sweeps(args) => sweeps::run(&args),
         Command::Crossings(args) => sweeps::run_crossings(&args),

@@ -55,19 +55,17 @@ impl Product {
         Model::load(bytes).map_err(|e| anyhow!("the model: {e}"))
     }
 
-    /// The camera of frames of this size.
-    pub fn camera(&self, width: usize, height: usize) -> Intrinsics {
-        let default = Intrinsics::of_frame(width as i32, height as i32);
-        let focal = self.focal;
-        focal.map_or(default, |f| Intrinsics::new(f, f, default.cx, default.cy))
-    }
-
     /// A tracker for one clip.
     pub fn start(&self) -> Result<Session<'_>> {
+        self.start_with(self.focal)
+    }
+
+    /// A tracker for one clip of a camera with this focal length \[px\].
+    pub fn start_with(&self, focal: Option<f32>) -> Result<Session<'_>> {
         let mut config = Config::default();
         config.scan_budget = SCAN_BUDGET;
         Ok(Session {
-            product: self,
+            focal,
             model: self.model()?,
             tracker: Box::new(Tracker::new(&config).map_err(|e| anyhow!("{e}"))?),
             time_us: 0,
@@ -99,13 +97,20 @@ impl Product {
 
 /// A tracker that follows one clip.
 pub struct Session<'p> {
-    product: &'p Product,
+    focal: Option<f32>,
     model: Model<'p>,
     tracker: Box<Tracker>,
     time_us: i64,
 }
 
 impl Session<'_> {
+    /// The camera of frames of this size.
+    pub fn camera(&self, width: usize, height: usize) -> Intrinsics {
+        let default = Intrinsics::of_frame(width as i32, height as i32);
+        let given = |f| Intrinsics::new(f, f, default.cx, default.cy);
+        self.focal.map_or(default, given)
+    }
+
     /// The next frame.
     pub fn step(&mut self, luma: &Luma) -> Result<&TrackResult> {
         self.step_with(luma, None)
@@ -113,7 +118,7 @@ impl Session<'_> {
 
     fn step_with(&mut self, luma: &Luma, hint: Option<&FaceHint>) -> Result<&TrackResult> {
         if self.time_us == 0 {
-            let camera = self.product.camera(luma.width, luma.height);
+            let camera = self.camera(luma.width, luma.height);
             let set = self.tracker.set_intrinsics(Some(camera));
             set.map_err(|e| anyhow!("{e}"))?;
         }

@@ -1,0 +1,30 @@
+//! The trackers of the thesis as comparators, beside posewise.
+//!
+//! ```text
+//! person, render ─► synthesis ─► gaussian | view_based | sparse ─► scorer ─► bayes ─► follow
+//! follow ─► trackers ─► track, table
+//! ```
+//!
+//! All start alike: posewise finds the landmarks of the first face, the 3D face is fitted to them,
+//! and the frame is put on its mesh and drawn from other poses. Then each follows the clip alone.
+//! They have no detector and no way back: the state of the frame before is where they search.
+
+mod bayes;
+mod descriptor;
+mod follow;
+mod gaussian;
+mod person;
+mod picture;
+mod render;
+mod scorer;
+mod settings;
+mod sparse;
+mod state;
+mod synthesis;
+mod table;
+mod track;
+mod trackers;
+mod view_based;
+
+pub use table::{Args as TableArgs, run as run_table};
+pub use track::{Args as TrackArgs, run as run_track};

@@ -1,0 +1,216 @@
+//! The 3D face of the person in the first frame: identity, pose and units from its landmarks.
+
+use super::state::{SIZE, State, UNITS};
+use anyhow::{Context, Result};
+use glam::{Mat3, Vec3};
+use nalgebra::{DMatrix, DVector};
+use posewise::Intrinsics;
+use posewise::shape::{LANDMARKS, posit};
+use posewise_train::head::Head;
+use posewise_train::render::mesh::Mesh;
+use std::path::Path;
+
+/// First landmark that is not on the jaw: the jaw of the image is no fixed place of the head.
+const INNER: usize = 17;
+
+/// Identity modes that are fitted; as many as the thesis uses of Candide-3.
+const MODES: usize = 12;
+/// Standard deviation of a landmark in the first frame \[mm\].
+const NOISE_MM: f64 = 1.5;
+/// Standard deviation of a unit in the first frame.
+const UNIT_SIGMA: f64 = 0.2;
+/// Gauss–Newton iterations of the first frame.
+const ITERATIONS: usize = 12;
+/// Differences that the Jacobian is computed with: rad or weights, and mm.
+const DELTA: f64 = 1e-3;
+const DELTA_MM: f64 = 0.5;
+
+/// Added to the diagonal of the normal equations.
+const RIDGE: f64 = 1e-6;
+
+/// A head that can be drawn and moved.
+pub struct FaceModel {
+    /// What is drawn.
+    pub mesh: Mesh,
+    identity: Vec<Vec<Vec3>>,
+    /// By unit, displacement of every vertex at weight 1 \[mm\].
+    units: Vec<Vec<Vec3>>,
+    /// From each landmark's vertex to the landmark \[mm\].
+    offsets: Vec<Vec3>,
+}
+
+/// A person: the head with its identity.
+pub struct Person<'m> {
+    /// The head.
+    pub model: &'m FaceModel,
+    /// Neutral vertices \[mm, head frame\].
+    neutral: Vec<Vec3>,
+    /// Outward normals of the neutral face at the landmarks.
+    normals: Vec<Vec3>,
+    /// The camera.
+    pub camera: Intrinsics,
+}
+
+impl FaceModel {
+    /// Reads the face kit.
+    pub fn read(path: &Path) -> Result<FaceModel> {
+        let head = Head::load(path)?;
+        let vectors = |v: &Vec<[f32; 3]>| v.iter().map(|v| Vec3::from(*v)).collect::<Vec<_>>();
+        let unit = |names: &&[&str]| {
+            let mut sum = vec![Vec3::ZERO; head.mean.len()];
+            let moved = head.expressions.iter();
+            for expression in moved.filter(|e| names.contains(&e.name.as_str())) {
+                let delta = vectors(&expression.delta);
+                sum.iter_mut().zip(delta).for_each(|(s, d)| *s += d);
+            }
+            sum
+        };
+        Ok(FaceModel {
+            mesh: Mesh::new(&head)?,
+            identity: head.identity.iter().take(MODES).map(vectors).collect(),
+            units: UNITS.iter().map(unit).collect(),
+            offsets: vectors(&head.conventional_offsets_mm()),
+        })
+    }
+
+    /// The person whose landmarks these are \[px\], and the state of that frame. POSIT finds the
+    /// pose; Gauss–Newton with Gaussian priors then finds identity, pose and units together.
+    pub fn fit(
+        &self,
+        camera: Intrinsics,
+        landmarks: &[[f32; 2]; LANDMARKS],
+    ) -> Result<(Person<'_>, State)> {
+        let mean = |i: usize| self.landmark(&self.mesh.mean, i);
+        let points = (INNER..LANDMARKS).map(|i| (mean(i), landmarks[i], 1.0));
+        let pose = posit(&camera, points).context("no pose fits the landmarks")?;
+        let mut state = State {
+            rotation: pose.rotation,
+            translation: pose.translation_mm,
+            units: [0.0; UNITS.len()],
+        };
+        let mut identity = vec![0.0; self.identity.len()];
+        let px_per_mm = f64::from(camera.fx / state.translation.z);
+        let weight = 1.0 / (NOISE_MM * px_per_mm);
+        for _ in 0..ITERATIONS {
+            let residuals = |state: &State, identity: &[f64]| {
+                let image = (INNER..LANDMARKS).flat_map(|i| {
+                    let point = self.fitted(i, state, identity);
+                    let [x, y] = camera.project(state.rotation * point + state.translation);
+                    [x - landmarks[i][0], y - landmarks[i][1]]
+                });
+                let image = image.map(|d| f64::from(d) * weight);
+                let units = state.units.iter().map(|u| f64::from(*u) / UNIT_SIGMA);
+                let all = image.chain(units).chain(identity.iter().copied());
+                DVector::from_iterator(2 * (LANDMARKS - INNER) + UNITS.len() + identity.len(), all)
+            };
+            let here = residuals(&state, &identity);
+            let mut jacobian = DMatrix::zeros(here.len(), SIZE + identity.len());
+            for k in 0..jacobian.ncols() {
+                let delta = if (3..6).contains(&k) { DELTA_MM } else { DELTA };
+                let there = match k.checked_sub(SIZE) {
+                    None => {
+                        let mut step = [0.0; SIZE];
+                        step[k] = delta;
+                        residuals(&state.moved(&step), &identity)
+                    }
+                    Some(mode) => {
+                        let mut moved = identity.clone();
+                        moved[mode] += delta;
+                        residuals(&state, &moved)
+                    }
+                };
+                jacobian.set_column(k, &((there - &here) / delta));
+            }
+            // Weights at their bound do not move.
+            let ridge = DMatrix::identity(jacobian.ncols(), jacobian.ncols()) * RIDGE;
+            let normal = jacobian.tr_mul(&jacobian) + ridge;
+            let gradient = jacobian.tr_mul(&here);
+            let factor = normal.cholesky().context("a singular fit")?;
+            let step = -factor.solve(&gradient);
+            state = state.moved(&step.as_slice()[..SIZE]);
+            let changes = step.as_slice()[SIZE..].iter();
+            identity.iter_mut().zip(changes).for_each(|(w, d)| *w += d);
+        }
+        Ok((self.person(camera, &identity), state))
+    }
+
+    fn person(&self, camera: Intrinsics, identity: &[f64]) -> Person<'_> {
+        let identity: Vec<f32> = identity.iter().map(|w| *w as f32).collect();
+        let neutral = self.mesh.vertices(&identity, &[]);
+        let normals = self.mesh.normals(&neutral);
+        let at = |v: &u32| normals[*v as usize];
+        Person {
+            model: self,
+            normals: self.mesh.landmarks.iter().map(at).collect(),
+            neutral,
+            camera,
+        }
+    }
+
+    /// A landmark of a face with these vertices \[mm, head frame\].
+    fn landmark(&self, vertices: &[Vec3], landmark: usize) -> Vec3 {
+        vertices[self.mesh.landmarks[landmark] as usize] + self.offsets[landmark]
+    }
+
+    /// The same of identity and units.
+    fn fitted(&self, landmark: usize, state: &State, identity: &[f64]) -> Vec3 {
+        let mean = self.landmark(&self.mesh.mean, landmark);
+        let v = self.mesh.landmarks[landmark] as usize;
+        let modes = self.identity.iter().zip(identity);
+        let moved = modes.fold(mean, |p, (mode, w)| p + mode[v] * *w as f32);
+        let units = self.units.iter().zip(state.units);
+        units.fold(moved, |p, (unit, w)| p + unit[v] * w)
+    }
+}
+
+impl Person<'_> {
+    /// All vertices with these units \[mm, head frame\].
+    pub fn vertices(&self, units: &[f32; UNITS.len()]) -> Vec<Vec3> {
+        let mut out = self.neutral.clone();
+        for (unit, w) in self
+            .model
+            .units
+            .iter()
+            .zip(units)
+            .filter(|(_, w)| **w > 0.0)
+        {
+            out.iter_mut().zip(unit).for_each(|(o, d)| *o += *d * *w);
+        }
+        out
+    }
+
+    /// A landmark in the camera frame \[mm\].
+    pub fn landmark(&self, state: &State, landmark: usize) -> Vec3 {
+        let v = self.model.mesh.landmarks[landmark] as usize;
+        let neutral = self.model.landmark(&self.neutral, landmark);
+        let units = self.model.units.iter().zip(state.units);
+        let point = units.fold(neutral, |p, (unit, w)| p + unit[v] * w);
+        state.rotation * point + state.translation
+    }
+
+    /// A landmark in the image \[px\].
+    pub fn image(&self, state: &State, landmark: usize) -> [f32; 2] {
+        self.camera.project(self.landmark(state, landmark))
+    }
+
+    /// Cosine of the angle between a landmark's normal and the line of sight: above 0 where the
+    /// skin faces the camera.
+    pub fn facing(&self, state: &State, landmark: usize) -> f32 {
+        let sight = self.landmark(state, landmark).normalize_or_zero();
+        -(state.rotation * self.normals[landmark]).dot(sight)
+    }
+
+    /// Image directions of the head's x and y axes at the pose's roll \[px/mm\]: what patches are
+    /// read along.
+    pub fn axes(&self, state: &State) -> [[f32; 2]; 2] {
+        let scale = self.camera.fx / state.translation.z.max(1.0);
+        let down = down_the_head(&state.rotation);
+        [[down.y, -down.x], [down.x, down.y]].map(|axis| axis.map(|v| scale * v))
+    }
+}
+
+/// Unit vector down the image that turns with the head's roll.
+fn down_the_head(rotation: &Mat3) -> Vec3 {
+    let roll = rotation.x_axis.y.atan2(rotation.y_axis.y);
+    Vec3::new(-roll.sin(), roll.cos(), 0.0)
+}

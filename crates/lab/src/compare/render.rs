@@ -1,0 +1,85 @@
+//! New views of the person in the first frame: its pixels on the mesh, from other poses.
+
+use super::person::Person;
+use super::picture::Picture;
+use super::state::State;
+use glam::Vec3;
+use posewise_train::render::raster::{Cull, EMPTY, Projected, Target, weights};
+
+/// A landmark is seen if nothing is nearer than it by more than this \[mm\].
+const SLACK_MM: f32 = 8.0;
+
+/// The first frame on the mesh.
+pub struct Texture<'a> {
+    person: &'a Person<'a>,
+    frame: &'a Picture,
+    /// Vertices with the first frame's units \[mm, head frame\].
+    vertices: Vec<Vec3>,
+    /// The first frame's state.
+    state: State,
+    background: f32,
+}
+
+/// A view, and where something was drawn.
+pub struct View {
+    /// The picture.
+    pub picture: Picture,
+    target: Target,
+}
+
+impl<'a> Texture<'a> {
+    /// Puts a frame on the mesh of the person, which it shows in this state.
+    pub fn new(person: &'a Person<'a>, frame: &'a Picture, state: &State) -> Texture<'a> {
+        let sum: f32 = frame.pixels.iter().sum();
+        Texture {
+            person,
+            frame,
+            vertices: person.vertices(&state.units),
+            state: *state,
+            background: sum / frame.pixels.len() as f32,
+        }
+    }
+
+    /// The person in another pose, with the first frame's units.
+    pub fn render(&self, pose: &State) -> View {
+        let camera = &self.person.camera;
+        let (width, height) = (self.frame.width, self.frame.height);
+        let project = |v: &Vec3| {
+            let at = pose.rotation * *v + pose.translation;
+            let [x, y] = camera.project(at);
+            let inv_z = if at.z > 1.0 { 1.0 / at.z } else { 0.0 };
+            Projected { x, y, inv_z }
+        };
+        let projected: Vec<Projected> = self.vertices.iter().map(project).collect();
+        let triangles = &self.person.model.mesh.triangles;
+        let mut target = Target::new(width, height);
+        target.draw(&projected, triangles, 0, Cull::Back);
+        let mut picture = Picture {
+            width,
+            height,
+            pixels: vec![self.background; width * height],
+        };
+        for (at, pixel) in picture.pixels.iter_mut().enumerate() {
+            if target.id[at] == EMPTY {
+                continue;
+            }
+            let corners = triangles[target.id[at] as usize].map(|v| v as usize);
+            let (x, y) = ((at % width) as f32, (at / width) as f32);
+            let w = weights(corners.map(|v| projected[v]), x, y);
+            let point: Vec3 = (0..3).map(|k| self.vertices[corners[k]] * w[k]).sum();
+            let first = self.state.rotation * point + self.state.translation;
+            *pixel = self.frame.at(camera.project(first));
+        }
+        View { picture, target }
+    }
+}
+
+impl View {
+    /// Whether a landmark of the person in this pose is in the view and not covered.
+    pub fn shows(&self, person: &Person<'_>, pose: &State, landmark: usize) -> bool {
+        let point = person.landmark(pose, landmark);
+        let [x, y] = person.camera.project(point);
+        let nearest = self.target.nearest_around(x, y);
+        nearest.is_some_and(|inv_z| 1.0 / point.z + 1e-9 >= inv_z / (1.0 + SLACK_MM * inv_z))
+    }
+}
