@@ -1,11 +1,12 @@
-//! The examples for other languages: Java by JNI tracks the demo frames as Rust does; clang accepts
-//! Swift's module map.
+//! The examples for other languages and for ROS 2: Java by JNI tracks the demo frames as Rust does;
+//! clang accepts Swift's module map; poses come for images by DDS.
 
 mod common;
 
-use common::c::{STRICT, cc, library, require, succeed};
+use common::c::{STRICT, arguments, cc, exists, library, require, succeed};
 use common::java::jdk;
 use common::{root, scratch};
+use posewise::{Config, Frame, FrameLayout, Model, State, Tracker};
 use std::process::Command;
 
 #[test]
@@ -48,4 +49,77 @@ fn swift_can_import_it() {
         scratch("swift/cache").display()
     ));
     succeed(clang.arg(source));
+}
+
+/// Head rotations of the demo frames, 20 a second, as the Rust library tracks them.
+fn rotations() -> Vec<Option<[f32; 4]>> {
+    let clip = common::demo().expect("the demo clip");
+    let model = Model::load(posewise::DEFAULT_MODEL).expect("the default model is valid");
+    let mut tracker = Box::new(Tracker::new(&Config::default()).expect("defaults"));
+    let layout = FrameLayout::grey(clip.width as u32, clip.height as u32);
+    let steps = clip.luma.iter().enumerate().map(|(i, luma)| {
+        let frame = Frame::new(&layout, luma).expect("a frame");
+        let time_us = 50_000 * i as i64;
+        let result = tracker.step(&model, &frame, time_us).expect("in order");
+        (result.state != State::Searching).then_some(result.rotation)
+    });
+    steps.collect()
+}
+
+/// The example for ROS 2 gets the demo frames as images and gives their poses, over the loopback
+/// interface. The other side is a program of this repository too, not ROS 2.
+#[test]
+fn ros2_topics_carry_the_pose() {
+    if !exists("make") || !require("idlc") {
+        return;
+    }
+    library();
+    let (target, out) = (scratch("dist"), scratch("ros2"));
+    let mut make = Command::new("make");
+    make.arg("-C").arg(root().join("ffi-examples"));
+    make.arg(format!("TARGET_DIR={}", target.display()));
+    succeed(make.args(["ros2", "CFLAGS=-O2 -Werror"]));
+    let messages = target.join("ffi-examples/ros2-messages");
+    let mut compile = Command::new(cc());
+    compile.args(["-std=c99", "-O2"]).args(STRICT);
+    compile.arg("-I").arg(&messages);
+    compile.arg(root().join("tests/c/ros2.c"));
+    compile.arg(messages.join("messages.c"));
+    succeed(compile.args(["-lddsc", "-o"]).arg(out.join("feed")));
+
+    let lo = "<General><Interfaces><NetworkInterface name=\"lo\" multicast=\"true\"/></Interfaces>\
+              </General>";
+    // A domain of its own; the protocol has 232.
+    let domain = (100 + std::process::id() % 100).to_string();
+    let at_home = |mut command: Command| {
+        command
+            .env("CYCLONEDDS_URI", lo)
+            .env("ROS_DOMAIN_ID", &domain);
+        command
+    };
+    let mut node = at_home(Command::new(target.join("ffi-examples/ros2")))
+        .spawn()
+        .expect("it was built");
+    let mut feed = at_home(Command::new("timeout"));
+    feed.arg("120")
+        .arg(out.join("feed"))
+        .args(&arguments()[1..]);
+    let printed = succeed(&mut feed);
+    succeed(Command::new("kill").arg(node.id().to_string()));
+    assert!(node.wait().expect("it ends").success());
+
+    let expected = rotations();
+    for line in printed.lines() {
+        let fields: Vec<&str> = line.split(' ').collect();
+        let time_s: f64 = fields[0].parse().expect("a time");
+        assert_eq!(fields[1], "camera");
+        let rotation = fields[2..]
+            .iter()
+            .map(|x| x.parse::<f32>().expect("a number"));
+        let known = expected[(time_s * 20.0).round() as usize].expect("a face");
+        let cosine: f32 = rotation.zip(known).map(|(a, b)| a * b).sum();
+        // Half of the angle; an image that was dropped changes the next results a little.
+        assert!(cosine.abs() > 0.9999, "{line}: {known:?}");
+    }
+    assert!(printed.lines().count() >= 50, "{printed}");
 }
