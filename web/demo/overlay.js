@@ -40,16 +40,21 @@ function twiceArea(a, b, c) {
 }
 
 /**
- * Whether d lies in the circle through a, b, c, which go clockwise on screen.
+ * Whether none of the points lies in the circle through a, b, c, which go clockwise on screen.
  * @param {Point2} a
  * @param {Point2} b
  * @param {Point2} c
- * @param {Point2} d
+ * @param {Point2[]} points
  */
-function isInCircle(a, b, c, d) {
-  const [ax, ay, bx, by, cx, cy] = [a, b, c].flatMap((p) => [p[0] - d[0], p[1] - d[1]]);
-  return (ax * ax + ay * ay) * (bx * cy - cx * by) - (bx * bx + by * by) * (ax * cy - cx * ay)
-    + (cx * cx + cy * cy) * (ax * by - bx * ay) > 0;
+function isEmptyCircle([ax, ay], [bx, by], [cx, cy], points) {
+  for (const [x, y] of points) {
+    const [aX, aY, bX, bY, cX, cY] = [ax - x, ay - y, bx - x, by - y, cx - x, cy - y];
+    const inside = (aX * aX + aY * aY) * (bX * cY - cX * bY)
+      - (bX * bX + bY * bY) * (aX * cY - cX * aY)
+      + (cX * cX + cY * cY) * (aX * bY - bX * aY);
+    if (inside > 0) return false;
+  }
+  return true;
 }
 
 /**
@@ -73,12 +78,14 @@ function triangulate(result, landmarks) {
         const area = twiceArea(points[i], points[j], points[k]);
         const [a, b, c] = area > 0 ? [i, j, k] : [i, k, j];
         const corners = /** @type {const} */ ([points[a], points[b], points[c]]);
+        // Hardly any circle is empty, so nothing else is computed before.
+        if (!isEmptyCircle(...corners, points)) continue;
         const sides = corners.map((p, n) => {
           const q = corners[(n + 1) % 3];
           return Math.hypot(p[0] - q[0], p[1] - q[1]);
         });
         const isSliver = Math.abs(area) < SLIVER * Math.max(...sides) ** 2 && k < 27;
-        if (!isSliver && !points.some((p) => isInCircle(...corners, p))) found.push([a, b, c]);
+        if (!isSliver) found.push([a, b, c]);
       }
     }
   }
