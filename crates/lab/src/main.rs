@@ -6,6 +6,8 @@ mod compare;
 mod features;
 mod product;
 mod protocol;
+mod shard;
+mod store;
 mod sweeps;
 mod table;
 mod templates;
@@ -39,6 +41,8 @@ enum Command {
     Track(compare::TrackArgs),
     /// Print the measures of several trackers on clips with truth.
     Compare(compare::TableArgs),
+    /// Print the table of `compare` from the results of its shards.
+    Merge(compare::MergeArgs),
     /// Print a public data set's own measures.
     Protocol(protocol::Args),
     /// Render clips in which two people pass each other, with the places of both faces.
@@ -52,6 +56,7 @@ fn main() -> Result<()> {
         Command::Adaptive(args) => adaptive::run(&args),
         Command::Track(args) => compare::run_track(&args),
         Command::Compare(args) => compare::run_table(&args),
+        Command::Merge(args) => compare::run_merge(&args),
         Command::Protocol(args) => protocol::run(&args),
         Command::Sweeps(args) => sweeps::run(&args),
         Command::Crossings(args) => sweeps::run_crossings(&args),

@@ -51,8 +51,17 @@ impl Product {
 
     /// The model.
     pub fn model(&self) -> Result<Model<'_>> {
-        let bytes = self.bytes.as_deref().unwrap_or(posewise::DEFAULT_MODEL);
-        Model::load(bytes).map_err(|e| anyhow!("the model: {e}"))
+        Model::load(self.bytes()).map_err(|e| anyhow!("the model: {e}"))
+    }
+
+    /// The bytes of the model.
+    pub fn bytes(&self) -> &[u8] {
+        self.bytes.as_deref().unwrap_or(posewise::DEFAULT_MODEL)
+    }
+
+    /// Focal length \[px\], if one was given.
+    pub fn focal(&self) -> Option<f32> {
+        self.focal
     }
 
     /// A tracker for one clip.

@@ -67,6 +67,12 @@ impl Table {
         }
     }
 
+    /// A finite number, or `None` of an empty cell.
+    pub fn number_if_any(&self, row: usize, column: usize) -> Result<Option<f64>> {
+        let is_empty = self.rows[row].get(column).is_none_or(str::is_empty);
+        (!is_empty).then(|| self.number(row, column)).transpose()
+    }
+
     /// Finite numbers of one row.
     pub fn numbers<const N: usize>(&self, row: usize, columns: [usize; N]) -> Result<[f64; N]> {
         let mut numbers = [0.0; N];

@@ -9,7 +9,7 @@ use argmin::core::{CostFunction, Executor};
 use argmin::solver::neldermead::NelderMead;
 
 /// The search.
-#[derive(Clone, Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args, serde::Serialize)]
 pub struct Search {
     /// Weight of the likelihood's energy against the prior's; the method's own without it.
     #[arg(long)]

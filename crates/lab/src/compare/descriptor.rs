@@ -19,7 +19,7 @@ const CLIP: f32 = 0.2;
 pub const BLUR_MM: f32 = 1.2;
 
 /// Kinds of descriptors.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
 pub enum Descriptor {
     /// Intensities of a patch, less their mean, of unit length.
     Intensity,

@@ -12,23 +12,12 @@ use super::state::State;
 use super::synthesis::samples;
 use super::view_based::ViewBased;
 use crate::product::Product;
-use crate::tracked::Tracked;
+use crate::tracked::{Frame, Tracked};
 use crate::video::Video;
 use anyhow::{Context, Result};
 use cpu_time::ThreadTime;
 use glam::Vec3;
 use posewise::math::head_angles;
-use std::path::Path;
-
-/// One frame.
-pub struct Frame {
-    /// What was found.
-    pub tracked: Option<Tracked>,
-    /// Position of the head in the camera frame \[mm\].
-    pub translation: [f64; 3],
-    /// Processor time of the step, without decoding \[ms\].
-    pub milliseconds: f64,
-}
 
 /// How a clip is followed.
 pub struct Clip<'a> {
@@ -58,11 +47,7 @@ pub fn product(
     {
         let watch = ThreadTime::now();
         let result = session.step(luma)?;
-        frames.push(Frame {
-            milliseconds: milliseconds(&watch),
-            tracked: Tracked::of(result),
-            translation: result.translation_mm.map(f64::from),
-        });
+        frames.push(Frame::of(result, milliseconds(&watch)));
     }
     Ok(frames)
 }
@@ -77,11 +62,7 @@ pub fn comparator(clip: &Clip<'_>, model: &FaceModel, video: &mut Video) -> Resu
         if Tracked::of(result).is_some() {
             break (Picture::of(luma), result.landmarks.map(|l| [l.x, l.y]));
         }
-        frames.push(Frame {
-            tracked: None,
-            translation: [0.0; 3],
-            milliseconds: 0.0,
-        });
+        frames.push(Frame::default());
     };
     let camera = session.camera(picture.width, picture.height);
     let (person, first) = model.fit(camera, &landmarks)?;
@@ -145,33 +126,8 @@ fn frame(person: &Person<'_>, state: &State, milliseconds: f64) -> Frame {
             angles: [angles.yaw_deg, angles.pitch_deg, angles.roll_deg].map(f64::from),
             points: std::array::from_fn(points),
         }),
-        translation: Vec3::to_array(&state.translation).map(f64::from),
-        milliseconds,
+        translation: Some(Vec3::to_array(&state.translation).map(f64::from)),
+        confidence: None,
+        milliseconds: Some(milliseconds),
     }
-}
-
-/// Writes a table with the columns of `posewise track --csv` that are known.
-pub fn write(path: &Path, frames: &[Frame]) -> Result<()> {
-    let shown = || path.display().to_string();
-    let mut writer = csv::Writer::from_path(path).with_context(shown)?;
-    let names = "frame success yaw_deg pitch_deg roll_deg pose_Tx pose_Ty pose_Tz milliseconds";
-    let mut header: Vec<String> = names.split(' ').map(String::from).collect();
-    header.extend((0..68).flat_map(|i| [format!("x_{i}"), format!("y_{i}")]));
-    writer.write_record(&header)?;
-    for (number, frame) in frames.iter().enumerate() {
-        let tracked = frame.tracked.as_ref();
-        let angles = tracked.map_or([0.0; 3], |t| t.angles);
-        let points = tracked.map_or([[0.0; 2]; 68], |t| t.points);
-        let mut row = vec![
-            (number + 1).to_string(),
-            u8::from(tracked.is_some()).to_string(),
-        ];
-        let values = angles.into_iter().chain(frame.translation);
-        let values = values
-            .chain([frame.milliseconds])
-            .chain(points.into_iter().flatten());
-        row.extend(values.map(|v| format!("{v:.4}")));
-        writer.write_record(&row)?;
-    }
-    Ok(writer.flush()?)
 }

@@ -18,7 +18,7 @@ const FLOOR: f64 = 0.25;
 const LEAST_VIEWS: usize = 6;
 
 /// Rates of the update, tuned on the clip 04_free (docs/lab.md).
-#[derive(Clone, Copy, Debug, PartialEq, clap::Args)]
+#[derive(Clone, Copy, Debug, PartialEq, clap::Args, serde::Serialize)]
 pub struct Rates {
     /// Rate of the means (`adaptive`).
     #[arg(long, default_value_t = 0.005)]

@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! person, render ─► synthesis ─► gaussian | view_based | sparse ─► scorer ─► bayes ─► follow
-//! follow ─► trackers ─► track, table
+//! follow ─► trackers ─► track
+//! trackers, store, systems ─► comparison ─► measures ─► table
 //! ```
 //!
 //! All start alike: posewise finds the landmarks of the first face, the 3D face is fitted to them,
@@ -10,9 +11,11 @@
 //! They have no detector and no way back: the state of the frame before is where they search.
 
 mod bayes;
+mod comparison;
 mod descriptor;
 mod follow;
 mod gaussian;
+mod measures;
 mod person;
 mod picture;
 mod render;
@@ -21,10 +24,11 @@ mod settings;
 mod sparse;
 mod state;
 mod synthesis;
+mod systems;
 mod table;
 mod track;
 mod trackers;
 mod view_based;
 
-pub use table::{Args as TableArgs, run as run_table};
+pub use table::{Args as TableArgs, MergeArgs, run as run_table, run_merge};
 pub use track::{Args as TrackArgs, run as run_track};

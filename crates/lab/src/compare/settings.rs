@@ -54,9 +54,10 @@ impl Method {
 }
 
 /// Settings of the comparators.
-#[derive(Clone, Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args, serde::Serialize)]
 pub struct Settings {
     /// The morphable head.
+    #[serde(skip)]
     #[arg(long, default_value = "../shared/data/facekit.npz")]
     pub facekit: PathBuf,
     /// What is read at a landmark.
@@ -70,6 +71,7 @@ pub struct Settings {
     pub rates: gaussian::Rates,
     #[command(flatten)]
     pub views: view_based::Views,
+    #[serde(skip)]
     #[command(flatten)]
     pub product: product::Options,
     /// Stop after so many frames.

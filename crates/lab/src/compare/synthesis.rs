@@ -21,7 +21,7 @@ pub const POINTS: [usize; 26] = [
 pub const FACING: f32 = 0.15;
 
 /// Poses that are drawn \[deg\].
-#[derive(Clone, Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args, serde::Serialize)]
 pub struct Grid {
     /// Largest yaw of the synthesised views \[deg\].
     #[arg(long, default_value_t = 60.0)]

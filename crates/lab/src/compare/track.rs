@@ -1,8 +1,8 @@
 //! `posewise-lab track`: one tracker on one clip.
 
-use super::follow;
 use super::settings::{Method, Settings};
 use super::trackers::Trackers;
+use crate::tracked;
 use anyhow::Result;
 use std::path::PathBuf;
 
@@ -25,9 +25,9 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<()> {
     let trackers = Trackers::new(&args.settings, &[args.method])?;
     let frames = trackers.follow(args.method, &args.input, args.settings.product.focal)?;
-    follow::write(&args.csv, &frames)?;
+    tracked::write(&args.csv, &frames)?;
     let tracked = frames.iter().filter(|f| f.tracked.is_some()).count();
-    let time: f64 = frames.iter().map(|f| f.milliseconds).sum();
+    let time: f64 = frames.iter().filter_map(|f| f.milliseconds).sum();
     println!(
         "{} frames, {tracked} tracked, {:.2} ms a frame",
         frames.len(),

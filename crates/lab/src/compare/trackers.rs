@@ -1,11 +1,14 @@
 //! All trackers, ready for clips.
 
-use super::follow::{self, Clip, Frame};
+use super::follow::{self, Clip};
 use super::person::FaceModel;
 use super::settings::{Method, Settings};
 use crate::product::Product;
+use crate::store::sum;
+use crate::tracked::Frame;
 use crate::video::Video;
 use anyhow::{Context, Result};
+use serde_json::{Value, json};
 use std::path::Path;
 
 /// What clips are followed with.
@@ -13,6 +16,8 @@ pub struct Trackers {
     settings: Settings,
     product: Product,
     model: Option<FaceModel>,
+    /// Checksums of the product's model and of the head.
+    sums: [String; 2],
 }
 
 impl Trackers {
@@ -20,11 +25,37 @@ impl Trackers {
     pub fn new(settings: &Settings, methods: &[Method]) -> Result<Trackers> {
         let needs_head = methods.iter().any(|m| *m != Method::Posewise);
         let read = || FaceModel::read(&settings.facekit);
+        let product = Product::new(&settings.product)?;
         Ok(Trackers {
-            product: Product::new(&settings.product)?,
             model: needs_head.then(read).transpose()?,
+            sums: [
+                sum(product.bytes()),
+                match needs_head {
+                    true => sum_of(&settings.facekit)?,
+                    false => String::new(),
+                },
+            ],
+            product,
             settings: settings.clone(),
         })
+    }
+
+    /// What the result of a method on a clip depends on.
+    pub fn key(&self, method: Method, input: &Path, focal: Option<f32>) -> Result<Value> {
+        let mut key = json!({
+            "version": env!("CARGO_PKG_VERSION"),
+            "method": method.name(),
+            "clip": sum_of(input)?,
+            "focal": focal,
+            "frames": self.settings.frames,
+            "model": self.sums[0],
+        });
+        if method != Method::Posewise {
+            key["head"] = json!(self.sums[1]);
+            key["weight"] = json!(method.weight());
+            key["settings"] = serde_json::to_value(&self.settings)?;
+        }
+        Ok(key)
     }
 
     /// Follows a clip.
@@ -46,4 +77,9 @@ impl Trackers {
         }
         .with_context(|| format!("{} on {}", method.name(), input.display()))
     }
+}
+
+fn sum_of(path: &Path) -> Result<String> {
+    let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
+    Ok(sum(&bytes))
 }

@@ -6,7 +6,7 @@ use super::synthesis::{POINTS, Sample};
 use glam::Mat3;
 
 /// Parameters that the thesis cross-validates.
-#[derive(Clone, Copy, Debug, PartialEq, clap::Args)]
+#[derive(Clone, Copy, Debug, PartialEq, clap::Args, serde::Serialize)]
 pub struct Views {
     /// Nearest poses that are averaged, N_q (`view-based`).
     #[arg(long, default_value_t = 4)]

@@ -17,8 +17,9 @@ mod text;
 mod wflw;
 
 use crate::product::{self, Product};
-use anyhow::{Context, Result};
-use predictions::Predictions;
+use crate::shard::Shard;
+use anyhow::{Context, Result, ensure};
+use predictions::{Kept, Predictions};
 use std::path::PathBuf;
 
 /// A data set's layout and measures.
@@ -53,6 +54,13 @@ pub struct Args {
     /// without it.
     #[arg(long)]
     pub csv: Option<PathBuf>,
+    /// Keep posewise's results in this folder; what is in it is not tracked again.
+    #[arg(long, conflicts_with = "csv")]
+    pub results: Option<PathBuf>,
+    /// Track only a share of the clips or pictures, the i-th of n, and print nothing: the same
+    /// command without it does.
+    #[arg(long, value_name = "I/N", requires = "results")]
+    pub shard: Option<Shard>,
     /// Write the curves (CED, robustness) as CSV.
     #[arg(long)]
     pub curves: Option<PathBuf>,
@@ -65,11 +73,24 @@ pub struct Args {
 
 /// Prints the measures.
 pub fn run(args: &Args) -> Result<()> {
-    let predictions = match &args.csv {
-        Some(folder) => Predictions::Tables(folder.clone()),
-        None => Predictions::Product(Product::new(&args.product)?),
+    let predictions = match (&args.csv, &args.results) {
+        (Some(folder), _) => Predictions::Tables(folder.clone()),
+        (None, Some(folder)) => {
+            let is_clear = args.protocol != Protocol::Wflw;
+            ensure!(
+                is_clear,
+                "pictures of WFLW show several faces; no --results"
+            );
+            let product = Product::new(&args.product)?;
+            let shard = args.shard.unwrap_or(Shard::WHOLE);
+            Predictions::Kept(Kept::new(product, folder, shard))
+        }
+        (None, None) => Predictions::Product(Product::new(&args.product)?),
     };
     let report = report(args, &predictions)?;
+    if args.shard.is_some() {
+        return Ok(());
+    }
     print!("{}", report.text);
     if let Some(path) = &args.curves {
         let shown = || path.display().to_string();

@@ -1,9 +1,13 @@
 //! What is compared with the truth: tables of any tracker, or the product's own results.
 
 use crate::product::Product;
-use crate::tracked::{self, Tracked};
+use crate::shard::Shard;
+use crate::store::{Store, sum};
+use crate::tracked::{self, Frame, Tracked};
 use crate::video::{Luma, Video};
 use anyhow::{Context, Result};
+use serde_json::{Value, json};
+use std::cell::Cell;
 use std::path::{Path, PathBuf};
 
 /// What a data set shows.
@@ -22,6 +26,55 @@ pub enum Predictions {
     Tables(PathBuf),
     /// posewise runs on the media.
     Product(Product),
+    /// The same, with results that are kept.
+    Kept(Kept),
+}
+
+/// posewise on a share of the media, with a folder of results.
+pub struct Kept {
+    product: Product,
+    store: Store,
+    shard: Shard,
+    /// Clips or pictures so far.
+    units: Cell<usize>,
+    /// What every result depends on.
+    key: Value,
+}
+
+impl Kept {
+    /// Tracks what the folder does not have.
+    pub fn new(product: Product, folder: &Path, shard: Shard) -> Kept {
+        Kept {
+            key: json!({
+                "version": env!("CARGO_PKG_VERSION"),
+                "model": sum(product.bytes()),
+                "focal": product.focal(),
+            }),
+            product,
+            store: Store::new(folder),
+            shard,
+            units: Cell::new(0),
+        }
+    }
+
+    /// Nothing of a unit that belongs to another shard.
+    fn of(&self, name: &str, media: &Media) -> Result<Vec<Option<Tracked>>> {
+        let unit = self.units.replace(self.units.get() + 1);
+        if !self.shard.has(unit) {
+            return Ok(Vec::new());
+        }
+        if let Some(frames) = self.store.load(name, &self.key)? {
+            return Ok(frames.into_iter().map(|f| f.tracked).collect());
+        }
+        let found = run(&self.product, media)?;
+        let frame = |tracked: &Option<Tracked>| Frame {
+            tracked: tracked.clone(),
+            ..Frame::default()
+        };
+        let frames: Vec<Frame> = found.iter().map(frame).collect();
+        self.store.save(name, &self.key, &frames)?;
+        Ok(found)
+    }
 }
 
 impl Predictions {
@@ -30,22 +83,29 @@ impl Predictions {
         let mut found = match self {
             Predictions::Tables(folder) => {
                 let mut rows = tracked::read(&folder.join(format!("{name}.csv")))?;
-                (0..frames).map(|frame| rows.remove(&frame)).collect()
+                let mut found = |frame| rows.remove(&frame)?.tracked;
+                (0..frames).map(&mut found).collect()
             }
-            Predictions::Product(product) => match media {
-                Media::Still(path, bounds) => vec![product.still(path, *bounds)?],
-                Media::Video(path) => video(product, path)?,
-                Media::Frames(paths) => {
-                    let mut session = product.start()?;
-                    let step = |path: &PathBuf| -> Result<Option<Tracked>> {
-                        Ok(Tracked::of(session.step(&Luma::read(path)?)?))
-                    };
-                    paths.iter().map(step).collect::<Result<Vec<_>>>()?
-                }
-            },
+            Predictions::Product(product) => run(product, media)?,
+            Predictions::Kept(kept) => kept.of(name, media)?,
         };
         found.resize(frames, None);
         Ok(found)
+    }
+}
+
+/// posewise on a clip or a picture.
+fn run(product: &Product, media: &Media) -> Result<Vec<Option<Tracked>>> {
+    match media {
+        Media::Still(path, bounds) => Ok(vec![product.still(path, *bounds)?]),
+        Media::Video(path) => video(product, path),
+        Media::Frames(paths) => {
+            let mut session = product.start()?;
+            let step = |path: &PathBuf| -> Result<Option<Tracked>> {
+                Ok(Tracked::of(session.step(&Luma::read(path)?)?))
+            };
+            paths.iter().map(step).collect()
+        }
     }
 }
 

@@ -58,6 +58,8 @@ impl Set {
             protocol,
             data: self.0.path().join("data"),
             csv: None,
+            results: None,
+            shard: None,
             curves: None,
             markup: talking_face::Markup::Xm2vts,
             product: product::Options {
