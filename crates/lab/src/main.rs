@@ -6,6 +6,7 @@ mod compare;
 mod features;
 mod product;
 mod protocol;
+mod report;
 mod shard;
 mod store;
 mod sweeps;
@@ -43,6 +44,8 @@ enum Command {
     Compare(compare::TableArgs),
     /// Print the table of `compare` from the results of its shards.
     Merge(compare::MergeArgs),
+    /// Write the comparison as one HTML page, as JSON and as CSV.
+    Report(report::Args),
     /// Print a public data set's own measures.
     Protocol(protocol::Args),
     /// Render clips in which two people pass each other, with the places of both faces.
@@ -57,6 +60,7 @@ fn main() -> Result<()> {
         Command::Track(args) => compare::run_track(&args),
         Command::Compare(args) => compare::run_table(&args),
         Command::Merge(args) => compare::run_merge(&args),
+        Command::Report(args) => report::run(&args),
         Command::Protocol(args) => protocol::run(&args),
         Command::Sweeps(args) => sweeps::run(&args),
         Command::Crossings(args) => sweeps::run_crossings(&args),

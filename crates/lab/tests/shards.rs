@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Run, lab, tables, two_clips};
+use common::{Run, lab, two_clips};
 use std::path::Path;
 use std::process::Command;
 
@@ -17,6 +17,15 @@ fn rows(run: &Run, arguments: &[&str]) -> Vec<serde_json::Value> {
         row.as_object_mut().expect("a row").remove("milliseconds");
     }
     rows
+}
+
+/// The number of tables in a folder.
+fn tables(folder: &Path) -> usize {
+    let entries = std::fs::read_dir(folder).expect("a folder");
+    let names = entries.map(|entry| entry.expect("an entry").file_name());
+    names
+        .filter(|name| name.to_string_lossy().ends_with(".csv"))
+        .count()
 }
 
 /// Runs a line of the docs in bash.

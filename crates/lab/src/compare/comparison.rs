@@ -42,6 +42,13 @@ pub struct Clip {
     pub truth: Vec<Truth>,
 }
 
+impl Clip {
+    /// The file of the same name beside the clip.
+    pub fn beside(&self, ending: &str) -> PathBuf {
+        stem(&self.path).with_added_extension(ending)
+    }
+}
+
 /// Clips and systems, ready to be run.
 pub struct Comparison {
     /// The clips.

@@ -4,8 +4,8 @@ use crate::tracked::Frame;
 use crate::truth::Truth;
 use posewise_metrics::jitter::{Shape, landmark_jitter, second_difference};
 use posewise_metrics::landmarks::{bounds, nme_percent};
-use posewise_metrics::mean;
 use posewise_metrics::pose::PoseErrors;
+use posewise_metrics::{mean, median};
 use serde::Serialize;
 
 /// First landmark that is not on the jaw, which has two definitions.
@@ -32,10 +32,29 @@ pub fn nme(truth: &Truth, found: &Shape) -> f64 {
     nme_percent(pairs, size(truth))
 }
 
+/// Found less true angles, from −180 to 180.
+pub fn signed(truth: &Truth, frame: &Frame) -> Option<[f64; 3]> {
+    let angles = frame.tracked.as_ref()?.angles;
+    let difference = |i: usize| (angles[i] - truth.angles[i] + 180.0).rem_euclid(360.0) - 180.0;
+    Some([0, 1, 2].map(difference))
+}
+
+/// Mean over the axes of the mean distance of the errors from their median.
+fn spread(errors: &[[f64; 3]]) -> Option<f64> {
+    let axis = |i: usize| {
+        let all: Vec<f64> = errors.iter().map(|e| e[i]).collect();
+        let middle = median(&all)?;
+        mean(&all.iter().map(|e| (e - middle).abs()).collect::<Vec<_>>())
+    };
+    Some((axis(0)? + axis(1)? + axis(2)?) / 3.0)
+}
+
 /// Sums over frames.
 #[derive(Default)]
 pub struct Sums {
     pose: PoseErrors,
+    /// Errors with sign of tracked frames \[deg\].
+    signed: Vec<[f64; 3]>,
     /// Mean distance of the inner landmarks in tracked frames \[%\].
     nme: Vec<f64>,
     /// Second differences of the landmarks' errors, over the box's size.
@@ -55,6 +74,7 @@ impl Sums {
             }
             let tracked = frame.tracked.as_ref();
             self.pose.push(truth.angles, tracked.map(|t| t.angles));
+            self.signed.extend(signed(truth, frame));
             let found = tracked.map(|t| t.points);
             self.nme.extend(found.map(|found| nme(truth, &found)));
             before.push(found.map(|found| {
@@ -83,6 +103,7 @@ impl Sums {
             pitch_deg: axis(1),
             roll_deg: axis(2),
             mean_deg: self.pose.mean_angle(),
+            centred_deg: spread(&self.signed),
             nme_percent: mean(&self.nme),
             jitter_percent: landmark_jitter(&self.jitter).map(|j| 100.0 * j),
             milliseconds: mean(&self.milliseconds),
@@ -111,6 +132,9 @@ pub struct Row {
     pub roll_deg: Option<f64>,
     /// Mean of the three.
     pub mean_deg: Option<f64>,
+    /// The same after the median error of each angle, with sign, is taken off: two definitions of
+    /// a straight head differ by a constant.
+    pub centred_deg: Option<f64>,
     /// Mean distance of the inner landmarks over the root of the area of the labels' box.
     pub nme_percent: Option<f64>,
     /// Second difference of the landmarks' errors over the same.

@@ -3,7 +3,7 @@
 //! ```text
 //! person, render ─► synthesis ─► gaussian | view_based | sparse ─► scorer ─► bayes ─► follow
 //! follow ─► trackers ─► track
-//! trackers, store, systems ─► comparison ─► measures ─► table
+//! trackers, systems, measures ─► comparison ─► table
 //! ```
 //!
 //! All start alike: posewise finds the landmarks of the first face, the 3D face is fitted to them,
@@ -30,5 +30,7 @@ mod track;
 mod trackers;
 mod view_based;
 
+pub use comparison::{Clip, Comparison, Selection};
+pub use measures::{Row, Sums, counts, nme, signed, size};
 pub use table::{Args as TableArgs, MergeArgs, run as run_table, run_merge};
 pub use track::{Args as TrackArgs, run as run_track};

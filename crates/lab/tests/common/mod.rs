@@ -41,15 +41,6 @@ pub fn lab(command: &mut Command) -> String {
     String::from_utf8(output.stdout).expect("UTF-8")
 }
 
-/// The number of tables in a folder.
-pub fn tables(folder: &Path) -> usize {
-    let entries = std::fs::read_dir(folder).expect("a folder");
-    let names = entries.map(|entry| entry.expect("an entry").file_name());
-    names
-        .filter(|name| name.to_string_lossy().ends_with(".csv"))
-        .count()
-}
-
 /// Two parts of the demo clip, `a.y4m` and `b.y4m`, with their truth.
 pub fn two_clips() -> Run {
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data");
