@@ -1,6 +1,6 @@
 // Charts as SVG, drawn in the width that they have and drawn again when it changes.
 
-const SPACE = { left: 46, right: 14, top: 12, bottom: 42 };
+const SPACE = { left: 46, right: 24, top: 12, bottom: 42 };
 const DASHES = ['', '7 4', '2 3'];
 
 /** Numbers of the systems that the legend has switched off. */
