@@ -50,6 +50,8 @@ enum Command {
     Protocol(protocol::Args),
     /// Render clips in which two people pass each other, with the places of both faces.
     Crossings(sweeps::CrossingArgs),
+    /// Render a stand-in for U3PT, the thesis' data set: ten subjects, five videos each.
+    RenderU3pt(sweeps::U3ptArgs),
 }
 
 fn main() -> Result<()> {
@@ -64,5 +66,6 @@ fn main() -> Result<()> {
         Command::Protocol(args) => protocol::run(&args),
         Command::Sweeps(args) => sweeps::run(&args),
         Command::Crossings(args) => sweeps::run_crossings(&args),
+        Command::RenderU3pt(args) => sweeps::run_u3pt(&args),
     }
 }

@@ -13,9 +13,8 @@ use posewise_train::render::{accessories, props};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 
-/// Size of the frames \[px\].
-pub const WIDTH: usize = 640;
-pub const HEIGHT: usize = 480;
+/// Width of the frames that faces' sizes are chosen for \[px\].
+const WIDTH: f32 = 640.0;
 /// Width of a face that the distance is chosen for \[mm\].
 const FACE_MM: f32 = 140.0;
 
@@ -108,16 +107,16 @@ pub fn worn(
 }
 
 /// A camera of this field of view, and where the head is before it.
-pub fn framing(rng: &mut ChaCha8Rng, view_deg: f32) -> (View, Vec3) {
-    let focal = WIDTH as f32 / 2.0 / (view_deg / 2.0).to_radians().tan();
-    let face_px = rng.random_range(105.0..185.0f32);
+pub fn framing(rng: &mut ChaCha8Rng, view_deg: f32, [width, height]: [usize; 2]) -> (View, Vec3) {
+    let focal = width as f32 / 2.0 / (view_deg / 2.0).to_radians().tan();
+    let face_px = rng.random_range(105.0..185.0f32) * width as f32 / WIDTH;
     let far = focal * FACE_MM / face_px;
     let aside = rng.random_range(-70.0..70.0f32);
     let above = rng.random_range(-75.0..-5.0f32);
-    let middle = [WIDTH, HEIGHT].map(|n| (n - 1) as f32 / 2.0);
+    let middle = [width, height].map(|n| (n - 1) as f32 / 2.0);
     let view = View {
-        width: WIDTH,
-        height: HEIGHT,
+        width,
+        height,
         camera: Intrinsics::new(focal, focal, middle[0], middle[1]),
     };
     (view, Vec3::new(aside, above, focal) * far / focal)

@@ -2,7 +2,7 @@
 
 use super::body::Body;
 use super::candide::{Candide, Face};
-use super::casting::{HEIGHT, Torso, WIDTH, framing, lights, looks, worn};
+use super::casting::{Torso, framing, lights, looks, worn};
 use super::covers::{Covering, Wearer};
 use super::motion::{Moment, Motion};
 use super::plan::{Kind, Sweep};
@@ -68,19 +68,22 @@ impl Studio {
         let path = |extension: &str| folder.join(format!("{}.{extension}", sweep.name));
         let description = serde_json::to_string_pretty(&Description {
             version: VERSION,
-            width: WIDTH,
-            height: HEIGHT,
+            width: sweep.size[0],
+            height: sweep.size[1],
             backgrounds: self.backgrounds.len(),
             sweep,
         })?;
         if std::fs::read_to_string(path("json")).is_ok_and(|text| text == description) {
             return Ok(());
         }
+        if let Some(parent) = path("json").parent() {
+            std::fs::create_dir_all(parent)?;
+        }
         let mut set = Set::new(self, sweep)?;
         let file = File::create(path("y4m.gz")).with_context(|| sweep.name.clone())?;
         let mut clip = GzEncoder::new(file, Compression::fast());
-        let fps = sweep.fps;
-        writeln!(clip, "YUV4MPEG2 W{WIDTH} H{HEIGHT} F{fps}:1 Ip A1:1 Cmono")?;
+        let ([width, height], fps) = (sweep.size, sweep.fps);
+        writeln!(clip, "YUV4MPEG2 W{width} H{height} F{fps}:1 Ip A1:1 Cmono")?;
         let mut rows = vec![truth::columns()];
         for number in 0..sweep.frames {
             let (luma, row) = set.frame(number);
@@ -141,9 +144,14 @@ pub struct Figure {
 impl<'a> Set<'a> {
     /// Casts a clip.
     pub fn new(studio: &'a Studio, sweep: &'a Sweep) -> Result<Set<'a>> {
-        let mut rng = ChaCha8Rng::seed_from_u64(sweep.seed.0);
-        rng.set_stream(sweep.seed.1);
-        let rng_ = &mut rng;
+        let seeded = |(seed, stream): (u64, u64)| {
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            rng.set_stream(stream);
+            rng
+        };
+        let mut rng = seeded(sweep.seed);
+        let mut of_person = sweep.person.map(seeded);
+        let rng_ = of_person.as_mut().unwrap_or(&mut rng);
         let looks = looks(rng_, sweep);
         let mesh = &studio.mesh;
         let kin = match (sweep.kind, &studio.candide) {
@@ -157,16 +165,19 @@ impl<'a> Set<'a> {
             Kin::Kit(body) => body.vertices(mesh, &Expression::default()),
             Kin::Candide(candide, face) => candide.draw(face, &Expression::default()).0,
         };
-        let person = studio.people.make(mesh, sweep.seed.1 as u32, &looks);
-        let covering = match sweep.kind {
-            Kind::Covered(cover) => Some(Covering::new(
-                rng_, cover, mesh, &neutral, looks.skin, looks.hair,
-            )),
-            _ => None,
-        };
-        let (view, at) = framing(rng_, sweep.view_deg);
+        let number = sweep.person.unwrap_or(sweep.seed).1;
+        let person = studio.people.make(mesh, number as u32, &looks);
+        let rng_ = &mut rng;
+        let covering = sweep
+            .kind
+            .cover()
+            .map(|cover| Covering::new(rng_, cover, mesh, &neutral, looks.skin, looks.hair));
+        let (view, at) = framing(rng_, sweep.view_deg, sweep.size);
+        let rng_ = of_person.as_mut().unwrap_or(&mut rng);
+        let worn = worn(rng_, sweep.hair, mesh, &neutral, looks.hair);
+        let rng_ = &mut rng;
         let mut set = Set {
-            worn: worn(rng_, sweep.hair, mesh, &neutral, looks.hair),
+            worn,
             motion: Motion::new(rng_, sweep),
             torso: Torso::random(rng_),
             lights: lights(rng_),
@@ -177,7 +188,7 @@ impl<'a> Set<'a> {
                 pupil: rng_.random_range(0.3..0.55),
                 mottled: 0.0,
             },
-            behind: studio.background(rng_),
+            behind: studio.background(rng_, sweep.size),
             camera: Camera::random(rng_, 150.0, 1.0, 0.5),
             studio,
             sweep,
@@ -200,11 +211,12 @@ impl<'a> Set<'a> {
         let figure = self.figure(&moment);
         let drawn = self.drawn(&figure, &moment);
         let landmarks = self.landmarks(&figure);
+        let [width, height] = self.sweep.size;
         let mut values = Vec::new();
         for p in &landmarks.points[17..60] {
             let (x, y) = (p.x.round() as i64, p.y.round() as i64);
-            if (0..WIDTH as i64).contains(&x) && (0..HEIGHT as i64).contains(&y) {
-                values.push(drawn.light[y as usize * WIDTH + x as usize]);
+            if (0..width as i64).contains(&x) && (0..height as i64).contains(&y) {
+                values.push(drawn.light[y as usize * width + x as usize]);
             }
         }
         let mean = values.iter().sum::<f32>() / values.len().max(1) as f32;
@@ -225,7 +237,11 @@ impl<'a> Set<'a> {
             landmarks: self.landmarks(&figure),
             moment,
         };
-        (self.camera.develop(&mut self.rng, &mut light, WIDTH), row)
+        (
+            self.camera
+                .develop(&mut self.rng, &mut light, self.view.width),
+            row,
+        )
     }
 
     /// The person at a moment.
@@ -272,6 +288,8 @@ impl<'a> Set<'a> {
     /// The person before what is behind.
     pub fn drawn(&self, figure: &Figure, moment: &Moment) -> Drawn {
         let all = [figure.own.as_slice(), &figure.over].concat();
+        let mut lights = self.lights.clone();
+        lights.key = Mat3::from_rotation_y(moment.light_turn) * lights.key;
         let scene = Scene {
             mesh: self.mesh(),
             head: &figure.posed,
@@ -281,7 +299,7 @@ impl<'a> Set<'a> {
                 ..self.eyes
             },
             props: &all,
-            lights: &self.lights,
+            lights: &lights,
         };
         draw(&scene, &self.view, &self.behind)
     }
@@ -320,13 +338,13 @@ impl<'a> Set<'a> {
 }
 
 impl Studio {
-    fn background(&self, rng: &mut ChaCha8Rng) -> Vec<f32> {
+    fn background(&self, rng: &mut ChaCha8Rng, [width, height]: [usize; 2]) -> Vec<f32> {
         let level = rng.random_range(0.4..1.4f32);
         let mut light = match self.backgrounds.len() {
-            0 => background::procedural(rng, WIDTH, HEIGHT),
+            0 => background::procedural(rng, width, height),
             n => {
                 let photo = &self.backgrounds[rng.random_range(0..n)];
-                background::from_photo(rng, photo, WIDTH, HEIGHT)
+                background::from_photo(rng, photo, width, height)
             }
         };
         light.iter_mut().for_each(|l| *l *= level);

@@ -2,10 +2,9 @@
 //! places of both faces per frame: do trackers keep them apart?
 
 use super::Material;
-use super::casting::{HEIGHT, WIDTH};
 use super::clip::{Set, Studio};
 use super::motion::Moment;
-use super::plan::{Hair, Kind, SEED, Sweep};
+use super::plan::{Hair, Kind, SEED, SIZE, Sweep};
 use super::truth::{self, Drawing, Landmarks};
 use anyhow::Result;
 use flate2::{Compression, write::GzEncoder};
@@ -59,6 +58,8 @@ fn person(args: &Args, clip: usize, which: usize) -> Sweep {
         hair: [Hair::Short, Hair::Bald, Hair::Big, Hair::Long][stream as usize % 4],
         view_deg: 60.0,
         seed: (SEED ^ args.material.seed, stream),
+        person: None,
+        size: SIZE,
         frames: args.frames,
         fps: 25,
     }
@@ -80,11 +81,12 @@ fn render(studio: &Studio, args: &Args, clip: usize) -> Result<()> {
     let sweeps = [0, 1].map(|which| person(args, clip, which));
     let mut near = Set::new(studio, &sweeps[0])?;
     let mut far = Set::new(studio, &sweeps[1])?;
-    let focal = WIDTH as f32 / 2.0 / (sweeps[0].view_deg / 2.0).to_radians().tan();
-    let middle = [WIDTH, HEIGHT].map(|n| (n - 1) as f32 / 2.0);
+    let [width, height] = SIZE;
+    let focal = width as f32 / 2.0 / (sweeps[0].view_deg / 2.0).to_radians().tan();
+    let middle = SIZE.map(|n| (n - 1) as f32 / 2.0);
     let view = || View {
-        width: WIDTH,
-        height: HEIGHT,
+        width,
+        height,
         camera: Intrinsics::new(focal, focal, middle[0], middle[1]),
     };
     (near.view, far.view) = (view(), view());
@@ -95,7 +97,7 @@ fn render(studio: &Studio, args: &Args, clip: usize) -> Result<()> {
     let paths = paths(&mut near, focal);
     let file = File::create(args.out.join(format!("{}.y4m.gz", sweeps[0].name)))?;
     let mut out = GzEncoder::new(file, Compression::fast());
-    writeln!(out, "YUV4MPEG2 W{WIDTH} H{HEIGHT} F25:1 Ip A1:1 Cmono")?;
+    writeln!(out, "YUV4MPEG2 W{width} H{height} F25:1 Ip A1:1 Cmono")?;
     let mut rows = vec![String::from("frame,person,x,y,width,height,uncovered")];
     for number in 0..args.frames {
         let share = number as f32 / args.frames as f32;
@@ -106,7 +108,7 @@ fn render(studio: &Studio, args: &Args, clip: usize) -> Result<()> {
         far.behind = behind.clone();
         near.behind = far.drawn(&back, &moment_far).light;
         let mut light = near.drawn(&front, &moment_near).light;
-        let luma = near.camera.develop(&mut near.rng, &mut light, WIDTH);
+        let luma = near.camera.develop(&mut near.rng, &mut light, width);
         out.write_all(b"FRAME\n")?;
         out.write_all(&luma)?;
         let cover = Drawing {

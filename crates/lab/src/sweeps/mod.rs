@@ -21,8 +21,10 @@ mod motion;
 mod paint;
 mod plan;
 mod truth;
+mod u3pt;
 
 pub use crossing::{Args as CrossingArgs, run as run_crossings};
+pub use u3pt::{Args as U3ptArgs, run as run_u3pt};
 
 use anyhow::{Context, Result};
 use clip::Studio;

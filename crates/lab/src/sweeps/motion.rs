@@ -1,6 +1,6 @@
 //! How a head moves and what its face does.
 
-use super::plan::{Kind, Sweep};
+use super::plan::{Kind, Sweep, Video};
 use glam::Vec3;
 use posewise::math::HeadAngles;
 use posewise_train::render::expression::Expression;
@@ -13,6 +13,12 @@ use std::f32::consts::TAU;
 const YAW_DEG: f32 = 95.0;
 /// Most that a head nods \[deg\].
 const PITCH_DEG: f32 = 40.0;
+/// Most that a head of the stand-in for U3PT turns to a side and tilts \[deg\].
+const SUBJECT_YAW_DEG: f32 = 90.0;
+const SUBJECT_ROLL_DEG: f32 = 45.0;
+/// How often each strong expression is shown in a clip, and most that its light turns \[rad\].
+const ROUNDS: f32 = 2.0;
+const LIGHT_TURN: f32 = 1.2;
 /// When something begins to cover the face, how long that takes, and how long it stays \[s\].
 const COVER_S: f32 = 1.1;
 const COMES_S: f32 = 0.35;
@@ -36,6 +42,8 @@ pub struct Moment {
     gaze: (f32, f32),
     /// How far the cover has come: 0 away, 1 there.
     pub cover: f32,
+    /// How far the key light has turned about the vertical axis \[rad\].
+    pub light_turn: f32,
 }
 
 impl Moment {
@@ -112,6 +120,9 @@ impl Motion {
             Kind::Pitch => ((35.0, 10.0), (0.0, 0.0), (5.0, 8.0)),
             Kind::Covered(_) => ((6.0, 34.0), (6.0, 9.0), (5.0, 7.0)),
             Kind::Crossing => ((4.0, 16.0), (4.0, 6.0), (3.0, 5.0)),
+            Kind::Subject(Video::Expression(_)) => ((10.0, 12.0), (5.0, 6.0), (4.0, 5.0)),
+            Kind::Subject(Video::Free) => ((15.0, 50.0), (8.0, 15.0), (6.0, 15.0)),
+            Kind::Subject(_) => ((8.0, 6.0), (5.0, 5.0), (4.0, 5.0)),
         };
         let mut wave = |(mean, size): (f32, f32)| Wave::random(rng, mean, size);
         let (yaw, pitch, roll) = (wave(yaw), wave(pitch), wave(roll));
@@ -145,10 +156,13 @@ impl Motion {
     pub fn at(&self, t: f32) -> Moment {
         let share = t / self.length_s;
         let full = self.side * there_and_back(share);
-        let [yaw_deg, pitch_deg] = match self.kind {
-            Kind::Yaw | Kind::Candide => [YAW_DEG * full, self.pitch.at(share)],
-            Kind::Pitch => [self.yaw.at(share), PITCH_DEG * full],
-            Kind::Covered(_) | Kind::Crossing => [self.yaw.at(share), self.pitch.at(share)],
+        let [yaw, pitch, roll] = [&self.yaw, &self.pitch, &self.roll].map(|wave| wave.at(share));
+        let [yaw_deg, pitch_deg, roll_deg] = match self.kind {
+            Kind::Yaw | Kind::Candide => [YAW_DEG * full, pitch, roll],
+            Kind::Subject(Video::Yaw) => [SUBJECT_YAW_DEG * full, pitch, roll],
+            Kind::Pitch | Kind::Subject(Video::Pitch) => [yaw, PITCH_DEG * full, roll],
+            Kind::Subject(Video::Roll) => [yaw, pitch, SUBJECT_ROLL_DEG * full],
+            _ => [yaw, pitch, roll],
         };
         let talk = self.talk * (0.55 + 0.45 * (0.9 * t).sin());
         let closed = |(from, long): &(f32, f32)| {
@@ -156,11 +170,11 @@ impl Motion {
             smoothstep(*from, from + shut, t)
                 * (1.0 - smoothstep(from + long - shut, from + long, t))
         };
-        Moment {
+        let mut moment = Moment {
             angles: HeadAngles {
                 yaw_deg,
                 pitch_deg,
-                roll_deg: self.roll.at(share),
+                roll_deg,
             },
             sway: Vec3::from_array(std::array::from_fn(|k| self.sway[k].at(share))),
             blink: self.blinks.iter().map(closed).fold(0.05, f32::max),
@@ -170,6 +184,32 @@ impl Motion {
             pucker: 0.2 * talk * (1.0 + (4.3 * t).sin()),
             gaze: (self.gaze[0].at(share), self.gaze[1].at(share)),
             cover: cover(self.kind, t),
+            light_turn: match self.kind {
+                Kind::Subject(Video::Free) => LIGHT_TURN * (TAU * share).sin(),
+                _ => 0.0,
+            },
+        };
+        if let Kind::Subject(Video::Expression(_)) = self.kind {
+            moment.show_strongly(share);
+        }
+        moment
+    }
+}
+
+impl Moment {
+    /// Strong expressions one after the other.
+    fn show_strongly(&mut self, share: f32) {
+        let all = [
+            &mut self.jaw,
+            &mut self.smile,
+            &mut self.brows,
+            &mut self.pucker,
+        ];
+        let turn = (ROUNDS * share).fract() * all.len() as f32;
+        for (k, weight) in all.into_iter().enumerate() {
+            let since = turn - k as f32;
+            let shown = smoothstep(0.0, 0.3, since) * (1.0 - smoothstep(0.7, 1.0, since));
+            *weight = 0.3 * *weight + 0.7 * shown;
         }
     }
 }
@@ -182,12 +222,12 @@ fn there_and_back(share: f32) -> f32 {
 }
 
 fn cover(kind: Kind, t: f32) -> f32 {
-    match kind {
-        Kind::Covered(cover) if cover.is_worn_throughout() => 1.0,
-        Kind::Covered(_) => {
+    match kind.cover() {
+        Some(cover) if cover.is_worn_throughout() => 1.0,
+        Some(_) => {
             let gone = COVER_S + COMES_S + STAYS_S;
             smoothstep(COVER_S, COVER_S + COMES_S, t) * (1.0 - smoothstep(gone, gone + COMES_S, t))
         }
-        _ => 0.0,
+        None => 0.0,
     }
 }

@@ -16,6 +16,33 @@ pub enum Kind {
     Crossing,
     /// The head turns slowly within ±40° and something covers a part of the face.
     Covered(Cover),
+    /// One of a subject's videos in the stand-in for U3PT.
+    Subject(Video),
+}
+
+/// The videos of a subject in the stand-in for U3PT.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub enum Video {
+    /// The head turns from one side to the other, to 90°.
+    Yaw,
+    /// It nods, to 40°.
+    Pitch,
+    /// It tilts, to 45°.
+    Roll,
+    /// Strong expressions; something covers a part of the face for a while.
+    Expression(Cover),
+    /// It moves about all axes, under a light that moves too.
+    Free,
+}
+
+impl Kind {
+    /// What covers the face.
+    pub fn cover(self) -> Option<Cover> {
+        match self {
+            Kind::Covered(cover) | Kind::Subject(Video::Expression(cover)) => Some(cover),
+            _ => None,
+        }
+    }
 }
 
 /// What is on top of the head.
@@ -46,15 +73,23 @@ pub struct Sweep {
     pub view_deg: f32,
     /// Seed and stream of everything random.
     pub seed: (u64, u64),
+    /// Those of the person, where several clips show the same one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub person: Option<(u64, u64)>,
+    /// Width and height of the frames \[px\].
+    #[serde(skip)]
+    pub size: [usize; 2],
     /// Number of frames.
     pub frames: usize,
     /// Frames per second.
     pub fps: usize,
 }
 
+/// Size of the frames \[px\].
+pub const SIZE: [usize; 2] = [640, 480];
 const HAIRS: [Hair; 5] = [Hair::Short, Hair::Long, Hair::Bald, Hair::Cap, Hair::Big];
 /// From a phone at arm's length to a lens that looks across a room \[deg\].
-const VIEWS_DEG: [f32; 7] = [86.0, 34.0, 62.0, 24.0, 74.0, 48.0, 66.0];
+pub const VIEWS_DEG: [f32; 7] = [86.0, 34.0, 62.0, 24.0, 74.0, 48.0, 66.0];
 const COVERS: [Cover; 12] = [
     Cover::HandOnEyes,
     Cover::PhoneOnEyes,
@@ -86,7 +121,7 @@ pub fn sweeps(seed: u64, candide: bool) -> Vec<Sweep> {
             let (frames, fps) = match kind {
                 Kind::Yaw | Kind::Candide => (120, 20),
                 Kind::Pitch => (100, 25),
-                Kind::Covered(_) | Kind::Crossing => (110, 25),
+                Kind::Covered(_) | Kind::Crossing | Kind::Subject(_) => (110, 25),
             };
             Sweep {
                 name: format!("{group}-{n:02}"),
@@ -94,6 +129,8 @@ pub fn sweeps(seed: u64, candide: bool) -> Vec<Sweep> {
                 hair: hair(kind, stream),
                 view_deg: VIEWS_DEG[stream % VIEWS_DEG.len()],
                 seed: (SEED ^ seed, stream as u64),
+                person: None,
+                size: SIZE,
                 frames,
                 fps,
             }

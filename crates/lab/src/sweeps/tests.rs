@@ -2,7 +2,8 @@ use super::body::rotation_onto;
 use super::clip::Studio;
 use super::covers::Cover;
 use super::motion::Motion;
-use super::plan::{Kind, sweeps};
+use super::plan::{Kind, Sweep, sweeps};
+use super::{Material, u3pt};
 use glam::{Mat3, Vec3};
 use posewise::shape::LANDMARKS;
 use posewise_train::head::Head;
@@ -119,6 +120,66 @@ fn ball() -> Head {
         animation: std::array::from_fn(|_| None),
         triangles,
         mean,
+    }
+}
+
+fn u3pt(subjects: usize, frames: usize, width: usize) -> Vec<Sweep> {
+    u3pt::plan(&u3pt::Args {
+        material: Material {
+            facekit: "".into(),
+            backgrounds: None,
+            seed: 1,
+        },
+        out: "".into(),
+        only: Vec::new(),
+        subjects,
+        frames,
+        width,
+    })
+}
+
+#[test]
+fn subjects_turn_as_far_as_they_must() {
+    let plan = u3pt(10, 150, 640);
+    assert_eq!(plan.len(), 50);
+    for (folder, axis, reach) in [("yaw", 0, 90.0), ("pitch", 1, 40.0), ("roll", 2, 45.0)] {
+        for video in plan.iter().filter(|v| v.name.starts_with(folder)) {
+            let mut rng = ChaCha8Rng::seed_from_u64(video.seed.0);
+            rng.set_stream(video.seed.1);
+            let motion = Motion::new(&mut rng, video);
+            let angle = |n: usize| {
+                let angles = motion.at(n as f32 / video.fps as f32).angles;
+                [angles.yaw_deg, angles.pitch_deg, angles.roll_deg][axis]
+            };
+            let (low, high) = (0..video.frames)
+                .map(angle)
+                .fold((f32::MAX, f32::MIN), |(low, high), angle| {
+                    (low.min(angle), high.max(angle))
+                });
+            assert!((low + reach).abs() < 1.5, "{}: {low}", video.name);
+            assert!((high - reach).abs() < 1.5, "{}: {high}", video.name);
+        }
+    }
+}
+
+#[test]
+fn a_small_set_is_rendered_with_its_truth() {
+    let studio = Studio::new(&ball(), None, Vec::new()).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let plan = u3pt(1, 2, 96);
+    let table = |video: &Sweep| {
+        studio.render(video, folder.path()).unwrap();
+        let path = folder.path().join(format!("{}.csv", video.name));
+        let clip = folder.path().join(format!("{}.y4m.gz", video.name));
+        let mut frames = crate::video::Video::open(&clip).unwrap();
+        let first = frames.next().unwrap().unwrap();
+        assert_eq!((first.width, first.height), (96, 72));
+        crate::truth::read(&path).unwrap()
+    };
+    let tables: Vec<_> = plan.iter().map(table).collect();
+    for truth in &tables {
+        assert_eq!(truth.len(), 2);
+        assert_eq!(truth[0].focal, tables[0][0].focal, "the subject's camera");
     }
 }
 
