@@ -26,7 +26,10 @@ function html(name, text = '', attributes = {}) {
 }
 
 /** The colour of a system. */
-const colour = (system) => `var(--s${system % 10})`;
+const colour = (system) => `var(--s${system % 12})`;
+
+/** Dashes of a system: few people tell seven colours apart. */
+const dashOf = (system) => (system > 5 ? 1 : 0);
 
 /** Round numbers from min to max, about so many. */
 function ticks(min, max, count) {
@@ -113,7 +116,7 @@ function lines(place, title, options, cursor = () => null) {
     for (const one of series) {
       const stroke = one.colour ?? colour(one.system);
       inside.append(svg('path', { class: 'series', d: path(one.points, toX, toY),
-        style: `stroke:${stroke}`, 'stroke-dasharray': DASHES[one.dash ?? 0] }));
+        style: `stroke:${stroke}`, 'stroke-dasharray': DASHES[one.dash ?? dashOf(one.system)] }));
       for (const [px, py] of one.dots ? one.points : []) {
         if (py != null) {
           inside.append(svg('circle', { cx: toX(px), cy: toY(py), r: 3.5,

@@ -8,6 +8,9 @@ const COLUMNS = [
   ['milliseconds', 'ms', -1],
 ];
 
+/** Confidences in a part of their range from which on it is shown. */
+const LEAST = 10;
+
 const { figures, worst, scrubber: scrubbed } = JSON.parse(
   document.getElementById('data').textContent);
 const { systems, clips } = figures;
@@ -44,7 +47,7 @@ function legend() {
     const box = html('input', '', { type: 'checkbox', checked: '' });
     const mark = svg('svg', { width: 18, height: 10, 'aria-hidden': 'true' });
     mark.append(svg('line', { x1: 0, x2: 18, y1: 5, y2: 5, 'stroke-width': 3,
-      style: `stroke:${colour(system)}` }));
+      'stroke-dasharray': DASHES[dashOf(system)], style: `stroke:${colour(system)}` }));
     label.append(box, mark, name);
     box.addEventListener('change', () => {
       if (box.checked) hidden.delete(system);
@@ -97,15 +100,17 @@ function calibration() {
   const digits = (error) => error?.toFixed(3) ?? '–';
   const caption = `Calibration of ${names[system]}: share that is right by confidence. Face (line, `
     + `error ${digits(errors[0])}), landmarks (dashes, error ${digits(errors[1])}); the `
-    + 'diagonal is perfect. Right is within a tenth of the inter-ocular distance, without the jaw.';
+    + 'diagonal is perfect. Right is within a tenth of the inter-ocular distance, without the jaw. '
+    + `Parts with fewer than ${LEAST} are left out.`;
   document.getElementById('calibration-caption').textContent = caption;
-  const points = (bins) => bins.map(({ confidence, right }) => [100 * confidence, 100 * right]);
+  const points = (bins) => bins.filter(({ count }) => count >= LEAST)
+    .map(({ confidence, right }) => [100 * confidence, 100 * right]);
   lines(document.getElementById('calibration'), 'Share that is right by confidence', () => ({
     x: { min: 0, max: 100, unit: '%', name: 'confidence' },
     y: { min: 0, max: 100, unit: '%' },
     series: [
       { name: 'perfect', plain: true, colour: 'var(--edge)', points: [[0, 0], [100, 100]] },
-      { name: 'face', system, dots: true, points: points(face) },
+      { name: 'face', system, dash: 0, dots: true, points: points(face) },
       { name: 'landmarks', system, dash: 1, dots: true, points: points(landmarks) },
     ],
   }));
