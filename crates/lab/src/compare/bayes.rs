@@ -3,7 +3,7 @@
 
 use super::picture::Picture;
 use super::scorer::Scorer;
-use super::state::{RIGID, SIZE, State, Step};
+use super::state::{DAMPING, RIGID, SIGMA, SIZE, State, Step};
 use anyhow::Result;
 use argmin::core::{CostFunction, Executor};
 use argmin::solver::neldermead::NelderMead;
@@ -22,26 +22,10 @@ pub struct Search {
     pub full_steps: u64,
 }
 
-/// Standard deviations of a change between frames at 30 Hz beside the predicted one, the prior's:
-/// rotation \[rad\], sideways and depth \[mm\], animation weights.
-const SIGMA: Step = {
-    let mut sigma = [0.15; SIZE];
-    let mut k = 0;
-    while k < 3 {
-        sigma[k] = 0.05;
-        sigma[3 + k] = 8.0;
-        k += 1;
-    }
-    sigma[5] = 15.0;
-    sigma
-};
-
 /// First steps of Nelder–Mead \[standard deviations of the prior\].
 const SIMPLEX: f64 = 0.7;
 /// Standard deviation of the simplex's costs at which it has converged.
 const CONVERGED: f64 = 1e-4;
-/// Share of the last frame's motion that the next frame is predicted to have.
-const DAMPING: f64 = 0.8;
 
 /// The tracker's memory.
 pub struct Loop {
@@ -97,15 +81,25 @@ impl Loop {
         &self.state
     }
 
-    /// The next frame.
-    pub fn step(&mut self, scorer: &mut dyn Scorer, frame: &Picture) -> Result<State> {
+    /// The next frame. `matched` is where wide-baseline matching found the head.
+    pub fn step(
+        &mut self,
+        scorer: &mut dyn Scorer,
+        frame: &Picture,
+        matched: Option<State>,
+    ) -> Result<State> {
         let predicted = self.state.moved(&self.motion);
-        scorer.prepare(&predicted);
-        let energy = |state: &State| scorer.energy(frame, state);
-        let start = match energy(&predicted) <= energy(&self.state) {
-            true => predicted,
-            false => self.state,
-        };
+        let mut start = self.state;
+        let mut least = f64::INFINITY;
+        // Each is compared with what the person looks like from there.
+        for state in [predicted, self.state].into_iter().chain(matched) {
+            scorer.prepare(&state);
+            let energy = scorer.energy(frame, &state);
+            if energy < least {
+                (start, least) = (state, energy);
+            }
+        }
+        scorer.prepare(&start);
         let posterior = Posterior {
             scorer: &*scorer,
             frame,
@@ -189,7 +183,7 @@ mod tests {
             let turned = 0.03 * frame_number as f32;
             scorer.0.rotation = Mat3::from_rotation_y(turned);
             scorer.0.units[5] = 0.5;
-            let found = tracker.step(&mut scorer, &frame).unwrap();
+            let found = tracker.step(&mut scorer, &frame, None).unwrap();
             let off = found.motion_since(&scorer.0);
             assert!(off[..3].iter().all(|v| v.abs() < 0.02), "{off:?}");
         }

@@ -1,15 +1,20 @@
 //! A tracker follows a clip, frame by frame.
 
 use super::bayes::Loop;
-use super::descriptor::{BLUR_MM, Descriptor};
+use super::cascade::{Hybrid, Regressed};
+use super::descriptor::Descriptor;
+use super::follower::{ByEnergy, Follower};
 use super::gaussian::Gaussians;
+use super::keyframes::Keyframes;
 use super::person::{FaceModel, Person};
 use super::picture::Picture;
 use super::scorer::{Local, LocalModel, Scorer};
 use super::settings::{Method, Settings};
 use super::sparse::Sparse;
 use super::state::State;
+use super::svm::Templates;
 use super::synthesis::samples;
+use super::training::Trained;
 use super::view_based::ViewBased;
 use crate::product::Product;
 use crate::tracked::{Frame, Tracked};
@@ -17,6 +22,7 @@ use crate::video::Video;
 use anyhow::{Context, Result};
 use cpu_time::ThreadTime;
 use glam::Vec3;
+use posewise::align::Shape;
 use posewise::math::head_angles;
 
 /// How a clip is followed.
@@ -27,6 +33,8 @@ pub struct Clip<'a> {
     pub settings: &'a Settings,
     /// Finds the landmarks of the first frame.
     pub product: &'a Product,
+    /// What the method has learned beforehand, if it does.
+    pub trained: Option<&'a Trained>,
     /// Focal length \[px\].
     pub focal: Option<f32>,
     /// Most frames.
@@ -66,23 +74,51 @@ pub fn comparator(clip: &Clip<'_>, model: &FaceModel, video: &mut Video) -> Resu
     };
     let camera = session.camera(picture.width, picture.height);
     let (person, first) = model.fit(camera, &landmarks)?;
-    let mut scorer = scorer(clip, &person, &picture, &first);
-    let weight = clip.method.weight();
-    let mut tracker = Loop::new(&first, weight, &clip.settings.search);
-    frames.push(frame(&person, &first, 0.0));
+    let mut follower = follower(clip, &person, &picture, &first, &landmarks)?;
+    frames.push(frame(&person, &first, None, 0.0));
     while frames.len() < clip.limit
         && let Some(luma) = video.next()?
     {
         let watch = ThreadTime::now();
-        let blur = BLUR_MM * person.camera.fx / tracker.state().translation.z;
-        let picture = Picture::of(luma).blurred(blur);
-        let state = tracker.step(scorer.as_mut(), &picture)?;
-        frames.push(frame(&person, &state, milliseconds(&watch)));
+        let found = follower.step(luma)?;
+        let time = milliseconds(&watch);
+        frames.push(frame(&person, &found.state, found.landmarks, time));
     }
     Ok(frames)
 }
 
-/// The method's scorer, from views of the first frame.
+/// The method behind its first frame.
+fn follower<'a>(
+    clip: &'a Clip<'_>,
+    person: &'a Person<'a>,
+    picture: &Picture,
+    first: &State,
+    landmarks: &Shape,
+) -> Result<Box<dyn Follower + 'a>> {
+    let trained = || clip.trained.context("the trained parts");
+    Ok(match clip.method {
+        Method::Svm => {
+            let model = clip.product.model()?;
+            Box::new(Templates::new(person, first, model, trained()?)?)
+        }
+        Method::Cascade => Box::new(Regressed::new(person, first, landmarks, trained()?)?),
+        Method::Hybrid => {
+            let model = clip.product.model()?;
+            let templates = Templates::new(person, first, model, trained()?)?;
+            let cascade = Regressed::new(person, first, landmarks, trained()?)?;
+            Box::new(Hybrid::new(cascade, templates))
+        }
+        _ => Box::new(ByEnergy {
+            person,
+            tracker: Loop::new(first, clip.method.weight(), &clip.settings.search),
+            scorer: scorer(clip, person, picture, first),
+            keyframes: (clip.method == Method::ViewBased && !clip.settings.no_keyframes)
+                .then(|| Keyframes::new(person)),
+        }),
+    })
+}
+
+/// The method's energy, from views of the first frame.
 fn scorer<'a>(
     clip: &Clip<'_>,
     person: &'a Person<'a>,
@@ -97,7 +133,7 @@ fn scorer<'a>(
         Method::Adaptive => gaussians(Some(settings.rates)),
         Method::Sparse => boxed(person, descriptor, Sparse::new(&samples)),
         Method::ViewBased => boxed(person, descriptor, ViewBased::new(samples, settings.views)),
-        Method::Gaussian | Method::Posewise => gaussians(None),
+        _ => gaussians(None),
     }
 }
 
@@ -118,9 +154,10 @@ fn milliseconds(since: &ThreadTime) -> f64 {
     since.elapsed().as_secs_f64() * 1e3
 }
 
-fn frame(person: &Person<'_>, state: &State, milliseconds: f64) -> Frame {
+fn frame(person: &Person<'_>, state: &State, landmarks: Option<Shape>, milliseconds: f64) -> Frame {
     let angles = head_angles(&state.rotation);
-    let points = |i| person.image(state, i).map(f64::from);
+    let points = |i: usize| landmarks.map_or_else(|| person.image(state, i), |l| l[i]);
+    let points = |i| points(i).map(f64::from);
     Frame {
         tracked: Some(Tracked {
             angles: [angles.yaw_deg, angles.pitch_deg, angles.roll_deg].map(f64::from),

@@ -1,20 +1,27 @@
 //! The trackers of the thesis as comparators, beside posewise.
 //!
 //! ```text
-//! person, render ─► synthesis ─► gaussian | view_based | sparse ─► scorer ─► bayes ─► follow
-//! follow ─► trackers ─► track
+//! person, render ─► synthesis ─► gaussian | view_based | sparse ─► scorer ─► bayes, keyframes ─┐
+//! training ─► svm | cascade ─► fit ────────────────────────────────────────► follower ◄────────┘
+//! follower ─► follow ─► trackers ─► track
 //! trackers, systems, measures ─► comparison ─► table
 //! ```
 //!
-//! All start alike: posewise finds the landmarks of the first face, the 3D face is fitted to them,
-//! and the frame is put on its mesh and drawn from other poses. Then each follows the clip alone.
-//! They have no detector and no way back: the state of the frame before is where they search.
+//! All start alike: posewise finds the landmarks of the first face, and the 3D face is fitted to
+//! them. Then each follows the clip alone. Scorers put the first frame on the mesh and draw it from
+//! other poses; `svm`, `cascade` and `hybrid` have learned from other faces beforehand. None has a
+//! detector: the state of the frame before is where they search. `view-based` also matches
+//! keyframes.
 
 mod bayes;
+mod cascade;
 mod comparison;
 mod descriptor;
+mod fit;
 mod follow;
+mod follower;
 mod gaussian;
+mod keyframes;
 mod measures;
 mod person;
 mod picture;
@@ -23,12 +30,17 @@ mod scorer;
 mod settings;
 mod sparse;
 mod state;
+mod svm;
 mod synthesis;
 mod systems;
 mod table;
 mod track;
 mod trackers;
+mod training;
 mod view_based;
+
+#[cfg(test)]
+mod tests;
 
 pub use comparison::{Clip, Comparison, Selection};
 pub use measures::{Row, Sums, counts, nme, signed, size};

@@ -44,16 +44,8 @@ impl<'a> Texture<'a> {
     pub fn render(&self, pose: &State) -> View {
         let camera = &self.person.camera;
         let (width, height) = (self.frame.width, self.frame.height);
-        let project = |v: &Vec3| {
-            let at = pose.rotation * *v + pose.translation;
-            let [x, y] = camera.project(at);
-            let inv_z = if at.z > 1.0 { 1.0 / at.z } else { 0.0 };
-            Projected { x, y, inv_z }
-        };
-        let projected: Vec<Projected> = self.vertices.iter().map(project).collect();
         let triangles = &self.person.model.mesh.triangles;
-        let mut target = Target::new(width, height);
-        target.draw(&projected, triangles, 0, Cull::Back);
+        let (projected, target) = drawn(self.person, &self.vertices, pose, [width, height]);
         let mut picture = Picture {
             width,
             height,
@@ -72,6 +64,47 @@ impl<'a> Texture<'a> {
         }
         View { picture, target }
     }
+}
+
+/// Draws the person's triangles, by number.
+fn drawn(
+    person: &Person<'_>,
+    vertices: &[Vec3],
+    pose: &State,
+    [width, height]: [usize; 2],
+) -> (Vec<Projected>, Target) {
+    let project = |v: &Vec3| {
+        let at = pose.rotation * *v + pose.translation;
+        let [x, y] = person.camera.project(at);
+        let inv_z = if at.z > 1.0 { 1.0 / at.z } else { 0.0 };
+        Projected { x, y, inv_z }
+    };
+    let projected: Vec<Projected> = vertices.iter().map(project).collect();
+    let mut target = Target::new(width, height);
+    target.draw(&projected, &person.model.mesh.triangles, 0, Cull::Back);
+    (projected, target)
+}
+
+/// The points of the person's surface \[mm, head frame\] that pixels of a frame show; `None` beside
+/// the head.
+pub fn surface(
+    person: &Person<'_>,
+    state: &State,
+    size: [usize; 2],
+    pixels: &[[f32; 2]],
+) -> Vec<Option<Vec3>> {
+    let vertices = person.vertices(&state.units);
+    let (projected, target) = drawn(person, &vertices, state, size);
+    let point = |[x, y]: &[f32; 2]| {
+        let at = (*y as usize).min(size[1] - 1) * size[0] + (*x as usize).min(size[0] - 1);
+        let id = target.id[at];
+        (id != EMPTY).then(|| {
+            let corners = person.model.mesh.triangles[id as usize].map(|v| v as usize);
+            let w = weights(corners.map(|v| projected[v]), *x, *y);
+            (0..3).map(|k| vertices[corners[k]] * w[k]).sum::<Vec3>()
+        })
+    };
+    pixels.iter().map(point).collect()
 }
 
 impl View {

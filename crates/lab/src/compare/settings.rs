@@ -1,7 +1,7 @@
 //! Which tracker, and how.
 
 use super::descriptor::Descriptor;
-use super::{bayes, gaussian, synthesis, view_based};
+use super::{bayes, gaussian, synthesis, training, view_based};
 use crate::product;
 use std::path::PathBuf;
 
@@ -16,18 +16,27 @@ pub enum Method {
     Sparse,
     /// Gaussian models that are updated on line (3.4).
     Adaptive,
-    /// A table from pose to descriptors (4.3).
+    /// A table from pose to descriptors (4.3), with wide-baseline matching (4.2).
     ViewBased,
+    /// Pose-wise SVM templates (4.4).
+    Svm,
+    /// A regression cascade on RBM features (5.1).
+    Cascade,
+    /// The cascade, then the templates (5.2).
+    Hybrid,
 }
 
 impl Method {
     /// All of them.
-    pub const ALL: [Method; 5] = [
+    pub const ALL: [Method; 8] = [
         Method::Posewise,
         Method::Gaussian,
         Method::Sparse,
         Method::Adaptive,
         Method::ViewBased,
+        Method::Svm,
+        Method::Cascade,
+        Method::Hybrid,
     ];
 
     /// As on the command line.
@@ -38,14 +47,22 @@ impl Method {
             Method::Sparse => "sparse",
             Method::Adaptive => "adaptive",
             Method::ViewBased => "view-based",
+            Method::Svm => "svm",
+            Method::Cascade => "cascade",
+            Method::Hybrid => "hybrid",
         }
+    }
+
+    /// Whether it learns from other faces beforehand.
+    pub fn is_trained(self) -> bool {
+        matches!(self, Method::Svm | Method::Cascade | Method::Hybrid)
     }
 
     /// Weight of the energy against the prior's, tuned on the clip 04_free (docs/lab.md): the
     /// energies have different units.
     pub fn weight(self) -> f64 {
         match self {
-            Method::Posewise => 0.0,
+            Method::Posewise | Method::Svm | Method::Cascade | Method::Hybrid => 0.0,
             Method::Gaussian | Method::Adaptive => 300.0,
             Method::Sparse => 400.0,
             Method::ViewBased => 300.0,
@@ -71,6 +88,11 @@ pub struct Settings {
     pub rates: gaussian::Rates,
     #[command(flatten)]
     pub views: view_based::Views,
+    /// Match no keyframes (`view-based`).
+    #[arg(long)]
+    pub no_keyframes: bool,
+    #[command(flatten)]
+    pub training: training::Options,
     #[serde(skip)]
     #[command(flatten)]
     pub product: product::Options,

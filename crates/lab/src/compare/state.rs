@@ -25,6 +25,23 @@ pub const SIZE: usize = RIGID + UNITS.len();
 /// A change of state: rotation vector about the camera's axes \[rad\], translation \[mm\], units.
 pub type Step = [f64; SIZE];
 
+/// Standard deviations of a change between frames at 30 Hz beside the predicted one:
+/// rotation \[rad\], sideways and depth \[mm\], units.
+pub const SIGMA: Step = {
+    let mut sigma = [0.15; SIZE];
+    let mut k = 0;
+    while k < 3 {
+        sigma[k] = 0.05;
+        sigma[3 + k] = 8.0;
+        k += 1;
+    }
+    sigma[5] = 15.0;
+    sigma
+};
+
+/// Share of the last frame's motion that the next frame is predicted to have.
+pub const DAMPING: f64 = 0.8;
+
 /// Pose and animation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State {

@@ -3,6 +3,7 @@
 use super::follow::{self, Clip};
 use super::person::FaceModel;
 use super::settings::{Method, Settings};
+use super::training::Trained;
 use crate::product::Product;
 use crate::store::sum;
 use crate::tracked::Frame;
@@ -18,14 +19,23 @@ pub struct Trackers {
     model: Option<FaceModel>,
     /// Checksums of the product's model and of the head.
     sums: [String; 2],
+    trained: Option<Trained>,
 }
 
 impl Trackers {
     /// Reads the models; the head only where a comparator needs it.
     pub fn new(settings: &Settings, methods: &[Method]) -> Result<Trackers> {
         let needs_head = methods.iter().any(|m| *m != Method::Posewise);
-        let read = || FaceModel::read(&settings.facekit);
         let product = Product::new(&settings.product)?;
+        let trained = match methods.iter().any(|m| m.is_trained()) {
+            true => {
+                let model = product.model()?;
+                let (training, facekit) = (&settings.training, &settings.facekit);
+                Some(Trained::new(training, facekit, model.align(), methods)?)
+            }
+            false => None,
+        };
+        let read = || FaceModel::read(&settings.facekit);
         Ok(Trackers {
             model: needs_head.then(read).transpose()?,
             sums: [
@@ -35,6 +45,7 @@ impl Trackers {
                     false => String::new(),
                 },
             ],
+            trained,
             product,
             settings: settings.clone(),
         })
@@ -54,6 +65,8 @@ impl Trackers {
             key["head"] = json!(self.sums[1]);
             key["weight"] = json!(method.weight());
             key["settings"] = serde_json::to_value(&self.settings)?;
+            let trained = self.trained.as_ref();
+            key["learned"] = json!(trained.map_or(Vec::new(), |t| t.sums(method)));
         }
         Ok(key)
     }
@@ -68,6 +81,7 @@ impl Trackers {
                     method,
                     settings: &self.settings,
                     product: &self.product,
+                    trained: self.trained.as_ref(),
                     focal,
                     limit,
                 };

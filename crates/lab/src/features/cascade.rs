@@ -8,6 +8,7 @@ use super::regression::{COORDINATES, INPUTS, Links, Normal, Set, best_ridge, set
 use faer::Mat;
 use ndarray::Array1;
 use posewise::align::Shape;
+use posewise::image::Frame;
 use posewise::math::Similarity;
 use posewise_train::align::evaluate::{Accuracy, Boxes, nme};
 use posewise_train::align::{StartShapes, jittered_box, mean_shape, start_from_box};
@@ -16,6 +17,7 @@ use posewise_train::ridge;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// Stages of a cascade.
 pub const STAGES: usize = 4;
@@ -28,8 +30,10 @@ const CROPS: usize = 400;
 const REFINED_ON: usize = 5000;
 
 /// One regression on features.
+#[derive(Serialize, Deserialize)]
 struct Stage {
     features: Features,
+    #[serde(with = "super::stored")]
     weights: Mat<f32>,
 }
 
@@ -40,7 +44,6 @@ pub struct Training<'a> {
     /// Index of the face, shape.
     samples: Vec<(usize, Shape)>,
     mean: Shape,
-    starts: &'a StartShapes,
     /// Directions that predictions may take, in columns: similarity and shape modes.
     basis: Mat<f32>,
     seed: u64,
@@ -48,7 +51,7 @@ pub struct Training<'a> {
 
 impl<'a> Training<'a> {
     /// Starts on faces from boxes around them; renders have half as many.
-    pub fn new(faces: &'a [Face], starts: &'a StartShapes, boxes: &Boxes, seed: u64) -> Self {
+    pub fn new(faces: &'a [Face], starts: &StartShapes, boxes: &Boxes, seed: u64) -> Self {
         let mean = mean_shape(faces);
         let samples = (0..faces.len())
             .flat_map(|f| {
@@ -64,7 +67,6 @@ impl<'a> Training<'a> {
             faces,
             samples,
             mean,
-            starts,
             basis: basis(faces, &mean),
             seed,
         }
@@ -153,7 +155,7 @@ impl<'a> Training<'a> {
                 })
                 .collect();
             let errors = refine::refine(&mut features, &weights, 3, &examples, &mut rng);
-            println!("    refined: error {:.4} to {:.4}", errors[0], errors[1]);
+            eprintln!("    refined: error {:.4} to {:.4}", errors[0], errors[1]);
             features.rescale(&crops);
             (x, normals) = self.normals(&features);
         }
@@ -175,7 +177,7 @@ impl<'a> Training<'a> {
             .samples
             .iter()
             .map(|(f, shape)| nme(&self.faces[*f], shape, 0));
-        println!(
+        eprintln!(
             "    stage {}: {:.2} % out of fold, ridge {ridge}, {:.0?}",
             index + 1,
             errors.sum::<f32>() / self.samples.len() as f32,
@@ -264,15 +266,16 @@ fn basis(faces: &[Face], mean: &Shape) -> Mat<f32> {
 }
 
 /// A trained cascade.
-pub struct Cascade<'a> {
+#[derive(Serialize, Deserialize)]
+pub struct Cascade {
+    #[serde(with = "super::stored::shape")]
     mean: Shape,
-    starts: &'a StartShapes,
     stages: Vec<Stage>,
 }
 
-impl<'a> Cascade<'a> {
+impl Cascade {
     /// Trains all stages; the last two use the links `late`.
-    pub fn train(mut training: Training<'a>, kind: Kind, late: Links) -> Cascade<'a> {
+    pub fn train(mut training: Training<'_>, kind: Kind, late: Links) -> Cascade {
         let stages = (0..STAGES)
             .map(|index| {
                 let links = if index + 2 < STAGES {
@@ -285,19 +288,34 @@ impl<'a> Cascade<'a> {
             .collect();
         Cascade {
             mean: training.mean,
-            starts: training.starts,
             stages,
         }
     }
 
+    /// The shape in a frame, from the one before: the first stage, whose starts are boxes, is left
+    /// out. `None` if the shape has no extent.
+    pub fn follow(&self, frame: &Frame<'_>, mut shape: Shape) -> Option<Shape> {
+        for stage in self.stages.iter().skip(1) {
+            Similarity::fit(&self.mean, &shape)?.inverse()?;
+            let crop = FaceCrop::of_frame(frame, &self.mean, &shape, stage.features.step);
+            let x = stage.features.of(&crop);
+            shape = moved(&self.mean, &shape, &stage.weights, &x);
+        }
+        shape
+            .iter()
+            .flatten()
+            .all(|v| v.is_finite())
+            .then_some(shape)
+    }
+
     /// Errors on faces from boxes.
-    pub fn evaluate(&self, faces: &[Face], boxes: &Boxes) -> Accuracy {
+    pub fn evaluate(&self, faces: &[Face], starts: &StartShapes, boxes: &Boxes) -> Accuracy {
         let rows: Vec<_> = faces
             .par_iter()
             .enumerate()
             .flat_map_iter(|(index, face)| {
-                let starts = starts_on(face, self.starts, boxes, 7, index);
-                starts.into_iter().map(move |mut shape| {
+                let shapes = starts_on(face, starts, boxes, 7, index);
+                shapes.into_iter().map(move |mut shape| {
                     for stage in &self.stages {
                         let crop = FaceCrop::at(face, &self.mean, &shape, stage.features.step);
                         let x = stage.features.of(&crop);
@@ -365,14 +383,13 @@ mod tests {
         let mut training = Training::new(&faces[..50], &starts, &boxes, 1);
         let mut cascade = Cascade {
             mean: training.mean,
-            starts: &starts,
             stages: vec![],
         };
-        let before = cascade.evaluate(&faces[50..], &boxes);
+        let before = cascade.evaluate(&faces[50..], &starts, &boxes);
         cascade
             .stages
             .push(training.stage(Kind::Hog, Links::Global, 0));
-        let after = cascade.evaluate(&faces[50..], &boxes);
+        let after = cascade.evaluate(&faces[50..], &starts, &boxes);
         assert!(after.nme68 < 0.6 * before.nme68, "{before:?} {after:?}");
     }
 }

@@ -2,7 +2,7 @@
 
 use ndarray::Array2;
 use posewise::align::Shape;
-use posewise::image::{Crop, warp};
+use posewise::image::{Crop, Frame, warp};
 use posewise::math::Similarity;
 use posewise::shape::LANDMARKS;
 use posewise_train::faces::Face;
@@ -27,6 +27,11 @@ pub struct FaceCrop {
 impl FaceCrop {
     /// The crop of a face, `step` canonical units a px.
     pub fn at(face: &Face, mean: &Shape, shape: &Shape, step: f32) -> FaceCrop {
+        FaceCrop::of_frame(&face.picture.frame(), mean, shape, step)
+    }
+
+    /// The same of a frame.
+    pub fn of_frame(frame: &Frame<'_>, mean: &Shape, shape: &Shape, step: f32) -> FaceCrop {
         let canonical = Similarity::fit(mean, shape).expect("a shape has extent");
         let side = (COVER / step).ceil() as usize;
         let corner = -(side as f32 - 1.0) / 2.0 * step;
@@ -38,7 +43,7 @@ impl FaceCrop {
         }
         .then(&canonical);
         let mut crop = Crop::new();
-        warp(&face.picture.frame(), &to_frame, side, &mut crop);
+        warp(frame, &to_frame, side, &mut crop);
         let back = to_frame.inverse().expect("a shape has extent");
         FaceCrop {
             crop: crop.luma().iter().map(|v| *v as f32).collect(),

@@ -2,12 +2,13 @@
 
 use faer::{Mat, Side};
 use ndarray::{Array1, Array2, Axis};
+use serde::{Deserialize, Serialize};
 
 /// Features per landmark after reduction.
 pub const OUTPUTS: usize = 24;
 
 /// Filters on a patch: sigmoid(bias + weightsᵀ·patch), shared by all landmarks.
-#[derive(Clone)]
+#[derive(Clone, Serialize, Deserialize)]
 pub struct Filters {
     /// A column per output.
     pub weights: Array2<f32>,

@@ -5,6 +5,7 @@ use super::filters::{Filters, OUTPUTS, covariance, principal, whitening};
 use super::rbm;
 use ndarray::{Array1, Array2, Axis};
 use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
 
 /// Hidden units of the RBM.
 const HIDDEN: usize = 64;
@@ -36,12 +37,14 @@ impl Kind {
     }
 }
 
+#[derive(Serialize, Deserialize)]
 enum Raw {
     Hog(f32, f32),
     Filters(Filters),
 }
 
 /// The features of one stage: raw ones and what reduces them to [`OUTPUTS`].
+#[derive(Serialize, Deserialize)]
 pub struct Features {
     raw: Raw,
     /// Of the raw features.

@@ -1,12 +1,13 @@
 //! Which local features a linear cascade should see: one table, all else equal.
 
-mod cascade;
+pub mod cascade;
 mod crop;
 mod filters;
-mod local;
+pub mod local;
 mod rbm;
 mod refine;
-mod regression;
+pub mod regression;
+mod stored;
 
 use anyhow::Result;
 use cascade::{Cascade, Training};
@@ -169,7 +170,7 @@ impl<'a> Table<'a> {
         let training = Training::new(row.faces, &starts, &boxes(self.args.starts), seed);
         let samples = training.samples();
         let cascade = Cascade::train(training, row.kind, row.late);
-        let found = cascade.evaluate(self.dev, &boxes(3));
+        let found = cascade.evaluate(self.dev, &starts, &boxes(3));
         let line = format!(
             "| {} | {samples} | {:.2} | {:.2} | {:.2} | {:.2} |\n",
             row.name,

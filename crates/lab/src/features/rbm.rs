@@ -61,7 +61,7 @@ pub fn train(
             mean += &((&v - &v2).sum_axis(Axis(0)) * gain);
         }
     }
-    println!(
+    eprintln!(
         "    RBM: mean square {:.3}, left after reconstruction {:.3}",
         rows.iter().map(|v| v * v).sum::<f32>() / rows.len() as f32,
         left(rows, &filters, &mean)

@@ -146,7 +146,7 @@ impl Correction {
     }
 
     /// Where one landmark's response map pulls it \[crop px\], and how much it is to be believed.
-    fn shift(
+    pub fn shift(
         self,
         bank: &Bank,
         placement: &Placement,

@@ -9,6 +9,7 @@ use posewise_train::verifier::platt;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// Faces per view.
 const FACES: usize = 5000;
@@ -24,14 +25,16 @@ const COST: f32 = 0.3;
 const EPOCHS: usize = 6;
 
 /// One template: probability = logistic(slope · (w·x) + offset), x a patch.
-#[derive(Clone)]
+#[derive(Clone, Serialize, Deserialize)]
 struct Template {
-    weight: [f32; VALUES],
+    /// [`VALUES`] numbers.
+    weight: Vec<f32>,
     slope: f32,
     offset: f32,
 }
 
 /// Templates by view, landmark and descriptor.
+#[derive(Serialize, Deserialize)]
 pub struct Bank(Vec<Vec<[Template; KINDS]>>);
 
 struct Example {
@@ -47,7 +50,7 @@ type Labelled = ([f32; VALUES], bool);
 impl Bank {
     /// Trains on faces, of each view at most [`FACES`].
     pub fn train(model: &AlignModel<'_>, faces: &[Face]) -> Bank {
-        let views = model.signed_views() / 2 + 1;
+        let views = views(model);
         let style = ProgressStyle::with_template("templates {bar:40} {pos}/{len} eta {eta}");
         let bar = ProgressBar::new((views * LANDMARKS) as u64);
         let bar = bar.with_style(style.expect("a template"));
@@ -63,6 +66,15 @@ impl Bank {
         Bank(bank.collect())
     }
 
+    /// Whether it has so many views, and templates of all landmarks.
+    pub fn is_whole(&self, views: usize) -> bool {
+        let template = |t: &Template| t.weight.len() == VALUES;
+        let view = |view: &Vec<[Template; KINDS]>| {
+            view.len() == LANDMARKS && view.iter().flatten().all(template)
+        };
+        self.0.len() == views && self.0.iter().all(view)
+    }
+
     /// Product of the descriptors' probabilities at a point.
     pub fn response(&self, view: usize, k: usize, patches: &Patches, p: [f32; 2]) -> f32 {
         let kinds = self.0[view][k].iter().enumerate();
@@ -75,6 +87,11 @@ impl Bank {
             })
             .product()
     }
+}
+
+/// Views of a model, those of both sides once.
+pub fn views(model: &AlignModel<'_>) -> usize {
+    model.signed_views() / 2 + 1
 }
 
 /// The faces of a view; those towards the camera also in a mirror.
@@ -145,7 +162,7 @@ fn template(examples: &[Example], k: usize, kind: usize) -> Template {
     let weight = svm(&samples);
     let (slope, offset) = calibrated(&weight, &held);
     Template {
-        weight,
+        weight: weight.to_vec(),
         slope,
         offset,
     }
@@ -192,7 +209,7 @@ fn calibrated(weight: &[f32; VALUES], samples: &[Labelled]) -> (f32, f32) {
     (slope, offset)
 }
 
-fn dot(a: &[f32; VALUES], b: &[f32; VALUES]) -> f32 {
+fn dot(a: &[f32], b: &[f32]) -> f32 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 

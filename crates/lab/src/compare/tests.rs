@@ -1,0 +1,69 @@
+//! Every method follows the demo clip, which is rendered.
+
+use super::settings::{Method, Settings};
+use super::trackers::Trackers;
+use crate::truth;
+use clap::Parser;
+use std::path::Path;
+
+#[derive(Parser)]
+struct Options {
+    #[command(flatten)]
+    settings: Settings,
+}
+
+/// Frames of the clip that are followed: 2 s.
+const FRAMES: usize = 60;
+/// Most that a method may be off in the mean of the clip \[deg\]: a face that is lost is further.
+const LOOSE_DEG: f64 = 12.0;
+
+#[test]
+fn every_method_follows_a_short_clip() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let facekit = root.join("../shared/data/facekit.npz");
+    if !facekit.exists() {
+        eprintln!("skipped: no {}", facekit.display());
+        return;
+    }
+    let clip = root.join("tests/data/demo.y4m.gz");
+    let mut truth = truth::read(&root.join("tests/data/demo.csv")).unwrap();
+    truth.truncate(FRAMES);
+    let folder = tempfile::tempdir().unwrap();
+    let trained = folder.path().join("trained");
+    let settings = Options::parse_from([
+        "test",
+        "--facekit",
+        facekit.to_str().unwrap(),
+        "--trained",
+        trained.to_str().unwrap(),
+        "--training-faces",
+        "300",
+        "--grid-step",
+        "20",
+        "--frames",
+        &FRAMES.to_string(),
+    ]);
+    let methods = Method::ALL;
+    let trackers = Trackers::new(&settings.settings, &methods).unwrap();
+    for method in methods {
+        let focal = truth[0].focal.map(|f| f as f32);
+        let frames = trackers.follow(method, &clip, focal).unwrap();
+        assert_eq!(frames.len(), truth.len(), "{}", method.name());
+        let pairs = frames.iter().zip(&truth);
+        let off = pairs.filter_map(|(frame, truth)| {
+            let found = frame.tracked.as_ref()?.angles.into_iter();
+            let terms = found.zip(truth.angles);
+            Some(terms.map(|(a, b)| (a - b).abs()).sum::<f64>() / 3.0)
+        });
+        let off: Vec<f64> = off.collect();
+        let mean = off.iter().sum::<f64>() / off.len() as f64;
+        println!("{}: {mean:.2}° in {} frames", method.name(), off.len());
+        assert!(off.len() + 5 > truth.len(), "{}", method.name());
+        assert!(mean < LOOSE_DEG, "{}: {mean}", method.name());
+    }
+    // What was learned is read the next time.
+    let kept = std::fs::metadata(trained.join("svm.json")).unwrap();
+    Trackers::new(&settings.settings, &[Method::Svm]).unwrap();
+    let again = std::fs::metadata(trained.join("svm.json")).unwrap();
+    assert_eq!(kept.modified().unwrap(), again.modified().unwrap());
+}
