@@ -23,8 +23,8 @@ use std::path::{Path, PathBuf};
 const SEED: u64 = 0x7468_6573_6973;
 /// Procedural people in the renders.
 const PEOPLE: usize = 128;
-/// Starts on each face that the cascade learns from.
-const STARTS: usize = 2;
+/// Starts on each photograph that the cascade learns from; renders have half as many.
+const STARTS: usize = 4;
 /// Turns of the shapes that the cascade's boxes hold, normalised: 1 is a profile.
 const TURNS: [f32; 3] = [0.0, 0.4, 0.8];
 /// Predictors of a landmark in the last two stages (R).

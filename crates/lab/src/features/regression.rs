@@ -13,7 +13,7 @@ pub const COORDINATES: usize = 2 * LANDMARKS;
 /// Features of all landmarks.
 pub const INPUTS: usize = LANDMARKS * OUTPUTS;
 /// Weights of |w|² in the ridge, of which each stage takes the best on a fold.
-const RIDGES: [f32; 6] = [3e-3, 1e-2, 3e-2, 1e-1, 3e-1, 1.0];
+const RIDGES: [f32; 8] = [3e-3, 1e-2, 3e-2, 1e-1, 3e-1, 1.0, 10.0, 100.0];
 
 /// What a landmark's displacement is predicted from.
 #[derive(Clone, Copy, Debug, PartialEq)]
