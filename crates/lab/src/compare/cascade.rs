@@ -1,8 +1,8 @@
 //! Regression cascades on RBM features as trackers: alone (thesis 5.1), and followed by SVM
 //! templates (5.2).
 //!
-//! A frame starts from the shape of the frame before; the cascade moves it, and the head is fitted
-//! to its inner landmarks.
+//! A frame starts from the head's landmarks in the frame before; the cascade moves them, and the
+//! head is fitted to the inner ones.
 
 use super::fit::{Free, Target, fit};
 use super::follower::{Follower, Found};
@@ -68,7 +68,10 @@ impl Follower for Regressed<'_> {
         let fitted = |prior: &State, free| fit(self.person, prior, &targets, free, WIDE);
         let pose = fitted(&self.state, Free::Pose).unwrap_or(self.state);
         self.state = fitted(&pose, Free::All).unwrap_or(pose);
+        // The head's landmarks, the jaw from the cascade: shapes alone drift.
+        let projected = self.projected(&self.state);
         self.shape = shape;
+        self.shape[INNER..].copy_from_slice(&projected[INNER..]);
         Ok(Found {
             state: self.state,
             landmarks: Some(shape),

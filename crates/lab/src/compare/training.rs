@@ -216,6 +216,9 @@ fn spec() -> SampleSpec {
     SampleSpec {
         face_px: (60.0, 160.0),
         defects: 0.5,
+        occluders: 0.05,
+        masks: 0.0,
+        odd_eyes: 0.0,
         persons: Persons::Procedural,
         ..SampleSpec::default()
     }
