@@ -64,7 +64,7 @@ impl Method {
         match self {
             Method::Posewise | Method::Svm | Method::Cascade | Method::Hybrid => 0.0,
             Method::Gaussian | Method::Adaptive => 300.0,
-            Method::Sparse => 400.0,
+            Method::Sparse => 100.0,
             Method::ViewBased => 300.0,
         }
     }

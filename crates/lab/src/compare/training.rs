@@ -19,6 +19,8 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
+/// Raised when what is learned from the same comes out otherwise.
+const VERSION: u32 = 1;
 /// Seed of the renders: no clip shows the same people.
 const SEED: u64 = 0x7468_6573_6973;
 /// Procedural people in the renders.
@@ -177,7 +179,10 @@ impl Lesson<'_> {
             training_faces,
             ..
         } = self.options;
-        format!("renders {renders:?}, photographs {photographs:?}, {training_faces} faces")
+        format!(
+            "version {VERSION}, renders {renders:?}, photographs {photographs:?}, \
+             {training_faces} faces"
+        )
     }
 
     fn faces(&self) -> Result<Vec<Face>> {
