@@ -1,8 +1,9 @@
 //! Regression cascades on RBM features as trackers: alone (thesis 5.1), and followed by SVM
 //! templates (5.2).
 //!
-//! A frame starts from the head's landmarks in the frame before; the cascade moves them, and the
-//! head is fitted to the inner ones.
+//! A frame starts from the initial shape of the view, placed where the landmarks of the frame before
+//! were; the cascade moves it, and the head is fitted to its inner landmarks. From the landmarks
+//! themselves the cascade drifts within seconds.
 
 use super::fit::{Free, Target, fit};
 use super::follower::{Follower, Found};
@@ -13,7 +14,9 @@ use super::training::Trained;
 use crate::features::cascade::Cascade;
 use crate::video::Luma;
 use anyhow::Result;
+use posewise::Model;
 use posewise::align::Shape;
+use posewise::math::{Similarity, head_angles};
 use posewise::shape::LANDMARKS;
 
 /// Width of the fit's prior over that of the motion between frames: the cascade has seen the whole
@@ -26,6 +29,8 @@ const HIDDEN_WEIGHT: f32 = 0.3;
 pub struct Regressed<'a> {
     person: &'a Person<'a>,
     cascade: &'a Cascade,
+    /// Its initial shapes: no network is run.
+    model: Model<'a>,
     shape: Shape,
     state: State,
 }
@@ -36,14 +41,24 @@ impl<'a> Regressed<'a> {
         person: &'a Person<'a>,
         first: &State,
         landmarks: &Shape,
+        model: Model<'a>,
         trained: &'a Trained,
     ) -> Result<Regressed<'a>> {
         Ok(Regressed {
             person,
             cascade: trained.cascade()?,
+            model,
             shape: *landmarks,
             state: *first,
         })
+    }
+
+    /// Where the cascade starts.
+    fn start(&self) -> Option<Shape> {
+        let turn = head_angles(&self.state.rotation).yaw_deg / 90.0;
+        let initial = self.model.align().views().initial_shape(turn)?;
+        let placed = Similarity::fit(&initial, &self.shape)?;
+        Some(initial.map(|p| placed.apply(p)))
     }
 
     fn projected(&self, state: &State) -> Shape {
@@ -53,7 +68,8 @@ impl<'a> Regressed<'a> {
 
 impl Follower for Regressed<'_> {
     fn step(&mut self, luma: &Luma) -> Result<Found> {
-        let shape = self.cascade.follow(&luma.frame()?, self.shape);
+        let frame = luma.frame()?;
+        let shape = self.start().and_then(|s| self.cascade.run(&frame, s));
         // A shape that has burst starts anew.
         let shape = shape.unwrap_or_else(|| self.projected(&self.state));
         let target = |landmark: usize| Target {
@@ -68,7 +84,7 @@ impl Follower for Regressed<'_> {
         let fitted = |prior: &State, free| fit(self.person, prior, &targets, free, WIDE);
         let pose = fitted(&self.state, Free::Pose).unwrap_or(self.state);
         self.state = fitted(&pose, Free::All).unwrap_or(pose);
-        // The head's landmarks, the jaw from the cascade: shapes alone drift.
+        // The next frame starts from the head's landmarks, the jaw from the cascade's.
         let projected = self.projected(&self.state);
         self.shape = shape;
         self.shape[INNER..].copy_from_slice(&projected[INNER..]);

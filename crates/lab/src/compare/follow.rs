@@ -101,11 +101,15 @@ fn follower<'a>(
             let model = clip.product.model()?;
             Box::new(Templates::new(person, first, model, trained()?)?)
         }
-        Method::Cascade => Box::new(Regressed::new(person, first, landmarks, trained()?)?),
+        Method::Cascade => {
+            let model = clip.product.model()?;
+            Box::new(Regressed::new(person, first, landmarks, model, trained()?)?)
+        }
         Method::Hybrid => {
             let model = clip.product.model()?;
             let templates = Templates::new(person, first, model, trained()?)?;
-            let cascade = Regressed::new(person, first, landmarks, trained()?)?;
+            let model = clip.product.model()?;
+            let cascade = Regressed::new(person, first, landmarks, model, trained()?)?;
             Box::new(Hybrid::new(cascade, templates))
         }
         _ => Box::new(ByEnergy {

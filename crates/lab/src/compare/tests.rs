@@ -18,7 +18,7 @@ struct Options {
 const FIRST: usize = 68;
 const FRAMES: usize = 40;
 /// Most that a method may be off in the mean of the clip \[deg\]: a face that is lost is further.
-const LOOSE_DEG: f64 = 12.0;
+const LOOSE_DEG: f64 = 15.0;
 
 /// The demo clip's frames that are followed.
 fn calm_part(path: &Path) -> Vec<u8> {
@@ -74,13 +74,7 @@ fn every_method_follows_a_short_clip() {
         let mean = off.iter().sum::<f64>() / off.len() as f64;
         println!("{}: {mean:.2}° in {} frames", method.name(), off.len());
         assert!(off.len() + 5 > truth.len(), "{}", method.name());
-        // Of so few faces the cascade does not learn to follow one.
-        let bound = if method == Method::Cascade {
-            90.0
-        } else {
-            LOOSE_DEG
-        };
-        assert!(mean < bound, "{}: {mean}", method.name());
+        assert!(mean < LOOSE_DEG, "{}: {mean}", method.name());
     }
     // What was learned is read the next time.
     let kept = std::fs::metadata(trained.join("svm.json")).unwrap();

@@ -292,10 +292,9 @@ impl Cascade {
         }
     }
 
-    /// The shape in a frame, from the one before: the first stage, whose starts are boxes, is left
-    /// out. `None` if the shape has no extent.
-    pub fn follow(&self, frame: &Frame<'_>, mut shape: Shape) -> Option<Shape> {
-        for stage in self.stages.iter().skip(1) {
+    /// The shape in a frame, from one near it. `None` if the shape has no extent.
+    pub fn run(&self, frame: &Frame<'_>, mut shape: Shape) -> Option<Shape> {
+        for stage in &self.stages {
             Similarity::fit(&self.mean, &shape)?.inverse()?;
             let crop = FaceCrop::of_frame(frame, &self.mean, &shape, stage.features.step);
             let x = stage.features.of(&crop);
