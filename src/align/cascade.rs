@@ -9,7 +9,7 @@ use super::shape::{Shape, is_finite, shapes_of};
 use super::views::Views;
 use crate::image::{Crop, Frame, warp};
 use crate::math::Similarity;
-use crate::network::MAX_FEATURES;
+use crate::network::{Activations, MAX_FEATURES};
 use crate::shape::LANDMARKS;
 use posewise_format::{Blob, ModelError};
 
@@ -84,6 +84,12 @@ impl Workspace {
     /// not read it.
     pub fn scratch(&mut self) -> &mut [u8] {
         self.memory.scratch()
+    }
+
+    /// A crop and the memory of a network's maps, for a network of another module between two runs.
+    /// A run overwrites both and does not read them.
+    pub fn network_memory(&mut self) -> (&mut Crop, &mut Activations) {
+        (&mut self.crop, self.memory.maps())
     }
 
     /// Signed view of the global shape: 0 is frontal, then the model's views turned to the

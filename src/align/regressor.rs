@@ -77,6 +77,11 @@ impl Memory {
         }
     }
 
+    /// The memory of a network's maps, for a network of another module between two runs.
+    pub fn maps(&mut self) -> &mut Activations {
+        &mut self.maps
+    }
+
     /// As [`Activations::scratch`].
     pub fn scratch(&mut self) -> &mut [u8] {
         self.maps.scratch()

@@ -1,36 +1,28 @@
 //! The multi-view face detector: a scan of the frame's luma in calls of bounded work.
 //!
 //! In: a [`Frame`](crate::image::Frame) and the model's section `DTCT`. Out: one [`Detection`] at a
-//! time, the largest face first.
+//! time, the largest faces first.
 //!
-//! A window is evaluated by soft cascades of boosted trees whose nodes compare two pixels (Markuš
-//! et al., "Object detection with pixel intensity comparisons organized in decision trees", 2013).
-//! The [`GRID`] of pixels to compare is scaled and rotated with the window, so there is no pyramid,
-//! no integral image and no copy of the frame. Overlapping hits are merged (`cluster`); a small
-//! regression forest on the same comparisons then moves the merged window onto the face
-//! ([`refine`]).
+//! A tile is a square of the frame that is reduced to 128×128 px. A small convolutional network
+//! gives a score, a displacement, a size, a roll and a yaw for each cell of 8×8 px (one stage, as
+//! Redmon et al., "You Only Look Once", CVPR 2016). Tiles overlap; coarser ones show larger faces,
+//! in steps of two. Cells that report the same face are merged (`candidates`). There is no copy of
+//! the frame: a tile is read row by row ([`reduce`](crate::image::reduce)).
 //!
-//! Arithmetic is integer up to the merged window. [`Scan`] holds all state in fixed memory, so a
-//! scan of the frame can be spread over as many calls as the caller likes.
+//! Arithmetic is integer up to the network's outputs. [`Scan`] holds all state in fixed memory, so
+//! a scan of the frame can be spread over as many calls as the caller likes; a tile is the unit of
+//! work.
 
-mod cluster;
-mod evaluate;
-mod forest;
-mod grid;
+mod candidates;
 mod local_search;
 mod model;
-mod refine;
 mod scan;
-mod window;
+mod tile;
 
-pub use grid::{GRID, Pixel};
 pub use local_search::local_search;
-pub use model::{
-    BoxRefiner, DetectorModel, ENSEMBLES_MAX, Ensemble, REFINE_OUTPUTS, ROLLS_MAX, TAG,
-};
-pub use refine::refine;
-pub use scan::{Scan, ScanOutcome, Sizes};
-pub use window::Window;
+pub use model::{DetectorModel, OUTPUTS, TAG, TILE};
+pub use scan::{Scan, ScanOutcome, Sizes, TILE_UNITS};
+pub use tile::TileMemory;
 
 /// A face candidate: a square in the upright frame, rotated with the head.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -45,6 +37,6 @@ pub struct Detection {
     pub roll: f32,
     /// Rough yaw in units of 90°: −1 (turned to the image's left) to 1 (right).
     pub yaw: f32,
-    /// Detector score, not a probability: higher is better, 0 is the working threshold.
+    /// Logit of the network above its threshold: higher is better, 0 is the threshold.
     pub score: f32,
 }

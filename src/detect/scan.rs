@@ -1,29 +1,34 @@
-//! The scan over sizes, rolls and places, in calls of bounded work.
+//! The scan over sizes and places, tile by tile, in calls of bounded work.
 //!
-//! Sizes go down from a quarter more than the frame's shorter side: the largest face is found
-//! first, and large sizes are cheap. All sizes are scanned for upright faces first, then for rolled
-//! ones: most heads are upright and are found in a fraction of the whole scan. After each size the
-//! best complete cluster is reported.
+//! A level is the frame at one reduction; each next level is twice as fine, and its tiles find the
+//! faces that are too small for the one before. The coarsest level is first: the largest faces are
+//! found first, and coarse levels have few tiles. A candidate is reported right after its tile.
 //!
 //! Between calls the frame may change: a scan of a live stream sees each part of it at another
-//! time, and a moving face has left by the time its cluster is complete. So what was hit during a
-//! call is reported at the end of that call; a small local search makes up for the sizes that were
-//! not scanned yet.
+//! time.
 
-use super::cluster::{Clusters, Hit, radians};
-use super::evaluate::{EMPTY_TABLE, WindowGrid};
-use super::window::Q4;
-use super::{Detection, DetectorModel, Window, local_search, refine};
-use crate::image::{Frame, MAX_SIDE, Roi};
+use super::candidates::Candidates;
+use super::model::TILE;
+use super::tile::{TileMemory, evaluate};
+use super::{Detection, DetectorModel};
+use crate::image::{Frame, MAX_SIDE, Roi, reduce};
+use crate::math::Similarity;
+
+/// Work of a tile \[units\]: time of a tile over time of a tracking step, of which 3,000 units are
+/// one (`posewise bench`).
+pub const TILE_UNITS: u32 = 600;
 
 /// Largest size over the frame's shorter side \[1/256\]: a face that fills the frame, or of which
 /// a part lies outside.
 const LARGEST_Q8: i64 = 320;
 /// Smallest face that can be asked for \[px\].
 const FACE_MIN_PX: i32 = 16;
-/// Budget of the local search around a cluster that is reported before it is complete \[units of
-/// work\]: its 735 windows, most of them rejected within a unit.
-const LOCAL_SEARCH_UNITS: u32 = 800;
+/// Most levels: a coarser one would show the largest frame in a pixel.
+const LEVELS_MAX: u8 = 14;
+/// Sizes beyond those asked for that are reported still: half a level either way.
+const SIZE_MARGIN: f32 = 1.25;
+/// How far beyond the region a face may be centred \[of its size\]: as far as the network errs.
+const ROI_MARGIN: f32 = 0.1;
 
 /// What a call of the scan ended with.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,14 +36,14 @@ pub enum ScanOutcome {
     /// The budget is used up; the next call continues the scan.
     BudgetSpent,
     /// A face candidate. If the caller rejects it, the next call continues the scan and reports it
-    /// again only where other sizes hit it too. If the caller accepts it, it calls
+    /// again only where another tile shows it far better. If the caller accepts it, it calls
     /// [`Scan::restart`].
     Candidate(Detection),
     /// The whole frame was scanned and holds no further face; the next call starts a new scan.
     Finished,
 }
 
-/// Range of [`Detection::size`] that a scan covers \[frame px\], to within one step of its sizes.
+/// Range of [`Detection::size`] that a scan covers \[frame px\], to within a quarter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sizes {
     /// Smallest, at least 16.
@@ -55,6 +60,12 @@ impl Sizes {
             max_px: i32::MAX,
         }
     }
+
+    /// Whether a face of this size is reported \[frame px\].
+    pub(super) fn holds(&self, size: f32) -> bool {
+        let (min_px, max_px) = (self.min_px as f32, self.max_px as f32);
+        size * SIZE_MARGIN >= min_px && size <= max_px * SIZE_MARGIN
+    }
 }
 
 /// State of a scan: plain data of fixed size.
@@ -64,55 +75,51 @@ pub struct Scan {
     width: i32,
     height: i32,
     roi: Roi,
-    min_px: i32,
-    max_px: i32,
-    // Size of this level [1/16 px]; 0 before the start.
-    size: i32,
-    // Number of sizes scanned before this one.
-    level: u16,
-    // Whether this is the second half of the scan, for heads that are rolled.
-    rolled: bool,
-    // Index of the roll within this half.
-    roll: usize,
-    // The next place.
-    row: i32,
-    column: i32,
+    sizes: Sizes,
+    // Whether it has begun.
+    begun: bool,
+    // Levels that are finer than this one, and the number of the next tile of this one.
+    level: u8,
+    tile: u32,
     // Units of work that the last call did not use.
     units_left: u32,
-    clusters: Clusters,
+    candidates: Candidates,
 }
 
-/// Window centres along one axis \[1/16 px\]; each is rounded to the nearest pixel.
+/// Tiles along one axis.
 #[derive(Clone, Copy)]
 struct Axis {
-    first: i32,
-    step: i32,
-    count: i32,
+    /// Left or upper edge of the first tile \[frame px\].
+    first: i64,
+    /// From the first tile's edge to that of the last one \[frame px\].
+    span: i64,
+    count: u32,
 }
 
 impl Axis {
-    /// Spread symmetrically over `length` pixels of the frame from `start`, and a step beyond
-    /// both, because a face at an edge is hit from both sides; `margin` away from the edges of a
-    /// frame of `frame_length`.
-    fn new([start, length]: [u32; 2], frame_length: i32, margin: i32, step: i32) -> Self {
-        let last = (frame_length - 1) * Q4;
-        let step = step.max(Q4 / 2);
-        // A region never begins beyond the largest frame.
-        let pixel = |at: u64| at.min(MAX_SIDE as u64) as i32 * Q4;
-        let (start, end) = (start as u64, start as u64 + length as u64);
-        let low = (pixel(start) - step).max(margin);
-        let high = (pixel(end) + step).min(last - margin);
-        let span = (high - low).max(0) as u32;
-        let count = (span / step.max(1) as u32) as i32 + 1;
+    /// Tiles of `side` px that cover `length` px of the frame from `start` and overlap by `overlap`
+    /// px at least. A length that is shorter than a tile is in its middle.
+    fn new(start: i64, length: i64, side: i64, overlap: i64) -> Axis {
+        let spare = length - side;
+        if spare <= 0 {
+            return Axis {
+                first: start + spare / 2,
+                span: 0,
+                count: 1,
+            };
+        }
+        let step = (side - overlap).max(1);
         Axis {
-            first: (low + high - (count - 1) * step) / 2,
-            step,
-            count,
+            first: start,
+            span: spare,
+            count: ((spare + step - 1) / step) as u32 + 1,
         }
     }
 
-    fn pixel(&self, index: i32) -> i32 {
-        (self.first + index * self.step + Q4 / 2) / Q4
+    /// Edge of a tile \[frame px\].
+    fn at(&self, index: u32) -> i32 {
+        let last = i64::from(self.count.saturating_sub(1)).max(1);
+        (self.first + self.span * i64::from(index) / last) as i32
     }
 }
 
@@ -129,16 +136,15 @@ impl Scan {
             width: 0,
             height: 0,
             roi: Roi::new(0, 0, 0, 0),
-            min_px: 0,
-            max_px: 0,
-            size: 0,
+            sizes: Sizes {
+                min_px: 0,
+                max_px: 0,
+            },
+            begun: false,
             level: 0,
-            rolled: false,
-            roll: 0,
-            row: 0,
-            column: 0,
+            tile: 0,
             units_left: 0,
-            clusters: Clusters::EMPTY,
+            candidates: Candidates::EMPTY,
         }
     }
 
@@ -147,24 +153,22 @@ impl Scan {
         *self = Self::new();
     }
 
-    /// Continues the scan of the whole frame for about `budget` units of work.
-    ///
-    /// A window costs one unit plus one for every 16 trees that it needs (three times as much on a
-    /// box-filtered frame). So a call evaluates at most 16·`budget` trees plus those of one window,
-    /// and once those of [`refine`] and, for a cluster that is reported before it is complete, of a
-    /// local search of 800 units.
+    /// Continues the scan of the whole frame: evaluates as many tiles, of [`TILE_UNITS`] each, as
+    /// the budget has, one at least, and ends early at a candidate. One that was found before is
+    /// reported without work.
     pub fn advance(
         &mut self,
         model: &DetectorModel<'_>,
         frame: &Frame<'_>,
         sizes: Sizes,
         budget: u32,
+        memory: &mut TileMemory<'_>,
     ) -> ScanOutcome {
-        self.advance_in(model, frame, Roi::whole(frame), sizes, budget)
+        self.advance_in(model, frame, Roi::whole(frame), sizes, budget, memory)
     }
 
-    /// As [`Scan::advance`], for faces that are centred in a region; some that are centred a step
-    /// beyond it are reported too.
+    /// As [`Scan::advance`], for faces that are centred in a region; some that are centred a tenth
+    /// of their size beyond it are reported too.
     pub fn advance_in(
         &mut self,
         model: &DetectorModel<'_>,
@@ -172,31 +176,27 @@ impl Scan {
         roi: Roi,
         sizes: Sizes,
         budget: u32,
+        memory: &mut TileMemory<'_>,
     ) -> ScanOutcome {
-        // Not `clamp`: it may panic.
-        let min_px = sizes.min_px.min(MAX_SIDE as i32).max(FACE_MIN_PX);
-        let wanted = [frame.width(), frame.height(), min_px, sizes.max_px];
-        if self.size == 0 || wanted != self.wanted() || roi != self.roi {
-            self.roi = roi;
-            self.begin(wanted, false);
-        }
-        self.clusters.begin_call();
-        let mut units_left = budget.max(1) as i64;
-        while units_left > 0 {
-            let Some(roll) = self.rolls(model).get(self.roll) else {
-                if let Some(outcome) = self.end_level(model, frame) {
-                    self.units_left = units_left.max(0) as u32;
-                    return outcome;
-                }
-                units_left -= 1;
-                continue;
+        self.begin(model, frame, roi, sizes);
+        self.units_left = budget;
+        let mut is_first = true;
+        loop {
+            if let Some(face) = self.candidates.report() {
+                return ScanOutcome::Candidate(face);
+            }
+            if !is_first && self.units_left < TILE_UNITS {
+                return ScanOutcome::BudgetSpent;
+            }
+            is_first = false;
+            let Some((corner, scale_q8)) = self.next_tile(model) else {
+                let units_left = self.units_left;
+                self.restart();
+                self.units_left = units_left;
+                return ScanOutcome::Finished;
             };
-            self.scan_roll(model, frame, *roll as i32, &mut units_left);
-        }
-        self.units_left = 0;
-        match self.clusters.report_fresh(model.confirm) {
-            Some(found) => ScanOutcome::Candidate(complete(model, frame, &found)),
-            None => ScanOutcome::BudgetSpent,
+            self.evaluate(model, frame, corner, scale_q8, memory);
+            self.units_left = self.units_left.saturating_sub(TILE_UNITS);
         }
     }
 
@@ -205,108 +205,114 @@ impl Scan {
         self.units_left
     }
 
-    /// The rolls of this half of the scan: the model's first one, then the others.
-    fn rolls<'m>(&self, model: &DetectorModel<'m>) -> &'m [i16] {
-        let (upright, rolled) = model.rolls.split_at_checked(1).unwrap_or_default();
-        if self.rolled { rolled } else { upright }
-    }
-
-    fn wanted(&self) -> [i32; 4] {
-        [self.width, self.height, self.min_px, self.max_px]
-    }
-
-    fn begin(&mut self, wanted: [i32; 4], rolled: bool) {
-        let [width, height, min_px, max_px] = wanted;
-        let largest = ((width.min(height) as i64 * LARGEST_Q8) >> 8) as i32;
+    /// Begins a scan, unless the one that goes on is of the same kind.
+    fn begin(&mut self, model: &DetectorModel<'_>, frame: &Frame<'_>, roi: Roi, sizes: Sizes) {
+        let (width, height) = (frame.width(), frame.height());
+        let largest = ((i64::from(width.min(height)) * LARGEST_Q8) >> 8) as i32;
+        let min_px = sizes.min_px.min(MAX_SIDE as i32).max(FACE_MIN_PX);
+        let sizes = Sizes {
+            min_px,
+            max_px: sizes.max_px.min(largest).max(min_px),
+        };
+        let is_same =
+            (self.width, self.height, self.roi, self.sizes) == (width, height, roi, sizes);
+        if self.begun && is_same {
+            return;
+        }
+        let [_, most] = model.sizes_q8;
+        let covers = |level: u8| {
+            let largest = i64::from(scale_q8(model, min_px, level)) * i64::from(most);
+            largest >= i64::from(sizes.max_px) << 16
+        };
         *self = Scan {
             width,
             height,
-            roi: self.roi,
-            min_px,
-            max_px,
-            size: largest.min(max_px).max(min_px) * Q4,
-            rolled,
+            roi,
+            sizes,
+            begun: true,
+            level: (0..LEVELS_MAX)
+                .find(|level| covers(*level))
+                .unwrap_or(LEVELS_MAX),
             ..Self::new()
         };
     }
 
-    /// The remaining places at one size and roll, as far as the budget goes.
-    // Not inlined: its table has left the stack when a candidate is completed.
-    #[inline(never)]
-    fn scan_roll(
+    /// Corner \[frame px\] and scale \[1/256 frame px per tile px\] of the next tile; `None` at the
+    /// end of the scan.
+    fn next_tile(&mut self, model: &DetectorModel<'_>) -> Option<([i32; 2], i32)> {
+        loop {
+            let scale = scale_q8(model, self.sizes.min_px, self.level);
+            let [across, down] = self.axes(model, scale);
+            let tile = self.tile;
+            if tile < across.count * down.count {
+                self.tile += 1;
+                let corner = [
+                    across.at(tile % across.count.max(1)),
+                    down.at(tile / across.count.max(1)),
+                ];
+                return Some((corner, scale));
+            }
+            self.level = self.level.checked_sub(1)?;
+            self.tile = 0;
+        }
+    }
+
+    /// Tiles across and down that show all faces of a level that are centred in the region.
+    fn axes(&self, model: &DetectorModel<'_>, scale_q8: i32) -> [Axis; 2] {
+        let px = |tile_px_q8: i64| (tile_px_q8 * i64::from(scale_q8)) >> 16;
+        let [_, largest] = model.sizes_q8;
+        let reach = px(i64::from(largest));
+        let axis = |start: u32, length: u32, frame: i32| {
+            let (start, length) = (i64::from(start), i64::from(length));
+            let low = (start - reach).max(0).min(i64::from(frame));
+            let high = (start + length + reach).min(i64::from(frame)).max(low);
+            let (side, overlap) = (px((TILE as i64) << 8), px(i64::from(model.overlap) << 8));
+            Axis::new(low, high - low, side, overlap)
+        };
+        [
+            axis(self.roi.x, self.roi.width, self.width),
+            axis(self.roi.y, self.roi.height, self.height),
+        ]
+    }
+
+    fn evaluate(
         &mut self,
         model: &DetectorModel<'_>,
         frame: &Frame<'_>,
-        roll: i32,
-        units_left: &mut i64,
+        corner: [i32; 2],
+        scale_q8: i32,
+        memory: &mut TileMemory<'_>,
     ) {
-        let q8 = |v: i32| ((self.size as i64 * v as i64) >> 8) as i32;
-        let (step, margin) = (q8(model.step_q8), q8(model.margin_q8));
-        let Roi {
-            x,
-            y,
-            width,
-            height,
-        } = self.roi;
-        let across = Axis::new([x, width], self.width, margin, step);
-        let down = Axis::new([y, height], self.height, margin, step);
-        let window = Window::new(0, 0, q8(model.side_q8), radians(roll));
-        let mut table = EMPTY_TABLE;
-        let windows = WindowGrid::new(frame, window, &mut table);
-        while self.row < down.count {
-            let y = down.pixel(self.row);
-            while self.column < across.count {
-                if *units_left <= 0 {
-                    return;
-                }
-                let x = across.pixel(self.column);
-                self.column += 1;
-                let (score, units) = windows.evaluate(model, x, y);
-                *units_left -= units;
-                if let Some(score) = score {
-                    self.clusters.add(Hit {
-                        x: x * Q4,
-                        y: y * Q4,
-                        size: self.size,
-                        roll,
-                        score,
-                        level: self.level,
-                    });
-                }
-            }
-            self.column = 0;
-            self.row += 1;
-        }
-        self.row = 0;
-        self.roll += 1;
-    }
-
-    /// After all rolls of a size: an outcome, or `None` and the next size.
-    fn end_level(&mut self, model: &DetectorModel<'_>, frame: &Frame<'_>) -> Option<ScanOutcome> {
-        let next = ((self.size as i64 * model.ratio_q8 as i64) >> 8) as i32;
-        // Half a step below the smallest face: the hits of a face straddle two sizes.
-        let floor = (self.min_px * Q4 * 15) / 16;
-        let last = next < floor || next >= self.size;
-        if let Some(best) = self.clusters.report(model.confirm, self.level, last) {
-            return Some(ScanOutcome::Candidate(refine(model, frame, &best)));
-        }
-        if last && !self.rolled {
-            self.begin(self.wanted(), true);
-            return None;
-        }
-        if last {
-            self.restart();
-            return Some(ScanOutcome::Finished);
-        }
-        self.roll = 0;
-        self.level += 1;
-        self.size = next;
-        None
+        reduce(frame, corner, scale_q8, TILE, memory.crop);
+        let scale = scale_q8 as f32 / 256.0;
+        // A tile's pixel shows the middle of its square.
+        let [tx, ty] = corner.map(|v| v as f32 + 0.5 * scale - 0.5);
+        let to_frame = Similarity {
+            a: scale,
+            b: 0.0,
+            tx,
+            ty,
+        };
+        let (roi, sizes) = (self.roi, self.sizes);
+        let wanted = |face: &Detection| sizes.holds(face.size) && is_centred(&roi, face);
+        evaluate(model, &to_frame, wanted, memory, &mut self.candidates);
     }
 }
 
-/// Moves an incomplete cluster, which may be off by a step of the scan, onto the face.
-fn complete(model: &DetectorModel<'_>, frame: &Frame<'_>, found: &Detection) -> Detection {
-    let rough = refine(model, frame, found);
-    local_search(model, frame, &rough, LOCAL_SEARCH_UNITS).unwrap_or(rough)
+/// Whether a face is centred in a region, or nearly.
+fn is_centred(roi: &Roi, face: &Detection) -> bool {
+    let margin = ROI_MARGIN * face.size;
+    let within = |v: f32, start: u32, length: u32| {
+        let start = start as f32;
+        v >= start - margin && v <= start + length as f32 + margin
+    };
+    within(face.x, roi.x, roi.width) && within(face.y, roi.y, roi.height)
+}
+
+/// Frame px per tile px of a level \[1/256\]: the finest shows the smallest face at the smallest
+/// size of a tile.
+fn scale_q8(model: &DetectorModel<'_>, min_px: i32, level: u8) -> i32 {
+    let [smallest, _] = model.sizes_q8;
+    let finest = (i64::from(min_px) << 16) / i64::from(smallest.max(1));
+    (finest << level).min(i64::from(MAX_SIDE) << 8).max(1) as i32
 }

@@ -42,6 +42,14 @@ impl Crop {
             .for_each(<[u8]>::reverse);
     }
 
+    /// The pixels of a crop of this side, at most [`CROP_MAX`], to be written.
+    pub(super) fn resized(&mut self, side: usize) -> &mut [u8] {
+        self.side = side.min(CROP_MAX);
+        self.luma
+            .get_mut(..self.side * self.side)
+            .unwrap_or(&mut [])
+    }
+
     /// The pixels, row-major, `side()` to a row.
     pub fn luma(&self) -> &[u8] {
         self.luma.get(..self.side * self.side).unwrap_or(&[])

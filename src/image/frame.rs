@@ -71,13 +71,6 @@ impl<'a> Frame<'a> {
         mean(self.raw_3x3(x, y))
     }
 
-    /// [`Frame::luma`] of a box-filtered frame, for a pixel that is not on the border, given by its
-    /// [`byte_offset`](Self::byte_offset).
-    #[inline]
-    pub(crate) fn filtered_luma_at(&self, offset: isize) -> u8 {
-        mean(self.raw_3x3_at(offset))
-    }
-
     /// As [`Frame::luma`], without the box filter.
     #[inline]
     pub(crate) fn raw_luma(&self, x: i32, y: i32) -> u8 {

@@ -1,7 +1,7 @@
 //! Frames in, luma out.
 //!
 //! In: the caller's bytes in one of the V4L2 layouts of [`PixelFormat`]. Out: 8-bit luma, read
-//! pixel by pixel or warped straight into a small square [`Crop`]. A full frame is never copied, so
+//! pixel by pixel, or warped or reduced straight into a small square [`Crop`]. A full frame is never copied, so
 //! the cost of a step does not grow with the frame. A frame with much noise ([`noise_share`]) can
 //! be read through a 3×3 box filter ([`Frame::box_filtered`]).
 //!
@@ -13,6 +13,7 @@ mod format;
 mod frame;
 mod layout;
 mod noise;
+mod reduce;
 mod roi;
 
 pub use crop::{CROP_MAX, Crop, warp};
@@ -20,4 +21,5 @@ pub use format::PixelFormat;
 pub use frame::Frame;
 pub use layout::{FrameError, FrameLayout, MAX_SIDE, Rotation};
 pub use noise::noise_share;
+pub use reduce::reduce;
 pub use roi::Roi;

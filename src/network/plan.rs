@@ -182,6 +182,12 @@ impl<'m> Network<'m> {
         node.as_ref().map(|n| n.output)
     }
 
+    /// The output map of the last node.
+    pub fn output(&self) -> Map {
+        let last = self.nodes.iter().flatten().last();
+        last.map_or(Map::default(), |node| node.output)
+    }
+
     /// Multiply-adds of one run.
     pub fn multiply_adds(&self) -> usize {
         let pixels = |n: &Node<'_>| n.output.side() * n.output.side() * n.weights.len();

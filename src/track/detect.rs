@@ -2,9 +2,9 @@
 
 use super::geometry::{bounds, centre, detection_of, initial_shape, is_same_face};
 use super::policy::{FIRST_ATTEMPT_CONFIDENCE, NOISY};
-use super::step::{Step, WorkBudget};
+use super::step::{Step, WorkBudget, tile_memory};
 use super::{FaceHint, Model, StepError, Tracker};
-use crate::detect::{Detection, ScanOutcome};
+use crate::detect::{Detection, ScanOutcome, TILE_UNITS};
 use crate::image::{Frame, noise_share};
 
 /// A face of a frame.
@@ -71,8 +71,9 @@ impl Tracker {
         };
         let mut budget = WorkBudget::new(self.config.scan_budget);
         let mut detected = Detected::default();
-        while detected.count < found.len() && budget.left() > 0 {
-            match self.scanner.next_of_all(&self.config, step, &mut budget) {
+        while detected.count < found.len() && budget.left() >= TILE_UNITS {
+            let memory = &mut tile_memory(&mut self.work);
+            match (self.scanner).next_of_all(&self.config, step, &mut budget, memory) {
                 ScanOutcome::Candidate(face) => {
                     if let Some(face) = self.evaluate(step, &face) {
                         detected.count = add(found, detected.count, face);

@@ -195,11 +195,6 @@ pub(super) const LOCAL_SEARCH_PERIOD: u32 = 2;
 
 // --- Work costs ----------------------------------------------------------------------------------
 
-/// Work of a local search \[units of the detector: a window is about two\].
-///
-/// Source: derived: the 735 windows of a whole local search.
-pub(super) const LOCAL_SEARCH_UNITS: u32 = 1500;
-
 /// Work of an iteration of the global stage and its verification \[units\].
 ///
 /// Source: `posewise bench`: time of align and fit over time of a unit of the scan.

@@ -3,8 +3,9 @@
 use super::Tracker;
 use super::policy::{FIRST_ATTEMPT_CONFIDENCE, ITERATION_UNITS, KEYFRAME_UNITS, REFINE_UNITS};
 use super::scanner::ScanPlan;
-use super::step::{Outcome, Step, WorkBudget};
+use super::step::{Outcome, Step, WorkBudget, tile_memory};
 use super::target::Origin;
+use crate::detect::TILE_UNITS;
 
 impl Tracker {
     /// Scans for a new face within what is left of the step's work.
@@ -36,9 +37,13 @@ impl Tracker {
             }
             budget.spend(self.alignment.units);
         }
-        budget.leave_one();
+        budget.leave(TILE_UNITS);
         let roi = step.roi(&self.config);
-        while let Some(face) = self.scanner.next(step, roi, &mut plan, budget) {
+        loop {
+            let memory = &mut tile_memory(&mut self.work);
+            let Some(face) = self.scanner.next(step, roi, &mut plan, budget, memory) else {
+                break;
+            };
             let least = FIRST_ATTEMPT_CONFIDENCE;
             let outcome = self.attempt_detection(step, &face, Origin::NewFace, least);
             if outcome.is_accept() {

@@ -5,10 +5,11 @@
 
 use super::Config;
 use super::policy::{
-    EXPECT_PERIOD, EXPECT_US, EXPECTED_SIZES, KEYFRAME_UNITS, LARGE_FACE, LARGE_FACE_PERIOD,
+    EXPECT_PERIOD, EXPECT_US, EXPECTED_SIZES, ITERATION_UNITS, KEYFRAME_UNITS, LARGE_FACE,
+    LARGE_FACE_PERIOD,
 };
 use super::step::{Step, WorkBudget};
-use crate::detect::{Detection, Scan, ScanOutcome, Sizes};
+use crate::detect::{Detection, Scan, ScanOutcome, Sizes, TILE_UNITS, TileMemory};
 use crate::image::{Frame, Roi};
 
 /// How large the target was when it was last seen, how it was turned, and when.
@@ -90,6 +91,8 @@ impl ScanPlan {
 pub(super) struct Scanner {
     all: Scan,
     first: Scan,
+    /// Found at the end of a step whose budget was spent; attempted in the next one.
+    postponed: Option<Detection>,
     pub(super) last_seen: LastSeen,
     /// Counts steps without a face.
     steps: u32,
@@ -99,6 +102,7 @@ impl Scanner {
     pub(super) const EMPTY: Scanner = Scanner {
         all: Scan::new(),
         first: Scan::new(),
+        postponed: None,
         last_seen: LastSeen::NEVER,
         steps: 0,
     };
@@ -107,6 +111,7 @@ impl Scanner {
     pub(super) fn restart(&mut self) {
         self.all.restart();
         self.first.restart();
+        self.postponed = None;
         self.last_seen = LastSeen::NEVER;
     }
 
@@ -119,6 +124,7 @@ impl Scanner {
     /// The target is gone and expected back.
     pub(super) fn expect(&mut self, last_seen: LastSeen) {
         self.all.restart();
+        self.postponed = None;
         self.last_seen = last_seen;
     }
 
@@ -162,34 +168,46 @@ impl Scanner {
         config: &Config,
         step: &Step<'_>,
         budget: &mut WorkBudget,
+        memory: &mut TileMemory<'_>,
     ) -> ScanOutcome {
         let (roi, sizes) = (step.roi(config), all_sizes(config));
         let (detector, given) = (&step.model.detector, budget.left());
-        let outcome = (self.all).advance_in(detector, step.frame, roi, sizes, given);
+        let outcome = (self.all).advance_in(detector, step.frame, roi, sizes, given, memory);
         budget.spend(given.saturating_sub(self.all.units_left()));
         outcome
     }
 
     /// The next detection of the plan in a region; `None` when the budget is spent or the scan is
-    /// finished.
+    /// finished. A detection whose first iteration is more than what is left waits for the next
+    /// step.
     pub(super) fn next(
         &mut self,
         step: &Step<'_>,
         roi: Roi,
         plan: &mut ScanPlan,
         budget: &mut WorkBudget,
+        memory: &mut TileMemory<'_>,
     ) -> Option<Detection> {
-        while budget.left() > 0 {
+        if self.postponed.is_some() {
+            return self.postponed.take();
+        }
+        while budget.left() >= TILE_UNITS {
             let (scan, sizes) = match plan.first {
                 Some(sizes) => (&mut self.first, sizes),
                 None => (&mut self.all, plan.all),
             };
             let given = budget.left();
             let detector = &step.model.detector;
-            let outcome = scan.advance_in(detector, step.frame, roi, sizes, given);
+            let outcome = scan.advance_in(detector, step.frame, roi, sizes, given, memory);
             budget.spend(given.saturating_sub(scan.units_left()));
             match outcome {
-                ScanOutcome::Candidate(face) => return Some(face),
+                ScanOutcome::Candidate(face) if budget.left() >= ITERATION_UNITS => {
+                    return Some(face);
+                }
+                ScanOutcome::Candidate(face) => {
+                    self.postponed = Some(face);
+                    return None;
+                }
                 ScanOutcome::Finished if plan.first.is_some() && plan.then_all => {
                     plan.first = None;
                 }

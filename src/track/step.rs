@@ -1,6 +1,8 @@
 //! What one step is given, how much work it may do, and how an attempt to find a face ends.
 
 use super::{Config, Loss, Model};
+use crate::align::Workspace;
+use crate::detect::{TILE_UNITS, TileMemory};
 use crate::image::{Frame, Roi};
 use crate::shape::Intrinsics;
 
@@ -48,16 +50,26 @@ impl Outcome {
     }
 }
 
-/// Work of one step, in units of the detector: a window costs one unit, and one more for every 16
-/// trees that it needs. Costs of everything else are in `policy.rs`.
+/// The detector's memory: that of the alignment, between two of its runs.
+pub(super) fn tile_memory(work: &mut Workspace) -> TileMemory<'_> {
+    let (crop, maps) = work.network_memory();
+    TileMemory { crop, maps }
+}
+
+/// Work of one step, in units of which a tracking step has 3,000: a tile of the detector has
+/// [`TILE_UNITS`], costs of everything else are in `policy.rs`.
 pub(super) struct WorkBudget {
     limit: u32,
     spent: u32,
 }
 
 impl WorkBudget {
+    /// A limit below the work of a tile counts as that: each step can evaluate one.
     pub(super) fn new(limit: u32) -> WorkBudget {
-        WorkBudget { limit, spent: 0 }
+        WorkBudget {
+            limit: limit.max(TILE_UNITS),
+            spent: 0,
+        }
     }
 
     pub(super) fn spend(&mut self, units: u32) {
@@ -73,19 +85,9 @@ impl WorkBudget {
         self.limit.saturating_sub(self.spent)
     }
 
-    /// Leaves one unit at least: each step advances the scan, whatever else it did.
-    pub(super) fn leave_one(&mut self) {
-        self.spent = self.spent.min(self.limit.saturating_sub(1));
-    }
-
-    /// The same work under another limit, with one unit left at least.
-    pub(super) fn limited_to(&self, limit: u32) -> WorkBudget {
-        let mut budget = WorkBudget {
-            limit,
-            spent: self.spent,
-        };
-        budget.leave_one();
-        budget
+    /// Leaves so many units at least: each step advances the scan, whatever else it did.
+    pub(super) fn leave(&mut self, units: u32) {
+        self.spent = self.spent.min(self.limit.saturating_sub(units));
     }
 }
 
@@ -94,14 +96,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_budget_ends_at_its_limit_and_leaves_one_unit() {
-        let mut budget = WorkBudget::new(100);
-        budget.spend(40);
-        assert_eq!((budget.left(), budget.spent()), (60, 40));
-        assert_eq!(budget.limited_to(30).left(), 1);
+    fn a_budget_ends_at_its_limit_and_leaves_a_tile() {
+        let mut budget = WorkBudget::new(1000);
+        budget.spend(400);
+        assert_eq!((budget.left(), budget.spent()), (600, 400));
         budget.spend(u32::MAX);
         assert_eq!(budget.left(), 0);
-        budget.leave_one();
-        assert_eq!((budget.left(), budget.spent()), (1, 99));
+        budget.leave(TILE_UNITS);
+        assert_eq!(budget.left(), TILE_UNITS);
+        assert_eq!(WorkBudget::new(1).left(), TILE_UNITS);
     }
 }

@@ -25,13 +25,11 @@ use super::excluded::Excluded;
 use super::geometry::{centre, detection_of, is_in_frame};
 use super::hint::FaceHint;
 use super::one_euro::Smoother;
-use super::policy::{
-    ACCEPT_CONFIDENCE, COAST_US, LOCAL_SEARCH_PERIOD, LOCAL_SEARCH_UNITS, NO_LONGER_NOISY, NOISY,
-};
+use super::policy::{ACCEPT_CONFIDENCE, COAST_US, LOCAL_SEARCH_PERIOD, NO_LONGER_NOISY, NOISY};
 use super::reacquirer::Reacquirer;
 use super::rejected::{PendingRetry, Suppressed};
 use super::scanner::{LastSeen, ScanPlan, Scanner};
-use super::step::{Outcome, Step, WorkBudget};
+use super::step::{Outcome, Step, WorkBudget, tile_memory};
 use super::target::{Origin, Target};
 use super::{Config, ConfigError, Loss, Model, Smoothing, State, StepError, TrackResult};
 use crate::align::Workspace;
@@ -340,8 +338,8 @@ impl Tracker {
             let plan = ScanPlan::expected(&last_seen, &self.config);
             return self.scan(step, plan, &mut budget);
         }
-        let units = budget.limited_to(LOCAL_SEARCH_UNITS).left();
-        match local_search(&step.model.detector, step.frame, &place, units) {
+        let memory = &mut tile_memory(&mut self.work);
+        match local_search(&step.model.detector, step.frame, &place, memory) {
             Some(face) => {
                 self.attempt_detection(step, &face, Origin::Reacquired, ACCEPT_CONFIDENCE)
             }
@@ -393,7 +391,8 @@ impl Tracker {
         if outcome.is_accept() {
             return outcome;
         }
-        match local_search(&step.model.detector, step.frame, hint, LOCAL_SEARCH_UNITS) {
+        let memory = &mut tile_memory(&mut self.work);
+        match local_search(&step.model.detector, step.frame, hint, memory) {
             Some(face) => self.attempt_detection(step, &face, Origin::NewFace, ACCEPT_CONFIDENCE),
             None => Outcome::NotFound,
         }

@@ -6,7 +6,7 @@ use std::time::Instant;
 use anyhow::{Context, Result, anyhow};
 use image::GrayImage;
 use posewise::align::{Shape, Workspace};
-use posewise::detect::{Scan, Sizes};
+use posewise::detect::{Scan, Sizes, TILE_UNITS, TileMemory};
 use posewise::image::Frame;
 use posewise::shape::{FitOptions, Identity, Intrinsics, MAX_IDENTITIES, Observed, fit};
 use posewise::track::{Config, Model, State, Tracker};
@@ -50,6 +50,7 @@ pub fn time(model: &Model<'_>, frames: &[GrayImage]) -> Result<Vec<Stage>> {
         let mut shape = shape;
         black_box(align.refine(&frame, &mut shape, &mut work));
     });
+    let tile = time_tile(model, &frame, &mut work);
     let fit = time_fit(model, &frame, &shape)?;
     Ok(vec![
         stage("global stage", global, align.iteration_multiply_adds()),
@@ -58,7 +59,7 @@ pub fn time(model: &Model<'_>, frames: &[GrayImage]) -> Result<Vec<Stage>> {
         stage("3D fit", fit, 0),
         Stage {
             of_tracking: false,
-            ..stage("scan, one budget", time_scan(model, &frame), 0)
+            ..stage("tile", tile, model.detector().multiply_adds())
         },
     ])
 }
@@ -102,12 +103,14 @@ fn time_fit(model: &Model<'_>, frame: &Frame<'_>, shape: &Shape) -> Result<u64> 
     }))
 }
 
-fn time_scan(model: &Model<'_>, frame: &Frame<'_>) -> u64 {
-    let config = Config::default();
+/// One tile; candidates are dropped.
+fn time_tile(model: &Model<'_>, frame: &Frame<'_>, work: &mut Workspace) -> u64 {
+    let sizes = Sizes::from(Config::default().min_face_px as i32);
     let mut scan = Scan::new();
+    let (crop, maps) = work.network_memory();
+    let memory = &mut TileMemory { crop, maps };
     median(|| {
-        let sizes = Sizes::from(config.min_face_px as i32);
-        black_box(scan.advance(model.detector(), frame, sizes, config.scan_budget));
+        black_box(scan.advance(model.detector(), frame, sizes, TILE_UNITS, memory));
     })
 }
 

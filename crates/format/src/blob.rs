@@ -5,7 +5,7 @@ use super::{ModelError, Section, Tag};
 /// First bytes of every model.
 pub const MAGIC: [u8; 8] = *b"POSEWISE";
 /// Format version that this build reads and the trainer writes.
-pub const FORMAT_VERSION: u32 = 4;
+pub const FORMAT_VERSION: u32 = 5;
 /// Alignment of the blob in memory and of every section inside it \[bytes\].
 pub const ALIGN: usize = 64;
 /// Bytes before the section table.
