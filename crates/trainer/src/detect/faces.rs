@@ -7,10 +7,8 @@ use anyhow::Result;
 use posewise::detect::Detection;
 use posewise::shape::MIRROR;
 
-use super::options::rng_for;
-use crate::align::cover::cut_off;
 use crate::align::{self, StartShapes};
-use crate::photographs;
+use crate::photographs::{self, Set};
 use crate::picture::Picture;
 
 /// A picture with one labelled face.
@@ -21,30 +19,27 @@ pub struct Face {
     pub truth: Detection,
 }
 
-/// Of so many photographs one is added again with a part of the face beyond the picture's edge.
-const CUT_OFF: usize = 8;
+/// Photographs whose labels differ by more between annotators are left out: their weight is below
+/// this.
+const LEAST_WEIGHT: f32 = 0.2;
 
-/// All training photographs that show what is around the face, some of them cut off too.
+/// The photographs of a set.
 ///
 /// # Errors
 /// When a file is missing or not as documented.
-pub fn load(data: &Path, seed: u64) -> Result<Vec<Face>> {
-    let mut whole = photographs::load(data, &photographs::UNCROPPED)?;
-    let some = whole.iter().enumerate().step_by(CUT_OFF);
-    let cut: Vec<_> = some
-        .map(|(k, face)| cut_off(face, &mut rng_for(seed, 0x4355_5446, k as u64)))
-        .collect();
-    whole.extend(cut);
+pub fn load(data: &Path, set: Set) -> Result<Vec<Face>> {
+    let mut faces = photographs::load(data, &[set])?;
+    faces.retain(|face| face.weight >= LEAST_WEIGHT);
     let face = |face: crate::faces::Face| Face {
         truth: face_box(&face.landmarks, None, None),
         picture: Arc::unwrap_or_clone(face.picture),
     };
-    Ok(whole.into_iter().map(face).collect())
+    Ok(faces.into_iter().map(face).collect())
 }
 
-/// Renders as faces with boxes: those whose roll follows from the eye line and whose sides towards
-/// the camera are not covered. Others would lower the thresholds and pass false positives.
-pub fn fronts(renders: &[crate::faces::Face]) -> Vec<Face> {
+/// Renders as faces with boxes: the first `most` of those whose roll follows from the eye line and whose sides towards
+/// the camera are not covered. Others look like no face in a tile.
+pub fn fronts(renders: &[crate::faces::Face], most: usize) -> Vec<Face> {
     const MOST_YAW_DEG: f32 = 60.0;
     const BOTH_SIDES_DEG: f32 = 15.0;
     let chosen = renders.iter().filter_map(|face| {
@@ -53,7 +48,7 @@ pub fn fronts(renders: &[crate::faces::Face]) -> Vec<Face> {
         let bare = is_bare(face, yaw_deg) && (!both || is_bare(face, -yaw_deg));
         bare.then(|| of_render(face, yaw_deg, None))
     });
-    chosen.collect()
+    chosen.take(most).collect()
 }
 
 /// Renders near profile, which photographs hardly show, with boxes: the first `most` of them whose

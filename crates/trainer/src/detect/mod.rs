@@ -1,23 +1,31 @@
-//! Trains section `DTCT`: soft cascades of pixel comparisons and the forest that refines a hit.
+//! Trains section `DTCT`: a convolutional network that finds faces in tiles.
 //!
-//! In: faces with boxes, and backgrounds. Out: a [`SectionWriter`]. The order
-//! is that of the files: [`faces`] and [`backgrounds`] are read into memory, [`sample`] cuts
-//! augmented patches, [`boost`] grows trees on them, [`training`] alternates with [`mine`] for hard
-//! negatives, [`refine`] fits the regression forest, [`calibrate`] sets the thresholds, [`pack`]
-//! writes, and [`section`] does all of it.
+//! In: pictures of faces with boxes, and pictures without people ([`pictures`], from [`faces`] and
+//! [`backgrounds`]). Out: a [`SectionWriter`](posewise_format::SectionWriter).
+//!
+//! [`maker`] composes random tiles and the answers that the network is to give ([`tile`]), with
+//! [`paste`] and [`disturb`]. [`network`] is the network in `f32`, forwards and backwards, on the
+//! inner loops of [`loops`]; [`normalise`] puts batch normalisation into its training. [`training`]
+//! descends the gradient of [`loss`]. [`equalise`] and [`quantize`] write the section, and
+//! [`section`] does all of it.
 
 pub mod backgrounds;
-pub mod boost;
-pub mod calibrate;
-pub mod cascade;
+pub mod disturb;
+pub mod equalise;
 pub mod faces;
-pub mod mine;
+pub mod loops;
+pub mod loss;
+pub mod maker;
+pub mod network;
+pub mod normalise;
 mod options;
-pub mod pack;
-pub mod refine;
-pub mod sample;
+pub mod paste;
+pub mod pictures;
+pub mod quantize;
 pub mod section;
+pub mod state;
+pub mod tile;
 pub mod training;
 
-pub use options::{Options, SIDE_Q8};
+pub use options::Options;
 pub use section::train;

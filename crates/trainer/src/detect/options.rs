@@ -4,50 +4,48 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use serde::Serialize;
 
-/// Side of the window that the trees read, relative to a face's size \[1/256\]: forehead and ears
-/// are outside the landmarks' box and help to recognise a face.
-pub const SIDE_Q8: i32 = 333;
-
 /// How much to train; `default` is what ships.
 #[derive(Clone, Debug, Serialize)]
 pub struct Options {
     /// Seed of every random choice.
     pub seed: u64,
-    /// Trees of the cascade that are trained, how many of them ship, and their depth. The last
-    /// trees do not ship because the verifier does their work; they are trained because the
-    /// thresholds of the trees before them depend on them.
-    pub trees: usize,
-    pub kept: usize,
+    /// Channels at 1/2, 1/4 and 1/8 of a tile.
+    pub channels: [usize; 3],
+    /// Separable layers at 1/8 beyond the first, each with a connection around it.
     pub depth: usize,
-    /// Summed score from which merged hits are reported. Low: every reported face is then aligned
-    /// and verified, which rejects false positives far better than the trees do.
-    pub confirm: u32,
-    /// Share of the best windows around the faces that the last threshold may reject, beside those
-    /// lost in training.
-    pub discard_quantile: f32,
-    /// Patches of faces and of backgrounds.
-    pub positives: usize,
-    pub negatives: usize,
-    /// Trees of the refining forest, their depth, and patches to fit it on.
-    pub refine_trees: usize,
-    pub refine_depth: usize,
-    pub refine_samples: usize,
+    /// Batches to train on, and tiles of a batch.
+    pub steps: usize,
+    pub batch: usize,
+    /// Largest learning rate, and batches until it is reached.
+    pub rate: f32,
+    pub warm_up: usize,
+    /// Decay of the weights per unit of the rate.
+    pub decay: f32,
+    /// Smallest and largest face that a scan asks a tile for, and the overlap of tiles \[tile px\].
+    pub smallest: f32,
+    pub largest: f32,
+    pub overlap: u32,
+    /// Least probability of a hit. Low: every candidate is then aligned and verified, which rejects
+    /// false positives far better than a tile does. With 0.2 there are about four candidates in a
+    /// frame of 640×480 without people, from 60 px on.
+    pub threshold: f32,
 }
 
 impl Default for Options {
     fn default() -> Self {
         Options {
             seed: 1,
-            trees: 400,
-            kept: 350,
-            depth: 5,
-            confirm: 1000,
-            discard_quantile: 0.08,
-            positives: 36_000,
-            negatives: 30_000,
-            refine_trees: 100,
-            refine_depth: 5,
-            refine_samples: 24_000,
+            channels: [16, 32, 48],
+            depth: 4,
+            steps: 16_000,
+            batch: 64,
+            rate: 4e-3,
+            warm_up: 400,
+            decay: 0.01,
+            smallest: 20.0,
+            largest: 47.0,
+            overlap: 32,
+            threshold: 0.2,
         }
     }
 }

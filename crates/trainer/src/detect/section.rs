@@ -1,32 +1,28 @@
 //! Trains section `DTCT` as a whole.
 
-use super::faces::Face;
+use super::equalise::equalised;
+use super::network::Network;
 use super::options::Options;
-use super::{calibrate, pack, refine, training};
-use crate::picture::Picture;
+use super::pictures::Pictures;
+use super::{quantize, training};
 use anyhow::Result;
 use posewise_format::SectionWriter;
 use std::path::Path;
 
-/// Trains everything on these faces and backgrounds, keeping intermediate results in `cache`, from
-/// which an interrupted run resumes. The cascade is trained on the first `of_trees` faces, the
-/// forest that refines its hits on all.
+/// Tiles that show how large the maps' values grow.
+const EXAMPLES: u64 = 512;
+
+/// Trains on these pictures, with checkpoints in `folder`, from which an interrupted run goes on.
 ///
 /// # Errors
-/// When the cache cannot be written.
-pub fn train(
-    faces: &[Face],
-    of_trees: usize,
-    backgrounds: &[Picture],
-    cache: &Path,
-    options: &Options,
-) -> Result<SectionWriter> {
-    std::fs::create_dir_all(cache)?;
-    let positives = &faces[..of_trees.min(faces.len())];
-    let cascade = training::train(positives, backgrounds, cache, options)?;
-    let refiner = refine::train(faces, cache, options)?;
-    let mut cascade = calibrate::thresholds(&cascade, positives, options.discard_quantile);
-    cascade.trees.truncate(options.kept);
-    cascade.thresholds.truncate(options.kept);
-    Ok(pack::section(&cascade, &refiner, options.confirm))
+/// When a checkpoint cannot be written, or the network does not fit the core's memory.
+pub fn train(pictures: &Pictures, folder: &Path, options: &Options) -> Result<SectionWriter> {
+    let network = Network::new(options.channels, options.depth);
+    let checkpoint = folder.join("network.checkpoint");
+    let parameters = training::train(&network, pictures, &checkpoint, options)?;
+    // Numbers that no training tile has.
+    let example = |k: u64| training::numbered(pictures, options, u64::MAX / 2 + k).luma;
+    let tiles: Vec<Vec<u8>> = (0..EXAMPLES).map(example).collect();
+    let parameters = equalised(&network, &parameters, &tiles);
+    quantize::section(&network, &parameters, &tiles, options)
 }

@@ -1,231 +1,239 @@
-//! Gentle boosting with a soft cascade, alternating with mining.
+//! Trains the tile network on random tiles that are never twice the same; a run goes on from its
+//! checkpoint.
+//!
+//! The same seed gives the same network on one kind of processor: a batch is split into a fixed
+//! number of parts whose gradients are added in order.
 
-use std::path::Path;
-
-use anyhow::Result;
+use super::loss::Losses;
+use super::maker::draw;
+use super::network::{Network, Work};
+use super::normalise;
+use super::options::{Options, rng_for};
+use super::pictures::Pictures;
+use super::state::State;
+use super::tile::{Tile, standardise};
+use anyhow::{Result, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
 use rand::Rng;
 use rayon::prelude::*;
+use std::path::Path;
 
-use super::boost::{Planes, grow};
-use super::cascade::{Cascade, UNIT, quantised};
-use super::faces::Face;
-use super::mine::{Ground, mine};
-use super::options::{Options, rng_for};
-use super::sample::{Jitter, PATCH, cut, disturb, window, with_view};
-use crate::picture::Picture;
+/// Parts that a batch is split into; each is normalised by itself.
+const PARTS: usize = 4;
+/// Parts over which the moments of the averaged parameters are measured at the end.
+const SETTLING: usize = 40;
+/// Steps between checkpoints, and between messages.
+const CHECKPOINT: usize = 250;
+const MESSAGE: usize = 50;
+/// Largest norm of a batch's mean gradient; a longer one is shortened.
+const MAX_NORM: f32 = 5.0;
+/// Share of tiles that are repeated because the network found a face where there is none, and how
+/// many of them are kept.
+const REPEATED: f64 = 0.2;
+const REPEATED_KEPT: usize = 4096;
+/// Purposes of random numbers.
+const INITIAL: u64 = 0x494E_4954;
+const TILES: u64 = 0x5449_4C45;
+const REPEATS: u64 = 0x5245_5045;
 
-/// Share of positives that the whole cascade may lose in training, distributed over the trees.
-const LOSS: f32 = 0.10;
-/// Trees after which negatives are mined anew; then every 20.
-const ROUNDS: [usize; 16] = [1, 2, 3, 4, 6, 8, 11, 15, 20, 26, 33, 41, 50, 60, 72, 85];
-/// Most windows tried in one round of mining.
-const MOST_TRIES: usize = 10_000_000;
-
-/// A face's share of the samples: turned and tilted heads are rare in photographs.
-fn rarity(face: &Face) -> f64 {
-    let yaw = face.truth.yaw.abs() as f64 * 90.0;
-    1.0 + 3.0 * ((yaw - 12.0) / 25.0).clamp(0.0, 1.0)
+/// Working memory of one part of a batch.
+struct Part {
+    works: Vec<Work>,
+    gradient: Vec<f32>,
+    losses: Losses,
+    /// Numbers of tiles to repeat.
+    repeat: Vec<u64>,
 }
 
-/// Augmented patches of faces, drawn by rarity.
-pub fn positives(faces: &[Face], count: usize, jitter: Jitter, seed: u64) -> Vec<u8> {
-    let mut cumulated = Vec::with_capacity(faces.len());
-    let mut total = 0.0;
-    for face in faces {
-        total += rarity(face);
-        cumulated.push(total);
-    }
-    let patches: Vec<Vec<u8>> = (0..count)
-        .into_par_iter()
-        .map(|i| {
-            let mut rng = rng_for(seed, 0x504F_5349, i as u64);
-            let at = total * (i as f64 + rng.random::<f64>()) / count as f64;
-            let face = &faces[cumulated.partition_point(|c| *c < at).min(faces.len() - 1)];
-            let mut patch = with_view(face, &mut rng, |frame, truth, rng| {
-                let window = window(&jitter.draw(truth, rng));
-                let window = if rng.random_bool(0.5) {
-                    window.mirrored()
-                } else {
-                    window
-                };
-                let mut patch = Vec::with_capacity(PATCH);
-                cut(frame, &window, &mut patch);
-                patch
-            });
-            disturb(&mut patch, &mut rng, true);
-            patch
-        })
-        .collect();
-    patches.concat()
+/// The tile of a number.
+pub fn numbered(pictures: &Pictures, options: &Options, number: u64) -> Tile {
+    draw(pictures, &mut rng_for(options.seed, TILES, number))
 }
 
-struct Training<'a> {
-    options: &'a Options,
-    ground: Ground<'a>,
-    positives: Vec<u8>,
-    negatives: Vec<u8>,
-    planes: Planes,
-    sums: Vec<i32>,
-    // Positives below a threshold; they get no weight, else they would outweigh the others.
-    lost: Vec<bool>,
-    cascade: Cascade,
-}
-
-impl Training<'_> {
-    fn faces(&self) -> usize {
-        self.positives.len() / PATCH
-    }
-
-    /// Keeps the negatives that still pass and adds mined ones; when too few are found, rejected
-    /// ones are kept too.
-    fn renew(&mut self, bar: &ProgressBar) {
-        let flat = self.cascade.flat();
-        let passing: Vec<bool> = self
-            .negatives
-            .par_chunks_exact(PATCH)
-            .map(|patch| flat.passes_patch(patch))
-            .collect();
-        let (mut kept, mut spare) = (Vec::new(), Vec::new());
-        for (patch, passes) in self.negatives.chunks_exact(PATCH).zip(&passing) {
-            let to = if *passes { &mut kept } else { &mut spare };
-            to.extend_from_slice(patch);
-        }
-        let wanted = self.options.negatives.saturating_sub(kept.len() / PATCH);
-        let stage = self.cascade.trees.len() as u64;
-        let seed = self.options.seed;
-        let mined = mine(&self.ground, &self.cascade, wanted, MOST_TRIES, seed, stage);
-        bar.suspend(|| {
-            println!(
-                "{stage} trees: {} negatives stay, {} new of {} tried: {:.2e} pass",
-                kept.len() / PATCH,
-                mined.patches.len() / PATCH,
-                mined.tried,
-                mined.passed as f64 / mined.tried.max(1) as f64,
-            )
-        });
-        // New ones first: the oldest rejected ones are cut off.
-        self.negatives = mined.patches;
-        self.negatives.extend(kept);
-        self.negatives.extend(spare);
-        self.negatives.truncate(self.options.negatives * PATCH);
-        let all = [self.positives.as_slice(), &self.negatives].concat();
-        self.planes = Planes::new(&all);
-        drop(all);
-        self.sums = vec![0; self.planes.samples()];
-        self.lost = vec![false; self.faces()];
-        for i in 0..self.cascade.trees.len() {
-            self.add(i);
-            self.lose(i);
-        }
-    }
-
-    fn add(&mut self, tree: usize) {
-        let (tree, planes) = (&self.cascade.trees[tree], &self.planes);
-        self.sums
-            .par_iter_mut()
-            .enumerate()
-            .for_each(|(s, sum)| *sum += quantised(tree.leaves[tree.leaf(planes, s)][0]) as i32);
-    }
-
-    fn lose(&mut self, tree: usize) {
-        let threshold = self.cascade.thresholds[tree];
-        for (lost, sum) in self.lost.iter_mut().zip(&self.sums) {
-            *lost |= *sum < threshold;
-        }
-    }
-
-    fn one_tree(&mut self) {
-        let faces = self.faces();
-        let index = self.cascade.trees.len();
-        let mut weights: Vec<f32> = self
-            .sums
-            .iter()
-            .enumerate()
-            .map(|(s, sum)| {
-                let f = *sum as f32 * UNIT;
-                match s < faces {
-                    true if self.lost[s] => 0.0,
-                    true => (-f).clamp(-20.0, 8.0).exp(),
-                    false => f.clamp(-20.0, 8.0).exp(),
-                }
-            })
-            .collect();
-        let (p, n) = weights.split_at_mut(faces);
-        for half in [p, n] {
-            let total: f32 = half.iter().sum();
-            half.iter_mut().for_each(|w| *w *= 0.5 / total.max(1e-20));
-        }
-        let samples: Vec<(f32, [f32; 1])> = weights
-            .iter()
-            .enumerate()
-            .map(|(s, w)| (*w, [if s < faces { *w } else { -*w }]))
-            .collect();
-        let mut rng = rng_for(self.options.seed, 0x5452_4545, index as u64);
-        let tree = grow(&self.planes, &samples, self.options.depth, &mut rng);
-        self.cascade.trees.push(tree);
-        self.add(index);
-        let mut sums = self.sums[..faces].to_vec();
-        // More loss in early trees: early rejection makes the cascade fast.
-        let lost = LOSS * ((index + 1) as f32 / self.options.trees as f32).powf(0.35);
-        let at = (lost * faces as f32) as usize;
-        let (_, threshold, _) = sums.select_nth_unstable(at.min(faces - 1));
-        self.cascade.thresholds.push(*threshold);
-        self.lose(index);
-    }
-}
-
-/// Trains the cascade; goes on from `cache` where an earlier run with these options stopped.
-///
-/// # Errors
-/// When the cache cannot be written.
+/// Trains a network and returns its parameters, without normalisation.
 pub fn train(
-    faces: &[Face],
-    backgrounds: &[Picture],
-    cache: &Path,
+    network: &Network,
+    pictures: &Pictures,
+    checkpoint: &Path,
     options: &Options,
-) -> Result<Cascade> {
-    let name = format!(
-        "detect-cascade-{}-x{}-{}-{}.json",
-        options.seed, options.depth, options.positives, options.negatives
+) -> Result<Vec<f32>> {
+    println!(
+        "{} parameters, {:.2} million multiply-adds; checkpoints in {}",
+        network.parameters,
+        network.multiply_adds() as f32 / 1e6,
+        checkpoint.display()
     );
-    let checkpoint = cache.join(name);
-    let mut cascade: Cascade = match std::fs::read(&checkpoint) {
-        Ok(bytes) => serde_json::from_slice(&bytes)?,
-        Err(_) => Cascade {
-            depth: options.depth,
-            ..Cascade::default()
-        },
-    };
-    if cascade.trees.len() >= options.trees {
-        cascade.trees.truncate(options.trees);
-        cascade.thresholds.truncate(options.trees);
-        return Ok(cascade);
-    }
-    let bar = ProgressBar::new(options.trees as u64).with_style(ProgressStyle::with_template(
-        "detector {pos}/{len} trees [{elapsed} of {duration}] {wide_bar}",
-    )?);
-    let mut training = Training {
-        options,
-        ground: Ground::new(backgrounds, faces),
-        positives: positives(faces, options.positives, Jitter::SCAN, options.seed),
-        negatives: Vec::new(),
-        planes: Planes::new(&[]),
-        sums: Vec::new(),
-        lost: Vec::new(),
-        cascade,
-    };
-    training.renew(&bar);
-    while training.cascade.trees.len() < options.trees {
-        training.one_tree();
-        let trees = training.cascade.trees.len();
-        bar.set_position(trees as u64);
-        if ROUNDS.contains(&trees) || (trees > 85 && trees % 20 == 5) {
-            std::fs::write(&checkpoint, serde_json::to_vec(&training.cascade)?)?;
-            training.renew(&bar);
+    let all = *normalise::places(network).last().expect("places");
+    let mut state = State::read(checkpoint, all).unwrap_or_else(|| {
+        let mut parameters = network.initial(&mut rng_for(options.seed, INITIAL, 0));
+        parameters.resize(all, 1.0);
+        State::new(parameters)
+    });
+    let mut parts: Vec<Part> = (0..PARTS)
+        .map(|_| Part::new(network, all, options))
+        .collect();
+    let style = ProgressStyle::with_template("detector {bar:30} {pos}/{len} {eta} {msg}");
+    let bar = ProgressBar::new(options.steps as u64).with_style(style.expect("a valid template"));
+    let mut repeated: Vec<u64> = vec![];
+    let mut sum = Losses::default();
+    while state.step < options.steps {
+        let numbers = numbers(&state, &repeated, options);
+        run_batch(network, &state, pictures, options, &numbers, &mut parts);
+        keep_repeated(&mut repeated, &parts, &state, options);
+        let now = parts
+            .iter()
+            .fold(Losses::default(), |sum, p| sum.plus(&p.losses));
+        state.descend(&mean_gradient(&mut parts, &now)?, options);
+        sum = sum.plus(&now);
+        if state.step.is_multiple_of(MESSAGE) {
+            bar.set_position(state.step as u64);
+            bar.set_message(message(&sum, options));
+        }
+        if state.step.is_multiple_of(CHECKPOINT) || state.step == options.steps {
+            state.write(checkpoint)?;
+            println!("step {}: {}", state.step, message(&sum, options));
+        }
+        if state.step.is_multiple_of(MESSAGE) {
+            sum = Losses::default();
         }
     }
-    std::fs::write(&checkpoint, serde_json::to_vec(&training.cascade)?)?;
     bar.finish();
-    Ok(training.cascade)
+    Ok(settled(
+        network,
+        pictures,
+        &state.average,
+        &mut parts[0].works,
+        options,
+    ))
+}
+
+impl Part {
+    fn new(network: &Network, parameters: usize, options: &Options) -> Part {
+        Part {
+            works: (0..options.batch / PARTS).map(|_| network.work()).collect(),
+            gradient: vec![0.0; parameters],
+            losses: Losses::default(),
+            repeat: vec![],
+        }
+    }
+}
+
+/// Numbers of a batch's tiles: new ones, and some that are repeated.
+fn numbers(state: &State, repeated: &[u64], options: &Options) -> Vec<u64> {
+    let mut rng = rng_for(options.seed, REPEATS, 2 * state.step as u64);
+    let number = |k: u64| match !repeated.is_empty() && rng.random_bool(REPEATED) {
+        true => repeated[rng.random_range(0..repeated.len())],
+        false => (state.step * options.batch) as u64 + k,
+    };
+    (0..options.batch as u64).map(number).collect()
+}
+
+/// Computes each part's gradient and losses.
+fn run_batch(
+    network: &Network,
+    state: &State,
+    pictures: &Pictures,
+    options: &Options,
+    numbers: &[u64],
+    parts: &mut [Part],
+) {
+    let each = options.batch / PARTS;
+    let batches = parts.par_iter_mut().zip(numbers.par_chunks(each));
+    batches.for_each(|(part, numbers)| {
+        part.gradient.fill(0.0);
+        part.losses = Losses::default();
+        part.repeat.clear();
+        let tiles = numbers.iter().map(|n| numbered(pictures, options, *n));
+        let tiles: Vec<Tile> = tiles.collect();
+        for (work, tile) in part.works.iter_mut().zip(&tiles) {
+            standardise(&tile.luma, &mut work.maps[0]);
+        }
+        let moments = normalise::forward(network, &state.parameters, &mut part.works);
+        for ((work, tile), number) in part.works.iter_mut().zip(&tiles).zip(numbers) {
+            let (out, by_out) = (work.maps.last(), work.by_maps.last_mut());
+            let (out, by_out) = out.zip(by_out).expect("maps");
+            if part.losses.add(&tile.cells, out, by_out) {
+                part.repeat.push(*number);
+            }
+        }
+        let (works, gradient) = (&mut part.works, &mut part.gradient);
+        normalise::backward(network, &state.parameters, works, &moments, gradient);
+    });
+}
+
+/// Keeps the numbers of tiles with false positives, in place of random others when there are many.
+fn keep_repeated(repeated: &mut Vec<u64>, parts: &[Part], state: &State, options: &Options) {
+    let mut rng = rng_for(options.seed, REPEATS, 2 * state.step as u64 + 1);
+    for number in parts.iter().flat_map(|p| &p.repeat) {
+        if repeated.len() < REPEATED_KEPT {
+            repeated.push(*number);
+        } else {
+            repeated[rng.random_range(0..REPEATED_KEPT)] = *number;
+        }
+    }
+}
+
+/// The batch's mean gradient per face, the parts added in order, no longer than [`MAX_NORM`].
+fn mean_gradient(parts: &mut [Part], losses: &Losses) -> Result<Vec<f32>> {
+    let scale = 1.0 / (losses.faces + 2.0);
+    let mut gradient = vec![0.0f32; parts[0].gradient.len()];
+    for part in parts {
+        let both = gradient.iter_mut().zip(&part.gradient);
+        both.for_each(|(g, p)| *g += scale * p);
+    }
+    let squares: f64 = gradient.iter().map(|g| f64::from(*g).powi(2)).sum();
+    let norm = squares.sqrt() as f32;
+    ensure!(norm.is_finite(), "the detector's gradient is not finite");
+    let by = (MAX_NORM / (norm + 1e-9)).min(1.0);
+    gradient.iter_mut().for_each(|g| *g *= by);
+    Ok(gradient)
+}
+
+fn message(sum: &Losses, options: &Options) -> String {
+    let faces = sum.faces.max(1.0);
+    format!(
+        "positive {:.3} negative {:.3} boxes {:.3} found {:.3} false {:.3}",
+        sum.positive / faces,
+        sum.negative / faces,
+        sum.boxes / faces,
+        sum.found / faces,
+        sum.false_tiles / (MESSAGE * options.batch) as f32
+    )
+}
+
+/// The parameters of the network without normalisation, whose moments are measured anew.
+fn settled(
+    network: &Network,
+    pictures: &Pictures,
+    parameters: &[f32],
+    works: &mut [Work],
+    options: &Options,
+) -> Vec<f32> {
+    let mut sums: normalise::Moments = vec![];
+    for part in 0..SETTLING {
+        for (k, work) in works.iter_mut().enumerate() {
+            let number = u64::MAX - (part * 1000 + k) as u64;
+            let tile = numbered(pictures, options, number);
+            standardise(&tile.luma, &mut work.maps[0]);
+        }
+        // Means of the mean and of the variance.
+        let moments = normalise::forward(network, parameters, works);
+        for (k, [mean, inverse]) in moments.into_iter().enumerate() {
+            if sums.len() <= k {
+                sums.push([vec![0.0; mean.len()], vec![0.0; mean.len()]]);
+            }
+            let share = 1.0 / SETTLING as f32;
+            let [means, variances] = &mut sums[k];
+            means
+                .iter_mut()
+                .zip(&mean)
+                .for_each(|(s, v)| *s += share * v);
+            let both = variances.iter_mut().zip(&inverse);
+            both.for_each(|(s, v)| *s += share / (v * v));
+        }
+    }
+    for [_, variances] in &mut sums {
+        variances.iter_mut().for_each(|v| *v = 1.0 / v.sqrt());
+    }
+    normalise::folded(network, parameters, &sums)
 }

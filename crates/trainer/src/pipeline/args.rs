@@ -32,6 +32,9 @@ pub struct Args {
     /// them.
     #[arg(long, default_value_t = 40_000)]
     pub steps: usize,
+    /// Batches that the detector's network is trained on.
+    #[arg(long, default_value_t = 16_000)]
+    pub detector_steps: usize,
     /// Use no photograph: procedural people before procedural backgrounds only.
     #[arg(long)]
     pub clean: bool,

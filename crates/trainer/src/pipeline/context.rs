@@ -72,8 +72,13 @@ impl<'a> Context<'a> {
 
     /// The stage with the training faces of [`Context::faces`] as input.
     pub fn with_faces(&self, stage: Stage) -> Result<Stage> {
-        let stage = stage.input("renders", self.renders(Kind::Plain)?.hash(renders::FILE)?);
-        self.with_sets(stage, &photographs::TRAINING)
+        self.with_sets(self.with_renders(stage)?, &photographs::TRAINING)
+    }
+
+    /// The stage with the rendered faces as input.
+    pub fn with_renders(&self, stage: Stage) -> Result<Stage> {
+        let renders = self.renders(Kind::Plain)?;
+        Ok(stage.input("renders", renders.hash(renders::FILE)?))
     }
 
     /// The stage with sets of photographs as inputs; of a clean model without.
@@ -97,9 +102,14 @@ impl<'a> Context<'a> {
         if !self.args.clean {
             faces = photographs::load(&self.args.data, &photographs::TRAINING)?;
         }
-        let renders = self.renders(Kind::Plain)?.path(renders::FILE);
-        faces.extend(faces::rendered(&renders, self.args.renders as usize)?);
+        faces.extend(self.plain()?);
         Ok(self.loaded.get_or_init(|| faces))
+    }
+
+    /// Rendered faces alone; not kept.
+    pub fn plain(&self) -> Result<Vec<Face>> {
+        let path = self.renders(Kind::Plain)?.path(renders::FILE);
+        faces::rendered(&path, self.args.renders as usize)
     }
 
     /// Close-up renders.

@@ -1,66 +1,82 @@
-//! Stage `detector`: boosted trees with hard negatives, and the forest that moves a hit onto the
-//! face (section `DTCT`).
+//! Stage `detector`: the network that finds faces in tiles (section `DTCT`).
 
 use super::context::Context;
 use super::sections;
 use super::stage::Stage;
 use super::store::Output;
-use crate::detect;
-use crate::photographs;
+use crate::detect::pictures::{Kind, Pictures};
+use crate::detect::{self, faces};
+use crate::photographs::{CROPS, MANUAL, TRAINING, VIDEO};
 use anyhow::Result;
 use serde::Serialize;
 
-/// Rendered profiles that the box refiner learns from beside the photographs, which have none.
-const PROFILES: usize = 800;
-/// Renders that stand in for photographs where there are none: with more of them the thresholds
-/// open.
-const FRONTS: usize = 3000;
-/// Discard quantile of renders: more of their windows than of photographs' are dark or full of
-/// noise.
-const DISCARD_QUANTILE_RENDERS: f32 = 0.15;
+/// Most renders near profile, and close-up renders near profile and from the front.
+const PROFILES: usize = 8_000;
+const NEAR_PROFILES: usize = 2_000;
+const NEAR_FRONTS: usize = 1_000;
+/// Most renders from the front.
+const FRONTS: usize = 8_000;
+/// Procedural scenes beside the photographs without people.
+const MADE_UP: u64 = 60;
 
 #[derive(Serialize)]
 struct Options {
     detector: detect::Options,
-    profiles: usize,
-    fronts: Option<usize>,
+    profiles: [usize; 2],
+    fronts: [usize; 2],
 }
 
 /// Makes the section.
 pub fn make(context: &Context<'_>) -> Result<Output> {
-    let clean = context.args.clean;
-    let mut detector = detect::Options {
-        seed: context.args.seed,
-        ..detect::Options::default()
-    };
-    if clean {
-        detector.discard_quantile = DISCARD_QUANTILE_RENDERS;
-    }
     let options = Options {
-        detector,
-        profiles: PROFILES,
-        fronts: clean.then_some(FRONTS),
+        detector: detect::Options {
+            seed: context.args.seed,
+            steps: context.args.detector_steps,
+            ..detect::Options::default()
+        },
+        profiles: [PROFILES, NEAR_PROFILES],
+        fronts: [FRONTS, NEAR_FRONTS],
     };
-    let mut stage = context.with_near(Stage::new("detector", 3).options(&options)?)?;
-    if clean {
-        stage = context.with_faces(stage)?;
-    }
-    let stage = context.with_sets(stage, &photographs::UNCROPPED)?;
+    let stage = context.with_near(Stage::new("detector", 4).options(&options)?)?;
+    let stage = context.with_renders(stage)?;
+    let stage = context.with_sets(stage, &TRAINING)?;
     let stage = context.with_photographs(stage, &["backgrounds"])?;
     context.store.make(&stage, &[sections::FILE], |folder| {
-        let near = context.near()?;
-        let mut faces;
-        let of_trees = if clean {
-            faces = detect::faces::profiles(near, PROFILES);
-            faces.extend(detect::faces::fronts(context.faces()?));
-            PROFILES + FRONTS
-        } else {
-            faces = detect::faces::load(&context.args.data, context.args.seed)?;
-            faces.extend(detect::faces::profiles(near, PROFILES));
-            faces.len()
-        };
-        let backgrounds = context.backgrounds()?;
-        let section = detect::train(&faces, of_trees, &backgrounds, folder, &options.detector)?;
+        let pictures = pictures(context)?;
+        println!(
+            "detector: {:?} faces and pictures without",
+            pictures.count()
+        );
+        let section = detect::train(&pictures, folder, &options.detector)?;
         sections::write(folder, &section)
     })
+}
+
+fn pictures(context: &Context<'_>) -> Result<Pictures> {
+    let mut all = vec![];
+    if !context.args.clean {
+        for (set, kind) in [
+            (MANUAL, Kind::Photograph),
+            (VIDEO, Kind::Photograph),
+            (CROPS, Kind::Crop),
+        ] {
+            let faces = faces::load(&context.args.data, set)?;
+            all.extend(faces.into_iter().map(|face| (kind, face)));
+        }
+    }
+    let plain = context.plain()?;
+    let near = context.near()?;
+    let renders = [
+        faces::profiles(&plain, PROFILES),
+        faces::fronts(&plain, FRONTS),
+        faces::profiles(near, NEAR_PROFILES),
+        faces::fronts(near, NEAR_FRONTS),
+    ];
+    let renders = renders.into_iter().flatten();
+    all.extend(renders.map(|face| (Kind::Render, face)));
+    let mut backgrounds = context.backgrounds()?;
+    if !context.args.clean {
+        backgrounds.extend(detect::backgrounds::made_up(context.args.seed, MADE_UP));
+    }
+    Ok(Pictures::new(all, backgrounds))
 }

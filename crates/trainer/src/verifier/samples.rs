@@ -12,10 +12,9 @@ use crate::align::{Jitter, jittered_box, normal, start_from_box};
 use crate::faces::{Face, Picture};
 use crate::render::effects::Camera;
 use posewise::align::{AlignModel, Shape, Workspace};
-use posewise::detect::{Detection, DetectorModel, Scan, ScanOutcome, Sizes};
+use posewise::detect::{Detection, DetectorModel, Scan, ScanOutcome, Sizes, TileMemory};
 use posewise::image::Frame;
 use posewise::shape::LANDMARKS;
-use posewise::track::Config;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -257,7 +256,7 @@ fn on_false_positives(
                         picture = poor(&picture, EMPTY_FACE_PX, &mut rng);
                     }
                     let frame = picture.frame();
-                    let found = false_positives(detector, &frame);
+                    let found = false_positives(detector, &frame, work);
                     let every = found.len().div_ceil(MAX_FALSE_POSITIVES).max(1);
                     for found in found.iter().step_by(every) {
                         let start = start_of(model, found.yaw);
@@ -278,14 +277,17 @@ fn on_false_positives(
         .collect()
 }
 
-/// All that the detector reports in a picture that is scanned with a camera's budget per frame: a
-/// candidate of one frame is reported before the scan is complete, when a larger box could still
-/// suppress it.
-fn false_positives(detector: &DetectorModel<'_>, frame: &Frame<'_>) -> Vec<Detection> {
+/// All that the detector reports in a picture.
+fn false_positives(
+    detector: &DetectorModel<'_>,
+    frame: &Frame<'_>,
+    work: &mut Workspace,
+) -> Vec<Detection> {
     let (mut scan, mut all) = (Scan::new(), vec![]);
-    let budget = Config::default().scan_budget;
+    let (crop, maps) = work.network_memory();
+    let memory = &mut TileMemory { crop, maps };
     loop {
-        match scan.advance(detector, frame, Sizes::from(MIN_FACE_PX), budget) {
+        match scan.advance(detector, frame, Sizes::from(MIN_FACE_PX), u32::MAX, memory) {
             ScanOutcome::Candidate(found) => all.push(found),
             ScanOutcome::BudgetSpent => continue,
             ScanOutcome::Finished => return all,

@@ -1,0 +1,295 @@
+//! Writes section `DTCT`, in the order in which `posewise::detect::DetectorModel` reads it: the
+//! parameters in `f32` become integers.
+
+use super::equalise::quantile;
+use super::network::{BACK, FIRST_KERNEL, Layer, Network, OUTPUTS, Op};
+use super::options::Options;
+use super::tile::{MIDDLE_SIZE, UNITS, standardise};
+use anyhow::{Result, ensure};
+use posewise::detect::{TAG, TILE};
+use posewise::network::{ARENA, OP_ADD, OP_CONV, OP_DEPTHWISE, OP_INPUT, OP_LINEAR};
+use posewise_format::SectionWriter;
+
+/// The input map holds `INPUT_ZERO + v / INPUT_SCALE` for a standardised pixel value `v`.
+const INPUT_SCALE: f32 = 1.0 / 32.0;
+const INPUT_ZERO: u32 = 128;
+/// Outputs whose weights are interleaved.
+const BLOCK: usize = 8;
+/// Largest magnitude of each output: logit, and the others in [`UNITS`].
+const RANGE: [f32; OUTPUTS] = [12.0, 1.6, 1.6, 2.0, 2.0, 2.0, 1.0, 1.0];
+/// The outputs are 128 at 0 and use this much to either side.
+const OUTPUT_STEPS: f32 = 127.0;
+
+/// The section; the tiles show how large the maps' values grow.
+pub fn section(
+    network: &Network,
+    p: &[f32],
+    tiles: &[Vec<u8>],
+    options: &Options,
+) -> Result<SectionWriter> {
+    let unit = |k: usize| RANGE[k] / OUTPUT_STEPS;
+    let logit = (options.threshold / (1.0 - options.threshold)).ln();
+    let mut out = SectionWriter::new(TAG);
+    out.scalar((256.0 * options.smallest) as u32);
+    out.scalar((256.0 * options.largest) as u32);
+    out.scalar(options.overlap);
+    out.scalar((128.0 + logit / unit(0)).round() as u32);
+    let units = UNITS.iter().enumerate().map(|(k, u)| u * unit(k + 1));
+    out.array(&[unit(0)].into_iter().chain(units).collect::<Vec<_>>());
+    out.scalar(MIDDLE_SIZE);
+    write_network(network, p, tiles, &mut out)?;
+    Ok(out)
+}
+
+fn write_network(
+    network: &Network,
+    p: &[f32],
+    tiles: &[Vec<u8>],
+    out: &mut SectionWriter,
+) -> Result<()> {
+    let scales = scales(network, p, tiles);
+    let places = places(network)?;
+    out.scalar(network.layers.len() as u32 + 1);
+    header(
+        out,
+        [
+            u32::from(OP_INPUT),
+            1,
+            1,
+            0,
+            0,
+            1,
+            places[0] as u32,
+            0,
+            0,
+            1,
+        ],
+    );
+    out.array::<i8>(&[]).array::<i32>(&[]).array::<i32>(&[]);
+    for (k, l) in network.layers.iter().enumerate() {
+        let (op, kernel, stride, other) = match l.op {
+            Op::First => (OP_CONV, FIRST_KERNEL, 2, 0),
+            Op::Depthwise { stride } => (OP_DEPTHWISE, 3, stride, 0),
+            Op::Pointwise => (OP_CONV, 1, 1, 0),
+            Op::Head => (OP_LINEAR, 1, 1, 0),
+            Op::Add => (OP_ADD, 1, 1, k - BACK),
+        };
+        let zero = if k == 0 { INPUT_ZERO } else { 0 };
+        let head = |before: u32, after: u32| {
+            let v = [kernel, stride, k, other, l.channels, places[k + 1]].map(|v| v as u32);
+            [
+                u32::from(op),
+                v[0],
+                v[1],
+                v[2],
+                v[3],
+                v[4],
+                v[5],
+                zero,
+                before,
+                after,
+            ]
+        };
+        if l.op == Op::Add {
+            let shares = [k, k - BACK].map(|m| scales[m] / scales[k + 1]);
+            let (factors, after) = fixed(&shares);
+            header(out, head(0, after));
+            out.array::<i8>(&[]).array(&[0i32; 2]).array(&factors);
+            continue;
+        }
+        let to = match l.op {
+            Op::Head => RANGE.map(|r| r / OUTPUT_STEPS).to_vec(),
+            _ => vec![scales[k + 1]; l.channels],
+        };
+        let rounded = Rounded::of(l, p, scales[k], &to);
+        header(out, head(rounded.pre_shift, rounded.post_shift));
+        out.array(&rounded.weights)
+            .array(&rounded.bias)
+            .array(&rounded.multiplier);
+    }
+    Ok(())
+}
+
+fn header(out: &mut SectionWriter, numbers: [u32; 10]) {
+    for v in numbers {
+        out.scalar(v);
+    }
+}
+
+/// The value of one unit of each map's bytes.
+fn scales(network: &Network, p: &[f32], tiles: &[Vec<u8>]) -> Vec<f32> {
+    let mut work = network.work();
+    let mut largest = vec![vec![]; network.layers.len() + 1];
+    for tile in tiles {
+        standardise(tile, &mut work.maps[0]);
+        network.forward(p, &mut work);
+        for (largest, map) in largest.iter_mut().zip(&work.maps) {
+            largest.push(map.iter().fold(0.0f32, |m, v| m.max(*v)));
+        }
+    }
+    let mut scales: Vec<f32> = largest.into_iter().map(|v| quantile(v) / 255.0).collect();
+    scales[0] = INPUT_SCALE;
+    scales
+}
+
+/// First byte of every map: free while the map and all that are still read are kept.
+fn places(network: &Network) -> Result<Vec<usize>> {
+    let n = network.layers.len() + 1;
+    let size = |m: usize| match m {
+        0 => TILE * TILE,
+        _ => network.layers[m - 1].side.pow(2) * network.layers[m - 1].channels,
+    };
+    let mut last_use: Vec<usize> = (0..n).map(|m| m + 1).collect();
+    for (k, _) in network
+        .layers
+        .iter()
+        .enumerate()
+        .filter(|(_, l)| l.op == Op::Add)
+    {
+        last_use[k - BACK] = k + 1;
+    }
+    let mut places: Vec<usize> = vec![];
+    for m in 0..n {
+        if m > 0 && network.layers[m - 1].op == Op::Add {
+            places.push(places[m - 1]);
+            continue;
+        }
+        let alive = (0..m).filter(|k| last_use[*k] >= m);
+        let mut alive: Vec<_> = alive.map(|k| (places[k], places[k] + size(k))).collect();
+        alive.sort_unstable();
+        let mut at = 0;
+        for (start, end) in alive {
+            if at + size(m) <= start {
+                break;
+            }
+            at = at.max(end);
+        }
+        ensure!(at + size(m) <= ARENA, "the maps do not fit");
+        places.push(at);
+    }
+    Ok(places)
+}
+
+/// Factors as integers of 15 bits, and the shift that undoes their scale.
+fn fixed(values: &[f32]) -> (Vec<i32>, u32) {
+    let largest = values.iter().fold(1e-12f32, |m, v| m.max(*v));
+    let shift = (32_767.0 / largest).log2().floor().clamp(1.0, 30.0);
+    let factor = |v: &f32| (v * shift.exp2()).round().min(32_767.0) as i32;
+    (values.iter().map(factor).collect(), shift as u32)
+}
+
+/// A layer's numbers as the core has them.
+struct Rounded {
+    weights: Vec<i8>,
+    bias: Vec<i32>,
+    multiplier: Vec<i32>,
+    pre_shift: u32,
+    post_shift: u32,
+}
+
+impl Rounded {
+    /// Of a layer whose input has this unit and whose outputs have those.
+    fn of(l: &Layer, p: &[f32], input: f32, to: &[f32]) -> Rounded {
+        let channels = l.channels;
+        let (weights, biases) = l.parameters(p);
+        let rows = l.weights / channels;
+        let unit = |c: usize| {
+            let column = weights.iter().skip(c).step_by(channels);
+            column.fold(1e-9f32, |m, w| m.max(w.abs())) / 127.0
+        };
+        let units: Vec<f32> = (0..channels).map(unit).collect();
+        let rounded = |r: usize, c: usize| (weights[r * channels + c] / units[c]).round() as i8;
+        let bias = |c: usize| (biases[c] / (units[c] * input)).round().clamp(-1e8, 1e8) as i32;
+        let bias: Vec<i32> = (0..channels).map(bias).collect();
+        let most = (0..channels).map(|c| {
+            let sum: i64 = (0..rows)
+                .map(|r| i64::from(rounded(r, c)).abs() * 255)
+                .sum();
+            sum + i64::from(bias[c].unsigned_abs())
+        });
+        // A sum is cut to 16 bits before it is multiplied.
+        let pre_shift = (64 - most.max().unwrap_or(0).leading_zeros()).saturating_sub(15);
+        let shares: Vec<f32> = units
+            .iter()
+            .zip(to)
+            .map(|(unit, to)| unit * input / to * (pre_shift as f32).exp2())
+            .collect();
+        let (multiplier, post_shift) = fixed(&shares);
+        let weights = match l.op {
+            Op::Depthwise { .. } => (0..l.weights)
+                .map(|k| rounded(k / channels, k % channels))
+                .collect(),
+            _ => interleaved(rows, channels, rounded),
+        };
+        Rounded {
+            weights,
+            bias,
+            multiplier,
+            pre_shift,
+            post_shift,
+        }
+    }
+}
+
+/// Weights `[output/8][pair of rows][8 outputs][2]`; an odd number of rows gets one of zeros.
+fn interleaved(rows: usize, channels: usize, weight: impl Fn(usize, usize) -> i8) -> Vec<i8> {
+    let mut out = vec![];
+    for block in (0..channels).step_by(BLOCK) {
+        for pair in (0..rows).step_by(2) {
+            for c in block..block + BLOCK {
+                out.push(weight(pair, c));
+                out.push(if pair + 1 < rows {
+                    weight(pair + 1, c)
+                } else {
+                    0
+                });
+            }
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detect::options::rng_for;
+    use posewise::detect::DetectorModel;
+    use posewise::image::{Crop, Frame, FrameLayout, reduce};
+    use posewise::network::{Activations, Network as Integer};
+    use posewise_format::{AlignedBytes, Blob, blob};
+
+    #[test]
+    fn the_integer_network_answers_as_the_float_one() {
+        let options = Options::default();
+        let network = Network::new(options.channels, options.depth);
+        let p = network.initial(&mut rng_for(5, 1, 1));
+        let noise = |k: usize, t: usize| (k * 7919 / (7 + t) % 251) as u8;
+        let tile = |t: usize| (0..TILE * TILE).map(|k| noise(k, t)).collect();
+        let tiles: Vec<Vec<u8>> = (0..6).map(tile).collect();
+        let section = section(&network, &p, &tiles, &options).unwrap();
+        let bytes = AlignedBytes::new(&blob(&[section]));
+        let blob = Blob::open(&bytes).unwrap();
+        let model = DetectorModel::open(blob.section(&TAG).unwrap()).unwrap();
+        assert_eq!(model.multiply_adds() / 1000, network.multiply_adds() / 1000);
+        // The same with the network alone, behind the numbers before it.
+        let mut s = blob.section(&TAG).unwrap();
+        (0..4).for_each(|_| assert!(s.u32().unwrap() > 0));
+        s.f32s(6).unwrap();
+        s.f32().unwrap();
+        let integer = Integer::read(&mut s, TILE).unwrap();
+        let (mut crop, mut maps) = (Box::new(Crop::new()), Box::new(Activations::new()));
+        let frame = Frame::new(&FrameLayout::grey(TILE as u32, TILE as u32), &tiles[0]).unwrap();
+        reduce(&frame, [0, 0], 256, TILE, &mut crop);
+        integer.run(&crop, &mut maps);
+        let mut work = network.work();
+        standardise(&tiles[0], &mut work.maps[0]);
+        network.forward(&p, &mut work);
+        let expected = work.maps.last().expect("maps");
+        let found = maps.values(&integer.output());
+        let errors = expected.iter().zip(found).enumerate().map(|(k, (e, f))| {
+            (e - (f32::from(*f) - 128.0) * RANGE[k % OUTPUTS] / OUTPUT_STEPS).abs()
+        });
+        let mean = errors.sum::<f32>() / found.len() as f32;
+        assert!(mean < 0.1, "{mean}");
+    }
+}
