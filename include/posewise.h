@@ -225,9 +225,9 @@ typedef struct posewise_config {
     uint32_t flags;
     // Least width of a face to search for [px], 24..4096. 0: the default, 40.
     uint32_t min_face_px;
-    // Work per step while searching, 100..10000000. One detector window takes about 2 units, 6 in
-    // a frame of noise. A smaller budget shortens a step and delays detection.
-    // 0: the default, 3000.
+    // Work per step while searching, 100..10000000: 3000 is about a tracking step, 600 is one tile
+    // of the detector. A smaller budget shortens a step and delays detection.
+    // 0: the default, 3600.
     uint32_t scan_budget;
     // The camera; see posewise_set_intrinsics().
     posewise_intrinsics intrinsics;

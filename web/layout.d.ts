@@ -1222,9 +1222,9 @@ export type Config = {
      */
     minFacePx?: number | undefined;
     /**
-     * Work per step while searching, 100..10000000. One detector window
-     * takes about 2 units, 6 in a frame of noise. A smaller budget shortens a step and delays
-     * detection. 0: the default, 3000.
+     * Work per step while searching, 100..10000000: 3000 is about a
+     * tracking step, 600 is one tile of the detector. A smaller budget shortens a step and delays
+     * detection. 0: the default, 3600.
      */
     scanBudget?: number | undefined;
     /**

@@ -135,9 +135,9 @@ export const LENS = {
  * @typedef {object} Config
  * @property {number} [minFacePx] Least width of a face to search for [px], 24..4096. 0: the
  *   default, 40.
- * @property {number} [scanBudget] Work per step while searching, 100..10000000. One detector window
- *   takes about 2 units, 6 in a frame of noise. A smaller budget shortens a step and delays
- *   detection. 0: the default, 3000.
+ * @property {number} [scanBudget] Work per step while searching, 100..10000000: 3000 is about a
+ *   tracking step, 600 is one tile of the detector. A smaller budget shortens a step and delays
+ *   detection. 0: the default, 3600.
  * @property {Intrinsics} [intrinsics] The camera; see posewise_set_intrinsics().
  * @property {number} [smoothingHz] Parameters of the One-Euro filter behind posewise_smoothed()
  *   (Casiez et al., CHI 2012). smoothing_hz: cutoff frequency at rest [Hz], 0.01..100; lower values

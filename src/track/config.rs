@@ -21,7 +21,7 @@ const BETA: RangeInclusive<f32> = 0.0..=1000.0;
 ///
 /// ```
 /// use posewise::Config;
-/// let config = Config::default().with_min_face_px(80).with_scan_budget(1500);
+/// let config = Config::default().with_min_face_px(80).with_scan_budget(1200);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -30,8 +30,9 @@ pub struct Config {
     pub intrinsics: Option<Intrinsics>,
     /// Narrowest face that is searched for \[px\], 24 to 4096. Default: 40.
     pub min_face_px: u32,
-    /// Work per step while searching, in units of the detector (a window is about two), 100 to 10
-    /// million. Default: 3000, which takes about as long as a tracking step.
+    /// Work per step while searching, 100 to 10 million: 3000 is about a tracking step, 600 a tile
+    /// of the detector, which each step evaluates at least. Default: 3600, with which a step in
+    /// clutter takes less than one and a half tracking steps.
     pub scan_budget: u32,
     /// The filter of [`crate::Tracker::smoothed`].
     pub smoothing: Smoothing,
@@ -46,7 +47,7 @@ impl Default for Config {
         Config {
             intrinsics: None,
             min_face_px: 40,
-            scan_budget: 3000,
+            scan_budget: 3600,
             smoothing: Smoothing::default(),
             roi: None,
         }

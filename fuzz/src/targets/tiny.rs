@@ -1,10 +1,10 @@
-//! A model of 40 KB that detects faces almost everywhere: every stage of a step runs on any image,
+//! A model of 45 KB that detects faces almost everywhere: every stage of a step runs on any image,
 //! a hundred times as often as with a trained model.
 
 use super::memory::Exact;
 use posewise::align::{GLOBAL, SHAPE_INDEXED};
-use posewise::detect::GRID;
-use posewise::network::{OP_CONV, OP_INPUT};
+use posewise::detect::TILE;
+use posewise::network::{OP_CONV, OP_INPUT, OP_LINEAR};
 use posewise::shape::{ANIMATIONS, JAW, LANDMARKS, VIEW_BYTES};
 use posewise_format::{ALIGN, HEADER_LEN, SectionWriter, Tag, Value, blob, reseal};
 use std::sync::OnceLock;
@@ -124,34 +124,41 @@ fn face() -> Writer {
     w
 }
 
-/// A pixel of the trees' sampling grid.
-fn pixel(column: usize, row: usize) -> i16 {
-    (row * GRID + column) as i16
-}
-
+/// Three layers and outputs of which nearly all are a hit.
 fn detector() -> Writer {
     let mut w = Writer::new(b"DTCT");
-    // Scale ratio, step, window's side, margin, confirming strength.
-    for value in [200, 64, 300, 92, 1] {
+    // Smallest and largest face [1/256 px], overlap, least score.
+    for value in [24 << 8, 50 << 8, 16, 100] {
         w.u32(value);
     }
-    w.u32(2);
-    w.array(&[0i16, 3000]);
-    w.u32(1); // one ensemble
-    w.u32(1); // mirrored images too
-    w.u32(1); // depth
-    w.u32(1); // trees
-    w.array(&[pixel(10, 20), pixel(29, 21)]);
-    w.array(&[3u8]);
-    w.array(&[-50i16, 300]);
-    w.array(&[0i32]);
-    w.u32(1); // one round of box refinement
-    w.u32(1);
-    w.u32(1);
-    w.array(&[pixel(20, 12), pixel(20, 27)]);
-    w.array(&[0u8]);
-    w.array(&[40i16, -40, 30, 20, -2000, -30, 50, -40, -20, 3000]);
+    w.array(&[0.1f32, 0.1, 0.1, 0.01, 0.01, 0.01]);
+    w.f32(34.0);
+    w.u32(5);
+    node(&mut w, [OP_INPUT as usize, 1, 1, 0, 0, 1, 0, 0, 0, 1], 0);
+    let sides = [64, 32, 16];
+    let mut at = TILE * TILE;
+    for (k, side) in sides.into_iter().enumerate() {
+        let (zero, columns) = if k == 0 { (128, 10) } else { (0, 9 * CHANNELS) };
+        let op = OP_CONV as usize;
+        node(&mut w, [op, 3, 2, k, 0, CHANNELS, at, zero, 0, 14], columns);
+        at += side * side * CHANNELS;
+    }
+    node(
+        &mut w,
+        [OP_LINEAR as usize, 1, 1, 3, 0, CHANNELS, at, 0, 0, 14],
+        CHANNELS,
+    );
     w
+}
+
+/// A node with so many weights for each output.
+//  op, kernel, stride, input, other, channels, at, zero_point, pre_shift, post_shift
+fn node(w: &mut Writer, numbers: [usize; 10], columns: usize) {
+    numbers.into_iter().for_each(|value| w.u32(value));
+    let channels = if columns == 0 { 0 } else { CHANNELS };
+    w.i8s(columns * channels, |i| noise(i, 40));
+    w.array(&vec![900i32; channels]);
+    w.array(&vec![600i32; channels]);
 }
 
 fn cascade() -> Writer {
@@ -204,18 +211,10 @@ fn regressor(w: &mut Writer, points: usize, sources: &[u32]) {
     let fine_at = SIDE * SIDE;
     let coarse_at = fine_at + (SIDE / 2) * (SIDE / 2) * CHANNELS;
     w.u32(3);
-    //  op, kernel, stride, input, other, channels, at, zero_point, pre_shift, post_shift
-    for value in [OP_INPUT as usize, 1, 1, 0, 0, 1, 0, 0, 0, 1] {
-        w.u32(value);
-    }
-    (0..3).for_each(|_| w.array::<u8>(&[])); // no weights, biases, multipliers
+    node(w, [OP_INPUT as usize, 1, 1, 0, 0, 1, 0, 0, 0, 1], 0);
     for (input, at, columns) in [(0, fine_at, 10), (1, coarse_at, 9 * CHANNELS)] {
-        for value in [OP_CONV as usize, 3, 2, input, 0, CHANNELS, at, 128, 0, 14] {
-            w.u32(value);
-        }
-        w.i8s(columns * CHANNELS, |i| noise(i, 40));
-        w.array(&[900i32; CHANNELS]);
-        w.array(&[600i32; CHANNELS]);
+        let op = OP_CONV as usize;
+        node(w, [op, 3, 2, input, 0, CHANNELS, at, 128, 0, 14], columns);
     }
     for sources in sources {
         let whole = (SIDE / 4) * (SIDE / 4) * CHANNELS * usize::from(sources & GLOBAL != 0);
