@@ -37,7 +37,10 @@ pub(super) fn evaluate(
     let side = output.side().max(1);
     let stride = TILE.div_ceil(side) as f32;
     let (scale, angle) = (to_frame.scale(), to_frame.angle());
-    let cells = memory.maps.values(&output).chunks_exact(output.channels());
+    let cells = memory
+        .maps
+        .values(&output)
+        .chunks_exact(output.channels().max(1));
     for (k, values) in cells.enumerate() {
         let Some(values) = values.first_chunk() else {
             continue;

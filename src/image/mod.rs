@@ -1,9 +1,9 @@
 //! Frames in, luma out.
 //!
 //! In: the caller's bytes in one of the V4L2 layouts of [`PixelFormat`]. Out: 8-bit luma, read
-//! pixel by pixel, or warped or reduced straight into a small square [`Crop`]. A full frame is never copied, so
-//! the cost of a step does not grow with the frame. A frame with much noise ([`noise_share`]) can
-//! be read through a 3×3 box filter ([`Frame::box_filtered`]).
+//! pixel by pixel, or warped or reduced straight into a small square [`Crop`]. A full frame is
+//! never copied, so the cost of a step does not grow with the frame. A frame with much noise
+//! ([`noise_share`]) can be read through a 3×3 box filter ([`Frame::box_filtered`]).
 //!
 //! Pixel coordinates: x right, y down, the centre of the top-left pixel is (0, 0), in the *upright*
 //! image, that is after [`Rotation`] and mirroring are undone.

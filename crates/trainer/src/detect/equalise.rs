@@ -2,7 +2,8 @@
 //! may be scaled before or after it. All channels of a map are rounded with one unit, so a channel
 //! of small values would keep few levels.
 
-use super::network::{BACK, Network, Op};
+use super::layer::{BACK, Op};
+use super::network::Network;
 use super::tile::standardise;
 
 /// Quantile of a channel's largest values over tiles that counts as its range.

@@ -37,8 +37,8 @@ pub fn load(data: &Path, set: Set) -> Result<Vec<Face>> {
     Ok(faces.into_iter().map(face).collect())
 }
 
-/// Renders as faces with boxes: the first `most` of those whose roll follows from the eye line and whose sides towards
-/// the camera are not covered. Others look like no face in a tile.
+/// Renders as faces with boxes: the first `most` of those whose roll follows from the eye line and
+/// whose sides towards the camera are not covered. Others look like no face in a tile.
 pub fn fronts(renders: &[crate::faces::Face], most: usize) -> Vec<Face> {
     const MOST_YAW_DEG: f32 = 60.0;
     const BOTH_SIDES_DEG: f32 = 15.0;

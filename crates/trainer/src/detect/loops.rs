@@ -3,7 +3,7 @@
 //! All are inlined into functions that `pulp` compiles for the processor's vectors. Blocks of
 //! outputs have sizes whose sums fit the registers of AVX2.
 
-use super::network::{FIRST_KERNEL, Layer};
+use super::layer::{FIRST_KERNEL, Layer};
 
 /// Channels that a depthwise convolution computes together; all maps have a multiple of them.
 const LANES: usize = 8;

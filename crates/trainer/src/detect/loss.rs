@@ -1,7 +1,7 @@
 //! What a network's answers cost: the focal loss (Lin et al., "Focal Loss for Dense Object
 //! Detection", ICCV 2017) of the scores, with a power of 2, and a smooth distance of the boxes.
 
-use super::network::OUTPUTS;
+use super::layer::OUTPUTS;
 use super::tile::Cell;
 
 /// Weights of dx, dy, log size, roll and yaw.

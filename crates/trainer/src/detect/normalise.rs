@@ -3,7 +3,8 @@
 //!
 //! What is done to a tile's map before and after a layer is done while the map is in the cache.
 
-use super::network::{Layer, Network, Op, Work};
+use super::layer::{Layer, Op};
+use super::network::{Network, Work};
 
 const EPSILON: f32 = 1e-5;
 

@@ -2,7 +2,8 @@
 //! parameters in `f32` become integers.
 
 use super::equalise::quantile;
-use super::network::{BACK, FIRST_KERNEL, Layer, Network, OUTPUTS, Op};
+use super::layer::{BACK, FIRST_KERNEL, Layer, OUTPUTS, Op};
+use super::network::Network;
 use super::options::Options;
 use super::tile::{MIDDLE_SIZE, UNITS, standardise};
 use anyhow::{Result, ensure};

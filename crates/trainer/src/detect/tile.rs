@@ -1,6 +1,6 @@
 //! A tile to train on: its pixels, and what each cell of the network is to answer.
 
-use super::network::{CELLS, STRIDE};
+use super::layer::{CELLS, STRIDE};
 use super::pictures::Kind;
 use posewise::detect::{Detection, TILE};
 
