@@ -29,6 +29,28 @@ pub struct Work {
     transposed: Vec<f32>,
 }
 
+/// [`Network::forward`], to be compiled for the processor's vectors.
+struct Forward<'a> {
+    network: &'a Network,
+    p: &'a [f32],
+    work: &'a mut Work,
+}
+
+impl pulp::WithSimd for Forward<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        for (k, l) in self.network.layers.iter().enumerate() {
+            self.network.sums(k, self.p, self.work, true);
+            if l.has_relu() {
+                let map = self.work.maps[k + 1].iter_mut();
+                map.for_each(|v| *v = v.max(0.0));
+            }
+        }
+    }
+}
+
 impl Network {
     /// The network of the options' channels and depth.
     pub fn new([half, quarter, eighth]: [usize; 3], depth: usize) -> Network {
@@ -120,17 +142,8 @@ impl Network {
 
     /// Computes all maps.
     pub fn forward(&self, p: &[f32], work: &mut Work) {
-        pulp::Arch::new().dispatch(
-            #[inline(always)]
-            || {
-                for (k, l) in self.layers.iter().enumerate() {
-                    self.sums(k, p, work, true);
-                    if l.has_relu() {
-                        work.maps[k + 1].iter_mut().for_each(|v| *v = v.max(0.0));
-                    }
-                }
-            },
-        );
+        let network = self;
+        pulp::Arch::new().dispatch(Forward { network, p, work });
     }
 
     /// A layer's output before its ReLU; without its biases where they follow a normalisation.

@@ -24,30 +24,42 @@ pub fn places(network: &Network) -> Vec<usize> {
 
 /// Maps of several tiles, and the moments that they were normalised by.
 pub fn forward(network: &Network, p: &[f32], works: &mut [Work]) -> Moments {
-    let places = places(network);
-    pulp::Arch::new().dispatch(
-        #[inline(always)]
-        || {
-            let mut all: Moments = vec![];
-            for k in 0..=network.layers.len() {
-                let mut sums = Sums::new(network.layers.get(k));
-                for work in works.iter_mut() {
-                    if let Some(before) = k.checked_sub(1) {
-                        let l = &network.layers[before];
-                        normalise(l, before, p, places[before], &all[before], work);
-                    }
-                    if let Some(l) = network.layers.get(k) {
-                        network.sums(k, p, work, l.op == Op::Head);
-                        sums.add(l, &work.maps[k + 1]);
-                    }
+    pulp::Arch::new().dispatch(Forward { network, p, works })
+}
+
+/// [`forward`], to be compiled for the processor's vectors.
+struct Forward<'a> {
+    network: &'a Network,
+    p: &'a [f32],
+    works: &'a mut [Work],
+}
+
+impl pulp::WithSimd for Forward<'_> {
+    type Output = Moments;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Moments {
+        let Forward { network, p, works } = self;
+        let places = places(network);
+        let mut all: Moments = vec![];
+        for k in 0..=network.layers.len() {
+            let mut sums = Sums::new(network.layers.get(k));
+            for work in works.iter_mut() {
+                if let Some(before) = k.checked_sub(1) {
+                    let l = &network.layers[before];
+                    normalise(l, before, p, places[before], &all[before], work);
                 }
                 if let Some(l) = network.layers.get(k) {
-                    all.push(sums.moments(works.len() * l.side * l.side));
+                    network.sums(k, p, work, l.op == Op::Head);
+                    sums.add(l, &work.maps[k + 1]);
                 }
             }
-            all
-        },
-    )
+            if let Some(l) = network.layers.get(k) {
+                all.push(sums.moments(works.len() * l.side * l.side));
+            }
+        }
+        all
+    }
 }
 
 /// Sums of values and of squares by channel; empty for layers that are not normalised.
@@ -125,42 +137,68 @@ pub fn backward(
     moments: &Moments,
     gradient: &mut [f32],
 ) {
-    let places = places(network);
     let last = network.layers.len();
     for work in works.iter_mut() {
         work.by_maps[..last].iter_mut().for_each(|m| m.fill(0.0));
     }
-    pulp::Arch::new().dispatch(
-        #[inline(always)]
-        || {
-            // Of the layer that comes next, backwards.
-            let mut next = [vec![], vec![]];
-            for (k, l) in network.layers.iter().enumerate().rev() {
-                let [by_bias, by_factor] = std::mem::take(&mut next);
-                let n = (works.len() * l.side * l.side) as f32;
+    pulp::Arch::new().dispatch(Backward {
+        network,
+        p,
+        works,
+        moments,
+        gradient,
+    });
+}
+
+/// [`backward`], to be compiled for the processor's vectors.
+struct Backward<'a> {
+    network: &'a Network,
+    p: &'a [f32],
+    works: &'a mut [Work],
+    moments: &'a Moments,
+    gradient: &'a mut [f32],
+}
+
+impl pulp::WithSimd for Backward<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        let Backward {
+            network,
+            p,
+            works,
+            moments,
+            gradient,
+        } = self;
+        let places = places(network);
+        // Of the layer that comes next, backwards.
+        let mut next = [vec![], vec![]];
+        for (k, l) in network.layers.iter().enumerate().rev() {
+            let [by_bias, by_factor] = std::mem::take(&mut next);
+            let n = (works.len() * l.side * l.side) as f32;
+            if l.has_relu() {
+                add(l.parameters_mut(gradient).1, &by_bias);
+                add(&mut gradient[places[k]..], &by_factor);
+            }
+            let before = k.checked_sub(1).map(|b| (b, &network.layers[b]));
+            let before = before.filter(|(_, b)| b.has_relu());
+            if let Some((_, b)) = before {
+                next = [vec![0.0; b.channels], vec![0.0; b.channels]];
+            }
+            let factors = &p[places[k]..places[k + 1]];
+            for work in works.iter_mut() {
                 if l.has_relu() {
-                    let (_, by_biases) = l.parameters_mut(gradient);
-                    add(by_biases, &by_bias);
-                    add(&mut gradient[places[k]..], &by_factor);
+                    let sums = [&by_bias[..], &by_factor[..]];
+                    by_normalised(l, k, factors, &moments[k][1], sums, n, work);
                 }
-                let before = k.checked_sub(1).map(|b| (b, &network.layers[b]));
-                if let Some((_, b)) = before.filter(|(_, b)| b.has_relu()) {
-                    next = [vec![0.0; b.channels], vec![0.0; b.channels]];
-                }
-                let factors = &p[places[k]..places[k + 1]];
-                for work in works.iter_mut() {
-                    if l.has_relu() {
-                        let sums = [&by_bias[..], &by_factor[..]];
-                        by_normalised(l, k, factors, &moments[k][1], sums, n, work);
-                    }
-                    network.by_sums(k, p, work, gradient);
-                    if let Some((b, layer)) = before.filter(|(_, b)| b.has_relu()) {
-                        by_relu(layer, b, &mut next, work);
-                    }
+                network.by_sums(k, p, work, gradient);
+                if let Some((b, layer)) = before {
+                    by_relu(layer, b, &mut next, work);
                 }
             }
-        },
-    );
+        }
+    }
 }
 
 fn add(to: &mut [f32], from: &[f32]) {
