@@ -52,9 +52,8 @@ impl Pose {
 }
 
 impl Mask {
-    /// How far inside of it a place of the tile is \[tile px\].
-    fn inside(&self, x: f32, y: f32) -> f32 {
-        let (sin, cos) = self.angle.sin_cos();
+    /// How far inside of it a place of the tile is \[tile px\], given sine and cosine of its angle.
+    fn inside(&self, (sin, cos): (f32, f32), x: f32, y: f32) -> f32 {
         let (dx, dy) = (x - self.centre[0], y - self.centre[1]);
         let p = (cos * dx + sin * dy) / self.half[0];
         let q = (cos * dy - sin * dx) / self.half[1];
@@ -100,11 +99,12 @@ pub fn paste(
     warp(&level.frame(), &shifted, side, crop);
     let [w, h] = level.size.map(|s| s as f32 - 1.0);
     let inverse = 1.0 / similarity.scale();
+    let angle = mask.angle.sin_cos();
     for y in low[1]..high[1] {
         for x in low[0]..high[0] {
             let [u, v] = similarity.apply([x as f32, y as f32]);
             let edge = u.min(v).min(w - u).min(h - v) * inverse;
-            let inside = mask.inside(x as f32, y as f32);
+            let inside = mask.inside(angle, x as f32, y as f32);
             let alpha = ((edge.min(inside) + 0.5) / mask.feather).clamp(0.0, 1.0);
             if alpha > 0.0 {
                 let own = crop.luma()[(y - low[1]) * side + x - low[0]] as f32;
