@@ -179,7 +179,7 @@ impl Scanner {
 
     /// The next detection of the plan in a region; `None` when the budget is spent or the scan is
     /// finished. A detection whose first iteration is more than what is left waits for the next
-    /// step.
+    /// step, or for the one after it where that one has a retry.
     pub(super) fn next(
         &mut self,
         step: &Step<'_>,
@@ -188,10 +188,10 @@ impl Scanner {
         budget: &mut WorkBudget,
         memory: &mut TileMemory<'_>,
     ) -> Option<Detection> {
-        if self.postponed.is_some() {
+        if self.postponed.is_some() && is_affordable(budget) {
             return self.postponed.take();
         }
-        while budget.left() >= TILE_UNITS {
+        while self.postponed.is_none() && budget.left() >= TILE_UNITS {
             let (scan, sizes) = match plan.first {
                 Some(sizes) => (&mut self.first, sizes),
                 None => (&mut self.all, plan.all),
@@ -216,6 +216,12 @@ impl Scanner {
         }
         None
     }
+}
+
+/// Whether an attempt at a detection may begin: its first iteration fits, or it is the step's first
+/// work.
+fn is_affordable(budget: &WorkBudget) -> bool {
+    budget.left() >= ITERATION_UNITS || budget.spent() == 0
 }
 
 fn large_sizes(config: &Config, frame: &Frame<'_>) -> Sizes {
