@@ -1,7 +1,8 @@
 //! The scan finds a bright square with a small hand-written network.
 
 use posewise::detect::{
-    Detection, DetectorModel, Scan, ScanOutcome, Sizes, TAG, TILE_UNITS, TileMemory, local_search,
+    Detection, DetectorModel, Scan, ScanBudget, ScanOutcome, Sizes, TAG, TILE_UNITS, TileMemory,
+    local_search,
 };
 use posewise::image::Crop;
 use posewise::network::{
@@ -41,6 +42,8 @@ impl Memory {
     }
 }
 
+/// The work of a tile.
+const ONE_TILE: ScanBudget = ScanBudget::of_tiles(TILE_UNITS);
 /// Channels of the maps: kernels compute so many together.
 const CHANNELS: usize = 8;
 /// Size of a face over the side of the bright square.
@@ -118,6 +121,7 @@ fn layout() -> FrameLayout {
 fn first_candidate(model: &DetectorModel<'_>, frame: &Frame<'_>, budget: u32) -> Option<Detection> {
     let (mut scan, mut memory) = (Scan::new(), Memory::new());
     for _ in 0..1_000 {
+        let budget = ScanBudget::of_tiles(budget);
         match scan.advance(model, frame, Sizes::from(24), budget, &mut memory.tile()) {
             ScanOutcome::BudgetSpent => {}
             ScanOutcome::Candidate(found) => return Some(found),
@@ -131,8 +135,9 @@ fn first_candidate(model: &DetectorModel<'_>, frame: &Frame<'_>, budget: u32) ->
 fn all_candidates(model: &DetectorModel<'_>, frame: &Frame<'_>) -> Vec<Detection> {
     let (mut scan, mut memory) = (Scan::new(), Memory::new());
     let mut candidates = Vec::new();
+    let all = ScanBudget::of_tiles(u32::MAX);
     while let ScanOutcome::Candidate(found) =
-        scan.advance(model, frame, Sizes::from(24), u32::MAX, &mut memory.tile())
+        scan.advance(model, frame, Sizes::from(24), all, &mut memory.tile())
     {
         candidates.push(found);
         assert!(candidates.len() < 100, "each candidate is reported once");
@@ -154,7 +159,7 @@ fn calls_in(model: &DetectorModel<'_>, frame: &Frame<'_>, roi: Roi) -> (u32, Opt
     loop {
         calls += 1;
         let memory = &mut memory.tile();
-        match scan.advance_in(model, frame, roi, Sizes::from(24), TILE_UNITS, memory) {
+        match scan.advance_in(model, frame, roi, Sizes::from(24), ONE_TILE, memory) {
             ScanOutcome::BudgetSpent => {}
             ScanOutcome::Candidate(found) => return (calls, Some(found)),
             ScanOutcome::Finished => return (calls, None),
@@ -208,6 +213,7 @@ fn a_call_evaluates_the_tiles_of_its_budget() {
         let calls = |budget: u32| {
             let (mut scan, mut memory, mut calls) = (Scan::new(), Memory::new(), 1);
             let sizes = Sizes::from(60);
+            let budget = ScanBudget::of_tiles(budget);
             while scan.advance(&model, &frame, sizes, budget, &mut memory.tile())
                 == ScanOutcome::BudgetSpent
             {
@@ -224,6 +230,33 @@ fn a_call_evaluates_the_tiles_of_its_budget() {
 }
 
 #[test]
+fn candidates_wait_for_their_budget() {
+    let pixels = image(90.0, 70.0, 48.0);
+    let frame = Frame::new(&layout(), &pixels).unwrap();
+    with_model(section(), |model| {
+        let model = model.expect("a valid model");
+        let (mut scan, mut memory) = (Scan::new(), Memory::new());
+        let mut advance = |units: u32, candidate: u32| {
+            let budget = ScanBudget { units, candidate };
+            let outcome = scan.advance(&model, &frame, Sizes::from(24), budget, &mut memory.tile());
+            (outcome, scan.units_left())
+        };
+        // All tiles are evaluated, but the scan does not end.
+        let many = 100 * TILE_UNITS;
+        let (outcome, left) = advance(many, many);
+        assert_eq!(outcome, ScanOutcome::BudgetSpent);
+        assert!(left < many);
+        assert_eq!(advance(many, many + 1), (ScanOutcome::BudgetSpent, many));
+        let (outcome, left) = advance(2000, 1900);
+        let ScanOutcome::Candidate(found) = outcome else {
+            panic!("a candidate");
+        };
+        assert_close(Some(found), 90.0, 70.0, 48.0);
+        assert_eq!(left, 2000);
+    });
+}
+
+#[test]
 fn sizes_are_kept() {
     let pixels = image(80.0, 80.0, 48.0);
     let frame = Frame::new(&layout(), &pixels).unwrap();
@@ -232,7 +265,8 @@ fn sizes_are_kept() {
         let mut memory = Memory::new();
         let mut find = |min_px: i32, max_px: i32| {
             let sizes = Sizes { min_px, max_px };
-            Scan::new().advance(&model, &frame, sizes, u32::MAX, &mut memory.tile())
+            let all = ScanBudget::of_tiles(u32::MAX);
+            Scan::new().advance(&model, &frame, sizes, all, &mut memory.tile())
         };
         assert!(matches!(find(60, 90), ScanOutcome::Candidate(_)));
         assert_eq!(find(140, 200), ScanOutcome::Finished);
@@ -271,7 +305,7 @@ fn a_moving_square_is_reported_where_it_is() {
             let pixels = image(x, 70.0, 48.0);
             let frame = Frame::new(&layout(), &pixels).unwrap();
             let (sizes, memory) = (Sizes::from(24), &mut memory.tile());
-            match scan.advance(&model, &frame, sizes, TILE_UNITS, memory) {
+            match scan.advance(&model, &frame, sizes, ONE_TILE, memory) {
                 ScanOutcome::BudgetSpent => {}
                 ScanOutcome::Candidate(found) => return assert_close(Some(found), x, 70.0, 48.0),
                 ScanOutcome::Finished => panic!("missed"),
@@ -329,7 +363,7 @@ fn broken_sections_are_rejected_or_harmless() {
         with_model(bad, |model| {
             if let Ok(model) = model {
                 let memory = &mut memory.tile();
-                Scan::new().advance(&model, &frame, Sizes::from(60), 1, memory);
+                Scan::new().advance(&model, &frame, Sizes::from(60), ONE_TILE, memory);
             }
         });
     }

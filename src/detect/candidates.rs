@@ -145,6 +145,11 @@ impl Candidates {
         }
     }
 
+    /// Whether one was not reported yet.
+    pub fn is_pending(&self) -> bool {
+        self.list.iter().any(|c| !c.reported)
+    }
+
     /// Reports the best candidate that was not reported yet.
     pub fn report(&mut self) -> Option<Detection> {
         let open = self.list.iter_mut().filter(|c| !c.reported);

@@ -21,7 +21,7 @@ mod tile;
 
 pub use local_search::local_search;
 pub use model::{DetectorModel, OUTPUTS, TAG, TILE};
-pub use scan::{Scan, ScanOutcome, Sizes, TILE_UNITS};
+pub use scan::{Scan, ScanBudget, ScanOutcome, Sizes, TILE_UNITS};
 pub use tile::TileMemory;
 
 /// A face candidate: a square in the upright frame, rotated with the head.

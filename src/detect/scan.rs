@@ -68,6 +68,26 @@ impl Sizes {
     }
 }
 
+/// Work that a call of the scan may do \[units\].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ScanBudget {
+    /// For tiles, of [`TILE_UNITS`] each, and candidates.
+    pub units: u32,
+    /// What the caller does with a candidate. One is reported while so much is left; the others
+    /// wait for a later call.
+    pub candidate: u32,
+}
+
+impl ScanBudget {
+    /// All for tiles; candidates are reported whatever is left.
+    pub const fn of_tiles(units: u32) -> Self {
+        ScanBudget {
+            units,
+            candidate: 0,
+        }
+    }
+}
+
 /// State of a scan: plain data of fixed size.
 #[derive(Clone, Debug)]
 pub struct Scan {
@@ -153,15 +173,14 @@ impl Scan {
         *self = Self::new();
     }
 
-    /// Continues the scan of the whole frame: evaluates as many tiles, of [`TILE_UNITS`] each, as
-    /// the budget has, one at least, and ends early at a candidate. One that was found before is
-    /// reported without work.
+    /// Continues the scan of the whole frame: evaluates as many tiles as the budget has, one at
+    /// least, and ends early at a candidate. One that was found before is reported without work.
     pub fn advance(
         &mut self,
         model: &DetectorModel<'_>,
         frame: &Frame<'_>,
         sizes: Sizes,
-        budget: u32,
+        budget: ScanBudget,
         memory: &mut TileMemory<'_>,
     ) -> ScanOutcome {
         self.advance_in(model, frame, Roi::whole(frame), sizes, budget, memory)
@@ -175,14 +194,16 @@ impl Scan {
         frame: &Frame<'_>,
         roi: Roi,
         sizes: Sizes,
-        budget: u32,
+        budget: ScanBudget,
         memory: &mut TileMemory<'_>,
     ) -> ScanOutcome {
         self.begin(model, frame, roi, sizes);
-        self.units_left = budget;
+        self.units_left = budget.units;
         let mut is_first = true;
         loop {
-            if let Some(face) = self.candidates.report() {
+            if self.units_left >= budget.candidate
+                && let Some(face) = self.candidates.report()
+            {
                 return ScanOutcome::Candidate(face);
             }
             if !is_first && self.units_left < TILE_UNITS {
@@ -190,6 +211,9 @@ impl Scan {
             }
             is_first = false;
             let Some((corner, scale_q8)) = self.next_tile(model) else {
+                if self.candidates.is_pending() {
+                    return ScanOutcome::BudgetSpent;
+                }
                 let units_left = self.units_left;
                 self.restart();
                 self.units_left = units_left;

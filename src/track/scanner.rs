@@ -9,7 +9,7 @@ use super::policy::{
     LARGE_FACE_PERIOD,
 };
 use super::step::{Step, WorkBudget};
-use crate::detect::{Detection, Scan, ScanOutcome, Sizes, TILE_UNITS, TileMemory};
+use crate::detect::{Detection, Scan, ScanBudget, ScanOutcome, Sizes, TILE_UNITS, TileMemory};
 use crate::image::{Frame, Roi};
 
 /// How large the target was when it was last seen, how it was turned, and when.
@@ -91,8 +91,6 @@ impl ScanPlan {
 pub(super) struct Scanner {
     all: Scan,
     first: Scan,
-    /// Found at the end of a step whose budget was spent; attempted in the next one.
-    postponed: Option<Detection>,
     pub(super) last_seen: LastSeen,
     /// Counts steps without a face.
     steps: u32,
@@ -102,7 +100,6 @@ impl Scanner {
     pub(super) const EMPTY: Scanner = Scanner {
         all: Scan::new(),
         first: Scan::new(),
-        postponed: None,
         last_seen: LastSeen::NEVER,
         steps: 0,
     };
@@ -111,7 +108,6 @@ impl Scanner {
     pub(super) fn restart(&mut self) {
         self.all.restart();
         self.first.restart();
-        self.postponed = None;
         self.last_seen = LastSeen::NEVER;
     }
 
@@ -124,7 +120,6 @@ impl Scanner {
     /// The target is gone and expected back.
     pub(super) fn expect(&mut self, last_seen: LastSeen) {
         self.all.restart();
-        self.postponed = None;
         self.last_seen = last_seen;
     }
 
@@ -172,14 +167,15 @@ impl Scanner {
     ) -> ScanOutcome {
         let (roi, sizes) = (step.roi(config), all_sizes(config));
         let (detector, given) = (&step.model.detector, budget.left());
-        let outcome = (self.all).advance_in(detector, step.frame, roi, sizes, given, memory);
+        let tiles = ScanBudget::of_tiles(given);
+        let outcome = (self.all).advance_in(detector, step.frame, roi, sizes, tiles, memory);
         budget.spend(given.saturating_sub(self.all.units_left()));
         outcome
     }
 
     /// The next detection of the plan in a region; `None` when the budget is spent or the scan is
-    /// finished. A detection whose first iteration is more than what is left waits for the next
-    /// step, or for the one after it where that one has a retry.
+    /// finished. A detection whose first iteration is more than what is left waits for a later step;
+    /// tiles are evaluated meanwhile.
     pub(super) fn next(
         &mut self,
         step: &Step<'_>,
@@ -188,40 +184,30 @@ impl Scanner {
         budget: &mut WorkBudget,
         memory: &mut TileMemory<'_>,
     ) -> Option<Detection> {
-        if self.postponed.is_some() && is_affordable(budget) {
-            return self.postponed.take();
-        }
-        while self.postponed.is_none() && budget.left() >= TILE_UNITS {
+        while budget.left() >= TILE_UNITS {
             let (scan, sizes) = match plan.first {
                 Some(sizes) => (&mut self.first, sizes),
                 None => (&mut self.all, plan.all),
             };
-            let given = budget.left();
+            let given = ScanBudget {
+                units: budget.left(),
+                candidate: ITERATION_UNITS.min(budget.limit()),
+            };
             let detector = &step.model.detector;
             let outcome = scan.advance_in(detector, step.frame, roi, sizes, given, memory);
-            budget.spend(given.saturating_sub(scan.units_left()));
+            budget.spend(given.units.saturating_sub(scan.units_left()));
             match outcome {
-                ScanOutcome::Candidate(face) if budget.left() >= ITERATION_UNITS => {
-                    return Some(face);
-                }
-                ScanOutcome::Candidate(face) => {
-                    self.postponed = Some(face);
-                    return None;
-                }
+                ScanOutcome::Candidate(face) => return Some(face),
                 ScanOutcome::Finished if plan.first.is_some() && plan.then_all => {
                     plan.first = None;
                 }
+                // It had ended with the step before.
+                ScanOutcome::Finished if budget.spent() == 0 => {}
                 ScanOutcome::Finished | ScanOutcome::BudgetSpent => return None,
             }
         }
         None
     }
-}
-
-/// Whether an attempt at a detection may begin: its first iteration fits, or it is the step's first
-/// work.
-fn is_affordable(budget: &WorkBudget) -> bool {
-    budget.left() >= ITERATION_UNITS || budget.spent() == 0
 }
 
 fn large_sizes(config: &Config, frame: &Frame<'_>) -> Sizes {

@@ -80,6 +80,11 @@ impl WorkBudget {
         self.spent
     }
 
+    /// What it began with.
+    pub(super) fn limit(&self) -> u32 {
+        self.limit
+    }
+
     /// Units that are left; 0 when more than the limit was spent.
     pub(super) fn left(&self) -> u32 {
         self.limit.saturating_sub(self.spent)

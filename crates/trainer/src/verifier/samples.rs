@@ -12,7 +12,9 @@ use crate::align::{Jitter, jittered_box, normal, start_from_box};
 use crate::faces::{Face, Picture};
 use crate::render::effects::Camera;
 use posewise::align::{AlignModel, Shape, Workspace};
-use posewise::detect::{Detection, DetectorModel, Scan, ScanOutcome, Sizes, TileMemory};
+use posewise::detect::{
+    Detection, DetectorModel, Scan, ScanBudget, ScanOutcome, Sizes, TileMemory,
+};
 use posewise::image::Frame;
 use posewise::shape::LANDMARKS;
 use rand::{Rng, SeedableRng};
@@ -286,8 +288,9 @@ fn false_positives(
     let (mut scan, mut all) = (Scan::new(), vec![]);
     let (crop, maps) = work.network_memory();
     let memory = &mut TileMemory { crop, maps };
+    let (sizes, budget) = (Sizes::from(MIN_FACE_PX), ScanBudget::of_tiles(u32::MAX));
     loop {
-        match scan.advance(detector, frame, Sizes::from(MIN_FACE_PX), u32::MAX, memory) {
+        match scan.advance(detector, frame, sizes, budget, memory) {
             ScanOutcome::Candidate(found) => all.push(found),
             ScanOutcome::BudgetSpent => continue,
             ScanOutcome::Finished => return all,
