@@ -62,23 +62,21 @@ impl Hits {
 
     /// Takes the best face and the hits that compete with it.
     pub fn take(&mut self) -> Option<Detection> {
-        let best = self.best()?;
+        let (at, best) = self.best()?;
         let face = self.merged(&best);
-        // A score that is no number competes with nothing, but is taken.
+        let mut index = 0;
         self.list.retain(|hit| {
-            let competes = overlaps(hit, &best, COMPETING_DISTANCE, COMPETING_RATIO);
-            !competes && hit != &best && hit == hit
+            let is_best = index == at;
+            index += 1;
+            !is_best && !overlaps(hit, &best, COMPETING_DISTANCE, COMPETING_RATIO)
         });
         Some(face)
     }
 
-    fn best(&self) -> Option<Detection> {
-        // The first of equals, so that the order of the cells decides.
-        let better = |a: Option<Detection>, b: &Detection| match a {
-            Some(a) if a.score >= b.score => Some(a),
-            _ => Some(*b),
-        };
-        self.list.iter().fold(None, better)
+    /// The best hit and its index; of equals the first, so that the order of the cells decides.
+    fn best(&self) -> Option<(usize, Detection)> {
+        let hits = self.list.iter().copied().enumerate();
+        hits.reduce(|a, b| if a.1.score >= b.1.score { a } else { b })
     }
 
     /// Mean of the hits of one face, by score, with the best score.

@@ -30,8 +30,7 @@ fn sample<const T: usize>(corner: i32, scale_q8: i32, index: usize) -> i32 {
     // A frame has at most 2^14 pixels along an axis.
     i64::from(corner)
         .saturating_add(middle >> 8)
-        .max(-(1 << 20))
-        .min(1 << 20) as i32
+        .clamp(-(1 << 20), 1 << 20) as i32
 }
 
 /// Fills all rows, with `T`×`T` samples for each pixel.

@@ -174,8 +174,8 @@ impl Scanner {
     }
 
     /// The next detection of the plan in a region; `None` when the budget is spent or the scan is
-    /// finished. A detection whose first iteration is more than what is left waits for a later step;
-    /// tiles are evaluated meanwhile.
+    /// finished. A detection whose first iteration is more than what is left waits for a later
+    /// step; tiles are evaluated meanwhile.
     pub(super) fn next(
         &mut self,
         step: &Step<'_>,

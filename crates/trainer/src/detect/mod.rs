@@ -6,8 +6,8 @@
 //! [`maker`] composes random tiles and the answers that the network is to give ([`tile`]), with
 //! [`paste`] and [`disturb`]. [`network`] is the network in `f32`, a chain of [`layer`]s, forwards
 //! and backwards, on the inner loops of [`loops`]; [`normalise`] puts batch normalisation into its
-//! training. [`training`] descends the gradient of [`loss`]. [`equalise`] and [`quantize`] write the
-//! section, and [`section`] does all of it.
+//! training. [`training`] descends the gradient of [`loss`], with a [`state`] that is kept.
+//! [`equalise`] and [`quantize`] write the section, and [`section`] does all of it.
 
 pub mod backgrounds;
 pub mod disturb;
