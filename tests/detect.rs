@@ -257,6 +257,22 @@ fn candidates_wait_for_their_budget() {
 }
 
 #[test]
+fn a_higher_threshold_leaves_less() {
+    let pixels = image(90.0, 70.0, 48.0);
+    let frame = Frame::new(&layout(), &pixels).unwrap();
+    with_model(section(), |model| {
+        let model = model.expect("a valid model");
+        let score = first_candidate(&model, &frame, u32::MAX).unwrap().score;
+        let probability = |logit: f32| 1.0 / (1.0 + (-logit).exp());
+        for (logit, found) in [(score - 0.2, true), (score + 0.2, false)] {
+            let model = model.clone().with_threshold(probability(logit));
+            let candidate = first_candidate(&model, &frame, u32::MAX);
+            assert_eq!(candidate.is_some(), found, "{logit} {score}");
+        }
+    });
+}
+
+#[test]
 fn sizes_are_kept() {
     let pixels = image(80.0, 80.0, 48.0);
     let frame = Frame::new(&layout(), &pixels).unwrap();

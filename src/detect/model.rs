@@ -86,6 +86,18 @@ impl<'m> DetectorModel<'m> {
         Ok(model)
     }
 
+    /// The same with another least probability of a hit: the trainer wants more false positives
+    /// than a tracker.
+    pub fn with_threshold(self, probability: f32) -> Self {
+        let [unit, ..] = self.units;
+        let logit = libm::logf(probability / (1.0 - probability));
+        let steps = libm::roundf(logit / unit).clamp(-127.0, 127.0);
+        DetectorModel {
+            threshold: (i32::from(ZERO) + steps as i32) as u8,
+            ..self
+        }
+    }
+
     /// The network and its output.
     pub(super) fn network(&self) -> Option<(Network<'m>, Map)> {
         // Reading cannot fail: `open` checked the section.
