@@ -7,8 +7,8 @@ use posewise::detect::{Detection, TILE};
 /// Sizes of faces that a tile is asked for, and those around them that do not count \[tile px\].
 pub const SIZES: [f32; 2] = [19.0, 47.0];
 const EITHER: [f32; 2] = [14.0, 66.0];
-/// Largest roll that is asked for \[rad\]: 55°.
-pub const ROLL: f32 = 0.96;
+/// Largest roll that is asked for \[rad\]: 60°.
+pub const ROLL: f32 = 1.05;
 /// Cells nearer to the centre than this share of the size are positive, and those nearer than that
 /// are not counted.
 const POSITIVE: f32 = 0.2;

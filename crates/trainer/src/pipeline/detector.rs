@@ -37,7 +37,7 @@ pub fn make(context: &Context<'_>) -> Result<Output> {
         profiles: [PROFILES, NEAR_PROFILES],
         fronts: [FRONTS, NEAR_FRONTS],
     };
-    let stage = context.with_near(Stage::new("detector", 4).options(&options)?)?;
+    let stage = context.with_near(Stage::new("detector", 5).options(&options)?)?;
     let stage = context.with_renders(stage)?;
     let stage = context.with_sets(stage, &TRAINING)?;
     let stage = context.with_photographs(stage, &["backgrounds"])?;
