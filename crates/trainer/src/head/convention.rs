@@ -5,6 +5,9 @@
 use super::morphable::Head;
 use posewise::shape::{LANDMARKS, MIRROR};
 
+/// Changes whenever a point is put elsewhere, so that what was made with the old place is made anew.
+pub const CONVENTION_VERSION: u32 = 2;
+
 /// From the middle of the upper lip to a peak of its bow \[mm\].
 const BOW_MM: f32 = 5.2;
 
@@ -19,6 +22,8 @@ const UNDER_WING_MM: f32 = 1.8;
 /// middle.
 const BRIDGE: [usize; 4] = [27, 28, 29, 30];
 const BROW: [usize; 5] = [17, 18, 19, 20, 21];
+const UPPER_LID: [usize; 4] = [36, 37, 38, 39];
+const LOWER_LID: [usize; 4] = [36, 41, 40, 39];
 const UPPER_LIP: [usize; 4] = [48, 49, 50, 51];
 const LOWER_LIP: [usize; 4] = [48, 59, 58, 57];
 const UPPER_INNER: [usize; 3] = [60, 61, 62];
@@ -26,7 +31,7 @@ const LOWER_INNER: [usize; 3] = [60, 67, 66];
 
 impl Head {
     /// From each landmark's vertex to where the convention has it \[mm, head frame\]: brows, bridge
-    /// of the nose and lower lip evenly in the frontal view; the tip of the nose where it stands
+    /// of the nose, lids and lower lip evenly in the frontal view; the tip of the nose where it stands
     /// out furthest, the points under the nose on its edge; the peaks of the bow as far apart as
     /// people's, and half way between them and the corners; the inner points of the lips in line
     /// with the outer ones above and below. The others stay.
@@ -48,6 +53,11 @@ impl Head {
         for (k, &landmark) in BROW.iter().enumerate() {
             let even = between(x(17), x(21), k as f32 / 4.0);
             moved[landmark] = slid(&BROW.map(at), 0, even);
+        }
+        for (line, points) in [(UPPER_LID, [37, 38]), (LOWER_LID, [41, 40])] {
+            for (landmark, share) in points.into_iter().zip([1.0 / 3.0, 2.0 / 3.0]) {
+                moved[landmark] = slid(&line.map(at), 0, between(x(36), x(39), share));
+            }
         }
         moved[50] = slid(&UPPER_LIP.map(at), 0, bow);
         moved[49] = slid(&UPPER_LIP.map(at), 0, between(x(48), bow, 0.5));

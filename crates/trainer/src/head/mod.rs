@@ -10,5 +10,6 @@ mod npz;
 mod wfm;
 
 pub use contour::{BELOW_MM, at_place, contour_paths, even_places, outward};
+pub use convention::CONVENTION_VERSION;
 pub use morphable::{Expression, Head};
 pub use wfm::{Unit, Wfm};

@@ -5,7 +5,7 @@ use super::stage::Stage;
 use super::store::{Output, Store};
 use super::{fits, sections};
 use crate::face_section::face_section;
-use crate::head::{Head, Wfm};
+use crate::head::{CONVENTION_VERSION, Head, Wfm};
 use anyhow::Result;
 
 /// Makes the section from the wireframe, or from the morphable head with its landmarks where the
@@ -16,7 +16,7 @@ pub fn make(store: &Store, args: &Args, fits: Option<&Output>) -> Result<Output>
     match (&args.wireframe, fits) {
         (Some(path), _) => stage = stage.input("wireframe", store.data(path)?),
         (None, Some(fits)) => stage = stage.input("fits", fits.hash(fits::FILE)?),
-        (None, None) => {}
+        (None, None) => stage = stage.options(&CONVENTION_VERSION)?,
     }
     if args.wireframe.is_none() {
         stage = stage.input("facekit.npz", store.data(&kit)?);

@@ -4,6 +4,7 @@
 use super::fits;
 use super::stage::Stage;
 use super::store::{Output, Store};
+use crate::head::CONVENTION_VERSION;
 use crate::photographs::UNCROPPED;
 use crate::render::{self, Args, Kind, SampleSpec};
 use anyhow::Result;
@@ -18,6 +19,9 @@ struct Options {
     seed: u64,
     count: u64,
     clean: bool,
+    /// Where rendered landmarks are, if no photographs say it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    convention: Option<u32>,
     spec: SampleSpec,
     /// Procedural people, and pictures of each photographed one.
     people: usize,
@@ -34,6 +38,7 @@ pub fn make(store: &Store, args: &Args, fits: Option<&Output>) -> Result<Output>
         seed: args.seed,
         count: args.count,
         clean: args.clean,
+        convention: args.clean.then_some(CONVENTION_VERSION),
         spec: render::spec(args),
         people: args.kind.people(args.clean),
         pictures: args.kind.pictures(),

@@ -118,6 +118,9 @@ pub fn renderer(args: &Args, fits: Option<&Fits>) -> Result<Renderer> {
     Ok(Renderer::new(mesh, people, backgrounds, &offsets_mm))
 }
 
+/// Share of everyday samples where no photographs are: those are beside the renders otherwise.
+const EVERYDAY_CLEAN: f64 = 0.6;
+
 /// The spec that goes with `args`.
 pub fn spec(args: &Args) -> SampleSpec {
     let kind = match args.kind {
@@ -130,6 +133,7 @@ pub fn spec(args: &Args) -> SampleSpec {
         } else {
             Persons::All
         },
+        everyday: if args.clean { EVERYDAY_CLEAN } else { 0.0 },
         ..kind
     }
 }

@@ -77,6 +77,13 @@ impl Renderer {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(index);
         let rng = &mut rng;
+        let spec = &match some(rng, spec.everyday) {
+            true => spec.everyday(),
+            false => SampleSpec {
+                everyday: 0.0,
+                ..spec.clone()
+            },
+        };
         let person = self.people.pick(rng, &self.mesh, spec.persons);
         let (head, expression) = self.head(rng, &person, spec);
         let angles = random_angles(rng, spec);
@@ -147,7 +154,8 @@ impl Renderer {
         }
         let weights = expression.weights(&self.mesh);
         let mut head = self.mesh.vertices(&identity, &weights);
-        let deformation = Deformation::random(rng, &self.mesh, deformation_of(person));
+        let strength = deformation_of(person, spec);
+        let deformation = Deformation::random(rng, &self.mesh, strength);
         head.iter_mut().for_each(|v| *v = deformation.apply(*v));
         (head, expression)
     }
@@ -295,8 +303,9 @@ fn random_eyes(
 }
 
 /// How strongly a person's head is deformed: a photographed skin fits others than its owner less.
-fn deformation_of(person: &Person) -> f32 {
-    if person.identity.is_empty() { 1.0 } else { 0.5 }
+fn deformation_of(person: &Person, spec: &SampleSpec) -> f32 {
+    let strength = if spec.everyday > 0.0 { 0.4 } else { 1.0 };
+    strength * if person.identity.is_empty() { 1.0 } else { 0.5 }
 }
 
 /// True in that share of the cases; a share of 0 draws nothing from the generator.

@@ -41,6 +41,14 @@ pub struct SampleSpec {
     pub defects: f32,
     /// Whose skins are used.
     pub persons: Persons,
+    /// Share of samples as photographs mostly are; see [`SampleSpec::everyday`]. The others are
+    /// harder.
+    #[serde(skip_serializing_if = "is_none")]
+    pub everyday: f64,
+}
+
+fn is_none(share: &f64) -> bool {
+    *share == 0.0
 }
 
 impl Default for SampleSpec {
@@ -63,11 +71,30 @@ impl Default for SampleSpec {
             photo_backgrounds: 0.75,
             defects: 1.0,
             persons: Persons::All,
+            everyday: 0.0,
         }
     }
 }
 
 impl SampleSpec {
+    /// The same with heads, poses and accessories as photographs mostly show them.
+    pub fn everyday(&self) -> SampleSpec {
+        SampleSpec {
+            yaw_deg: self.yaw_deg.min(60.0),
+            inner_share: 0.85,
+            pitch_deg: 25.0,
+            roll_deg: 25.0,
+            occluders: 0.05,
+            long_hair: 0.2,
+            caps: 0.03,
+            masks: 0.0,
+            odd_eyes: 0.0,
+            infrared: 0.03,
+            everyday: 1.0,
+            ..self.clone()
+        }
+    }
+
     /// Faces seen from near: as sharp as a closer crop can be, lids anywhere.
     pub fn near() -> SampleSpec {
         SampleSpec {
