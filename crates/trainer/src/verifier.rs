@@ -2,8 +2,7 @@
 //! to probabilities on people that they were not trained on (Platt 1999).
 //!
 //! Per landmark and view, support vector machines decide whether the landmark is correct and
-//! whether it is visible. Per view, one least-squares classifier of all features separates faces
-//! from the rest.
+//! whether it is visible. Per view, one of all features separates faces from the rest.
 
 mod linear;
 mod platt;
@@ -14,7 +13,7 @@ pub use platt::platt;
 use crate::faces::{Face, Picture};
 use crate::ridge::Linear;
 use anyhow::Result;
-use linear::{Example, Loss, cross_fitted};
+use linear::{Example, cross_fitted};
 use posewise::align::AlignModel;
 use posewise::detect::DetectorModel;
 use posewise::shape::LANDMARKS;
@@ -24,9 +23,6 @@ use posewise_metrics::{auc, calibration_error};
 use rayon::prelude::*;
 use samples::Sample;
 
-/// With a support vector machine fewer faces are found in blurred photographs, and more background
-/// passes (docs/records.md).
-const FACE_LOSS: Loss = Loss::Squares;
 /// Weight of the squared norm beside the mean loss: the values with the least log loss on unseen
 /// people of the default model's training data, of two per decade. The log loss is flat there.
 const FACE_RIDGE: f32 = 0.03;
@@ -85,7 +81,7 @@ fn train_face(samples: &[&Sample], out: &mut SectionWriter) -> Result<Vec<f32>> 
         .iter()
         .map(|s| s.example(&s.features, s.face))
         .collect();
-    let (classifier, scores) = cross_fitted(&examples, FACE_LOSS, FACE_RIDGE)?;
+    let (classifier, scores) = cross_fitted(&examples, FACE_RIDGE)?;
     let labels: Vec<bool> = samples.iter().map(|s| s.face).collect();
     let weights: Vec<f32> = samples.iter().map(|s| s.weight).collect();
     let (slopes, offset) = platt(&scores, &labels, Some(&weights), None);
@@ -120,7 +116,7 @@ fn train_correct(
         .map(|landmark| {
             let labels: Vec<bool> = samples.iter().map(|s| s.correct[landmark]).collect();
             let examples = own_examples(&samples, &labels, landmark, features);
-            let (classifier, scores) = cross_fitted(&examples, Loss::SquaredHinge, CORRECT_RIDGE)?;
+            let (classifier, scores) = cross_fitted(&examples, CORRECT_RIDGE)?;
             let (slopes, offset) = platt(&scores, &labels, None, Some(&face_logits));
             let both = scores.iter().zip(&face_logits);
             let logits = both
@@ -156,7 +152,7 @@ fn train_visible(samples: &[&Sample], features: usize, out: &mut SectionWriter) 
         .map(|landmark| {
             let labels = labels(landmark);
             let examples = own_examples(&samples, &labels, landmark, features);
-            cross_fitted(&examples, Loss::SquaredHinge, VISIBLE_RIDGE)
+            cross_fitted(&examples, VISIBLE_RIDGE)
         })
         .collect::<Result<Vec<_>>>()?;
     let predictions: Vec<Vec<i8>> = (0..samples.len())
@@ -170,7 +166,7 @@ fn train_visible(samples: &[&Sample], features: usize, out: &mut SectionWriter) 
             let examples: Vec<Example<'_>> = rows
                 .map(|((s, predictions), label)| s.example(predictions, *label))
                 .collect();
-            let (classifier, scores) = cross_fitted(&examples, Loss::SquaredHinge, CONTEXT_RIDGE)?;
+            let (classifier, scores) = cross_fitted(&examples, CONTEXT_RIDGE)?;
             let (slopes, offset) = platt(&scores, &labels, None, None);
             let logits = scores.iter().map(|s| s * slopes[0] + offset).collect();
             Ok(Calibrated {

@@ -1,9 +1,8 @@
-//! Linear classifiers: support vector machines with a squared hinge loss, fitted in the primal by
-//! Newton's method (Chapelle, Training a support vector machine in the primal, 2007), and least
-//! squares, which is the first step of that method.
+//! Support vector machines with a squared hinge loss, fitted in the primal by Newton's method
+//! (Chapelle, Training a support vector machine in the primal, 2007).
 
 use crate::ridge::{Linear, Normal, predict};
-use anyhow::{Context, Result};
+use anyhow::Result;
 use faer::Mat;
 use rayon::prelude::*;
 
@@ -32,33 +31,17 @@ impl Example<'_> {
     }
 }
 
-/// How a score misses its target, 1 or −1.
-#[derive(Clone, Copy, PartialEq)]
-pub enum Loss {
-    /// `(1 − margin)²`, the margin being target times score.
-    Squares,
-    /// `max(0, 1 − margin)²`: a support vector machine.
-    SquaredHinge,
-}
-
 /// Fits a classifier to all examples, both classes of equal weight; also returns the score of each
 /// example by a classifier that was fitted without the example's fold.
-pub fn cross_fitted(
-    examples: &[Example<'_>],
-    loss: Loss,
-    ridge: f32,
-) -> Result<(Linear, Vec<f32>)> {
+pub fn cross_fitted(examples: &[Example<'_>], ridge: f32) -> Result<(Linear, Vec<f32>)> {
     let examples = balanced(examples);
     let inputs = examples.first().map_or(0, |e| e.features.len());
-    let fit = |examples: &[Example<'_>], start| match loss {
-        Loss::Squares => least_squares(examples, ridge),
-        Loss::SquaredHinge => support_vector_machine(examples, ridge, start),
-    };
-    let all = fit(&examples, Mat::zeros(inputs + 1, 1))?;
+    let all = support_vector_machine(&examples, ridge, Mat::zeros(inputs + 1, 1))?;
     let folds = (0..FOLDS)
         .map(|fold| {
             let others = examples.iter().filter(|e| e.fold != fold);
-            fit(&others.copied().collect::<Vec<_>>(), all.clone())
+            let others = others.copied().collect::<Vec<_>>();
+            support_vector_machine(&others, ridge, all.clone())
         })
         .collect::<Result<Vec<_>>>()?;
     let scores = examples
@@ -81,15 +64,8 @@ fn balanced<'a>(examples: &[Example<'a>]) -> Vec<Example<'a>> {
     weighted.collect()
 }
 
-/// Weights (the last one the bias) that minimise the weighted mean of [`Loss::Squares`] plus
-/// `ridge · |weights|²`, the bias aside.
-fn least_squares(examples: &[Example<'_>], ridge: f32) -> Result<Mat<f32>> {
-    let no_margins = vec![0.0; examples.len()];
-    let solution = Objective::new(examples, ridge).newton(&no_margins)?;
-    solution.context("there are no examples")
-}
-
-/// The same with [`Loss::SquaredHinge`].
+/// Weights (the last one the bias) that minimise the weighted mean of `max(0, 1 − margin)²`, the
+/// margin being target times score, plus `ridge · |weights|²`, the bias aside.
 ///
 /// A Newton step goes to the ridge solution of the support vectors, which are the examples whose
 /// margin is below 1. From zero these are all examples.
@@ -237,14 +213,12 @@ mod tests {
     #[test]
     fn scores_of_unseen_folds_separate_the_classes() {
         let rows = rows();
-        for loss in [Loss::Squares, Loss::SquaredHinge] {
-            let (classifier, scores) = cross_fitted(&examples(&rows), loss, 0.01).unwrap();
-            let right = rows.iter().zip(&scores).filter(|(r, s)| (**s > 0.0) == r.1);
-            let right = right.count();
-            assert!(right > 460, "{right} of 600");
-            let weight = &classifier.weight;
-            assert_eq!(weight[0], 127);
-            assert!((40..90).contains(&-weight[1]), "{weight:?}");
-        }
+        let (classifier, scores) = cross_fitted(&examples(&rows), 0.01).unwrap();
+        let right = rows.iter().zip(&scores).filter(|(r, s)| (**s > 0.0) == r.1);
+        let right = right.count();
+        assert!(right > 460, "{right} of 600");
+        let weight = &classifier.weight;
+        assert_eq!(weight[0], 127);
+        assert!((40..90).contains(&-weight[1]), "{weight:?}");
     }
 }

@@ -43,6 +43,8 @@ const RANDOM_BOXES: usize = 4;
 const FALSE_POSITIVES: f32 = 2.0 / 3.0;
 /// Of so many pictures one is shown as by a poor camera.
 const POOR: usize = 3;
+/// Of so many orientations of a picture without a face one is searched for false positives.
+const ORIENTATIONS: usize = 4;
 /// Most false positives taken from a picture in one orientation: poor ones have hundreds.
 const MAX_FALSE_POSITIVES: usize = 40;
 /// Width of a face that the poor camera's defects are scaled to in pictures without one \[px\].
@@ -253,11 +255,14 @@ fn on_false_positives(
                 let mut rng = ChaCha8Rng::seed_from_u64(seed);
                 rng.set_stream(index as u64);
                 let mut samples = Vec::new();
-                for (k, mut picture) in picture.orientations().into_iter().enumerate() {
-                    if k % POOR == 1 {
-                        picture = poor(&picture, EMPTY_FACE_PX, &mut rng);
-                    }
-                    let frame = picture.frame();
+                let orientations = picture.orientations();
+                for picture in orientations
+                    .iter()
+                    .skip(index % ORIENTATIONS)
+                    .step_by(ORIENTATIONS)
+                {
+                    let poor = sometimes_poor(picture, EMPTY_FACE_PX, &mut rng);
+                    let frame = poor.as_ref().unwrap_or(picture).frame();
                     let found = false_positives(detector, &frame, work);
                     let every = found.len().div_ceil(MAX_FALSE_POSITIVES).max(1);
                     for found in found.iter().step_by(every) {
