@@ -6,8 +6,8 @@ use super::Tracker;
 use super::alignment::Alignment;
 use super::output::{Fitted, write};
 use super::policy::{
-    ANCHOR_MIN_FACING, FIT_WEIGHT_HIDDEN, FIT_WEIGHT_MIN, TRUST_CONFIDENCE,
-    UNTRUSTED_KEEP_CONFIDENCE,
+    ANCHOR_MIN_FACING, CUT_SURROUNDINGS, FIT_WEIGHT_HIDDEN, FIT_WEIGHT_MIN, SURROUNDINGS,
+    TRUST_CONFIDENCE, UNTRUSTED_KEEP_CONFIDENCE,
 };
 use super::step::{Outcome, Step};
 use super::target::Origin;
@@ -56,10 +56,10 @@ impl Tracker {
             true => &*shape,
             false => &*global_shape,
         };
-        self.target.last.set(shape, step.frame);
+        self.target.last.set(shape, step.frame, CUT_SURROUNDINGS);
         let faces_camera = fit.state.pose.rotation.z_axis.z >= ANCHOR_MIN_FACING;
         if faces_camera && confidence.face >= TRUST_CONFIDENCE {
-            self.target.anchor.clone_from(&self.target.last);
+            self.target.anchor.set(shape, step.frame, SURROUNDINGS);
         } else if !faces_camera && confidence.face >= UNTRUSTED_KEEP_CONFIDENCE {
             self.target.anchor.clear();
         }

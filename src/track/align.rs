@@ -2,8 +2,8 @@
 
 use super::geometry::centre;
 use super::policy::{
-    CUT_SHARE, DISCARD_CONFIDENCE, IN_PLACE_SHARES, ITERATION_UNITS, REFINE_UNITS,
-    ROTATION_PRIOR_WEIGHT, TRUST_CONFIDENCE, UNTRUSTED_KEEP_CONFIDENCE, WRONG_CONFIDENCE,
+    CUT_SHARE, CUT_SURROUNDINGS, DISCARD_CONFIDENCE, IN_PLACE_SHARES, ITERATION_UNITS,
+    REFINE_UNITS, ROTATION_PRIOR_WEIGHT, SURROUNDINGS, TRUST_CONFIDENCE, UNTRUSTED_KEEP_CONFIDENCE,
 };
 use super::step::Step;
 use super::{Model, Tracker};
@@ -73,7 +73,7 @@ impl Tracker {
     }
 
     /// Replaces the alignment by one from where the target was last trusted, if that is the better
-    /// one, or if neither place shows a face.
+    /// one.
     #[inline(never)]
     fn align_at_anchor(&mut self, step: &Step<'_>) {
         let Some(anchor) = self.target.anchor.shape().copied() else {
@@ -82,8 +82,8 @@ impl Tracker {
         let first = self.alignment.clone();
         let is_aligned = self.align_target_at(step, &anchor);
         let is_free = !self.excluded.contains(centre(&self.alignment.shape));
-        let (before, now) = (first.confidence.face, self.alignment.confidence.face);
-        if !(is_aligned && is_free && (now > before || before < WRONG_CONFIDENCE)) {
+        let is_better = self.alignment.confidence.face > first.confidence.face;
+        if !(is_aligned && is_free && is_better) {
             self.alignment = first;
         }
     }
@@ -131,12 +131,12 @@ impl Tracker {
         }
         let centre = centre(&alignment.shape);
         let (anchor, last) = (&self.target.anchor, &self.target.last);
-        if last.unchanged(step.frame, centre).most() < CUT_SHARE {
+        if last.unchanged(step.frame, centre, CUT_SURROUNDINGS).most() < CUT_SHARE {
             return false;
         }
         let may_be_covered = anchor.is_set() && self.target.may_be_covered(step.now_us);
         kept || may_be_covered && {
-            let share = anchor.unchanged(step.frame, centre).in_place;
+            let share = anchor.unchanged(step.frame, centre, SURROUNDINGS).in_place;
             confidence.visible_share() + share >= IN_PLACE_SHARES
         }
     }

@@ -1,4 +1,4 @@
-//! Where the target was last trusted, and what surrounded its face there.
+//! Where the target was last trusted or last seen, and what surrounded its face there.
 //!
 //! A face that is covered as a whole shows nothing that could be verified. But hair, neck and what
 //! else is around it stay, whereas a person who leaves takes them along.
@@ -9,12 +9,12 @@ use crate::align::Shape;
 use crate::image::Frame;
 use crate::shape::LANDMARKS;
 
-/// Cells along a side of the square around the face, which is twice as wide as the face.
+/// Cells along a side of the square around the face.
 const SIDE: usize = 16;
 /// Samples along a side of a cell.
 const SAMPLES: usize = 4;
-/// Squared distances from the centre of the cells that surround the face \[cells²\]: a ring that
-/// begins at the edge of the face.
+/// Squared distances from the centre of the cells that surround the face \[cells²\]: a ring whose
+/// inner edge is the square's circle of half its width.
 const RING: core::ops::RangeInclusive<f32> = 16.0..=31.4;
 /// Largest luma.
 const LUMA_MAX: usize = 255;
@@ -46,11 +46,12 @@ impl Anchor {
         self.is_set = false;
     }
 
-    /// Takes the surroundings of the face on this frame.
-    pub(super) fn set(&mut self, shape: &Shape, frame: &Frame<'_>) {
+    /// Takes what surrounds the face on this frame: the edge of a square of this width, in widths of
+    /// the face.
+    pub(super) fn set(&mut self, shape: &Shape, frame: &Frame<'_>, width: f32) {
         self.is_set = true;
         self.shape = *shape;
-        let square = Square::around(shape);
+        let square = Square::around(shape, width);
         for (luma, cell) in self.luma.iter_mut().zip(ring()) {
             *luma = square.luma(frame, cell);
         }
@@ -61,9 +62,10 @@ impl Anchor {
         self.is_set
     }
 
-    /// How much of what surrounded the face is as it was, in place and around this centre.
-    pub(super) fn unchanged(&self, frame: &Frame<'_>, centre: [f32; 2]) -> Unchanged {
-        let in_place = Square::around(&self.shape);
+    /// How much of what surrounded the face is as it was, in place and around this centre. The width
+    /// is that of [`Anchor::set`].
+    pub(super) fn unchanged(&self, frame: &Frame<'_>, centre: [f32; 2], width: f32) -> Unchanged {
+        let in_place = Square::around(&self.shape, width);
         Unchanged {
             in_place: self.unchanged_in(frame, &in_place),
             moved: self.unchanged_in(frame, &in_place.at(centre)),
@@ -132,10 +134,10 @@ struct Square {
 }
 
 impl Square {
-    /// Centred on the face's box and twice as wide as that is long.
-    fn around(shape: &Shape) -> Square {
+    /// Centred on the face's box and so many times as wide as that is long.
+    fn around(shape: &Shape, widths: f32) -> Square {
         let [left, top, width, height] = bounds(shape);
-        let half = width.max(height);
+        let half = widths / 2.0 * width.max(height);
         let step = 2.0 * half / (SIDE * SAMPLES) as f32;
         Square {
             first: [left + width / 2.0, top + height / 2.0]
@@ -194,8 +196,8 @@ mod tests {
         });
         let mut anchor = Anchor::EMPTY;
         assert!(!anchor.is_set());
-        anchor.set(&shape, before);
-        anchor.unchanged(after, centre)
+        anchor.set(&shape, before, 2.0);
+        anchor.unchanged(after, centre, 2.0)
     }
 
     fn share(after: &[u8; WIDTH * WIDTH]) -> f32 {
