@@ -37,7 +37,7 @@ impl Default for Options {
             seed: 1,
             channels: [16, 32, 48],
             depth: 4,
-            steps: 32_000,
+            steps: 20_000,
             batch: 64,
             rate: 4e-3,
             warm_up: 400,

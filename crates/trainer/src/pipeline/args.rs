@@ -33,7 +33,7 @@ pub struct Args {
     #[arg(long, default_value_t = 40_000)]
     pub steps: usize,
     /// Batches that the detector's network is trained on.
-    #[arg(long, default_value_t = 32_000)]
+    #[arg(long, default_value_t = 20_000)]
     pub detector_steps: usize,
     /// Use no photograph: procedural people before procedural backgrounds only.
     #[arg(long)]
