@@ -80,7 +80,7 @@ impl Workspace {
         &self.global_shape
     }
 
-    /// 96 KiB of the working memory, for other use between two runs. A run overwrites it and does
+    /// 80 KiB of the working memory, for other use between two runs. A run overwrites it and does
     /// not read it.
     pub fn scratch(&mut self) -> &mut [u8] {
         self.memory.scratch()

@@ -12,7 +12,7 @@ pub const MAX_COLUMNS: usize = 9 * 64;
 /// Capacity: weights of a node.
 pub const MAX_WEIGHTS: usize = 80 * 80;
 /// Memory for all maps that are in use at one time \[bytes\].
-pub const ARENA: usize = 96 * 1024;
+pub const ARENA: usize = 80 * 1024;
 
 /// The input crop.
 pub const OP_INPUT: u8 = 0;

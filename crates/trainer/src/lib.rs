@@ -11,6 +11,7 @@ pub mod labels;
 pub mod photographs;
 pub mod picture;
 pub mod pipeline;
+mod places;
 pub mod render;
 pub mod ridge;
 pub mod single_eyes;

@@ -7,9 +7,10 @@ use super::rank::reduce_rank;
 use super::samples::Sample;
 use super::starts::StartShapes;
 use super::train::Trained;
+use crate::places::{Use, places};
 use anyhow::{Result, ensure};
 use posewise::align::{AlignModel, EnsembleMember, SHAPE_INDEXED, Shape};
-use posewise::network::{ARENA, OP_ADD, OP_CONV, OP_DEPTHWISE, OP_INPUT, OP_LATERAL, OP_LINEAR};
+use posewise::network::{OP_ADD, OP_CONV, OP_DEPTHWISE, OP_INPUT, OP_LATERAL, OP_LINEAR};
 use posewise_format::SectionWriter;
 
 /// Outputs whose weights are interleaved.
@@ -72,7 +73,7 @@ fn write_regressor(trained: &Trained, samples: &[Sample], out: &mut SectionWrite
     out.scalar(network.heads.len() as u32)
         .scalar(sizes.rank as u32);
     let scales = scales(network, parameters, samples);
-    let places = places(network)?;
+    let places = places(&uses(network)?)?;
     out.scalar(network.graph.nodes.len() as u32);
     for index in 0..network.graph.nodes.len() {
         write_node(network, parameters, &scales, &places, index, out);
@@ -126,10 +127,9 @@ fn scales(network: &Network, parameters: &[f32], samples: &[Sample]) -> Vec<f32>
     scales
 }
 
-/// First byte of every map in the arena: free while the map and all that are still read are kept.
-fn places(network: &Network) -> Result<Vec<usize>> {
+/// Use of every map. The fine and the last one are read by the heads.
+fn uses(network: &Network) -> Result<Vec<Use>> {
     let nodes = &network.graph.nodes;
-    let size = |k: usize| nodes[k].dims.iter().product::<usize>();
     let mut last_use: Vec<usize> = (0..nodes.len()).collect();
     for (index, node) in nodes.iter().enumerate().skip(1) {
         last_use[node.input] = index;
@@ -140,36 +140,19 @@ fn places(network: &Network) -> Result<Vec<usize>> {
     for kept in [network.fine, network.last] {
         last_use[kept] = nodes.len();
     }
-    let mut places: Vec<usize> = vec![];
-    for (index, node) in nodes.iter().enumerate() {
-        if node.op == Op::Add {
-            // In place: the sum is the last to read its input.
-            ensure!(
-                last_use[node.input] == index,
-                "an input of a sum is read again later"
-            );
-            places.push(places[node.input]);
-            continue;
-        }
-        let mut alive: Vec<(usize, usize)> = (0..index)
-            .filter(|k| last_use[*k] >= index)
-            .map(|k| (places[k], places[k] + size(k)))
-            .collect();
-        alive.sort();
-        let mut at = 0;
-        for (start, end) in alive {
-            if at + size(index) <= start {
-                break;
-            }
-            at = at.max(end);
-        }
+    let uses = nodes.iter().enumerate().map(|(index, node)| {
+        let replaces = (node.op == Op::Add).then_some(node.input);
         ensure!(
-            at + size(index) <= ARENA,
-            "the maps need more than {ARENA} bytes"
+            replaces.is_none_or(|input| last_use[input] == index),
+            "an input of a sum is read again later"
         );
-        places.push(at);
-    }
-    Ok(places)
+        Ok(Use {
+            bytes: node.dims.iter().product(),
+            last: last_use[index],
+            replaces,
+        })
+    });
+    uses.collect()
 }
 
 fn write_node(

@@ -6,9 +6,10 @@ use super::layer::{BACK, FIRST_KERNEL, Layer, OUTPUTS, Op};
 use super::network::Network;
 use super::options::Options;
 use super::tile::{MIDDLE_SIZE, UNITS, standardise};
-use anyhow::{Result, ensure};
+use crate::places::{Use, places};
+use anyhow::Result;
 use posewise::detect::{TAG, TILE};
-use posewise::network::{ARENA, OP_ADD, OP_CONV, OP_DEPTHWISE, OP_INPUT, OP_LINEAR};
+use posewise::network::{OP_ADD, OP_CONV, OP_DEPTHWISE, OP_INPUT, OP_LINEAR};
 use posewise_format::SectionWriter;
 
 /// The input map holds `INPUT_ZERO + v / INPUT_SCALE` for a standardised pixel value `v`.
@@ -49,7 +50,7 @@ fn write_network(
     out: &mut SectionWriter,
 ) -> Result<()> {
     let scales = scales(network, p, tiles);
-    let places = places(network)?;
+    let places = places(&uses(network))?;
     out.scalar(network.layers.len() as u32 + 1);
     header(
         out,
@@ -133,42 +134,23 @@ fn scales(network: &Network, p: &[f32], tiles: &[Vec<u8>]) -> Vec<f32> {
     scales
 }
 
-/// First byte of every map: free while the map and all that are still read are kept.
-fn places(network: &Network) -> Result<Vec<usize>> {
-    let n = network.layers.len() + 1;
-    let size = |m: usize| match m {
-        0 => TILE * TILE,
-        _ => network.layers[m - 1].side.pow(2) * network.layers[m - 1].channels,
-    };
-    let mut last_use: Vec<usize> = (0..n).map(|m| m + 1).collect();
-    for (k, _) in network
-        .layers
-        .iter()
-        .enumerate()
-        .filter(|(_, l)| l.op == Op::Add)
-    {
-        last_use[k - BACK] = k + 1;
+/// Use of every map: a layer reads the one before, a sum one of an earlier layer too.
+fn uses(network: &Network) -> Vec<Use> {
+    let layers = &network.layers;
+    let mut uses = vec![Use {
+        bytes: TILE * TILE,
+        last: 1,
+        replaces: None,
+    }];
+    uses.extend(layers.iter().enumerate().map(|(k, l)| Use {
+        bytes: l.side.pow(2) * l.channels,
+        last: k + 2,
+        replaces: (l.op == Op::Add).then_some(k),
+    }));
+    for (k, _) in layers.iter().enumerate().filter(|(_, l)| l.op == Op::Add) {
+        uses[k - BACK].last = k + 1;
     }
-    let mut places: Vec<usize> = vec![];
-    for m in 0..n {
-        if m > 0 && network.layers[m - 1].op == Op::Add {
-            places.push(places[m - 1]);
-            continue;
-        }
-        let alive = (0..m).filter(|k| last_use[*k] >= m);
-        let mut alive: Vec<_> = alive.map(|k| (places[k], places[k] + size(k))).collect();
-        alive.sort_unstable();
-        let mut at = 0;
-        for (start, end) in alive {
-            if at + size(m) <= start {
-                break;
-            }
-            at = at.max(end);
-        }
-        ensure!(at + size(m) <= ARENA, "the maps do not fit");
-        places.push(at);
-    }
-    Ok(places)
+    uses
 }
 
 /// Factors as integers of 15 bits, and the shift that undoes their scale.

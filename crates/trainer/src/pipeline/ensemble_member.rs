@@ -11,7 +11,7 @@ use anyhow::Result;
 /// Makes the section.
 pub fn make(context: &Context<'_>) -> Result<Output> {
     let options = global_network::options(context).ensemble_member();
-    let stage = context.with_faces(Stage::new("ensemble-member", 2).options(&options)?)?;
+    let stage = context.with_faces(Stage::new("ensemble-member", 3).options(&options)?)?;
     context.store.make(&stage, &[sections::FILE], |folder| {
         let checkpoint = folder.join(global_network::NETWORK);
         let section = align::ensemble_member(context.faces()?, &options, &checkpoint)?;

@@ -27,7 +27,7 @@ pub fn options(context: &Context<'_>) -> align::Options {
 /// Makes section and network.
 pub fn make(context: &Context<'_>) -> Result<Output> {
     let options = options(context);
-    let stage = context.with_faces(Stage::new("global-network", 1).options(&options)?)?;
+    let stage = context.with_faces(Stage::new("global-network", 2).options(&options)?)?;
     context
         .store
         .make(&stage, &[sections::FILE, NETWORK], |folder| {

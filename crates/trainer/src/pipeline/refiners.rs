@@ -12,7 +12,7 @@ use posewise::align::{AlignModel, EnsembleMember};
 pub fn make(context: &Context<'_>, global: &Output, member: &Output) -> Result<Output> {
     let args = context.args;
     let options = align::refiners::options(args.seed, args.steps / 2);
-    let stage = Stage::new("refiners", 2)
+    let stage = Stage::new("refiners", 3)
         .options(&options)?
         .input("global-network", global.hash(sections::FILE)?)
         .input("ensemble-member", member.hash(sections::FILE)?);
