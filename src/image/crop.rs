@@ -61,9 +61,10 @@ const FRACTION: u32 = 16;
 
 /// Most samples averaged along one axis of a crop pixel when the frame is finer than the crop.
 const TAPS_MAX: i32 = 4;
-/// From this scale on \[frame px per crop px\], samples are single pixels of the frame: they are at
-/// least one pixel apart, and interpolation would read four times as many for the same mean.
-const COARSE_SCALE: f32 = TAPS_MAX as f32;
+/// From this scale on \[frame px per crop px\] a crop pixel is the mean of 4×4 single pixels of the
+/// frame: interpolation would read four times as many for nearly the same mean. Below, 2×2
+/// interpolated samples at most take as many reads.
+const COARSE_SCALE: f32 = 2.5;
 
 /// Width of a frame's box filter \[frame px\].
 const BOX_PX: f32 = 3.0;
@@ -87,10 +88,11 @@ pub fn warp(frame: &Frame<'_>, to_frame: &Similarity, side: usize, crop: &mut Cr
     let (a, b) = (fixed(to_frame.a) as i64, fixed(to_frame.b) as i64);
     let (tx, ty) = (fixed(to_frame.tx) as i64, fixed(to_frame.ty) as i64);
     let scale = libm::sqrtf(to_frame.a * to_frame.a + to_frame.b * to_frame.b);
-    let taps = if scale.is_finite() {
-        (libm::roundf(scale) as i32).clamp(1, TAPS_MAX)
-    } else {
-        1
+    let coarse = scale >= COARSE_SCALE;
+    let taps = match (scale.is_finite(), coarse) {
+        (true, true) => TAPS_MAX,
+        (true, false) => (libm::roundf(scale) as i32).clamp(1, TAPS_MAX),
+        _ => 1,
     };
     // Samples sit at the centres of a taps×taps division of the crop pixel.
     let first = |axis: i64| -axis * (taps as i64 - 1) / (2 * taps as i64);
@@ -98,7 +100,7 @@ pub fn warp(frame: &Frame<'_>, to_frame: &Similarity, side: usize, crop: &mut Cr
     let samples = Samples {
         taps: taps as usize,
         steps: [(a, b), (sub_a, sub_b)],
-        coarse: scale >= COARSE_SCALE,
+        coarse,
     };
     let inside = Inside::of(frame);
     let rows = crop.luma.chunks_exact_mut(side.max(1)).take(side);
@@ -110,9 +112,7 @@ pub fn warp(frame: &Frame<'_>, to_frame: &Similarity, side: usize, crop: &mut Cr
             Some(inside) if samples.are_inside(frame, x, y, side) => match (samples.coarse, taps) {
                 (true, _) => inside.fill::<4>(&samples, x, y, row, |x, y| inside.nearest(x, y)),
                 (_, 1) => inside.fill::<1>(&samples, x, y, row, |x, y| inside.bilinear(x, y)),
-                (_, 2) => inside.fill::<2>(&samples, x, y, row, |x, y| inside.bilinear(x, y)),
-                (_, 3) => inside.fill::<3>(&samples, x, y, row, |x, y| inside.bilinear(x, y)),
-                _ => inside.fill::<4>(&samples, x, y, row, |x, y| inside.bilinear(x, y)),
+                _ => inside.fill::<2>(&samples, x, y, row, |x, y| inside.bilinear(x, y)),
             },
             _ => samples.fill(frame, x, y, row),
         }

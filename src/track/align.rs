@@ -11,18 +11,36 @@ use crate::align::{Shape, Workspace};
 use crate::shape::RotationPrior;
 use crate::verifier::Confidence;
 
+/// Confidence that an alignment needs to go on.
+#[derive(Clone, Copy)]
+pub(super) struct Needed {
+    /// After an iteration, for the next one.
+    pub(super) to_iterate: f32,
+    /// After the last iteration.
+    pub(super) to_refine: f32,
+}
+
+impl Needed {
+    /// All iterations are run, unless the candidate is discarded.
+    pub(super) fn to_refine(confidence: f32) -> Needed {
+        Needed {
+            to_iterate: DISCARD_CONFIDENCE.min(confidence),
+            to_refine: confidence,
+        }
+    }
+}
+
 impl Tracker {
-    /// Runs the global stage and verifies each iteration. A candidate that has less than
-    /// `DISCARD_CONFIDENCE` ends there, as does one that has less than `min_confidence` in the end.
-    /// Any other is refined. What comes of it is in `self.alignment`. False when a landmark is not
-    /// finite.
+    /// Runs the global stage and verifies each iteration. A candidate ends where it has less
+    /// confidence than is needed to go on. Any other is refined. What comes of it is in
+    /// `self.alignment`. False when a landmark is not finite.
     #[inline(never)]
     pub(super) fn align(
         &mut self,
         step: &Step<'_>,
         initial_shape: &Shape,
         iterations: usize,
-        min_confidence: f32,
+        needed: Needed,
     ) -> bool {
         let (align, work) = (&step.model.align, &mut self.work);
         let alignment = &mut self.alignment;
@@ -37,9 +55,10 @@ impl Tracker {
             }
             alignment.global_shape = alignment.shape;
             alignment.confidence = verify(step.model, work);
+            alignment.iterations_left = left;
             let least = match left {
-                0 => min_confidence,
-                _ => DISCARD_CONFIDENCE.min(min_confidence),
+                0 => needed.to_refine,
+                _ => needed.to_iterate,
             };
             if alignment.confidence.face < least {
                 return true;
@@ -90,7 +109,7 @@ impl Tracker {
 
     /// Aligns the target from a shape and compares it with its appearance.
     fn align_target_at(&mut self, step: &Step<'_>, initial_shape: &Shape) -> bool {
-        if !self.align(step, initial_shape, 1, 0.0) {
+        if !self.align(step, initial_shape, 1, Needed::to_refine(0.0)) {
             return false;
         }
         let alignment = &mut self.alignment;

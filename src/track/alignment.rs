@@ -19,6 +19,8 @@ pub(super) struct Alignment {
     pub(super) confidence: Confidence,
     /// Landmarks that are visible and match the target's appearance.
     pub(super) recognised: u32,
+    /// Iterations that were not run, because the confidence was too low.
+    pub(super) iterations_left: usize,
     /// What it has cost \[units of the detector\].
     pub(super) units: u32,
 }
@@ -35,6 +37,7 @@ impl Alignment {
             visibility: [0.0; LANDMARKS],
         },
         recognised: 0,
+        iterations_left: 0,
         units: 0,
     };
 }

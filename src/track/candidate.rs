@@ -3,15 +3,20 @@
 //! | attempt | iterations | accepted from a confidence of |
 //! |---|---|---|
 //! | first, at a detection of the scan | all | `FIRST_ATTEMPT_CONFIDENCE` |
+//! | rest of that, where one iteration was all that the step had work for | 1 | the same |
 //! | first, at a detection near a lost target or of the caller | all | `ACCEPT_CONFIDENCE` |
 //! | retry of a rejected detection, or a keyframe match | 1 | `ACCEPT_CONFIDENCE` |
 //!
 //! In the suppressed region each needs `TRUST_CONFIDENCE`. A face that is centred outside of the
 //! region of interest, or is excluded, is never accepted.
 
+use super::align::Needed;
 use super::event::EventKind;
 use super::geometry::{centre, detection_of, initial_shape};
-use super::policy::{ACCEPT_CONFIDENCE, RETRY_CONFIDENCE, TRUST_CONFIDENCE};
+use super::policy::{
+    ACCEPT_CONFIDENCE, DISCARD_CONFIDENCE, FIRST_ATTEMPT_CONFIDENCE, RETRY_CONFIDENCE,
+    TRUST_CONFIDENCE,
+};
 use super::step::{Outcome, Step};
 use super::target::Origin;
 use super::{Loss, Tracker};
@@ -24,8 +29,7 @@ pub(super) struct Attempt {
     /// Iterations of the cascade.
     iterations: usize,
     origin: Origin,
-    /// Confidence from which the candidate is accepted.
-    min_confidence: f32,
+    needed: Needed,
 }
 
 impl Attempt {
@@ -34,7 +38,7 @@ impl Attempt {
         Attempt {
             iterations: 1,
             origin,
-            min_confidence: ACCEPT_CONFIDENCE,
+            needed: Needed::to_refine(ACCEPT_CONFIDENCE),
         }
     }
 }
@@ -53,7 +57,7 @@ impl Tracker {
         step: &Step<'_>,
         face: &Detection,
         origin: Origin,
-        min_confidence: f32,
+        needed: Needed,
     ) -> Outcome {
         let align = &step.model.align;
         let canonical = align.views().initial_shape(face.yaw);
@@ -63,25 +67,36 @@ impl Tracker {
         let attempt = Attempt {
             iterations: align.iterations(),
             origin,
-            min_confidence,
+            needed,
         };
         let outcome = self.attempt(step, &shape, &attempt);
         if let Outcome::Retry { confidence } = outcome {
-            self.retry.offer(confidence, self.work.global_shape());
+            let is_unfinished = self.alignment.iterations_left > 0;
+            let shape = self.work.global_shape();
+            self.retry.offer(confidence, shape, is_unfinished);
         }
         outcome
     }
 
-    /// Second and last attempt at a rejected detection.
+    /// The rest of a first attempt, which may be left for a retry once more, or the second and last
+    /// attempt at a rejected detection.
     #[inline(never)]
     pub(super) fn retry(&mut self, step: &Step<'_>) -> Outcome {
-        let shape = self.retry.take();
-        self.attempt(step, &shape, &Attempt::near(Origin::NewFace))
+        let (shape, is_unfinished) = self.retry.take();
+        let mut attempt = Attempt::near(Origin::NewFace);
+        if is_unfinished {
+            attempt.needed = Needed::to_refine(FIRST_ATTEMPT_CONFIDENCE);
+        }
+        let outcome = self.attempt(step, &shape, &attempt);
+        if let (Outcome::Retry { confidence }, true) = (outcome, is_unfinished) {
+            (self.retry).offer(confidence, self.work.global_shape(), false);
+        }
+        outcome
     }
 
     /// Align from an initial shape, verify, fit.
     pub(super) fn attempt(&mut self, step: &Step<'_>, shape: &Shape, attempt: &Attempt) -> Outcome {
-        if !self.align(step, shape, attempt.iterations, attempt.min_confidence) {
+        if !self.align(step, shape, attempt.iterations, attempt.needed) {
             return Outcome::Reject(Loss::LowConfidence);
         }
         let alignment = &self.alignment;
@@ -93,7 +108,7 @@ impl Tracker {
         if confidence < TRUST_CONFIDENCE && self.suppressed.contains(&place, step.now_us) {
             return Outcome::Reject(Loss::LowConfidence);
         }
-        let outcome = match confidence >= attempt.min_confidence {
+        let outcome = match confidence >= attempt.needed.to_refine {
             true => self.accept(step, attempt.origin),
             false => Outcome::Reject(Loss::LowConfidence),
         };
@@ -103,7 +118,11 @@ impl Tracker {
                 Origin::Reacquired | Origin::Tracked => EventKind::Reacquired,
             });
         }
-        let retry = RETRY_CONFIDENCE..attempt.min_confidence;
+        let least = match self.alignment.iterations_left {
+            0 => RETRY_CONFIDENCE,
+            _ => DISCARD_CONFIDENCE,
+        };
+        let retry = least..attempt.needed.to_refine;
         match outcome {
             Outcome::Reject(_) if retry.contains(&confidence) => Outcome::Retry { confidence },
             _ => outcome,

@@ -1,5 +1,6 @@
 //! All faces of a frame, in calls of bounded work: the search without tracking.
 
+use super::align::Needed;
 use super::geometry::{bounds, centre, detection_of, initial_shape, is_same_face};
 use super::policy::{FIRST_ATTEMPT_CONFIDENCE, NOISY};
 use super::step::{Step, WorkBudget, tile_memory};
@@ -97,7 +98,7 @@ impl Tracker {
         let canonical = align.views().initial_shape(face.yaw)?;
         let initial = initial_shape(&canonical, face)?;
         let least = FIRST_ATTEMPT_CONFIDENCE;
-        if !self.align(step, &initial, align.iterations(), least) {
+        if !self.align(step, &initial, align.iterations(), Needed::to_refine(least)) {
             return None;
         }
         let (shape, confidence) = (&self.alignment.shape, self.alignment.confidence.face);

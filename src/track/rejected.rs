@@ -13,12 +13,15 @@ pub(super) struct PendingRetry {
     confidence: f32,
     /// Where the first attempt ended.
     shape: Shape,
+    /// Whether that was before its last iteration.
+    is_unfinished: bool,
 }
 
 impl PendingRetry {
     pub(super) const NONE: PendingRetry = PendingRetry {
         confidence: 0.0,
         shape: [[0.0; 2]; LANDMARKS],
+        is_unfinished: false,
     };
 
     pub(super) fn is_some(&self) -> bool {
@@ -29,15 +32,20 @@ impl PendingRetry {
         self.confidence = 0.0;
     }
 
-    pub(super) fn offer(&mut self, confidence: f32, shape: &Shape) {
+    pub(super) fn offer(&mut self, confidence: f32, shape: &Shape, is_unfinished: bool) {
         if confidence > self.confidence {
-            (self.confidence, self.shape) = (confidence, *shape);
+            *self = PendingRetry {
+                confidence,
+                shape: *shape,
+                is_unfinished,
+            };
         }
     }
 
-    pub(super) fn take(&mut self) -> Shape {
+    /// Where the first attempt ended, and whether that was before its last iteration.
+    pub(super) fn take(&mut self) -> (Shape, bool) {
         self.clear();
-        self.shape
+        (self.shape, self.is_unfinished)
     }
 }
 
@@ -102,10 +110,10 @@ mod tests {
     #[test]
     fn the_most_confident_candidate_is_retried_once() {
         let mut retry = PendingRetry::NONE;
-        retry.offer(0.4, &[[4.0; 2]; LANDMARKS]);
-        retry.offer(0.3, &[[3.0; 2]; LANDMARKS]);
+        retry.offer(0.4, &[[4.0; 2]; LANDMARKS], true);
+        retry.offer(0.3, &[[3.0; 2]; LANDMARKS], false);
         assert!(retry.is_some());
-        assert_eq!(retry.take(), [[4.0; 2]; LANDMARKS]);
+        assert_eq!(retry.take(), ([[4.0; 2]; LANDMARKS], true));
         assert!(!retry.is_some());
     }
 }

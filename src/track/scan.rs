@@ -1,7 +1,11 @@
 //! A step's scan for a new face: which detections are attempted within the budget.
 
 use super::Tracker;
-use super::policy::{FIRST_ATTEMPT_CONFIDENCE, ITERATION_UNITS, KEYFRAME_UNITS, REFINE_UNITS};
+use super::align::Needed;
+use super::policy::{
+    DISCARD_CONFIDENCE, FIRST_ATTEMPT_CONFIDENCE, ITERATION_UNITS, KEYFRAME_UNITS, REFINE_UNITS,
+    RETRY_CONFIDENCE,
+};
 use super::scanner::ScanPlan;
 use super::step::{Outcome, Step, WorkBudget, tile_memory};
 use super::target::Origin;
@@ -44,16 +48,26 @@ impl Tracker {
             let Some(face) = self.scanner.next(step, roi, &mut plan, budget, memory) else {
                 break;
             };
-            let least = FIRST_ATTEMPT_CONFIDENCE;
-            let outcome = self.attempt_detection(step, &face, Origin::NewFace, least);
+            let needed = Needed {
+                to_iterate: match budget.left() >= whole_attempt(step) {
+                    true => DISCARD_CONFIDENCE,
+                    false => RETRY_CONFIDENCE,
+                },
+                to_refine: FIRST_ATTEMPT_CONFIDENCE,
+            };
+            let outcome = self.attempt_detection(step, &face, Origin::NewFace, needed);
             if outcome.is_accept() {
                 return outcome;
             }
             budget.spend(self.alignment.units);
         }
         // On the same frame where work is left: a still picture is not shown again.
-        if self.retry.is_some() && budget.left() >= ITERATION_UNITS + REFINE_UNITS {
-            return self.retry(step);
+        while self.retry.is_some() && budget.left() >= ITERATION_UNITS + REFINE_UNITS {
+            let outcome = self.retry(step);
+            if outcome.is_accept() {
+                return outcome;
+            }
+            budget.spend(self.alignment.units);
         }
         Outcome::NotFound
     }
@@ -63,4 +77,9 @@ impl Tracker {
         self.scanner.restart();
         self.retry.clear();
     }
+}
+
+/// Most work of a first attempt \[units\].
+fn whole_attempt(step: &Step<'_>) -> u32 {
+    step.model.align.iterations() as u32 * ITERATION_UNITS + REFINE_UNITS
 }

@@ -19,6 +19,7 @@
 
 use core::mem::MaybeUninit;
 
+use super::align::Needed;
 use super::alignment::Alignment;
 use super::event::{EventKind, EventLog};
 use super::excluded::Excluded;
@@ -185,7 +186,8 @@ impl Tracker {
             frame: &self.filtered(frame),
             now_us: timestamp_us,
         };
-        let outcome = self.attempt_detection(step, face, Origin::NewFace, ACCEPT_CONFIDENCE);
+        let needed = Needed::to_refine(ACCEPT_CONFIDENCE);
+        let outcome = self.attempt_detection(step, face, Origin::NewFace, needed);
         if !outcome.is_accept() {
             self.clear_result(timestamp_us);
         }
@@ -341,7 +343,8 @@ impl Tracker {
         let memory = &mut tile_memory(&mut self.work);
         match local_search(&step.model.detector, step.frame, &place, memory) {
             Some(face) => {
-                self.attempt_detection(step, &face, Origin::Reacquired, ACCEPT_CONFIDENCE)
+                let needed = Needed::to_refine(ACCEPT_CONFIDENCE);
+                self.attempt_detection(step, &face, Origin::Reacquired, needed)
             }
             None => Outcome::NotFound,
         }
@@ -387,13 +390,14 @@ impl Tracker {
     /// near there, because boxes of other detectors differ.
     #[inline(never)]
     fn attempt_hint(&mut self, step: &Step<'_>, hint: &Detection) -> Outcome {
-        let outcome = self.attempt_detection(step, hint, Origin::NewFace, ACCEPT_CONFIDENCE);
+        let needed = Needed::to_refine(ACCEPT_CONFIDENCE);
+        let outcome = self.attempt_detection(step, hint, Origin::NewFace, needed);
         if outcome.is_accept() {
             return outcome;
         }
         let memory = &mut tile_memory(&mut self.work);
         match local_search(&step.model.detector, step.frame, hint, memory) {
-            Some(face) => self.attempt_detection(step, &face, Origin::NewFace, ACCEPT_CONFIDENCE),
+            Some(face) => self.attempt_detection(step, &face, Origin::NewFace, needed),
             None => Outcome::NotFound,
         }
     }
