@@ -42,7 +42,7 @@ const RANDOM_BOXES: usize = 4;
 /// many there are. At full weight they outweigh half-covered faces, which then are lost.
 const FALSE_POSITIVES: f32 = 2.0 / 3.0;
 /// Of so many pictures one is shown as by a poor camera.
-const POOR: usize = 3;
+const POOR: usize = 2;
 /// Of so many orientations of a picture without a face one is searched for false positives.
 const ORIENTATIONS: usize = 4;
 /// Most false positives taken from a picture in one orientation: poor ones have hundreds.

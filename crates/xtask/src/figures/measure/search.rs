@@ -31,7 +31,7 @@ const FILTERS: [&str; 16] = [
     "noise=alls=30:allf=t",
 ];
 /// Work per frame with a camera, the library's default.
-const CAMERA: [&str; 2] = ["--scan-budget", "3000"];
+const CAMERA: [&str; 2] = ["--scan-budget", "3600"];
 
 pub fn fast_motion(bench: &Bench) -> Result<Value> {
     let clip = bench.clip("05_fast")?;
