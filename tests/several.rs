@@ -50,8 +50,10 @@ fn a_lost_face_is_not_found_again_outside_of_the_region() {
                     ..LARGE
                 };
                 let result = watch.see(&[moved]);
-                let found = result.state == State::Tracking;
+                let found = result.state == State::Tracking && is_at(&result, moved);
                 assert!(!found, "{n}: {:?}", result.face_box);
+                // The old place may be kept for a moment, as if something covered the face.
+                assert!(n < 5 || result.state != State::Tracking, "{n}");
             }
             let (_, result) = watch.until_tracked(&[at(200.0)], 3);
             assert!(is_at(&result, at(200.0)));

@@ -1,34 +1,16 @@
 //! Aligning a candidate or the target, at its predicted place and at its anchor.
 
+use super::alignment::Needed;
 use super::geometry::centre;
 use super::policy::{
-    CUT_SHARE, CUT_SURROUNDINGS, DISCARD_CONFIDENCE, IN_PLACE_SHARES, ITERATION_UNITS,
-    REFINE_UNITS, ROTATION_PRIOR_WEIGHT, SURROUNDINGS, TRUST_CONFIDENCE, UNTRUSTED_KEEP_CONFIDENCE,
+    CUT_SHARE, CUT_SURROUNDINGS, IN_PLACE_SHARES, ITERATION_UNITS, REFINE_UNITS,
+    ROTATION_PRIOR_WEIGHT, SURROUNDINGS, TRUST_CONFIDENCE, UNTRUSTED_KEEP_CONFIDENCE,
 };
 use super::step::Step;
 use super::{Model, Tracker};
 use crate::align::{Shape, Workspace};
 use crate::shape::RotationPrior;
 use crate::verifier::Confidence;
-
-/// Confidence that an alignment needs to go on.
-#[derive(Clone, Copy)]
-pub(super) struct Needed {
-    /// After an iteration, for the next one.
-    pub(super) to_iterate: f32,
-    /// After the last iteration.
-    pub(super) to_refine: f32,
-}
-
-impl Needed {
-    /// All iterations are run, unless the candidate is discarded.
-    pub(super) fn to_refine(confidence: f32) -> Needed {
-        Needed {
-            to_iterate: DISCARD_CONFIDENCE.min(confidence),
-            to_refine: confidence,
-        }
-    }
-}
 
 impl Tracker {
     /// Runs the global stage and verifies each iteration. A candidate ends where it has less

@@ -1,5 +1,6 @@
 //! One alignment of a face and what the classifiers say of it.
 
+use super::policy::DISCARD_CONFIDENCE;
 use crate::align::Shape;
 use crate::shape::{LANDMARKS, RotationPrior};
 use crate::verifier::Confidence;
@@ -40,4 +41,23 @@ impl Alignment {
         iterations_left: 0,
         units: 0,
     };
+}
+
+/// Confidence that an alignment needs to go on.
+#[derive(Clone, Copy)]
+pub(super) struct Needed {
+    /// After an iteration, for the next one.
+    pub(super) to_iterate: f32,
+    /// After the last iteration.
+    pub(super) to_refine: f32,
+}
+
+impl Needed {
+    /// All iterations are run, unless the candidate is discarded.
+    pub(super) fn to_refine(confidence: f32) -> Needed {
+        Needed {
+            to_iterate: DISCARD_CONFIDENCE.min(confidence),
+            to_refine: confidence,
+        }
+    }
 }

@@ -46,8 +46,8 @@ impl Anchor {
         self.is_set = false;
     }
 
-    /// Takes what surrounds the face on this frame: the edge of a square of this width, in widths of
-    /// the face.
+    /// Takes what surrounds the face on this frame: the edge of a square of this width, in widths
+    /// of the face.
     pub(super) fn set(&mut self, shape: &Shape, frame: &Frame<'_>, width: f32) {
         self.is_set = true;
         self.shape = *shape;
@@ -62,8 +62,8 @@ impl Anchor {
         self.is_set
     }
 
-    /// How much of what surrounded the face is as it was, in place and around this centre. The width
-    /// is that of [`Anchor::set`].
+    /// How much of what surrounded the face is as it was, in place and around this centre. The
+    /// width is that of [`Anchor::set`].
     pub(super) fn unchanged(&self, frame: &Frame<'_>, centre: [f32; 2], width: f32) -> Unchanged {
         let in_place = Square::around(&self.shape, width);
         Unchanged {

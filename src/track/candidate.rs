@@ -10,7 +10,7 @@
 //! In the suppressed region each needs `TRUST_CONFIDENCE`. A face that is centred outside of the
 //! region of interest, or is excluded, is never accepted.
 
-use super::align::Needed;
+use super::alignment::Needed;
 use super::event::EventKind;
 use super::geometry::{centre, detection_of, initial_shape};
 use super::policy::{

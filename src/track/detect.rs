@@ -1,6 +1,6 @@
 //! All faces of a frame, in calls of bounded work: the search without tracking.
 
-use super::align::Needed;
+use super::alignment::Needed;
 use super::geometry::{bounds, centre, detection_of, initial_shape, is_same_face};
 use super::policy::{FIRST_ATTEMPT_CONFIDENCE, NOISY};
 use super::step::{Step, WorkBudget, tile_memory};

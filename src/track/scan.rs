@@ -1,7 +1,7 @@
 //! A step's scan for a new face: which detections are attempted within the budget.
 
 use super::Tracker;
-use super::align::Needed;
+use super::alignment::Needed;
 use super::policy::{
     DISCARD_CONFIDENCE, FIRST_ATTEMPT_CONFIDENCE, ITERATION_UNITS, KEYFRAME_UNITS, REFINE_UNITS,
     RETRY_CONFIDENCE,

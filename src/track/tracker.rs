@@ -19,8 +19,7 @@
 
 use core::mem::MaybeUninit;
 
-use super::align::Needed;
-use super::alignment::Alignment;
+use super::alignment::{Alignment, Needed};
 use super::event::{EventKind, EventLog};
 use super::excluded::Excluded;
 use super::geometry::{centre, detection_of, is_in_frame};

@@ -5,7 +5,7 @@
 use super::morphable::Head;
 use posewise::shape::{LANDMARKS, MIRROR};
 
-/// Changes whenever a point is put elsewhere, so that what was made with the old place is made anew.
+/// Changes whenever a point is put elsewhere: what was made with the old place is then made anew.
 pub const CONVENTION_VERSION: u32 = 2;
 
 /// From the middle of the upper lip to a peak of its bow \[mm\].
@@ -31,10 +31,10 @@ const LOWER_INNER: [usize; 3] = [60, 67, 66];
 
 impl Head {
     /// From each landmark's vertex to where the convention has it \[mm, head frame\]: brows, bridge
-    /// of the nose, lids and lower lip evenly in the frontal view; the tip of the nose where it stands
-    /// out furthest, the points under the nose on its edge; the peaks of the bow as far apart as
-    /// people's, and half way between them and the corners; the inner points of the lips in line
-    /// with the outer ones above and below. The others stay.
+    /// of the nose, lids and lower lip evenly in the frontal view; the tip of the nose where it
+    /// stands out furthest, the points under the nose on its edge; the peaks of the bow as far
+    /// apart as people's, and half way between them and the corners; the inner points of the lips
+    /// in line with the outer ones above and below. The others stay.
     pub fn conventional_offsets_mm(&self) -> Vec<[f32; 3]> {
         let at = |i: usize| self.mean[self.landmarks[i] as usize];
         let mut moved: [[f32; 3]; LANDMARKS] = std::array::from_fn(at);
