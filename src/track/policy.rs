@@ -106,9 +106,9 @@ pub(super) const SURROUNDINGS: f32 = 2.0;
 /// face is as in the frame before, in place or moved along: the picture is another one.
 ///
 /// Source: 3,000 frames in which a picture without people takes the place of a face: none is
-/// tracked, 129 without this; no covered frame of the validation clips is lost by it. The same holds
-/// with 0.5; with 0.55 and `CUT_SURROUNDINGS` of 2 covered frames are lost (*Another picture, seen
-/// farther around*).
+/// tracked, 129 without this; no covered frame of the validation clips is lost by it. The same
+/// holds with 0.5; with 0.55 and `CUT_SURROUNDINGS` of 2 covered frames are lost (*Another picture,
+/// seen farther around*).
 pub(super) const CUT_SHARE: f32 = 0.45;
 
 /// Width of the square whose edge is compared for that, in widths of the face: farther than an arm
