@@ -42,7 +42,7 @@
 #define POSEWISE_VERSION             0x000100u    // 0xMMmmpp; compare with posewise_version()
 #define POSEWISE_ABI                 1u           // Changes when programs must be recompiled
 #define POSEWISE_ALIGN               64u          // Alignment of memory and model [bytes]
-#define POSEWISE_MEMORY_SIZE         (208 * 1024) // Upper bound of posewise_memory_size() [bytes]
+#define POSEWISE_MEMORY_SIZE         (176 * 1024) // Upper bound of posewise_memory_size() [bytes]
 #define POSEWISE_LANDMARKS           68u          // Landmarks, iBUG 68 scheme
 #define POSEWISE_ANIMATIONS          24u          // Weights, named by posewise_animation_name()
 #define POSEWISE_EXCLUDED            16u          // Most boxes of posewise_set_excluded()

@@ -11,7 +11,7 @@ pub const POSEWISE_ABI: u32 = 1;
 /// Alignment of memory and model \[bytes\].
 pub const POSEWISE_ALIGN: u32 = 64;
 /// Upper bound of posewise_memory_size() \[bytes\].
-pub const POSEWISE_MEMORY_SIZE: u32 = 208 * 1024;
+pub const POSEWISE_MEMORY_SIZE: u32 = 176 * 1024;
 /// Landmarks, iBUG 68 scheme.
 pub const POSEWISE_LANDMARKS: u32 = 68;
 /// Weights, named by posewise_animation_name().
