@@ -48,13 +48,7 @@ fn bench_measures_and_names_bad_inputs() {
     let ratio = worst as f64 / number("tracking", "median_ns") as f64;
     assert!((json["worst_over_tracking"].as_f64().unwrap() - ratio).abs() < 1e-9);
     let stages = json["stages"].as_array().unwrap();
-    for stage in [
-        "global stage",
-        "refiners",
-        "verifier",
-        "3D fit",
-        "scan, one budget",
-    ] {
+    for stage in ["global stage", "refiners", "verifier", "3D fit", "tile"] {
         assert!(
             stages
                 .iter()

@@ -13,7 +13,7 @@ fn info_prints_the_default_model() {
         .assert()
         .success();
     let said = String::from_utf8_lossy(&run.get_output().stdout).into_owned();
-    assert!(said.contains("format version 4"), "{said}");
+    assert!(said.contains("format version 5"), "{said}");
     assert!(said.contains("can track with it"), "{said}");
 }
 

@@ -1,8 +1,8 @@
 //! Regression cascades on RBM features as trackers: alone (thesis 5.1), and followed by SVM
 //! templates (5.2).
 //!
-//! A frame starts from the initial shape of the view, placed where the landmarks of the frame before
-//! were; the cascade moves it, and the head is fitted to its inner landmarks. From the landmarks
+//! A frame starts from the initial shape of the view, placed where the landmarks of the frame
+//! before were; the cascade moves it, and the head is fitted to its inner landmarks. From the landmarks
 //! themselves the cascade drifts within seconds.
 
 use super::fit::{Free, Target, fit};

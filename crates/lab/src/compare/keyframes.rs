@@ -1,8 +1,8 @@
 //! Wide-baseline matching (thesis 4.2): keypoints of the frame are matched with those of keyframes
 //! of other poses, whose points on the mesh are known. RANSAC over POSIT finds the rigid pose.
 //!
-//! Keypoints are FAST corners of the smoothed frame; descriptors are gradients by cell and direction
-//! as SIFT's, at the scale and the roll of the face in the frame before.
+//! Keypoints are FAST corners of the smoothed frame; descriptors are gradients by cell and
+//! direction as SIFT's, at the scale and the roll of the face in the frame before.
 
 use super::descriptor::Descriptor;
 use super::person::Person;
@@ -26,8 +26,8 @@ const KEYPOINTS: usize = 400;
 const KEPT_POINTS: usize = 200;
 /// Keypoints of a frame are at most so far from the head's last place \[mm\].
 const AROUND_MM: f32 = 250.0;
-/// Part of the mesh that is the rigid face \[mm, head frame\]: up to the forehead, down to the chin,
-/// back to before the ears.
+/// Part of the mesh that is the rigid face \[mm, head frame\]: up to the forehead, down to the
+/// chin, back to before the ears.
 const FACE_MM: [f32; 3] = [-75.0, 95.0, 60.0];
 /// Lowe's ratio of the distances to the best and the second-best match.
 const RATIO: f32 = 0.8;

@@ -1,8 +1,9 @@
 //! Which tracker, and how.
 
 use super::descriptor::Descriptor;
-use super::{bayes, gaussian, synthesis, training, view_based};
+use super::{bayes, gaussian, synthesis, view_based};
 use crate::product;
+use serde::Serialize;
 use std::path::PathBuf;
 
 /// A tracker.
@@ -92,11 +93,29 @@ pub struct Settings {
     #[arg(long)]
     pub no_keyframes: bool,
     #[command(flatten)]
-    pub training: training::Options,
+    pub training: TrainingOptions,
     #[serde(skip)]
     #[command(flatten)]
     pub product: product::Options,
     /// Stop after so many frames.
     #[arg(long)]
     pub frames: Option<usize>,
+}
+
+/// What `svm`, `cascade` and `hybrid` learn from, and where that is kept.
+#[derive(Clone, Debug, clap::Args, Serialize)]
+pub struct TrainingOptions {
+    /// Folder of what `svm`, `cascade` and `hybrid` have learned; they learn where it is not there.
+    #[serde(skip)]
+    #[arg(long, default_value = "cache/comparators")]
+    pub trained: PathBuf,
+    /// Learn from this file of `posewise-train render`; without it faces are rendered.
+    #[arg(long)]
+    pub renders: Option<PathBuf>,
+    /// Learn from the photographs of this folder too: labels in `train.csv`, pictures in `train/`.
+    #[arg(long)]
+    pub photographs: Option<PathBuf>,
+    /// Number of rendered faces.
+    #[arg(long, default_value_t = 3000)]
+    pub training_faces: usize,
 }

@@ -1,7 +1,7 @@
 //! Pose-wise SVM templates (thesis 4.4): around the landmarks of the predicted state, templates of
 //! the nearest view on intensity, squared gradient and local binary patterns give a response map
-//! each. The heuristic fit first moves the pose to the maps' peaks, then pose and animation to their
-//! mean shifts.
+//! each. The heuristic fit first moves the pose to the maps' peaks, then pose and animation to
+//! their mean shifts.
 
 use super::fit::{Free, Target, fit};
 use super::follower::{Follower, Found};

@@ -1,7 +1,7 @@
 //! What `svm`, `cascade` and `hybrid` learn beforehand: from rendered faces, from a file of renders,
 //! or from photographs with labels. It is kept in files and read from there the next time.
 
-use super::settings::Method;
+use super::settings::{Method, TrainingOptions};
 use crate::features::cascade::{Cascade, Training};
 use crate::features::local::Kind;
 use crate::features::regression::Links;
@@ -32,24 +32,6 @@ const TURNS: [f32; 3] = [0.0, 0.4, 0.8];
 /// Predictors of a landmark in the last two stages (R).
 const LINKS: usize = 8;
 
-/// What they learn from, and where that is kept.
-#[derive(Clone, Debug, clap::Args, Serialize)]
-pub struct Options {
-    /// Folder of what `svm`, `cascade` and `hybrid` have learned; they learn where it is not there.
-    #[serde(skip)]
-    #[arg(long, default_value = "cache/comparators")]
-    pub trained: PathBuf,
-    /// Learn from this file of `posewise-train render`; without it faces are rendered.
-    #[arg(long)]
-    pub renders: Option<PathBuf>,
-    /// Learn from the photographs of this folder too: labels in `train.csv`, pictures in `train/`.
-    #[arg(long)]
-    pub photographs: Option<PathBuf>,
-    /// Number of rendered faces.
-    #[arg(long, default_value_t = 3000)]
-    pub training_faces: usize,
-}
-
 /// What was learned, each with the checksum of its file.
 pub struct Trained {
     bank: Option<(Bank, String)>,
@@ -67,7 +49,7 @@ struct Stored<T> {
 impl Trained {
     /// What these methods need.
     pub fn new(
-        options: &Options,
+        options: &TrainingOptions,
         facekit: &Path,
         model: &AlignModel<'_>,
         methods: &[Method],
@@ -141,7 +123,7 @@ fn cascade(faces: &[Face]) -> Cascade {
 }
 
 struct Lesson<'a> {
-    options: &'a Options,
+    options: &'a TrainingOptions,
     facekit: &'a Path,
 }
 
@@ -173,7 +155,7 @@ impl Lesson<'_> {
 
     /// Names what is learned from.
     fn source(&self) -> String {
-        let Options {
+        let TrainingOptions {
             renders,
             photographs,
             training_faces,
