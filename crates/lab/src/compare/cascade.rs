@@ -2,8 +2,8 @@
 //! templates (5.2).
 //!
 //! A frame starts from the initial shape of the view, placed where the landmarks of the frame
-//! before were; the cascade moves it, and the head is fitted to its inner landmarks. From the landmarks
-//! themselves the cascade drifts within seconds.
+//! before were; the cascade moves it, and the head is fitted to its inner landmarks. From the
+//! landmarks themselves the cascade drifts within seconds.
 
 use super::fit::{Free, Target, fit};
 use super::follower::{Follower, Found};

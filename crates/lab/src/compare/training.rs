@@ -1,5 +1,5 @@
-//! What `svm`, `cascade` and `hybrid` learn beforehand: from rendered faces, from a file of renders,
-//! or from photographs with labels. It is kept in files and read from there the next time.
+//! What `svm`, `cascade` and `hybrid` learn beforehand: from rendered faces, from a file of
+//! renders, or from photographs with labels. It is kept in files and read from there the next time.
 
 use super::settings::{Method, TrainingOptions};
 use crate::features::cascade::{Cascade, Training};
