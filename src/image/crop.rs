@@ -89,10 +89,9 @@ pub fn warp(frame: &Frame<'_>, to_frame: &Similarity, side: usize, crop: &mut Cr
     let (tx, ty) = (fixed(to_frame.tx) as i64, fixed(to_frame.ty) as i64);
     let scale = libm::sqrtf(to_frame.a * to_frame.a + to_frame.b * to_frame.b);
     let coarse = scale >= COARSE_SCALE;
-    let taps = match (scale.is_finite(), coarse) {
-        (true, true) => TAPS_MAX,
-        (true, false) => (libm::roundf(scale) as i32).clamp(1, TAPS_MAX),
-        _ => 1,
+    let taps = match coarse {
+        true => TAPS_MAX,
+        false => (libm::roundf(scale) as i32).max(1),
     };
     // Samples sit at the centres of a taps×taps division of the crop pixel.
     let first = |axis: i64| -axis * (taps as i64 - 1) / (2 * taps as i64);

@@ -3,8 +3,8 @@
 use super::alignment::Needed;
 use super::geometry::centre;
 use super::policy::{
-    CUT_SHARE, CUT_SURROUNDINGS, IN_PLACE_SHARES, ITERATION_UNITS, REFINE_UNITS,
-    ROTATION_PRIOR_WEIGHT, SURROUNDINGS, TRUST_CONFIDENCE, UNTRUSTED_KEEP_CONFIDENCE,
+    CUT_SHARE, IN_PLACE_SHARES, ITERATION_UNITS, REFINE_UNITS, ROTATION_PRIOR_WEIGHT,
+    TRUST_CONFIDENCE, UNTRUSTED_KEEP_CONFIDENCE,
 };
 use super::step::Step;
 use super::{Model, Tracker};
@@ -132,12 +132,12 @@ impl Tracker {
         }
         let centre = centre(&alignment.shape);
         let (anchor, last) = (&self.target.anchor, &self.target.last);
-        if last.unchanged(step.frame, centre, CUT_SURROUNDINGS).most() < CUT_SHARE {
+        if last.unchanged(step.frame, centre).most() < CUT_SHARE {
             return false;
         }
         let may_be_covered = anchor.is_set() && self.target.may_be_covered(step.now_us);
         kept || may_be_covered && {
-            let share = anchor.unchanged(step.frame, centre, SURROUNDINGS).in_place;
+            let share = anchor.unchanged(step.frame, centre).in_place;
             confidence.visible_share() + share >= IN_PLACE_SHARES
         }
     }

@@ -24,13 +24,17 @@ const CELLS: usize = 64;
 /// The landmarks of a frame and the mean luma of the cells around them.
 #[derive(Clone)]
 pub(super) struct Anchor {
+    /// Width of the square whose edge is compared \[widths of the face\].
+    width: f32,
     is_set: bool,
     shape: Shape,
     luma: [u8; CELLS],
 }
 
 impl Anchor {
+    // All zeros, as most of a tracker that has not begun: else the whole of it would be data.
     pub(super) const EMPTY: Anchor = Anchor {
+        width: 0.0,
         is_set: false,
         shape: [[0.0; 2]; LANDMARKS],
         luma: [0; CELLS],
@@ -49,6 +53,7 @@ impl Anchor {
     /// Takes what surrounds the face on this frame: the edge of a square of this width, in widths
     /// of the face.
     pub(super) fn set(&mut self, shape: &Shape, frame: &Frame<'_>, width: f32) {
+        self.width = width;
         self.is_set = true;
         self.shape = *shape;
         let square = Square::around(shape, width);
@@ -62,10 +67,9 @@ impl Anchor {
         self.is_set
     }
 
-    /// How much of what surrounded the face is as it was, in place and around this centre. The
-    /// width is that of [`Anchor::set`].
-    pub(super) fn unchanged(&self, frame: &Frame<'_>, centre: [f32; 2], width: f32) -> Unchanged {
-        let in_place = Square::around(&self.shape, width);
+    /// How much of what surrounded the face is as it was, in place and around this centre.
+    pub(super) fn unchanged(&self, frame: &Frame<'_>, centre: [f32; 2]) -> Unchanged {
+        let in_place = Square::around(&self.shape, self.width);
         Unchanged {
             in_place: self.unchanged_in(frame, &in_place),
             moved: self.unchanged_in(frame, &in_place.at(centre)),
@@ -197,7 +201,7 @@ mod tests {
         let mut anchor = Anchor::EMPTY;
         assert!(!anchor.is_set());
         anchor.set(&shape, before, 2.0);
-        anchor.unchanged(after, centre, 2.0)
+        anchor.unchanged(after, centre)
     }
 
     fn share(after: &[u8; WIDTH * WIDTH]) -> f32 {

@@ -12,6 +12,7 @@ pub mod photographs;
 pub mod picture;
 pub mod pipeline;
 mod places;
+mod quantized_layer;
 pub mod render;
 pub mod ridge;
 pub mod single_eyes;

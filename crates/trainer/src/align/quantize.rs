@@ -8,16 +8,12 @@ use super::samples::Sample;
 use super::starts::StartShapes;
 use super::train::Trained;
 use crate::places::{Use, places};
+use crate::quantized_layer::{INPUT_SCALE, INPUT_ZERO, Order, QuantizedLayer, fixed, write_header};
 use anyhow::{Result, ensure};
 use posewise::align::{AlignModel, EnsembleMember, SHAPE_INDEXED, Shape};
 use posewise::network::{OP_ADD, OP_CONV, OP_DEPTHWISE, OP_INPUT, OP_LATERAL, OP_LINEAR};
 use posewise_format::SectionWriter;
 
-/// Outputs whose weights are interleaved.
-const BLOCK: usize = 8;
-/// The input map holds `INPUT_ZERO + v / INPUT_SCALE` for a standardised pixel value `v`.
-const INPUT_SCALE: f32 = 1.0 / 32.0;
-const INPUT_ZERO: f32 = 128.0;
 /// Share of example crops on which no value of a map is clipped.
 const UNCLIPPED: f32 = 0.98;
 
@@ -174,25 +170,25 @@ fn write_node(
         Op::Linear => (OP_LINEAR, 1, 1),
     };
     let zero = if node.input == 0 && index > 0 {
-        INPUT_ZERO as u32
+        INPUT_ZERO
     } else {
         0
     };
+    let numbers = [
+        kernel,
+        stride,
+        node.input,
+        node.other,
+        channels,
+        places[index],
+    ];
+    let [kernel, stride, input, other, channels, at] = numbers.map(|v| v as u32);
     let header = |out: &mut SectionWriter, before: u32, after: u32| {
-        for v in [
-            op as u32,
-            kernel as u32,
-            stride as u32,
-            node.input as u32,
-            node.other as u32,
-            channels as u32,
-            places[index] as u32,
-            zero,
-            before,
-            after,
-        ] {
-            out.scalar(v);
-        }
+        let op = u32::from(op);
+        let numbers = [
+            op, kernel, stride, input, other, channels, at, zero, before, after,
+        ];
+        write_header(numbers, out);
     };
     match node.op {
         Op::Input => {
@@ -206,95 +202,18 @@ fn write_node(
             out.array::<i8>(&[]).array(&[0i32; 2]).array(&factors);
         }
         _ => {
-            let layer = quantise(network, parameters, scales, index);
-            header(out, layer.before, layer.after);
-            out.array(&layer.weights)
-                .array(&layer.bias)
-                .array(&layer.factor);
+            let order = match node.op {
+                Op::Depthwise { .. } => Order::Plain,
+                _ => Order::Interleaved,
+            };
+            let own = &parameters[node.at..][..node.weights + node.dims[2]];
+            let (weights, biases) = own.split_at(node.weights);
+            let to = vec![scales[index]; biases.len()];
+            let layer = QuantizedLayer::new(weights, biases, order, scales[node.input], &to);
+            header(out, layer.pre_shift, layer.post_shift);
+            layer.write(out);
         }
     }
-}
-
-/// Numbers as integers below 2^15 over a common power of two.
-fn fixed(values: &[f32]) -> (Vec<i32>, u32) {
-    let largest = values.iter().fold(1e-12f32, |m, v| m.max(*v));
-    let after = (32_767.0 / largest).log2().floor().clamp(1.0, 30.0);
-    let factor = |v: &f32| (v * after.exp2()).round().min(32_767.0) as i32;
-    (values.iter().map(factor).collect(), after as u32)
-}
-
-struct Layer {
-    weights: Vec<i8>,
-    bias: Vec<i32>,
-    factor: Vec<i32>,
-    before: u32,
-    after: u32,
-}
-
-fn quantise(network: &Network, parameters: &[f32], scales: &[f32], index: usize) -> Layer {
-    let node = &network.graph.nodes[index];
-    let channels = node.dims[2];
-    let weights = &parameters[node.at..node.at + node.weights];
-    let biases = &parameters[node.at + node.weights..][..channels];
-    let rows = node.weights / channels;
-    let weight_scales: Vec<f32> = (0..channels)
-        .map(|c| {
-            let column = (0..rows).map(|r| weights[r * channels + c].abs());
-            column.fold(1e-9f32, f32::max) / 127.0
-        })
-        .collect();
-    let rounded = |r: usize, c: usize| (weights[r * channels + c] / weight_scales[c]).round() as i8;
-    let input = scales[node.input];
-    let bias: Vec<i32> = biases
-        .iter()
-        .zip(&weight_scales)
-        .map(|(b, s)| (b / (s * input)).round().clamp(-1e8, 1e8) as i32)
-        .collect();
-    // The largest sum that can occur has to fit 16 bits once `before` bits are dropped.
-    let most = (0..channels)
-        .map(|c| {
-            let sum: i64 = (0..rows).map(|r| (rounded(r, c) as i64).abs() * 255).sum();
-            sum + bias[c].unsigned_abs() as i64
-        })
-        .max()
-        .unwrap_or(0);
-    let before = (64 - most.leading_zeros()).saturating_sub(15);
-    let shares: Vec<f32> = weight_scales
-        .iter()
-        .map(|s| s * input / scales[index] * (before as f32).exp2())
-        .collect();
-    let (factor, after) = fixed(&shares);
-    let packed = match node.op {
-        Op::Depthwise { .. } => (0..node.weights)
-            .map(|k| rounded(k / channels, k % channels))
-            .collect(),
-        _ => pack(rows, channels, rounded),
-    };
-    Layer {
-        weights: packed,
-        bias,
-        factor,
-        before,
-        after,
-    }
-}
-
-/// `[output/8][pair of columns][8 outputs][2]`.
-fn pack(rows: usize, channels: usize, weight: impl Fn(usize, usize) -> i8) -> Vec<i8> {
-    let mut packed = Vec::new();
-    for block in (0..channels).step_by(BLOCK) {
-        for pair in (0..rows).step_by(2) {
-            for c in block..block + BLOCK {
-                packed.push(weight(pair, c));
-                packed.push(if pair + 1 < rows {
-                    weight(pair + 1, c)
-                } else {
-                    0
-                });
-            }
-        }
-    }
-    packed
 }
 
 fn write_head(

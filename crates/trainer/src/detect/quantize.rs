@@ -2,21 +2,17 @@
 //! parameters in `f32` become integers.
 
 use super::equalise::quantile;
-use super::layer::{BACK, FIRST_KERNEL, Layer, OUTPUTS, Op};
+use super::layer::{BACK, FIRST_KERNEL, OUTPUTS, Op};
 use super::network::Network;
 use super::options::Options;
 use super::tile::{MIDDLE_SIZE, UNITS, standardise};
 use crate::places::{Use, places};
+use crate::quantized_layer::{INPUT_SCALE, INPUT_ZERO, Order, QuantizedLayer, fixed, write_header};
 use anyhow::Result;
 use posewise::detect::{TAG, TILE};
 use posewise::network::{OP_ADD, OP_CONV, OP_DEPTHWISE, OP_INPUT, OP_LINEAR};
 use posewise_format::SectionWriter;
 
-/// The input map holds `INPUT_ZERO + v / INPUT_SCALE` for a standardised pixel value `v`.
-const INPUT_SCALE: f32 = 1.0 / 32.0;
-const INPUT_ZERO: u32 = 128;
-/// Outputs whose weights are interleaved.
-const BLOCK: usize = 8;
 /// Largest magnitude of each output: logit, and the others in [`UNITS`].
 const RANGE: [f32; OUTPUTS] = [12.0, 1.6, 1.6, 2.0, 2.0, 2.0, 1.0, 1.0];
 /// The outputs are 128 at 0 and use this much to either side.
@@ -52,21 +48,8 @@ fn write_network(
     let scales = scales(network, p, tiles);
     let places = places(&uses(network))?;
     out.scalar(network.layers.len() as u32 + 1);
-    header(
-        out,
-        [
-            u32::from(OP_INPUT),
-            1,
-            1,
-            0,
-            0,
-            1,
-            places[0] as u32,
-            0,
-            0,
-            1,
-        ],
-    );
+    let at = places[0] as u32;
+    write_header([u32::from(OP_INPUT), 1, 1, 0, 0, 1, at, 0, 0, 1], out);
     out.array::<i8>(&[]).array::<i32>(&[]).array::<i32>(&[]);
     for (k, l) in network.layers.iter().enumerate() {
         let (op, kernel, stride, other) = match l.op {
@@ -95,7 +78,7 @@ fn write_network(
         if l.op == Op::Add {
             let shares = [k, k - BACK].map(|m| scales[m] / scales[k + 1]);
             let (factors, after) = fixed(&shares);
-            header(out, head(0, after));
+            write_header(head(0, after), out);
             out.array::<i8>(&[]).array(&[0i32; 2]).array(&factors);
             continue;
         }
@@ -103,19 +86,16 @@ fn write_network(
             Op::Head => RANGE.map(|r| r / OUTPUT_STEPS).to_vec(),
             _ => vec![scales[k + 1]; l.channels],
         };
-        let rounded = Rounded::of(l, p, scales[k], &to);
-        header(out, head(rounded.pre_shift, rounded.post_shift));
-        out.array(&rounded.weights)
-            .array(&rounded.bias)
-            .array(&rounded.multiplier);
+        let order = match l.op {
+            Op::Depthwise { .. } => Order::Plain,
+            _ => Order::Interleaved,
+        };
+        let (weights, biases) = l.parameters(p);
+        let layer = QuantizedLayer::new(weights, biases, order, scales[k], &to);
+        write_header(head(layer.pre_shift, layer.post_shift), out);
+        layer.write(out);
     }
     Ok(())
-}
-
-fn header(out: &mut SectionWriter, numbers: [u32; 10]) {
-    for v in numbers {
-        out.scalar(v);
-    }
 }
 
 /// The value of one unit of each map's bytes.
@@ -151,85 +131,6 @@ fn uses(network: &Network) -> Vec<Use> {
         uses[k - BACK].last = k + 1;
     }
     uses
-}
-
-/// Factors as integers of 15 bits, and the shift that undoes their scale.
-fn fixed(values: &[f32]) -> (Vec<i32>, u32) {
-    let largest = values.iter().fold(1e-12f32, |m, v| m.max(*v));
-    let shift = (32_767.0 / largest).log2().floor().clamp(1.0, 30.0);
-    let factor = |v: &f32| (v * shift.exp2()).round().min(32_767.0) as i32;
-    (values.iter().map(factor).collect(), shift as u32)
-}
-
-/// A layer's numbers as the core has them.
-struct Rounded {
-    weights: Vec<i8>,
-    bias: Vec<i32>,
-    multiplier: Vec<i32>,
-    pre_shift: u32,
-    post_shift: u32,
-}
-
-impl Rounded {
-    /// Of a layer whose input has this unit and whose outputs have those.
-    fn of(l: &Layer, p: &[f32], input: f32, to: &[f32]) -> Rounded {
-        let channels = l.channels;
-        let (weights, biases) = l.parameters(p);
-        let rows = l.weights / channels;
-        let unit = |c: usize| {
-            let column = weights.iter().skip(c).step_by(channels);
-            column.fold(1e-9f32, |m, w| m.max(w.abs())) / 127.0
-        };
-        let units: Vec<f32> = (0..channels).map(unit).collect();
-        let rounded = |r: usize, c: usize| (weights[r * channels + c] / units[c]).round() as i8;
-        let bias = |c: usize| (biases[c] / (units[c] * input)).round().clamp(-1e8, 1e8) as i32;
-        let bias: Vec<i32> = (0..channels).map(bias).collect();
-        let most = (0..channels).map(|c| {
-            let sum: i64 = (0..rows)
-                .map(|r| i64::from(rounded(r, c)).abs() * 255)
-                .sum();
-            sum + i64::from(bias[c].unsigned_abs())
-        });
-        // A sum is cut to 16 bits before it is multiplied.
-        let pre_shift = (64 - most.max().unwrap_or(0).leading_zeros()).saturating_sub(15);
-        let shares: Vec<f32> = units
-            .iter()
-            .zip(to)
-            .map(|(unit, to)| unit * input / to * (pre_shift as f32).exp2())
-            .collect();
-        let (multiplier, post_shift) = fixed(&shares);
-        let weights = match l.op {
-            Op::Depthwise { .. } => (0..l.weights)
-                .map(|k| rounded(k / channels, k % channels))
-                .collect(),
-            _ => interleaved(rows, channels, rounded),
-        };
-        Rounded {
-            weights,
-            bias,
-            multiplier,
-            pre_shift,
-            post_shift,
-        }
-    }
-}
-
-/// Weights `[output/8][pair of rows][8 outputs][2]`; an odd number of rows gets one of zeros.
-fn interleaved(rows: usize, channels: usize, weight: impl Fn(usize, usize) -> i8) -> Vec<i8> {
-    let mut out = vec![];
-    for block in (0..channels).step_by(BLOCK) {
-        for pair in (0..rows).step_by(2) {
-            for c in block..block + BLOCK {
-                out.push(weight(pair, c));
-                out.push(if pair + 1 < rows {
-                    weight(pair + 1, c)
-                } else {
-                    0
-                });
-            }
-        }
-    }
-    out
 }
 
 #[cfg(test)]
