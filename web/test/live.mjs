@@ -4,14 +4,12 @@
 import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
 import { once } from 'node:events';
-import { readFileSync } from 'node:fs';
-import { createRequire } from 'node:module';
 import { join } from 'node:path';
 import { createInterface } from 'node:readline';
 import { chromium } from 'playwright-core';
+import { checkLooks } from './looks.mjs';
 
 const [program, clip, out] = process.argv.slice(2);
-const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 const PATIENCE_MS = 60_000;
 const CHROMIUM = process.env.CHROMIUM ?? 'chromium';
 
@@ -67,10 +65,7 @@ try {
     return new Set(data).size > 100;
   });
   assert(isDrawn, 'the picture is shown');
-  await page.screenshot({ path: join(out, 'live.png'), fullPage: true });
-  await page.evaluate(axe);
-  const { violations } = await page.evaluate(() => axe.run());
-  assert.deepEqual(violations.map((v) => [v.id, v.nodes.map((n) => n.html)]), []);
+  await checkLooks(page, 'live', out);
   const phone = await open({ viewport: { width: 360, height: 740 }, isMobile: true });
   await untilTracked(phone, 10);
   const isWide = await phone.evaluate(() => document.documentElement.scrollWidth > innerWidth);

@@ -4,14 +4,13 @@
 
 import assert from 'node:assert/strict';
 import { readFileSync, writeFileSync } from 'node:fs';
-import { createRequire } from 'node:module';
 import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';
 import { gzipSync } from 'node:zlib';
 import { chromium } from 'playwright-core';
+import { checkLooks } from './looks.mjs';
 
 const [url, folder, camera, out] = process.argv.slice(2);
-const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 const PATIENCE_MS = 60_000;
 /** What loading the page may transfer, uncompressed and from a server that compresses. */
 const MOST_BYTES = 1_500_000;
@@ -75,12 +74,7 @@ async function looks(name, options) {
     files: ['navigation', 'resource'].flatMap((kind) => performance.getEntriesByType(kind))
       .map(({ name, decodedBodySize }) => ({ name, bytes: decodedBodySize })),
   }));
-  const isWide = await page.evaluate(() => document.documentElement.scrollWidth > innerWidth);
-  assert(!isWide, `${name}: nothing is cut off at the side`);
-  await page.screenshot({ path: join(out, `${name}.png`), fullPage: true });
-  await page.evaluate(axe);
-  const { violations } = await page.evaluate(() => axe.run());
-  assert.deepEqual(violations.map((v) => [v.id, v.nodes.map((n) => n.html)]), [], name);
+  await checkLooks(page, name, out);
   await page.context().close();
   return figures;
 }

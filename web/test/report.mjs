@@ -2,15 +2,13 @@
 // on a phone's screen, uses it, and fails where it does not work. In OUT it leaves screenshots.
 
 import assert from 'node:assert/strict';
-import { readFileSync } from 'node:fs';
-import { createRequire } from 'node:module';
-import { join, resolve } from 'node:path';
+import { resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
 import { chromium } from 'playwright-core';
+import { checkLooks } from './looks.mjs';
 
 const [file, out] = process.argv.slice(2);
 const url = pathToFileURL(resolve(file)).href;
-const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 const CHROMIUM = process.env.CHROMIUM ?? 'chromium';
 
 const browser = await chromium.launch({
@@ -41,12 +39,7 @@ async function open(options) {
 /** How the page looks, and whether axe finds fault with it. */
 async function looks(name, options) {
   const page = await open(options);
-  const isWide = await page.evaluate(() => document.documentElement.scrollWidth > innerWidth);
-  assert(!isWide, `${name}: nothing is cut off at the side`);
-  await page.screenshot({ path: join(out, `${name}.png`), fullPage: true });
-  await page.evaluate(axe);
-  const { violations } = await page.evaluate(() => axe.run());
-  assert.deepEqual(violations.map((v) => [v.id, v.nodes.map((n) => n.html)]), [], name);
+  await checkLooks(page, name, out);
   await page.context().close();
 }
 
