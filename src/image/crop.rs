@@ -91,7 +91,7 @@ pub fn warp(frame: &Frame<'_>, to_frame: &Similarity, side: usize, crop: &mut Cr
     let coarse = scale >= COARSE_SCALE;
     let taps = match coarse {
         true => TAPS_MAX,
-        false => (libm::roundf(scale) as i32).max(1),
+        false => (libm::roundf(scale) as i32).clamp(1, TAPS_MAX),
     };
     // Samples sit at the centres of a taps×taps division of the crop pixel.
     let first = |axis: i64| -axis * (taps as i64 - 1) / (2 * taps as i64);
