@@ -8,6 +8,7 @@
 //! Pixel coordinates: x right, y down, the centre of the top-left pixel is (0, 0), in the *upright*
 //! image, that is after [`Rotation`] and mirroring are undone.
 
+mod box_filter;
 mod crop;
 mod format;
 mod frame;
@@ -15,11 +16,13 @@ mod layout;
 mod noise;
 mod reduce;
 mod roi;
+mod warp;
 
-pub use crop::{CROP_MAX, Crop, warp};
+pub use crop::{CROP_MAX, Crop};
 pub use format::PixelFormat;
 pub use frame::Frame;
 pub use layout::{FrameError, FrameLayout, MAX_SIDE, Rotation};
 pub use noise::noise_share;
 pub use reduce::reduce;
 pub use roi::Roi;
+pub use warp::warp;

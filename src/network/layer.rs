@@ -1,8 +1,8 @@
 //! Execution of a network's nodes.
 
 use super::kernel::{
-    BLOCK, Kernel, MAX_ROWS, Rows, STAGING, Scale, Staging, Strip, StripParts, Sum, TapWeights,
-    dispatch,
+    BLOCK, DepthwiseWeights, Kernel, MAX_ROWS, Rows, STAGING, Scale, Staging, Strip, StripParts,
+    Sum, TapWeights, dispatch,
 };
 use super::plan::{
     ARENA, MAX_CHANNELS, Map, Network, Node, OP_ADD, OP_DEPTHWISE, OP_INPUT, OP_LATERAL, OP_LINEAR,
@@ -89,9 +89,14 @@ fn standardise(crop: &Crop, node: &Node<'_>, work: &mut Activations) {
         *out = value.clamp(0, 255) as u8;
     }
     if let Some(out) = work.arena.get_mut(node.output.range()) {
-        for (out, v) in out.iter_mut().zip(luma) {
-            *out = table.get(usize::from(*v)).copied().unwrap_or(0);
+        let look_up = |v: &u8| table.get(usize::from(*v)).copied().unwrap_or(0);
+        let (out, last) = out.as_chunks_mut::<8>();
+        let (luma, last_luma) = luma.as_chunks::<8>();
+        for (out, luma) in out.iter_mut().zip(luma) {
+            *out = luma.each_ref().map(look_up);
         }
+        let rest = last.iter_mut().zip(last_luma);
+        rest.for_each(|(out, v)| *out = look_up(v));
     }
 }
 
@@ -324,23 +329,28 @@ fn depthwise<K: Kernel>(kernel: K, node: &Node<'_>, work: &mut Activations) {
     let Ok([input, output]) = work.arena.get_disjoint_mut([from.range(), to.range()]) else {
         return;
     };
-    let weights = work.staging.tap_weights();
-    let Some(weights) = weights.get_mut(..channels / BLOCK) else {
+    let blocks = if K::PAIRED { channels / BLOCK } else { 0 };
+    let paired = work.staging.tap_weights();
+    let Some(paired) = paired.get_mut(..blocks) else {
         return;
     };
-    pair_taps(node.weights, channels, weights);
+    pair_taps(node.weights, channels, paired);
+    let weights = DepthwiseWeights {
+        raw: node.weights,
+        paired,
+    };
     let scale = node.scale(node.bias.as_chunks().0);
     for (y, out) in output.chunks_exact_mut(side * channels).enumerate() {
         let stride = node.stride as usize;
         if let Some(rows) = Rows::new(input, from.side(), channels, y * stride, stride) {
-            kernel.depthwise3x3(&rows, weights, &scale, out);
+            kernel.depthwise3x3(&rows, &weights, &scale, out);
         }
     }
 }
 
 /// Reorders the weights `[9][channels]` to `[block][pair of taps][channel][2]`, as the kernels read
 /// them; the tenth tap is 0.
-fn pair_taps(weights: &[i8], channels: usize, blocks: &mut [TapWeights]) {
+pub(super) fn pair_taps(weights: &[i8], channels: usize, blocks: &mut [TapWeights]) {
     for (block, pairs) in blocks.iter_mut().enumerate() {
         for (pair, wide) in pairs.iter_mut().enumerate() {
             for (i, wide) in wide.iter_mut().enumerate() {

@@ -253,8 +253,10 @@ impl Raw {
 
 impl Node<'_> {
     /// Checks that no sum can overflow: |Σ weight·value| < 576·128·255 < 2²⁵, and the multiplier
-    /// meets a sum that is cut to 16 bits.
+    /// meets a sum that is cut to 16 bits. Kernels add two products in 16 bits: 2·127·128 fits.
     fn check_bounds(&self, s: &Section<'_>) -> Result<(), ModelError> {
+        let least = self.weights.iter().fold(0, |least: i8, w| least.min(*w));
+        s.require(least > i8::MIN, "a weight of -128")?;
         let within = |v: &i32, bits: u32| v.unsigned_abs() < 1 << bits;
         let bias = self.bias.iter().all(|b| within(b, 28));
         s.require(bias, "a bias is too large")?;

@@ -176,11 +176,18 @@ impl<'m> FaceModel<'m> {
     /// The neutral face of a person: all points, head frame.
     pub fn neutral(&self, identity: &Identity) -> Shape {
         let mut shape = Shape::EMPTY;
-        for (i, (out, mean)) in shape.points_mm.iter_mut().zip(self.mean).enumerate() {
-            let modes = self.identity_modes(i).zip(identity);
-            *out = modes.fold(Vec3::from_array(*mean), |p, (m, w)| p + m * *w);
+        let points = shape.points_mm.iter_mut().take(self.mean.len());
+        for (i, out) in points.enumerate() {
+            *out = self.neutral_point(i, identity);
         }
         shape
+    }
+
+    /// One point of the neutral face of a person, head frame.
+    pub(super) fn neutral_point(&self, point: usize, identity: &Identity) -> Vec3 {
+        let mean = self.mean.get(point).copied().unwrap_or_default();
+        let modes = self.identity_modes(point).zip(identity);
+        modes.fold(Vec3::from_array(mean), |p, (m, w)| p + m * *w)
     }
 
     /// A neutral face with animation weights applied.
@@ -192,13 +199,24 @@ impl<'m> FaceModel<'m> {
 
     /// Applies animation weights to a neutral face, in place.
     pub(super) fn animate(&self, shape: &mut Shape, animation: &Animation) {
-        for (i, out) in shape.points_mm.iter_mut().enumerate().take(self.mean.len()) {
-            // Most weights are at the bound 0.
-            let modes = self
-                .animation_modes(i)
-                .zip(animation)
-                .filter(|(_, w)| **w != 0.0);
-            *out = modes.fold(*out, |p, (m, w)| p + m * *w);
+        let [mut scales, mut weights] = [[[0.0; 3]; ANIMATIONS]; 2];
+        let by_mode = self.animation_scale.iter().zip(animation);
+        for ((scales, weights), (scale, weight)) in scales.iter_mut().zip(&mut weights).zip(by_mode)
+        {
+            (*scales, *weights) = ([*scale; 3], [*weight; 3]);
+        }
+        let points = shape.points_mm.iter_mut().take(self.mean.len());
+        for (point, modes) in points.zip(self.animation.as_chunks::<ANIMATIONS>().0) {
+            // The products in vectors, then their sums in the order of the modes.
+            let mut moves = [0.0; 3 * ANIMATIONS];
+            let factors = scales.as_flattened().iter().zip(weights.as_flattened());
+            let deltas = modes.as_flattened().iter().zip(factors);
+            for (out, (delta, (scale, weight))) in moves.iter_mut().zip(deltas) {
+                *out = *delta as f32 * scale * weight;
+            }
+            for by_mode in moves.as_chunks::<3>().0 {
+                *point += Vec3::from_array(*by_mode);
+            }
         }
     }
 

@@ -82,14 +82,11 @@ impl IdentityEstimator {
         system.set(&residuals);
         let mut frame = Frame::new();
         residuals.rows(|row| {
-            let gradients = gradients(face, &row);
-            for ((by_head, g), residual) in row.by_head.iter().zip(&gradients).zip(row.residual) {
-                let mut identity = [0.0; MAX_IDENTITIES];
-                for (o, mode) in identity.iter_mut().zip(face.identity_modes(row.point)) {
-                    *o = by_head.dot(mode);
-                }
-                frame.add(&identity, g, row.weight, residual);
+            let mut identity = [[0.0; 2]; MAX_IDENTITIES];
+            for (out, mode) in identity.iter_mut().zip(face.identity_modes(row.point)) {
+                *out = row.by_head.map(|by_head| by_head.dot(mode));
             }
+            frame.add(&identity, &gradients(face, &row), row.weight, row.residual);
         });
         if !frame.eliminate(&mut system) {
             return;
@@ -166,17 +163,33 @@ impl Frame {
         }
     }
 
-    fn add(&mut self, identity: &Identity, g: &[f32; UNKNOWNS], weight: f32, residual: f32) {
+    /// Adds a landmark: for both of its residuals, the derivatives by the identity, and those by
+    /// animation and pose.
+    fn add(
+        &mut self,
+        identity: &[[f32; 2]; MAX_IDENTITIES],
+        gradients: &[[f32; UNKNOWNS]; 2],
+        weight: f32,
+        residual: [f32; 2],
+    ) {
+        let [first, second] = gradients;
         let blocks = self
             .matrix
             .iter_mut()
             .zip(&mut self.coupling)
             .zip(&mut self.rhs);
-        for (((own, coupling), rhs), a) in blocks.zip(identity) {
-            let a = weight * a;
-            *rhs += a * residual;
-            own.iter_mut().zip(identity).for_each(|(s, b)| *s += a * b);
-            coupling.iter_mut().zip(g).for_each(|(s, b)| *s += a * b);
+        for (((own, coupling), rhs), by_both) in blocks.zip(identity) {
+            let [a, b] = by_both.map(|by_residual| weight * by_residual);
+            *rhs += a * residual[0];
+            *rhs += b * residual[1];
+            for (sum, [of_first, of_second]) in own.iter_mut().zip(identity) {
+                *sum += a * of_first;
+                *sum += b * of_second;
+            }
+            for (sum, (of_first, of_second)) in coupling.iter_mut().zip(first.iter().zip(second)) {
+                *sum += a * of_first;
+                *sum += b * of_second;
+            }
         }
     }
 

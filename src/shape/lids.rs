@@ -1,6 +1,7 @@
 //! Eye opening, from the distance of the lids in the image.
 
-use super::{ANIMATIONS, FaceModel, FaceState, Intrinsics, LANDMARKS, Shape};
+use super::{FaceModel, FaceState, Intrinsics, LANDMARKS};
+use glam::Vec3;
 
 /// Pairs of upper and lower lid landmarks, relative to the first landmark of the eye.
 const LIDS: [[usize; 2]; 2] = [[1, 5], [2, 4]];
@@ -15,8 +16,7 @@ const MIN_RANGE: f32 = 0.08;
 /// Opening of the eye whose first landmark is `first` (36 or 42) and whose lids the animation
 /// weight `blink` closes: 0 shut, 1 open at rest. It is the observed distance of the lids (px,
 /// along the eye's vertical) relative to the distances of this person's eye, shut and at rest,
-/// projected at the fitted pose. `neutral` is the person's face at rest ([`FaceModel::neutral`]),
-/// `observed` the landmarks (frame px).
+/// projected at the fitted pose. `observed` are the landmarks (frame px).
 ///
 /// The animation weight itself has a smaller range, because its prior pulls poorly visible lids
 /// open. `None` when the eye is seen too much from the side.
@@ -24,27 +24,28 @@ pub fn eye_open(
     face: &FaceModel<'_>,
     camera: &Intrinsics,
     state: &FaceState,
-    neutral: &Shape,
     observed: &[[f32; 2]; LANDMARKS],
     first: usize,
     blink: usize,
 ) -> Option<f32> {
-    let mut closed = [0.0; ANIMATIONS];
-    *closed.get_mut(blink)? = 1.0;
-    let shut = face.animated(neutral, &closed);
-    let project = |shape: &Shape, k: usize| camera.project(state.pose.apply(shape.at(first + k)));
+    let project = |point: Vec3| camera.project(state.pose.apply(point));
+    let at_rest = |k: usize| face.neutral_point(first + k, &state.identity);
+    let shut = |k: usize| {
+        let mode = face.animation_modes(first + k).nth(blink);
+        at_rest(k) + mode.unwrap_or_default()
+    };
     let sum = |point: &dyn Fn(usize) -> [f32; 2]| {
         LIDS.iter().fold([0.0f32; 2], |sum, [upper, lower]| {
             let (a, b) = (point(*upper), point(*lower));
             [sum[0] + b[0] - a[0], sum[1] + b[1] - a[1]]
         })
     };
-    let rest = sum(&|k| project(neutral, k));
+    let rest = sum(&|k| project(at_rest(k)));
     let length = libm::sqrtf(rest[0] * rest[0] + rest[1] * rest[1]);
-    let (a, b) = (project(neutral, 0), project(neutral, 3));
+    let (a, b) = (project(at_rest(0)), project(at_rest(3)));
     let width = libm::sqrtf((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]));
     let along = |gap: [f32; 2]| (gap[0] * rest[0] + gap[1] * rest[1]) / length;
-    let least = along(sum(&|k| project(&shut, k)));
+    let least = along(sum(&|k| project(shut(k))));
     let range = length - least;
     if range.is_nan() || range <= MIN_RANGE * width {
         return None;

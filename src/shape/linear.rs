@@ -149,6 +149,43 @@ pub(super) fn gradients(face: &FaceModel<'_>, row: &Row) -> [[f32; UNKNOWNS]; 2]
     out
 }
 
+/// Adds the products of both residuals' gradients to `R` rows of the matrix from `first` on, up to
+/// the column of the last row, rounded up to a whole vector of four.
+fn add_products<const R: usize>(
+    rows: &mut [[f32; UNKNOWNS]; R],
+    first: usize,
+    weighted: &[[f32; UNKNOWNS]; 2],
+    gradients: &[[f32; UNKNOWNS]; 2],
+) {
+    let mut factors = [[0.0; 2]; R];
+    for (residual, weighted) in weighted.iter().enumerate() {
+        for (factors, a) in factors.iter_mut().zip(weighted.iter().skip(first)) {
+            factors[residual] = *a;
+        }
+    }
+    let [(a, last_a), (b, last_b)] = gradients.each_ref().map(|g| g.as_chunks::<4>());
+    for (column, (a, b)) in a.iter().zip(b).take(first / 4 + 1).enumerate() {
+        for (row, factors) in rows.iter_mut().zip(&factors) {
+            if let Some(sums) = row.as_chunks_mut::<4>().0.get_mut(column) {
+                add_scaled(sums, factors, a, b);
+            }
+        }
+    }
+    if first / 4 + 1 > a.len() {
+        for (row, factors) in rows.iter_mut().zip(&factors) {
+            add_scaled(row.as_chunks_mut::<4>().1, factors, last_a, last_b);
+        }
+    }
+}
+
+/// Adds a multiple of each of two vectors.
+fn add_scaled(sums: &mut [f32], factors: &[f32; 2], a: &[f32], b: &[f32]) {
+    for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
+        *sum += factors[0] * a;
+        *sum += factors[1] * b;
+    }
+}
+
 /// What the prior of the rotation adds to the cost.
 struct RotationTerm {
     /// Half the descent of the squared distance by a rotation vector about the camera's axes.
@@ -232,25 +269,20 @@ impl System {
     }
 
     fn add(&mut self, face: &FaceModel<'_>, row: &Row) {
-        for (g, residual) in gradients(face, row).iter().zip(row.residual) {
-            for (i, ((sums, rhs), a)) in
-                self.matrix.iter_mut().zip(&mut self.rhs).zip(g).enumerate()
-            {
-                let a = row.weight * a;
-                *rhs += a * residual;
-                // The lower triangle, rounded up to whole SIMD vectors of four.
-                let ((sums, last_sums), (g, last_g)) =
-                    (sums.as_chunks_mut::<4>(), g.as_chunks::<4>());
-                let vectors = i / 4 + 1;
-                for (sums, g) in sums.iter_mut().zip(g).take(vectors) {
-                    sums.iter_mut().zip(g).for_each(|(s, b)| *s += a * b);
-                }
-                if vectors > g.len() {
-                    let last = last_sums.iter_mut().zip(last_g);
-                    last.for_each(|(s, b)| *s += a * b);
-                }
-            }
+        let gradients = gradients(face, row);
+        let weighted = gradients.map(|g| g.map(|by_unknown| row.weight * by_unknown));
+        for (weighted, residual) in weighted.iter().zip(row.residual) {
+            let rhs = self.rhs.iter_mut().zip(weighted);
+            rhs.for_each(|(sum, a)| *sum += a * residual);
             self.squares += row.weight * residual * residual;
+        }
+        // The lower triangle, rounded up to whole SIMD vectors of four.
+        let (groups, last) = self.matrix.as_chunks_mut::<4>();
+        for (k, rows) in groups.iter_mut().enumerate() {
+            add_products(rows, 4 * k, &weighted, &gradients);
+        }
+        if let Some(rows) = last.first_chunk_mut::<{ UNKNOWNS % 4 }>() {
+            add_products(rows, UNKNOWNS / 4 * 4, &weighted, &gradients);
         }
         self.cost += row.cost;
         self.squares_px += row.weight * row.distance_px * row.distance_px;

@@ -111,7 +111,6 @@ fn eyes(fitted: &Fitted<'_>) -> [f32; 2] {
         fit,
         ..
     } = fitted;
-    let neutral = face.neutral(&fit.state.identity);
     let eye = |blink: usize, first: usize| {
         let points = fit.visible.iter().skip(first).take(6);
         let is_facing = points.filter(|v| **v).count() >= EYE_MIN_FACING;
@@ -120,15 +119,7 @@ fn eyes(fitted: &Fitted<'_>) -> [f32; 2] {
         let corner = |k: usize| shape.get(first + k).copied().unwrap_or_default();
         let ([ax, ay], [bx, by]) = (corner(0), corner(3));
         let is_sharp = fitted.blur_px <= EYE_MAX_BLUR * length([bx - ax, by - ay]);
-        let open = eye_open(
-            face,
-            camera,
-            &fit.state,
-            &neutral,
-            undistorted,
-            first,
-            blink,
-        );
+        let open = eye_open(face, camera, &fit.state, undistorted, first, blink);
         open.filter(|_| is_facing && is_visible && is_sharp)
             .unwrap_or(-1.0)
     };

@@ -97,7 +97,7 @@ impl Nodes {
         {
             self.written.scalar(number as u32);
         }
-        let weights: Vec<i8> = (0..weights).map(|_| self.within(-128, 127) as i8).collect();
+        let weights: Vec<i8> = (0..weights).map(|_| self.within(-127, 127) as i8).collect();
         let constants = match op {
             OP_INPUT => 0,
             OP_ADD => 2,

@@ -4,7 +4,7 @@
 //! `vpmaddubsw`, which multiplies bytes, saturates on 8–35 % of the weight pairs of our models. The
 //! file is long because a kernel is one file.
 
-use super::{BLOCK, Kernel, Rows, Scale, Strip, Sum, TapWeights, Tile};
+use super::{BLOCK, DepthwiseWeights, Kernel, Rows, Scale, Strip, Sum, TapWeights, Tile};
 use super::{forwarded, tail, unrolled};
 use core::arch::x86_64::*;
 
@@ -268,7 +268,13 @@ impl<'a> Requantization<'a> {
 
 /// Sixteen channels at a time, then eight.
 #[target_feature(enable = "avx2")]
-fn depthwise3x3(rows: &Rows<'_>, weights: &[TapWeights], scale: &Scale<'_>, out: &mut [u8]) {
+fn depthwise3x3(
+    rows: &Rows<'_>,
+    weights: &DepthwiseWeights<'_>,
+    scale: &Scale<'_>,
+    out: &mut [u8],
+) {
+    let weights = weights.paired;
     let channels = rows.channels();
     let blocks = channels / BLOCK;
     if weights.len() < blocks || scale.bias.len() < blocks || scale.multiplier.len() < blocks {

@@ -7,6 +7,8 @@
 // SIMD kernels are one of the places where `unsafe` is allowed.
 #![allow(unsafe_code)]
 
+#[cfg(target_arch = "aarch64")]
+mod aarch64;
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 mod choice;
@@ -31,13 +33,14 @@ mod unrolled;
 
 pub(super) use choice::{Chosen, chosen, dispatch};
 pub use choice::{KernelName, chosen_kernel, select_kernel, set_dotprod};
-#[cfg(test)]
-use operands::TAP_PAIRS;
 pub(super) use operands::{
-    BLOCK, MAX_ROWS, Rows, STAGING, Scale, Staging, Strip, StripParts, TapWeights, Tile,
+    BLOCK, DepthwiseWeights, MAX_ROWS, Rows, STAGING, Scale, Staging, Strip, StripParts,
+    TapWeights, Tile,
 };
+#[cfg(all(simd_kernel, not(target_arch = "aarch64")))]
+use shared::depthwise3x3_by_block;
 #[cfg(simd_kernel)]
-use shared::{conv2d_by_block, depthwise3x3_by_block, forwarded};
+use shared::{conv2d_by_block, forwarded};
 #[cfg(simd_kernel)]
 use unrolled::unrolled;
 
@@ -49,6 +52,8 @@ pub(super) trait Kernel: Copy {
     const GROUP: usize;
     /// Output pixels computed together, so that weights are read once for all of them.
     const TILE: usize;
+    /// Whether [`Self::depthwise3x3`] reads the weights in pairs of taps.
+    const PAIRED: bool = true;
 
     /// Stages input values for [`Self::conv2d`]: [`Self::WIDTH`] bytes for each, which stand for
     /// the value minus `zero_point`.
@@ -65,12 +70,12 @@ pub(super) trait Kernel: Copy {
     /// Full convolution of a strip: `Σₖ values[k]·weights[k]`, requantised.
     fn conv2d(self, strip: Strip<'_>);
 
-    /// Depthwise 3×3 convolution of a row of output pixels. `weights` and the scale are of all
-    /// channels.
+    /// Depthwise 3×3 convolution of a row of output pixels. Weights and scale are of all channels,
+    /// and the scale is plain.
     fn depthwise3x3(
         self,
         rows: &Rows<'_>,
-        weights: &[TapWeights],
+        weights: &DepthwiseWeights<'_>,
         scale: &Scale<'_>,
         out: &mut [u8],
     );

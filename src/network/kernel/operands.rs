@@ -15,6 +15,17 @@ pub(in crate::network) const STAGING: usize = 4096;
 /// Weights of a block of depthwise channels: `[pair of taps][channel][2]`.
 pub(in crate::network) type TapWeights = [[i16; 2 * BLOCK]; TAP_PAIRS];
 
+/// Weights of a depthwise convolution.
+// No machine's kernels read both.
+#[allow(dead_code)]
+#[derive(Clone, Copy)]
+pub(in crate::network) struct DepthwiseWeights<'a> {
+    /// As the model has them: `[9][channels]`.
+    pub raw: &'a [i8],
+    /// By block, for the kernels with `Kernel::PAIRED`; the tenth tap is 0.
+    pub paired: &'a [TapWeights],
+}
+
 /// Memory for the operands of a kernel.
 #[derive(Clone)]
 #[repr(align(32))]
@@ -61,6 +72,13 @@ pub(in crate::network) struct Scale<'a> {
 }
 
 impl Scale<'_> {
+    /// Whether nothing is added to the scaled sum: no zero point and no lateral.
+    #[inline(always)]
+    #[cfg_attr(not(simd_kernel), expect(dead_code))]
+    pub fn is_plain(&self) -> bool {
+        self.zero_point == 0 && !self.lateral
+    }
+
     /// Shifts of a requantisation, below 32, and the rounding constant of the second.
     #[inline(always)]
     pub fn shifts(&self) -> (u32, u32, i32) {
@@ -293,26 +311,75 @@ impl<'a> Rows<'a> {
     /// The first bytes of [`Self::taps`].
     #[inline(always)]
     pub fn tap_starts(&self, x: usize) -> [*const u8; 2 * TAP_PAIRS] {
-        let middle = x * self.stride;
-        let inside = middle >= 1 && middle + 1 < self.side;
-        if !inside || self.rows.iter().any(|row| row.is_empty()) {
-            return self.taps(x).map(<[u8]>::as_ptr);
+        let mut starts = [OUTSIDE.as_ptr(); 2 * TAP_PAIRS];
+        let first = x * self.stride;
+        for (starts, row) in starts.as_chunks_mut::<3>().0.iter_mut().zip(self.rows) {
+            if row.is_empty() {
+                continue;
+            }
+            for (k, start) in starts.iter_mut().enumerate() {
+                let sx = (first + k).wrapping_sub(1);
+                if sx < self.side {
+                    *start = row.as_ptr().wrapping_add(sx * self.channels);
+                }
+            }
         }
-        let (right, two_right) = (self.channels, 2 * self.channels);
-        let [a, b, c] = self
-            .rows
-            .map(|row| row.as_ptr().wrapping_add((middle - 1) * self.channels));
-        [
-            a,
-            a.wrapping_add(right),
-            a.wrapping_add(two_right),
-            b,
-            b.wrapping_add(right),
-            b.wrapping_add(two_right),
-            c,
-            c.wrapping_add(right),
-            c.wrapping_add(two_right),
-            OUTSIDE.as_ptr(),
-        ]
+        starts
+    }
+
+    /// Those of the first `pixels` output pixels whose taps lie between the map's left and right
+    /// edges.
+    #[cfg(target_arch = "aarch64")]
+    #[inline(always)]
+    pub fn inner(&self, pixels: usize) -> core::ops::Range<usize> {
+        let stride = self.stride.max(1);
+        let end = (self.side.saturating_sub(1).div_ceil(stride)).min(pixels);
+        1.min(end)..end
+    }
+
+    /// The rows of taps at output pixel `x`, one of [`Self::inner`].
+    #[cfg(target_arch = "aarch64")]
+    #[inline(always)]
+    pub fn lines(&self, x: usize) -> [Line; 3] {
+        let first = (x * self.stride).wrapping_sub(1) * self.channels;
+        self.rows.map(|row| match row.is_empty() {
+            true => Line {
+                at: OUTSIDE.as_ptr(),
+                column: 0,
+                pixel: 0,
+            },
+            false => Line {
+                at: row.as_ptr().wrapping_add(first),
+                column: self.channels,
+                pixel: self.stride * self.channels,
+            },
+        })
+    }
+}
+
+/// Three neighbouring taps of a row.
+#[cfg(target_arch = "aarch64")]
+#[derive(Clone, Copy)]
+pub(in crate::network) struct Line {
+    /// The left tap.
+    at: *const u8,
+    /// Bytes to the next tap.
+    column: usize,
+    /// Bytes to the next output pixel's taps.
+    pixel: usize,
+}
+
+#[cfg(target_arch = "aarch64")]
+impl Line {
+    /// The first byte of a tap, 0 to 2.
+    #[inline(always)]
+    pub fn tap(&self, k: usize) -> *const u8 {
+        self.at.wrapping_add(k * self.column)
+    }
+
+    /// Goes to the next output pixel.
+    #[inline(always)]
+    pub fn advance(&mut self) {
+        self.at = self.at.wrapping_add(self.pixel);
     }
 }

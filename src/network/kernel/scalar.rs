@@ -1,7 +1,7 @@
 //! The kernel in portable Rust: it defines what all kernels compute.
 
 use super::tail::{add, dot, widen};
-use super::{BLOCK, Kernel, Rows, Scale, Strip, Sum, TapWeights};
+use super::{BLOCK, DepthwiseWeights, Kernel, Rows, Scale, Strip, Sum};
 
 #[derive(Clone, Copy)]
 pub(in crate::network) struct Scalar;
@@ -34,14 +34,14 @@ impl Kernel for Scalar {
     fn depthwise3x3(
         self,
         rows: &Rows<'_>,
-        weights: &[TapWeights],
+        weights: &DepthwiseWeights<'_>,
         scale: &Scale<'_>,
         out: &mut [u8],
     ) {
         for (x, pixel) in out.chunks_exact_mut(rows.channels().max(1)).enumerate() {
             let taps = rows.taps(x);
             let blocks = pixel.as_chunks_mut::<BLOCK>().0.iter_mut();
-            for (block, (out, weights)) in blocks.zip(weights).enumerate() {
+            for (block, (out, weights)) in blocks.zip(weights.paired).enumerate() {
                 let mut sums = [0i32; BLOCK];
                 for ([first, second], weights) in taps.as_chunks::<2>().0.iter().zip(weights) {
                     let [first, second] = [first, second].map(|tap| {

@@ -13,7 +13,7 @@ macro_rules! forwarded {
         fn depthwise3x3(
             self,
             rows: &$crate::network::kernel::Rows<'_>,
-            weights: &[$crate::network::kernel::TapWeights],
+            weights: &$crate::network::kernel::DepthwiseWeights<'_>,
             scale: &$crate::network::kernel::Scale<'_>,
             out: &mut [u8],
         ) {
@@ -43,19 +43,28 @@ macro_rules! conv2d_by_block {
             let requantization = Requantization::new(&scale);
             for block in 0..strip.blocks() {
                 let requantization = requantization.of_block(&scale, block);
-                let out = strip.out().as_mut_ptr().wrapping_add(block * BLOCK);
+                let mut out = strip.out().as_mut_ptr().wrapping_add(block * BLOCK);
                 let mut first = 0;
                 while first < pixels {
                     let tile = strip.tile(first, TILE);
-                    // SAFETY: the strip has this block.
-                    let sums = unsafe { sums(&strip, tile, block) };
-                    unrolled!(p < TILE => {
-                        if p < tile.present {
-                            let out = out.wrapping_add((first + p) * channels);
-                            // SAFETY: the strip has the outputs of all its blocks at all pixels.
-                            unsafe { requantization.store(sums[p], out) };
+                    // SAFETY: the strip has this block, and the outputs of all its blocks at all
+                    // pixels.
+                    unsafe {
+                        let sums = sums(&strip, tile, block);
+                        if scale.is_plain() && tile.present == TILE {
+                            unrolled!(p < TILE => {
+                                requantization.store::<true>(sums[p], out);
+                                out = out.wrapping_add(channels);
+                            });
+                        } else {
+                            unrolled!(p < TILE => {
+                                if p < tile.present {
+                                    requantization.store::<false>(sums[p], out);
+                                    out = out.wrapping_add(channels);
+                                }
+                            });
                         }
-                    });
+                    }
                     first += tile.present;
                 }
             }
@@ -64,15 +73,17 @@ macro_rules! conv2d_by_block {
 }
 
 /// `depthwise3x3` with eight channels at a time, by the module's `depthwise8` and `Requantization`.
+#[cfg(not(target_arch = "aarch64"))]
 macro_rules! depthwise3x3_by_block {
     ($features:literal) => {
         #[target_feature(enable = $features)]
-        pub(super) fn depthwise3x3(
+        fn depthwise3x3(
             rows: &Rows<'_>,
-            weights: &[TapWeights],
+            weights: &DepthwiseWeights<'_>,
             scale: &Scale<'_>,
             out: &mut [u8],
         ) {
+            let weights = weights.paired;
             let channels = rows.channels().max(1);
             let blocks = (channels / BLOCK).min(weights.len());
             let requantization = Requantization::new(scale);
@@ -83,7 +94,8 @@ macro_rules! depthwise3x3_by_block {
                     // SAFETY: every tap has all channels, as have the weights and the output.
                     unsafe {
                         let sums = depthwise8(&taps, block * BLOCK, weights.as_ptr().add(block));
-                        requantization.store(sums, out.as_mut_ptr().add(block * BLOCK));
+                        let out = out.as_mut_ptr().add(block * BLOCK);
+                        requantization.store::<true>(sums, out);
                     }
                 }
             }
@@ -91,4 +103,6 @@ macro_rules! depthwise3x3_by_block {
     };
 }
 
-pub(super) use {conv2d_by_block, depthwise3x3_by_block, forwarded};
+#[cfg(not(target_arch = "aarch64"))]
+pub(super) use depthwise3x3_by_block;
+pub(super) use {conv2d_by_block, forwarded};

@@ -4,7 +4,7 @@
 //! A module that holds such instructions loads only where they exist, so it is chosen when
 //! compiling, by `-Ctarget-feature=+simd128`.
 
-use super::{BLOCK, Kernel, Rows, Scale, Strip, Sum, TapWeights, Tile};
+use super::{BLOCK, DepthwiseWeights, Kernel, Rows, Scale, Strip, Sum, TapWeights, Tile};
 use super::{conv2d_by_block, depthwise3x3_by_block, forwarded, tail, unrolled};
 use core::arch::wasm32::*;
 
@@ -119,27 +119,29 @@ impl Requantization {
         }
     }
 
-    /// Writes the outputs of the block at a pixel.
+    /// Writes the outputs of the block at a pixel; with `PLAIN`, nothing is added to them.
     ///
     /// # Safety
     /// `out` is valid for eight bytes.
     #[target_feature(enable = "simd128")]
     #[inline]
-    unsafe fn store(&self, mut sums: [v128; 2], out: *mut u8) {
+    unsafe fn store<const PLAIN: bool>(&self, mut sums: [v128; 2], out: *mut u8) {
         unrolled!(half < 2 => {
             let kept = i32x4_shr(i32x4_add(sums[half], self.bias[half]), self.pre_shift);
             let scaled = i32x4_dot_i16x8(kept, self.multiplier[half]);
             sums[half] = i32x4_shr(i32x4_add(scaled, self.half), self.post_shift);
         });
         // What saturates here is clamped below anyway.
-        let words = i16x8_narrow_i32x4(sums[0], sums[1]);
+        let mut words = i16x8_narrow_i32x4(sums[0], sums[1]);
         let mut offset = self.offset;
-        if self.lateral {
+        if !PLAIN && self.lateral {
             // SAFETY: as the caller promises.
             let lateral = unsafe { i16x8_load_extend_u8x8(out) };
             offset = i16x8_add(offset, i16x8_shl(lateral, 1));
         }
-        let words = i16x8_add_sat(words, offset);
+        if !PLAIN {
+            words = i16x8_add_sat(words, offset);
+        }
         // SAFETY: as the caller promises.
         unsafe { v128_store64_lane::<0>(u8x16_narrow_i16x8(words, words), out.cast()) };
     }

@@ -1,6 +1,6 @@
 //! The kernel for x86-64: `pmaddwd` multiplies pairs of 16-bit numbers and adds the products.
 
-use super::{BLOCK, Kernel, Rows, Scale, Strip, Sum, TapWeights, Tile};
+use super::{BLOCK, DepthwiseWeights, Kernel, Rows, Scale, Strip, Sum, TapWeights, Tile};
 use super::{conv2d_by_block, depthwise3x3_by_block, forwarded, tail, unrolled};
 use core::arch::x86_64::*;
 
@@ -154,13 +154,13 @@ impl Requantization {
         }
     }
 
-    /// Writes the outputs of the block at a pixel.
+    /// Writes the outputs of the block at a pixel; with `PLAIN`, nothing is added to them.
     ///
     /// # Safety
     /// `out` is valid for eight bytes.
     #[target_feature(enable = "sse2")]
     #[inline]
-    unsafe fn store(&self, mut sums: [__m128i; 2], out: *mut u8) {
+    unsafe fn store<const PLAIN: bool>(&self, mut sums: [__m128i; 2], out: *mut u8) {
         let constants = self.bias.iter().zip(&self.multiplier);
         for (sum, (bias, multiplier)) in sums.iter_mut().zip(constants) {
             let kept = _mm_sra_epi32(_mm_add_epi32(*sum, *bias), self.pre_shift);
@@ -168,14 +168,16 @@ impl Requantization {
             *sum = _mm_sra_epi32(_mm_add_epi32(scaled, self.half), self.post_shift);
         }
         // What saturates here is clamped below anyway.
-        let words = _mm_packs_epi32(sums[0], sums[1]);
+        let mut words = _mm_packs_epi32(sums[0], sums[1]);
         let mut offset = self.offset;
-        if self.lateral {
+        if !PLAIN && self.lateral {
             // SAFETY: as the caller promises.
             let [lateral, _] = unsigned(unsafe { _mm_loadl_epi64(out.cast_const().cast()) });
             offset = _mm_add_epi16(offset, _mm_slli_epi16::<1>(lateral));
         }
-        let words = _mm_adds_epi16(words, offset);
+        if !PLAIN {
+            words = _mm_adds_epi16(words, offset);
+        }
         // SAFETY: as the caller promises.
         unsafe { _mm_storel_epi64(out.cast(), _mm_packus_epi16(words, words)) };
     }

@@ -74,8 +74,9 @@ impl Numbers {
         (0..count).map(|_| self.within(0, 255) as u8).collect()
     }
 
+    /// What a checked network may have (plan.rs).
     fn weights(&mut self, count: usize) -> Bytes<i8> {
-        (0..count).map(|_| self.within(-128, 127) as i8).collect()
+        (0..count).map(|_| self.within(-127, 127) as i8).collect()
     }
 }
 
@@ -216,14 +217,19 @@ fn depthwise_convolutions_agree_with_the_scalar_kernel() {
         let (blocks, side, stride) = (n.size(5), n.size(9), n.size(2));
         let (channels, y) = (blocks * BLOCK, stride * (n.size(9) - 1));
         let map = n.bytes(side * side * channels);
-        let weight = |_| core::array::from_fn(|_| core::array::from_fn(|_| n.within(-128, 127)));
-        let weights: Blocks<[[i32; 16]; TAP_PAIRS]> = (0..blocks).map(weight).collect();
-        let weights: Blocks<TapWeights> = weights
-            .into_iter()
-            .map(|pairs| pairs.map(|pair| pair.map(|w| w as i16)))
-            .collect();
+        let raw = n.weights(9 * channels);
+        let mut paired: Blocks<TapWeights> = (0..blocks).map(|_| [[0; _]; _]).collect();
+        super::super::layer::pair_taps(&raw, channels, &mut paired);
+        let weights = DepthwiseWeights {
+            raw: &raw,
+            paired: &paired,
+        };
         let constants = Constants::new(n, blocks);
-        let scale = constants.scale(n);
+        let scale = Scale {
+            zero_point: 0,
+            lateral: false,
+            ..constants.scale(n)
+        };
         let before = n.bytes(side.div_ceil(stride) * channels);
         let Some(rows) = Rows::new(&map, side, channels, y.min(side - 1), stride) else {
             panic!("rows of a whole map");
@@ -265,7 +271,10 @@ fn dot_products_are_sums_of_products() {
     for round in 0..ROUNDS {
         let n = &mut Numbers::new(round);
         let count = n.size(80);
-        let (features, weights) = (n.bytes(count), n.weights(count));
+        // Those of heads may be −128.
+        let weight = |_| n.within(-128, 127) as i8;
+        let weights: Bytes<i8> = (0..count).map(weight).collect();
+        let features = n.bytes(count);
         let pairs = features.iter().zip(&weights);
         let sum: i32 = pairs.map(|(f, w)| i32::from(*f) * i32::from(*w)).sum();
         assert_eq!(Scalar.dot(&features, &weights), sum, "round {round}");

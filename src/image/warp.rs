@@ -1,0 +1,372 @@
+//! Cuts a crop out of a frame by a similarity transform.
+
+use super::Frame;
+use super::box_filter::{RADIUS_MAX, box_filter};
+use super::crop::{CROP_MAX, Crop};
+use crate::math::Similarity;
+
+/// Bits after the point of a sampling coordinate.
+const FRACTION: u32 = 16;
+
+/// Most samples averaged along one axis of a crop pixel when the frame is finer than the crop.
+const TAPS_MAX: i32 = 4;
+/// From this scale on \[frame px per crop px\] a crop pixel is the mean of 4×4 single pixels of the
+/// frame: interpolation would read four times as many for nearly the same mean. Below, 2×2
+/// interpolated samples at most take as many reads.
+const COARSE_SCALE: f32 = 2.5;
+
+/// Width of a frame's box filter \[frame px\].
+const BOX_PX: f32 = 3.0;
+
+/// Fills `crop` (`side` ≤ [`CROP_MAX`]) with the frame's luma: crop pixel (u, v) shows the frame at
+/// `to_frame` × (u, v). Bilinear. Where the frame is finer than the crop, each pixel averages up to
+/// 4×4 samples, so the work is bounded by 16 `side`². Of a box-filtered frame the crop is filtered
+/// instead, with a box that is as wide in the frame as nearly as an odd number of crop pixels can
+/// be.
+///
+/// Arithmetic is 16.16 fixed point: the same bytes on every machine.
+pub fn warp(frame: &Frame<'_>, to_frame: &Similarity, side: usize, crop: &mut Crop) {
+    let side = side.min(CROP_MAX);
+    let fixed = |v: f32| {
+        let v = if v.is_finite() { v } else { 0.0 };
+        libm::roundf(v.clamp(-16_000.0, 16_000.0) * (1 << FRACTION) as f32) as i32
+    };
+    let (a, b) = (fixed(to_frame.a) as i64, fixed(to_frame.b) as i64);
+    let (tx, ty) = (fixed(to_frame.tx) as i64, fixed(to_frame.ty) as i64);
+    let scale = libm::sqrtf(to_frame.a * to_frame.a + to_frame.b * to_frame.b);
+    let coarse = scale >= COARSE_SCALE;
+    let taps = match coarse {
+        true => TAPS_MAX,
+        false => (libm::roundf(scale) as i32).clamp(1, TAPS_MAX),
+    };
+    // Samples sit at the centres of a taps×taps division of the crop pixel.
+    let first = |axis: i64| -axis * (taps as i64 - 1) / (2 * taps as i64);
+    let (sub_a, sub_b) = (a / taps as i64, b / taps as i64);
+    let samples = Samples {
+        taps: taps as usize,
+        steps: [(a, b), (sub_a, sub_b)],
+        coarse,
+    };
+    let inside = Inside::of(frame);
+    let rows = crop.resized(side).chunks_exact_mut(side.max(1));
+    for (v, row) in rows.enumerate() {
+        // Crop (u, v) → frame (a·u − b·v + tx, b·u + a·v + ty).
+        let x = tx - b * v as i64 + first(a) - first(b);
+        let y = ty + a * v as i64 + first(b) + first(a);
+        match &inside {
+            Some(inside) if samples.are_inside(frame, x, y, side) => match (samples.coarse, taps) {
+                (true, _) => inside.fill_coarse(&samples, x, y, row),
+                (_, 1) => inside.fill_fine::<1>(&samples, x, y, row),
+                _ => inside.fill_fine::<2>(&samples, x, y, row),
+            },
+            _ => samples.fill(frame, x, y, row),
+        }
+    }
+    if frame.is_box_filtered() {
+        // Filtering the crop saves the nine reads per sample that the frame's own filter takes.
+        let radius = libm::roundf((BOX_PX / scale.max(1e-3) - 1.0) / 2.0);
+        if radius >= 1.0 {
+            box_filter(crop, (radius as usize).min(RADIUS_MAX));
+        }
+    }
+}
+
+/// Where the frame is sampled for a crop: `taps`×`taps` samples for each crop pixel. Coordinates
+/// are 16.16 fixed point.
+struct Samples {
+    taps: usize,
+    /// Frame x and y of a step to the next crop pixel and to the next sample of a pixel, in the
+    /// crop's u.
+    steps: [(i64, i64); 2],
+    /// Whether samples are single pixels of the frame.
+    coarse: bool,
+}
+
+impl Samples {
+    /// The steps, of samples that are inside of a frame.
+    fn steps_32(&self) -> [(i32, i32); 2] {
+        self.steps.map(|(a, b)| (a as i32, b as i32))
+    }
+
+    /// Whether all samples of a row of `side` pixels, the first one at (x, y), have their four
+    /// neighbours in the frame.
+    fn are_inside(&self, frame: &Frame<'_>, x: i64, y: i64, side: usize) -> bool {
+        let [(a, b), (sub_a, sub_b)] = self.steps;
+        let (last, tap) = (side as i64 - 1, self.taps as i64 - 1);
+        // The samples lie in a parallelogram between these corners.
+        (0..8).all(|corner: i64| {
+            let [u, i, j] = [corner & 1, corner >> 1 & 1, corner >> 2];
+            let x = x + a * last * u + (sub_a * i - sub_b * j) * tap;
+            let y = y + b * last * u + (sub_b * i + sub_a * j) * tap;
+            let within = |v: i64, size: i32| v >= 0 && v >> FRACTION < i64::from(size) - 1;
+            within(x, frame.width()) && within(y, frame.height())
+        })
+    }
+
+    /// Fills a row of crop pixels, the first of which has its first sample at (x, y).
+    fn fill(&self, frame: &Frame<'_>, mut x: i64, mut y: i64, row: &mut [u8]) {
+        let [(a, b), (sub_a, sub_b)] = self.steps;
+        let area = (self.taps * self.taps).max(1) as u32;
+        for pixel in row {
+            let mut sum = 0;
+            for j in 0..self.taps as i64 {
+                for i in 0..self.taps as i64 {
+                    let sx = x + sub_a * i - sub_b * j;
+                    let sy = y + sub_b * i + sub_a * j;
+                    sum += match self.coarse {
+                        true => nearest(frame, sx, sy),
+                        false => bilinear(frame, sx, sy),
+                    };
+                }
+            }
+            *pixel = ((sum + area / 2) / area) as u8;
+            x += a;
+            y += b;
+        }
+    }
+}
+
+/// The bytes of a frame whose luma is one byte, for samples that are inside of it.
+struct Inside<'a> {
+    bytes: &'a [u8],
+    origin: isize,
+    /// Bytes to the neighbour on the right.
+    right: isize,
+    /// Bytes to the neighbour below.
+    below: isize,
+}
+
+impl<'a> Inside<'a> {
+    fn of(frame: &Frame<'a>) -> Option<Self> {
+        Some(Inside {
+            bytes: frame.luma_bytes()?,
+            origin: frame.byte_offset(0, 0),
+            right: frame.byte_step(1, 0),
+            below: frame.byte_step(0, 1),
+        })
+    }
+
+    /// As [`Samples::fill`], for samples that are inside, single pixels: their coordinates fit 32
+    /// bits.
+    #[inline(always)]
+    fn fill_coarse(&self, samples: &Samples, x: i64, y: i64, row: &mut [u8]) {
+        let [(a, b), (sub_a, sub_b)] = samples.steps_32();
+        let (mut x, mut y) = (x as i32, y as i32);
+        let area = (TAPS_MAX * TAPS_MAX) as u32;
+        for pixel in row {
+            let mut sum = 0;
+            let (mut line_x, mut line_y) = (x, y);
+            for _ in 0..TAPS_MAX {
+                let (mut sx, mut sy) = (line_x, line_y);
+                for _ in 0..TAPS_MAX {
+                    sum += self.nearest(sx, sy);
+                    sx = sx.wrapping_add(sub_a);
+                    sy = sy.wrapping_add(sub_b);
+                }
+                line_x = line_x.wrapping_sub(sub_b);
+                line_y = line_y.wrapping_add(sub_a);
+            }
+            *pixel = ((sum + area / 2) / area) as u8;
+            x = x.wrapping_add(a);
+            y = y.wrapping_add(b);
+        }
+    }
+
+    /// The byte at this index. One that is not there, which cannot be, reads as 0: no path
+    /// panics.
+    #[inline(always)]
+    fn read(&self, at: isize) -> u8 {
+        self.bytes.get(at as usize).copied().unwrap_or(0)
+    }
+
+    /// As [`nearest`].
+    #[inline(always)]
+    fn nearest(&self, x: i32, y: i32) -> u32 {
+        let round = |v: i32| ((v + (1 << (FRACTION - 1))) >> FRACTION) as isize;
+        let at = self.origin + round(x) * self.right + round(y) * self.below;
+        self.read(at).into()
+    }
+
+    /// As [`Samples::fill`], for `T`×`T` interpolated samples that are inside.
+    #[inline(always)]
+    fn fill_fine<const T: usize>(&self, samples: &Samples, x: i64, y: i64, row: &mut [u8]) {
+        let [step, (sub_a, sub_b)] = samples.steps_32();
+        let mut sums = [0; CROP_MAX];
+        let sums = sums.get_mut(..row.len()).unwrap_or(&mut []);
+        let (mut line_x, mut line_y) = (x as i32, y as i32);
+        for _ in 0..T {
+            let (mut sx, mut sy) = (line_x, line_y);
+            for _ in 0..T {
+                self.add_samples((sx, sy), step, sums);
+                sx = sx.wrapping_add(sub_a);
+                sy = sy.wrapping_add(sub_b);
+            }
+            line_x = line_x.wrapping_sub(sub_b);
+            line_y = line_y.wrapping_add(sub_a);
+        }
+        let area = (T * T).max(1) as u16;
+        for (pixel, sum) in row.iter_mut().zip(sums) {
+            *pixel = ((*sum + area / 2) / area) as u8;
+        }
+    }
+
+    /// Adds a row of interpolated samples, from (x, y) on, to the sums. All pixels are read first,
+    /// so that the compiler computes the rest in vectors.
+    fn add_samples(&self, (x, y): (i32, i32), (a, b): (i32, i32), sums: &mut [u16]) {
+        let [mut tops, mut bottoms] = [[0u16; CROP_MAX]; 2];
+        let pairs = tops.iter_mut().zip(&mut bottoms).take(sums.len());
+        match self.right {
+            1 => {
+                let pair = |at: usize| self.bytes.get(at..).and_then(|bytes| bytes.first_chunk());
+                self.read_pairs((x, y), (a, b), pairs, |at| {
+                    u16::from_le_bytes(pair(at as usize).copied().unwrap_or([0; 2]))
+                });
+            }
+            _ => self.read_pairs((x, y), (a, b), pairs, |at| {
+                u16::from_le_bytes([self.read(at), self.read(at + self.right)])
+            }),
+        }
+        // As [`bilinear`]: nothing overflows 16 bits before the second interpolation.
+        let (mut x, mut y) = (x as u32, y as u32);
+        for ((top, bottom), sum) in tops.iter().zip(&bottoms).zip(sums) {
+            let [fx, fy] = [x, y].map(|v| (v >> (FRACTION - 8) & 255) as u16);
+            let [top, bottom] =
+                [top, bottom].map(|pair| (pair & 255) * (256 - fx) + (pair >> 8) * fx);
+            let value = u32::from(top) * u32::from(256 - fy) + u32::from(bottom) * u32::from(fy);
+            *sum += ((value + (1 << 15)) >> 16) as u16;
+            x = x.wrapping_add(a as u32);
+            y = y.wrapping_add(b as u32);
+        }
+    }
+
+    /// Reads the four neighbours of a row of samples: each `pair` has the left one in its lower
+    /// byte.
+    #[inline(always)]
+    fn read_pairs<'p>(
+        &self,
+        (mut x, mut y): (i32, i32),
+        (a, b): (i32, i32),
+        pairs: impl Iterator<Item = (&'p mut u16, &'p mut u16)>,
+        pair: impl Fn(isize) -> u16,
+    ) {
+        for (top, bottom) in pairs {
+            let [column, row] = [x, y].map(|v| (v >> FRACTION) as isize);
+            let at = self.origin + column * self.right + row * self.below;
+            (*top, *bottom) = (pair(at), pair(at + self.below));
+            x = x.wrapping_add(a);
+            y = y.wrapping_add(b);
+        }
+    }
+}
+
+/// Luma of the pixel nearest to (x, y) in 16.16 fixed point, 0..=255.
+#[inline]
+fn nearest(frame: &Frame<'_>, x: i64, y: i64) -> u32 {
+    let round = |v: i64| ((v + (1 << (FRACTION - 1))) >> FRACTION) as i32;
+    frame.raw_luma(round(x), round(y)).into()
+}
+
+/// Luma at (x, y) in 16.16 fixed point, 0..=255.
+#[inline]
+fn bilinear(frame: &Frame<'_>, x: i64, y: i64) -> u32 {
+    let (ix, iy) = ((x >> FRACTION) as i32, (y >> FRACTION) as i32);
+    // 8 bits of fraction are below the quantisation of the pixels themselves.
+    let fx = ((x >> (FRACTION - 8)) & 255) as u32;
+    let fy = ((y >> (FRACTION - 8)) & 255) as u32;
+    let [a, b, c, d] = frame.raw_2x2(ix, iy).map(u32::from);
+    let top = a * (256 - fx) + b * fx;
+    let bottom = c * (256 - fx) + d * fx;
+    (top * (256 - fy) + bottom * fy + (1 << 15)) >> 16
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::FrameLayout;
+
+    #[test]
+    fn identity_copies_and_shift_interpolates() {
+        let bytes: [u8; 16] = core::array::from_fn(|i| (i * 10) as u8);
+        let frame = Frame::new(&FrameLayout::grey(4, 4), &bytes).unwrap();
+        let mut crop = Crop::new();
+        warp(&frame, &Similarity::IDENTITY, 4, &mut crop);
+        assert_eq!(crop.luma(), &bytes);
+        warp(
+            &frame,
+            &Similarity {
+                tx: 0.5,
+                ..Similarity::IDENTITY
+            },
+            2,
+            &mut crop,
+        );
+        assert_eq!(crop.luma(), &[5, 15, 45, 55]);
+    }
+
+    #[test]
+    fn a_box_filtered_frame_gives_means() {
+        // A dot and a slope, at the frame's own scale: means over 3×3.
+        let mut bytes = [0u8; 64];
+        bytes[3 * 8 + 3] = 90;
+        (0..8).for_each(|x| bytes[7 * 8 + x] = 10 * x as u8);
+        let frame = Frame::new(&FrameLayout::grey(8, 8), &bytes).unwrap();
+        let mut crop = Crop::new();
+        warp(&frame.box_filtered(), &Similarity::IDENTITY, 8, &mut crop);
+        assert_eq!(
+            [9, 18, 27, 28, 36].map(|k| crop.luma()[k]),
+            [0, 10, 10, 10, 10]
+        );
+        assert_eq!(crop.luma()[4], 0);
+        for (x, y) in (0..8).flat_map(|x| (0..8).map(move |y| (x, y))) {
+            let (read, warped) = (
+                frame.box_filtered().luma(x, y),
+                crop.luma()[(y * 8 + x) as usize],
+            );
+            assert!(read.abs_diff(warped) <= 1, "{x} {y}: {read} {warped}");
+        }
+        // Where the frame is twice as fine, averaging its samples is filter enough.
+        let half = Similarity {
+            a: 2.0,
+            ..Similarity::IDENTITY
+        };
+        let (mut raw, mut box_filtered) = (Crop::new(), Crop::new());
+        warp(&frame, &half, 4, &mut raw);
+        warp(&frame.box_filtered(), &half, 4, &mut box_filtered);
+        assert_eq!(raw.luma(), box_filtered.luma());
+    }
+
+    #[test]
+    fn downscale_averages() {
+        let bytes: [u8; 16] = core::array::from_fn(|i| if i % 2 == 0 { 0 } else { 200 });
+        let frame = Frame::new(&FrameLayout::grey(4, 4), &bytes).unwrap();
+        let mut crop = Crop::new();
+        let half = Similarity {
+            a: 2.0,
+            b: 0.0,
+            tx: 0.5,
+            ty: 0.5,
+        };
+        warp(&frame, &half, 2, &mut crop);
+        assert_eq!(crop.luma(), &[100; 4]);
+    }
+
+    #[test]
+    fn extreme_transforms_stay_inside() {
+        let frame = Frame::new(&FrameLayout::grey(1, 1), &[7]).unwrap();
+        let mut crop = Crop::new();
+        for v in [f32::NAN, f32::INFINITY, -1e30, 1e30, 16_000.0] {
+            warp(
+                &frame,
+                &Similarity {
+                    a: v,
+                    b: v,
+                    tx: v,
+                    ty: v,
+                },
+                CROP_MAX,
+                &mut crop,
+            );
+            assert!(crop.luma().iter().all(|&l| l == 7));
+        }
+    }
+}
