@@ -171,7 +171,7 @@ fn any(folder: &Path) -> Result<Option<PathBuf>> {
 
 fn cargo(subcommand: &str) -> Command {
     let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    cargo.args([subcommand, "--offline"]).current_dir(root());
+    cargo.args([subcommand, "--locked"]).current_dir(root());
     cargo
 }
 
