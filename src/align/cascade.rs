@@ -92,6 +92,11 @@ impl Workspace {
         (&mut self.crop, self.memory.maps())
     }
 
+    /// The same crop, and all of the memory of a regressor.
+    pub(super) fn eye_memory(&mut self) -> (&mut Crop, &mut Memory) {
+        (&mut self.crop, &mut self.memory)
+    }
+
     /// Signed view of the global shape: 0 is frontal, then the model's views turned to the
     /// image right, then those turned left. Below [`AlignModel::signed_views`].
     pub fn view(&self) -> usize {

@@ -19,6 +19,7 @@
 
 mod cascade;
 mod ensemble;
+mod eyes;
 mod placement;
 mod refiners;
 mod regressor;
@@ -29,6 +30,7 @@ mod views;
 
 pub use cascade::{AlignModel, MAX_VIEWS, Workspace};
 pub use ensemble::EnsembleMember;
+pub use eyes::{EYE_OUTPUTS, EYES_TAG, EyeModel, EyePlace, SeenEye};
 pub use placement::{Placement, mirror, place};
 pub use refiners::{MAX_POINTS, MAX_REFINERS, Refiners, place_refiner};
 pub use regressor::{GLOBAL, MAX_HEADS, MAX_INPUTS, MAX_RANK, SHAPE_INDEXED};

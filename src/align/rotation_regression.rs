@@ -183,7 +183,7 @@ pub fn crop_to_camera(shape: &Shape, roll: f32, camera: &Intrinsics) -> Mat3 {
 
 /// The rotation from a camera that looks straight at an image point to the camera itself: about the
 /// axis that is perpendicular to both directions. `ray` is the point at unit depth.
-fn towards(ray: Vec3) -> Mat3 {
+pub(super) fn towards(ray: Vec3) -> Mat3 {
     let z = ray.normalize_or(Vec3::Z);
     // Rodrigues' formula for the rotation of Z to z.
     let (x, y, cosine) = (z.x, z.y, z.z);

@@ -9,6 +9,7 @@
 //! - `candidate` aligns and verifies a proposal; `accept` fits the 3D face; `target` and
 //!   `appearance` hold what is known of the tracked face; `output` writes the result; `one_euro`
 //!   smooths it; `event` and `record` log what happens to the face.
+//! - `eyes` looks at the eyes of a tracked face when asked, `eye` holds what it sees.
 //! - `detect` lists the faces of a frame; `excluded` holds those that other trackers follow.
 //! - `policy` holds every threshold, timeout and work cost.
 
@@ -23,6 +24,9 @@ mod detect;
 mod error;
 mod event;
 mod excluded;
+mod eye;
+#[cfg(feature = "unstable-internals")]
+mod eyes;
 mod geometry;
 mod hint;
 mod model;
@@ -45,6 +49,7 @@ pub use config::{Config, ConfigError, MAX_EXCLUDED, Smoothing};
 pub use detect::{Detected, FoundFace};
 pub use error::StepError;
 pub use event::{EVENTS, Event, EventKind, EventLog};
+pub use eye::{EYE_LOOK_NAMES, EYE_LOOKS, Eye, EyeUnknown, Eyes, Gaze};
 pub use geometry::is_same_face;
 pub use hint::FaceHint;
 pub use model::Model;

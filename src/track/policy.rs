@@ -351,6 +351,51 @@ pub(super) const EYE_MIN_VISIBILITY: f32 = 3.0;
 /// (*Motion blur and unknown eyes*).
 pub(super) const EYE_MAX_BLUR: f32 = 0.6;
 
+/// Eyes are unknown where the head's depth axis has a smaller cosine with the camera's.
+///
+/// Source: chosen: 65°.
+pub(super) const EYE_MIN_FACING_Z: f32 = 0.42;
+
+/// Lids and gaze are unknown where a millimetre of the eye is smaller \[px\].
+///
+/// Source: chosen: the iris is four pixels wide, and the face 45.
+pub(super) const EYE_MIN_PX_PER_MM: f32 = 0.3;
+
+/// Eyes behind glasses that are dark with this probability are unknown.
+///
+/// Source: chosen.
+pub(super) const EYE_DARK: f32 = 0.5;
+
+/// Lids and gaze are unknown where a larger share of the eye's crop is overexposed.
+///
+/// Source: chosen.
+pub(super) const EYE_MAX_GLARE: f32 = 0.3;
+
+/// Lids are unknown where the probability of an open eye is from this to one less this.
+///
+/// Source: chosen.
+pub(super) const EYE_UNSURE: f32 = 0.25;
+
+/// A gaze is unknown where the probability of an open eye is less.
+///
+/// Source: chosen.
+pub(super) const GAZE_MIN_OPEN: f32 = 0.5;
+
+/// A gaze is unknown where its standard deviation is larger \[deg\].
+///
+/// Source: chosen.
+pub(super) const GAZE_MAX_SIGMA_DEG: f32 = 12.0;
+
+/// Share of a gaze's standard deviation that both eyes have in common.
+///
+/// Source: chosen.
+pub(super) const GAZE_SHARED: f32 = 0.5;
+
+/// Angle of a gaze in the head frame at which its weight is 1 \[rad\].
+///
+/// Source: the morphable head, whose `eyeLook` shapes turn lids as for half a radian.
+pub(super) const EYE_LOOK_RAD: f32 = 0.5;
+
 /// Longest exposure of a frame that is assumed for motion blur \[µs\].
 ///
 /// Source: chosen: 1/30 s, a whole frame of most cameras.

@@ -3,6 +3,7 @@
 pub mod align;
 pub mod demo_clip;
 pub mod detect;
+pub mod eyes;
 pub mod face_section;
 pub mod faces;
 pub mod fit;

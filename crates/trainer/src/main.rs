@@ -3,7 +3,7 @@
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use posewise_format::Tag;
-use posewise_train::{demo_clip, pipeline, render, single_eyes};
+use posewise_train::{demo_clip, eyes, pipeline, render, single_eyes};
 use std::path::PathBuf;
 
 /// Trains the models of posewise.
@@ -18,12 +18,17 @@ struct Cli {
 enum Command {
     /// Train everything and write the model with its data sheet.
     Model(pipeline::Args),
+    /// Train the network of single eyes and write a model with it: one that is finished, with all
+    /// other sections as they are.
+    AddEyes(pipeline::eyes::AddArgs),
     /// Render faces and print the path of their file.
     Render(render::Args),
     /// Draw rendered samples with their landmarks, to be looked at.
     Sheet(render::sheet::Args),
     /// Measure whether the lid refiner separates real shut eyes from open ones.
     Eyes(single_eyes::Args),
+    /// Measure what a tracker says of the eyes of rendered heads.
+    Gaze(eyes::tracked::Args),
     /// Leave sections out of a model: ENSM (the global stage's ensemble member), RFIN (refiners,
     /// and with them what SREG holds), SREG (shape regression) or INFO (the data sheet).
     Trim {
@@ -54,11 +59,13 @@ fn tag(text: &str) -> Result<Tag, &'static str> {
 fn main() -> Result<()> {
     match Cli::parse().command {
         Command::Model(args) => pipeline::run(&args),
+        Command::AddEyes(args) => pipeline::eyes::add(&args),
         Command::Render(args) => {
             pipeline::renders::run(&args).map(|path| println!("{}", path.display()))
         }
         Command::Sheet(args) => render::sheet::run(&args),
         Command::Eyes(args) => single_eyes::run(&args),
+        Command::Gaze(args) => eyes::tracked::run(&args),
         Command::Trim {
             model,
             out,

@@ -4,6 +4,13 @@ use super::network::Sizes;
 use super::samples::{Augment, Start};
 use serde::Serialize;
 
+/// Displacement of the points of landmarks.
+const SHAKE: f32 = 0.5;
+
+fn is_usual_shake(shake: &f32) -> bool {
+    *shake == SHAKE
+}
+
 /// How the network is trained.
 #[derive(Clone, Debug, Serialize)]
 pub struct Options {
@@ -39,6 +46,9 @@ pub struct Options {
     pub warm_up: usize,
     /// Weight decay.
     pub decay: f32,
+    /// How far the points at which later heads start are displaced while training \[px\].
+    #[serde(skip_serializing_if = "is_usual_shake")]
+    pub shake: f32,
     /// Weights of the aperture between the lids and between the lips, and the share of the steps
     /// after which they count.
     pub aperture: Aperture,
@@ -63,6 +73,7 @@ impl Default for Options {
             rate: 2e-3,
             warm_up: 300,
             decay: 0.02,
+            shake: SHAKE,
             aperture: Aperture {
                 lids: 6.0,
                 lips: 2.0,

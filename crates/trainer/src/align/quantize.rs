@@ -58,7 +58,12 @@ pub fn write_refiner(
     write_regressor(trained, samples, out)
 }
 
-fn write_regressor(trained: &Trained, samples: &[Sample], out: &mut SectionWriter) -> Result<()> {
+/// A regressor by itself.
+pub fn write_regressor(
+    trained: &Trained,
+    samples: &[Sample],
+    out: &mut SectionWriter,
+) -> Result<()> {
     let Trained {
         network,
         parameters,

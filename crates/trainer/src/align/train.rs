@@ -152,7 +152,14 @@ fn run_batch(
             let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
             rng.set_stream(1 + (state.step * options.batch + index * each + k) as u64);
             let sample = source.draw(&mut rng);
-            learn(network, &state.parameters, &sample, pairs, part, &mut rng);
+            learn(
+                network,
+                &state.parameters,
+                &sample,
+                (pairs, options),
+                part,
+                &mut rng,
+            );
         }
     });
 }
@@ -199,12 +206,12 @@ fn learn(
     network: &Network,
     parameters: &[f32],
     sample: &Sample,
-    pairs: &Pairs,
+    (pairs, options): (&Pairs, &Options),
     part: &mut Part,
     rng: &mut ChaCha8Rng,
 ) {
     part.maps[0].copy_from_slice(&sample.crop);
-    let shake = || [0, 0].map(|_| normal(rng) * 0.5);
+    let shake = || [0, 0].map(|_| normal(rng) * options.shake);
     let (maps, scratch) = (&mut part.maps, &mut part.work.1);
     let prediction = network.forward(parameters, maps, scratch, &sample.start, shake);
     let n = sample.truth.len() as f32;

@@ -28,6 +28,12 @@ pub struct Args {
     /// Close-up renders, for the refiners.
     #[arg(long, default_value_t = 9_000)]
     pub near_renders: u64,
+    /// Renders whose eyes look around, for the network of single eyes.
+    #[arg(long, default_value_t = 8_000)]
+    pub eye_renders: u64,
+    /// Batches that the network of single eyes is trained on.
+    #[arg(long, default_value_t = 14_000)]
+    pub eye_steps: usize,
     /// Batches that each network of the global stage is trained on; a refiner is trained on half of
     /// them.
     #[arg(long, default_value_t = 40_000)]
@@ -52,6 +58,7 @@ impl Args {
             count: match kind {
                 Kind::Plain => self.renders,
                 Kind::Near => self.near_renders,
+                Kind::Eyes => self.eye_renders,
             },
             seed: self.seed,
             clean: self.clean,

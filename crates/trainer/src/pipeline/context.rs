@@ -24,6 +24,7 @@ pub struct Context<'a> {
     fits: Option<&'a Output>,
     plain: OnceCell<Output>,
     near: OnceCell<Output>,
+    eyes: OnceCell<Output>,
     loaded: OnceCell<Vec<Face>>,
     loaded_near: OnceCell<Vec<Face>>,
 }
@@ -37,6 +38,7 @@ impl<'a> Context<'a> {
             fits,
             plain: OnceCell::new(),
             near: OnceCell::new(),
+            eyes: OnceCell::new(),
             loaded: OnceCell::new(),
             loaded_near: OnceCell::new(),
         }
@@ -47,6 +49,7 @@ impl<'a> Context<'a> {
         let cell = match kind {
             Kind::Plain => &self.plain,
             Kind::Near => &self.near,
+            Kind::Eyes => &self.eyes,
         };
         if let Some(output) = cell.get() {
             return Ok(output);

@@ -18,13 +18,15 @@
 //! | `verifier` | [`verifier`] | section `VRFY` |
 //! | `data-sheet` | [`data_sheet`] | errors on the dev photographs, for section `INFO` |
 //!
-//! [`pack`] writes the model of these, and [`run()`] calls them in order.
+//! [`pack`] writes the model of these, and [`run()`] calls them in order. [`eyes`] makes a section
+//! that no model has yet.
 
 pub mod args;
 pub mod context;
 pub mod data_sheet;
 pub mod detector;
 pub mod ensemble_member;
+pub mod eyes;
 pub mod face;
 pub mod fits;
 pub mod global_network;

@@ -33,6 +33,7 @@ pub fn make(store: &Store, args: &Args, fits: Option<&Output>) -> Result<Output>
     let name = match args.kind {
         Kind::Plain => "renders",
         Kind::Near => "renders-near",
+        Kind::Eyes => "renders-eyes",
     };
     let options = Options {
         seed: args.seed,

@@ -1,5 +1,6 @@
 //! Draws a posed head and props into linear light over a background.
 
+use super::eye_truth::eye_centre;
 use super::light::{Lights, Reach};
 use super::mesh::{Material, Mesh};
 use super::raster::{Cull, EMPTY, Projected, Target, weights};
@@ -17,7 +18,7 @@ const NEAR_MM: f32 = 40.0;
 pub const HIDES: f32 = 0.7;
 
 /// Half the angle that an iris covers, seen from the eyeball's centre \[rad\].
-const IRIS_RAD: f32 = 0.385;
+pub const IRIS_RAD: f32 = 0.385;
 
 /// A picture's size and camera.
 #[derive(Clone, Copy, Debug)]
@@ -314,20 +315,13 @@ impl<'a> Shader<'a> {
                 .reflect(*n, to_camera, *open, reach.lit(*reached))
         })
         .collect();
-        let centre = |eye: &Vec<u32>| {
-            let points = || eye.iter().map(|v| head.vertices[*v as usize]);
-            // The middle of the box, not of the vertices, which are dense at the cornea.
-            let local = points().map(|p| head.rotation.transpose() * p);
-            let (low, high) = local.fold((Vec3::MAX, Vec3::MIN), |(l, h), p| (l.min(p), h.max(p)));
-            head.rotation * ((low + high) / 2.0)
-        };
         let bridge = head.vertices[scene.mesh.landmarks[27] as usize];
         let samples_per_mm = view.camera.fx * SUPER as f32 / bridge.z.max(NEAR_MM);
         // The face tile is about 240 mm wide.
         let texels_per_mm = super::texture::TILE as f32 / 240.0;
         Shader {
             level: scene.painted.texture.level(samples_per_mm / texels_per_mm),
-            eye_centres: std::array::from_fn(|k| centre(&scene.mesh.eyes[k])),
+            eye_centres: [0, 1].map(|k| eye_centre(scene.mesh, head, k)),
             material: scene
                 .mesh
                 .materials

@@ -141,6 +141,31 @@ impl Expression {
         self.pair(["eyeBlinkLeft", "eyeBlinkRight"], blink, 0.0);
     }
 
+    /// Looks somewhere within what eyes reach, with lids that follow and mostly stay open.
+    pub fn look(&mut self, rng: &mut ChaCha8Rng) {
+        self.named.retain(|(name, _)| !name.starts_with("eye"));
+        let wide = if rng.random_bool(0.6) { 1.0 } else { 0.4 };
+        self.gaze = (
+            wide * rng.random_range(-0.6..0.6f32),
+            wide * rng.random_range(-0.35..0.45f32),
+        );
+        let blink = match rng.random_range(0..20) {
+            0..13 => rng.random_range(0.0..0.15f32),
+            13..16 => rng.random_range(0.15..0.9),
+            _ => 1.0,
+        };
+        self.pair(["eyeBlinkLeft", "eyeBlinkRight"], blink, 0.0);
+        if blink < 0.5 && rng.random_bool(0.2) {
+            let squint = rng.random_range(0.0..0.6);
+            self.pair(["eyeSquintLeft", "eyeSquintRight"], squint, 0.0);
+        }
+        if blink < 0.2 && rng.random_bool(0.2) {
+            let wide = rng.random_range(0.0..0.9);
+            self.pair(["eyeWideLeft", "eyeWideRight"], wide, 0.0);
+        }
+        self.follow_gaze(1.0 - blink);
+    }
+
     /// Lids follow the eyeballs (the kit's shapes have weight 1 at about half a radian).
     pub fn follow_gaze(&mut self, amount: f32) {
         let (x, y) = (2.0 * amount * self.gaze.0, 2.0 * amount * self.gaze.1);

@@ -17,6 +17,8 @@ pub mod deform;
 pub mod draw;
 pub mod effects;
 pub mod expression;
+pub mod eye_cache;
+pub mod eye_truth;
 pub mod light;
 pub mod mesh;
 pub mod noise;
@@ -72,6 +74,8 @@ pub enum Kind {
     Plain,
     /// Faces seen from near, for the refiners: sharp, lids in detail and half way too.
     Near,
+    /// Faces whose eyes look around, with the truth of the eyes.
+    Eyes,
 }
 
 impl Kind {
@@ -81,6 +85,7 @@ impl Kind {
             (Kind::Plain, true) => 2048,
             (Kind::Plain, false) => 256,
             (Kind::Near, _) => 600,
+            (Kind::Eyes, _) => 400,
         }
     }
 
@@ -89,6 +94,7 @@ impl Kind {
         match self {
             Kind::Plain => 2,
             Kind::Near => 3,
+            Kind::Eyes => 1,
         }
     }
 }
@@ -105,7 +111,7 @@ pub fn renderer(args: &Args, fits: Option<&Fits>) -> Result<Renderer> {
         &mesh,
         args.kind.people(args.clean),
         args.seed,
-        args.kind == Kind::Near,
+        args.kind != Kind::Plain,
     );
     let offsets_mm = match fits {
         None => head.conventional_offsets_mm(),
@@ -126,6 +132,7 @@ pub fn spec(args: &Args) -> SampleSpec {
     let kind = match args.kind {
         Kind::Plain => SampleSpec::default(),
         Kind::Near => SampleSpec::near(),
+        Kind::Eyes => SampleSpec::eyes(),
     };
     SampleSpec {
         persons: if args.clean {
@@ -133,7 +140,10 @@ pub fn spec(args: &Args) -> SampleSpec {
         } else {
             Persons::All
         },
-        everyday: if args.clean { EVERYDAY_CLEAN } else { 0.0 },
+        everyday: match args.kind {
+            Kind::Plain | Kind::Near if args.clean => EVERYDAY_CLEAN,
+            _ => 0.0,
+        },
         ..kind
     }
 }
@@ -142,8 +152,11 @@ pub fn spec(args: &Args) -> SampleSpec {
 pub fn write(args: &Args, fits: Option<&Fits>, path: &Path) -> Result<()> {
     // Samples of one kind are not those of another once more.
     let seed = args.seed ^ ((args.kind as u64) << 32);
-    cache::write(path, &renderer(args, fits)?, seed, args.count, &spec(args))?;
-    Ok(())
+    let renderer = &renderer(args, fits)?;
+    match args.kind {
+        Kind::Eyes => eye_cache::write(path, renderer, seed, args.count, &spec(args)),
+        _ => cache::write(path, renderer, seed, args.count, &spec(args)).map(drop),
+    }
 }
 
 /// All pictures of a folder in the order of their names, as luma.

@@ -5,6 +5,7 @@ use super::deform::Deformation;
 use super::draw::{Eyes, Posed, Prop, Scene, View, draw};
 use super::effects::Camera;
 use super::expression::{Expression, random_gaze};
+use super::eye_truth::{EyeTruth, eye_truth};
 use super::light::Lights;
 use super::mesh::{IDENTITIES, Mesh};
 use super::noise::normal;
@@ -74,6 +75,16 @@ impl Renderer {
 
     /// Sample `index` of a seed; the same every time.
     pub fn sample(&self, seed: u64, index: u64, spec: &SampleSpec) -> Sample {
+        self.sample_with_eyes(seed, index, spec).0
+    }
+
+    /// The same with the truth of the image left's and the image right's eye.
+    pub fn sample_with_eyes(
+        &self,
+        seed: u64,
+        index: u64,
+        spec: &SampleSpec,
+    ) -> (Sample, [EyeTruth; 2]) {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(index);
         let rng = &mut rng;
@@ -117,6 +128,7 @@ impl Renderer {
         let points = self
             .landmarker
             .points(&skin, &view, &drawn, angles.roll_deg);
+        let truth = [0, 1].map(|k| eye_truth(k, &scene, &view, &drawn));
         let camera = Camera::random(
             rng,
             face_px,
@@ -125,7 +137,7 @@ impl Renderer {
         );
         let mut light = drawn.light;
         let luma = camera.develop(rng, &mut light, view.width);
-        Sample {
+        let sample = Sample {
             luma,
             width: view.width,
             height: view.height,
@@ -137,7 +149,8 @@ impl Renderer {
             camera: view.camera,
             animation: expression.animation(),
             person: person.id,
-        }
+        };
+        (sample, truth)
     }
 
     /// The vertices of a head of this person (head axes), and its expression.
@@ -151,6 +164,9 @@ impl Renderer {
         let mut expression = Expression::random(rng);
         if some(rng, spec.closing) {
             expression.close(rng);
+        }
+        if some(rng, spec.looking) {
+            expression.look(rng);
         }
         let weights = expression.weights(&self.mesh);
         let mut head = self.mesh.vertices(&identity, &weights);

@@ -30,6 +30,9 @@ pub struct SampleSpec {
     pub masks: f64,
     /// Share of samples whose lids are anywhere between open and shut.
     pub closing: f64,
+    /// Share of samples that look anywhere within what eyes reach, with lids that follow.
+    #[serde(skip_serializing_if = "is_none")]
+    pub looking: f64,
     /// Share of samples whose eyeballs look odd: too bright or dark, without an iris, mottled by
     /// reflections.
     pub odd_eyes: f64,
@@ -66,6 +69,7 @@ impl Default for SampleSpec {
             caps: 0.06,
             masks: 0.04,
             closing: 0.1,
+            looking: 0.0,
             odd_eyes: 0.1,
             infrared: 0.12,
             photo_backgrounds: 0.75,
@@ -104,6 +108,28 @@ impl SampleSpec {
             glasses: 0.12,
             infrared: 0.1,
             defects: 0.5,
+            ..SampleSpec::default()
+        }
+    }
+
+    /// Eyes that look around, open, shut and half way, behind glasses too.
+    pub fn eyes() -> SampleSpec {
+        SampleSpec {
+            face_px: (50.0, 230.0),
+            margin: 0.05,
+            yaw_deg: 63.0,
+            inner_share: 0.8,
+            pitch_deg: 30.0,
+            roll_deg: 25.0,
+            occluders: 0.08,
+            glasses: 0.3,
+            long_hair: 0.1,
+            caps: 0.03,
+            closing: 0.0,
+            looking: 1.0,
+            odd_eyes: 0.03,
+            infrared: 0.25,
+            defects: 0.6,
             ..SampleSpec::default()
         }
     }

@@ -1,0 +1,130 @@
+//! Trains the network of single eyes (section `EYES`) on rendered eyes and, unless the model is to
+//! be without photographs, on photographs of single eyes.
+
+mod calibration;
+mod samples;
+mod single;
+pub mod tracked;
+
+pub use calibration::{Figures, figures};
+pub use single::{SingleEye, read as read_single};
+
+use crate::align::{Augment, Options, Sizes, Source, Trained, train, write_regressor};
+use crate::render::eye_cache::Eye;
+use anyhow::{Context, Result};
+use posewise::align::{EYE_OUTPUTS, EYES_TAG, GLOBAL, SHAPE_INDEXED};
+use posewise_format::SectionWriter;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use samples::Eyes;
+use serde::Serialize;
+use std::path::Path;
+
+/// Samples that show how large the maps' values grow.
+const EXAMPLES: usize = 2048;
+
+/// The second round has one in so many of the first round's batches.
+const SECOND: usize = 4;
+
+/// How the network is trained.
+#[derive(Clone, Debug, Serialize)]
+pub struct EyeOptions {
+    /// Those of the network.
+    pub network: Options,
+    /// Share of photographs among the samples of the second round.
+    pub single_share: f32,
+    /// By how much of the nose's direction the gaze's label is reduced: how far behind the corners
+    /// of the eye its centre is, in radii of the eyeball.
+    pub by_nose: f32,
+}
+
+impl EyeOptions {
+    /// Those of this seed and so many batches.
+    pub fn new(seed: u64, steps: usize) -> EyeOptions {
+        EyeOptions {
+            network: Options {
+                seed,
+                steps,
+                sizes: Sizes {
+                    side: 40,
+                    // 44 mm across.
+                    zoom: 40.0 / 44.0,
+                    channels: [8, 24, 32, 64],
+                    fine: 16,
+                    depth: [1, 2],
+                    rank: 2 * EYE_OUTPUTS,
+                    points: EYE_OUTPUTS,
+                    reads: vec![GLOBAL, GLOBAL | SHAPE_INDEXED],
+                },
+                augment: Augment {
+                    patch: 0.05,
+                    motion_blur: 0.1,
+                    motion_blur_px: 5.0,
+                    ..Augment::default()
+                },
+                shake: 0.0,
+                ..Options::default()
+            },
+            single_share: 0.25,
+            by_nose: 0.8,
+        }
+    }
+}
+
+fn source<'a>(rendered: &'a [Eye], single: &'a [SingleEye], options: &'a EyeOptions) -> Eyes<'a> {
+    Eyes {
+        rendered,
+        single,
+        single_share: options.single_share,
+        sizes: &options.network.sizes,
+        augment: &options.network.augment,
+        by_nose: options.by_nose,
+    }
+}
+
+/// The first round: trains the network on rendered eyes; goes on from the checkpoint if there is
+/// one, and leaves the network there.
+pub fn train_rendered(rendered: &[Eye], options: &EyeOptions, checkpoint: &Path) -> Result<()> {
+    let source = source(rendered, &[], options);
+    train(&source, &options.network, checkpoint, None).map(drop)
+}
+
+/// The section, of the network of the first round. With photographs there is a second round, which
+/// goes on from its checkpoint. Probabilities are calibrated on eyes of people that are not among
+/// those that it is trained on.
+pub fn section(
+    first: &Path,
+    rendered: &[Eye],
+    calibration: &[Eye],
+    single: &[SingleEye],
+    options: &EyeOptions,
+    checkpoint: &Path,
+) -> Result<SectionWriter> {
+    let network = &options.network;
+    let source = source(rendered, single, options);
+    let mut trained = Trained::read(first, &network.sizes).context("no network of eyes")?;
+    if !single.is_empty() {
+        println!("second round, with single eyes");
+        let second = Options {
+            seed: network.seed ^ 0xe7e,
+            rate: 0.5 * network.rate,
+            steps: network.steps / SECOND,
+            ..network.clone()
+        };
+        trained = train(&source, &second, checkpoint, Some(trained.parameters))?;
+    }
+    let mut rng = ChaCha8Rng::seed_from_u64(network.seed ^ 2);
+    let samples = source.samples(EXAMPLES, &mut rng);
+    let write = |numbers: &calibration::Numbers| {
+        let mut out = SectionWriter::new(EYES_TAG);
+        numbers.write(&mut out);
+        write_regressor(&trained, &samples, &mut out)?;
+        Ok(out)
+    };
+    let first = write(&calibration::Numbers::first(options.by_nose))?;
+    write(&calibration::calibrate(
+        &first,
+        calibration,
+        options.by_nose,
+    )?)
+}

@@ -1,0 +1,174 @@
+//! Samples for the network of single eyes: crops as the tracker cuts them, disturbed, and what the
+//! network is to say of them.
+
+use super::single::SingleEye;
+use crate::align::{Augment, Sample, Sizes, Source, disturb, normal, standardise};
+use crate::picture::Picture;
+use crate::render::eye_cache::Eye;
+use glam::{EulerRot, Mat3};
+use posewise::align::{EYE_OUTPUTS, EyePlace};
+use posewise::image::{Crop, warp};
+use posewise::math::Similarity;
+use rand::Rng;
+use rand_chacha::ChaCha8Rng;
+
+/// Units of a gaze's sine, and of a class, in the network's outputs: about what an error of a pixel
+/// of the iris is worth.
+pub const GAZE_UNIT: f32 = 11.0;
+pub const CLASS_UNIT: f32 = 4.0;
+
+/// Standard deviations of what the tracker errs by: middle of the eye \[mm\], logarithm of scale,
+/// roll \[rad\], rotation of the head \[rad\].
+const SHIFT_MM: f32 = 1.1;
+const LOG_SCALE: f32 = 0.06;
+pub const ROLL: f32 = 0.05;
+const TURN: f32 = 0.05;
+
+/// Least share of an iris that is seen for a label of its place and of the gaze.
+const SEEN: f32 = 0.35;
+/// Opacity from which a lens is dark.
+pub const DARK: f32 = 0.5;
+/// Weights of the lids from which an eye is shut, and to which it is open.
+const SHUT: f32 = 0.85;
+const OPEN: f32 = 0.35;
+/// Least number of visible landmarks for labels of the lids.
+const VISIBLE: usize = 3;
+
+/// What the network is trained on.
+pub struct Eyes<'a> {
+    /// Rendered eyes.
+    pub rendered: &'a [Eye],
+    /// Photographs; none for a model without.
+    pub single: &'a [SingleEye],
+    /// Share of photographs among the samples.
+    pub single_share: f32,
+    /// The network.
+    pub sizes: &'a Sizes,
+    /// How crops are disturbed.
+    pub augment: &'a Augment,
+    /// As in [`super::EyeOptions`].
+    pub by_nose: f32,
+}
+
+pub fn crop_of(picture: &Picture, to_frame: &Similarity, side: usize, mirror: bool) -> Vec<f32> {
+    let centre = (side as f32 - 1.0) / 2.0;
+    let [tx, ty] = to_frame.apply([-centre, -centre]);
+    let mut crop = Crop::new();
+    let from_corner = Similarity {
+        tx,
+        ty,
+        ..*to_frame
+    };
+    warp(&picture.frame(), &from_corner, side, &mut crop);
+    if mirror {
+        crop.mirror();
+    }
+    crop.luma().iter().map(|v| f32::from(*v)).collect()
+}
+
+/// A similarity of this logarithm of scale and roll.
+pub fn turned(log_scale: f32, roll: f32, [tx, ty]: [f32; 2]) -> Similarity {
+    let scale = log_scale.exp();
+    Similarity {
+        a: scale * roll.cos(),
+        b: scale * roll.sin(),
+        tx,
+        ty,
+    }
+}
+
+/// Where the tracker takes a render's eye to be.
+pub fn place_of(eye: &Eye, rng: &mut ChaCha8Rng) -> EyePlace {
+    let [x, y, z] = [TURN, TURN, ROLL].map(|sigma| sigma * normal(rng));
+    let rotation = Mat3::from_euler(EulerRot::XYZ, x, y, z) * eye.rotation;
+    let points = eye.landmarks.map(|p| p.to_array());
+    let middle = [0, 1].map(|k| points.iter().map(|p| p[k]).sum::<f32>() / 6.0);
+    let distance = eye.truth.centre.z;
+    let place = EyePlace::new(&points, middle, &eye.camera, &rotation, distance)
+        .expect("a rendered eye has extent");
+    let mut noise = |sigma: f32| sigma * normal(rng);
+    let jitter = turned(noise(LOG_SCALE), 0.0, [noise(SHIFT_MM), noise(SHIFT_MM)]);
+    EyePlace {
+        to_frame: jitter.then(&place.to_frame),
+        ..place
+    }
+}
+
+/// Whether iris and gaze of a render are labels.
+pub fn is_looking(eye: &Eye) -> bool {
+    eye.truth.seen >= SEEN && eye.truth.lens < DARK
+}
+
+/// Whether a render's lids are open or shut; `None` in between and where they are hidden.
+pub fn is_open(eye: &Eye) -> Option<bool> {
+    let visible = eye.visible.iter().filter(|v| **v).count();
+    let known = visible >= VISIBLE && eye.truth.lens < DARK;
+    match eye.blink {
+        SHUT.. => Some(false).filter(|_| known),
+        ..OPEN => Some(true).filter(|_| known),
+        _ => None,
+    }
+}
+
+fn class(is: bool) -> f32 {
+    if is { CLASS_UNIT } else { -CLASS_UNIT }
+}
+
+impl Eyes<'_> {
+    fn rendered(&self, rng: &mut ChaCha8Rng) -> Sample {
+        let eye = &self.rendered[rng.random_range(0..self.rendered.len())];
+        let place = place_of(eye, rng);
+        let mirror = eye.side == 1;
+        let sign = if mirror { -1.0 } else { 1.0 };
+        let to_frame = turned(-self.sizes.zoom.ln(), 0.0, [0.0; 2]).then(&place.to_frame);
+        let back = to_frame.inverse().expect("a crop has extent");
+        let [x, y] = back.apply(eye.truth.iris.to_array());
+        let sine = place.to_camera.transpose() * eye.truth.gaze - self.by_nose * place.nose;
+        let open = is_open(eye);
+        let looking = f32::from(is_looking(eye)) * eye.truth.seen;
+        let glasses = [class(eye.truth.lens > 0.0), class(eye.truth.lens > DARK)];
+        let lids = [class(open.unwrap_or(true)), 0.0];
+        Sample {
+            crop: crop_of(&eye.picture, &to_frame, self.sizes.side, mirror),
+            start: vec![[0.0; 2]; EYE_OUTPUTS],
+            truth: vec![
+                [sign * x, y],
+                [GAZE_UNIT * sign * sine.x, GAZE_UNIT * sine.y],
+                lids,
+                glasses,
+            ],
+            weights: vec![looking, 2.0 * looking, f32::from(open.is_some()), 0.5],
+        }
+    }
+
+    fn single(&self, rng: &mut ChaCha8Rng) -> Sample {
+        let eye = &self.single[rng.random_range(0..self.single.len())];
+        Sample {
+            crop: eye.crop(self.sizes, rng),
+            start: vec![[0.0; 2]; EYE_OUTPUTS],
+            truth: vec![[0.0; 2], [0.0; 2], [class(eye.open), 0.0], [0.0; 2]],
+            weights: vec![0.0, 0.0, 1.5, 0.0],
+        }
+    }
+}
+
+impl Source for Eyes<'_> {
+    fn draw(&self, rng: &mut ChaCha8Rng) -> Sample {
+        let is_single = !self.single.is_empty() && rng.random_range(0.0..1.0) < self.single_share;
+        let mut sample = match is_single {
+            true => self.single(rng),
+            false => self.rendered(rng),
+        };
+        disturb(&mut sample.crop, self.sizes.side, self.augment, rng);
+        standardise(&mut sample.crop);
+        sample
+    }
+
+    fn aperture(&self, _: &crate::align::Aperture) -> Vec<([usize; 2], f32)> {
+        vec![]
+    }
+
+    fn offset(&self) -> Vec<[f32; 2]> {
+        vec![[0.0; 2]; EYE_OUTPUTS]
+    }
+}

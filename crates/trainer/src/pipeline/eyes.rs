@@ -1,0 +1,111 @@
+//! Stage `eyes`: the network of single eyes (section `EYES`). It depends on renders and photographs
+//! alone, so that it can be added to a finished model.
+
+use super::args::Args;
+use super::context::Context;
+use super::renders;
+use super::sections;
+use super::stage::Stage;
+use super::store::{Output, Store};
+use crate::eyes::{self, EyeOptions};
+use crate::render::{Kind, eye_cache};
+use anyhow::{Context as _, Result};
+use posewise::align::EYES_TAG;
+use posewise_format::{AlignedBytes, Blob, SectionWriter, blob};
+use std::path::PathBuf;
+
+/// Renders of other people, by which probabilities are calibrated.
+const CALIBRATION: u64 = 1500;
+/// Changes the seed of those.
+const OTHERS: u64 = 0xca11;
+/// The network after its first round, which the models share.
+const NETWORK: &str = "network.checkpoint";
+/// What the network reaches.
+const FIGURES: &str = "figures.json";
+
+/// Makes the section.
+pub fn make(context: &Context<'_>) -> Result<Output> {
+    let args = context.args;
+    let options = EyeOptions::new(args.seed, args.eye_steps);
+    // Eyes are procedural in every render, so photographed skins bring little and take long.
+    let render = crate::render::Args {
+        clean: true,
+        ..args.render(Kind::Eyes)
+    };
+    let others = crate::render::Args {
+        seed: render.seed ^ OTHERS,
+        count: CALIBRATION,
+        ..render.clone()
+    };
+    let rendered = renders::make(context.store, &render, None)?;
+    let calibration = renders::make(context.store, &others, None)?;
+    let read = |output: &Output| eye_cache::read(&output.path(renders::FILE), usize::MAX);
+    let stage = Stage::new("eyes-network", 1)
+        .options(&options.network)?
+        .input("renders-eyes", rendered.hash(renders::FILE)?);
+    let network = context.store.make(&stage, &[NETWORK], |folder| {
+        eyes::train_rendered(&read(&rendered)?, &options, &folder.join(NETWORK))
+    })?;
+    let stage = Stage::new("eyes", 1)
+        .options(&options)?
+        .input("eyes-network", network.hash(NETWORK)?)
+        .input("renders-eyes", rendered.hash(renders::FILE)?)
+        .input("calibration", calibration.hash(renders::FILE)?);
+    let stage = context.with_photographs(stage, &["eyes"])?;
+    let files = [sections::FILE, FIGURES];
+    let output = context.store.make(&stage, &files, |folder| {
+        let (rendered, calibration) = (read(&rendered)?, read(&calibration)?);
+        let photographs = |held_out| match args.clean {
+            true => Ok(vec![]),
+            false => eyes::read_single(&context.data("eyes"), held_out),
+        };
+        let single = photographs(false)?;
+        let section = eyes::section(
+            &network.path(NETWORK),
+            &rendered,
+            &calibration,
+            &single,
+            &options,
+            &folder.join("second.checkpoint"),
+        )?;
+        let figures = eyes::figures(&section, &calibration, &photographs(true)?)?;
+        std::fs::write(folder.join(FIGURES), serde_json::to_vec(&figures)?)?;
+        sections::write(folder, &section)
+    })?;
+    println!("eyes: {}", String::from_utf8_lossy(&output.read(FIGURES)?));
+    Ok(output)
+}
+
+/// Options of `posewise-train add-eyes`.
+#[derive(Clone, Debug, clap::Args)]
+pub struct AddArgs {
+    /// The finished model.
+    #[arg(long)]
+    pub model: PathBuf,
+    /// Those of a whole model; `--out` is where the model with the section goes.
+    #[command(flatten)]
+    pub args: Args,
+}
+
+/// Writes a model with section `EYES` added or replaced; every other section stays as it is.
+pub fn add(add: &AddArgs) -> Result<()> {
+    let args = &add.args;
+    let store = Store::open(&args.cache)?;
+    let context = Context::new(args, &store, None);
+    let section = sections::read(&(&make(&context)?, EYES_TAG))?;
+    let path = add.model.display();
+    let bytes = std::fs::read(&add.model).with_context(|| format!("reading {path}"))?;
+    let bytes = AlignedBytes::new(&bytes);
+    let others = Blob::open(&bytes)?;
+    let mut all: Vec<SectionWriter> = others
+        .sections()
+        .filter(|(tag, _)| *tag != EYES_TAG)
+        .map(|(tag, bytes)| SectionWriter::of_bytes(tag, bytes.to_vec()))
+        .collect();
+    // The data sheet is last.
+    all.insert(all.len().saturating_sub(1), section);
+    let bytes = blob(&all);
+    std::fs::write(&args.out, &bytes)?;
+    println!("{}: {} bytes", args.out.display(), bytes.len());
+    Ok(())
+}

@@ -1,0 +1,197 @@
+//! Rendered eyes on disk: a file of pictures with the truth of both eyes, appended to, so that an
+//! interrupted run goes on where it stopped.
+//!
+//! A record is its length, width, height, floats and luma, little-endian. An incomplete record at
+//! the end is drawn again.
+
+use super::eye_truth::EyeTruth;
+use super::sample::{Renderer, Sample};
+use super::spec::SampleSpec;
+use crate::picture::Picture;
+use anyhow::{Context, Result, ensure};
+use glam::{Mat3, Vec2, Vec3};
+use indicatif::{ProgressBar, ProgressStyle};
+use posewise::math::head_rotation;
+use posewise::shape::{ANIMATION_NAMES, Intrinsics};
+use rayon::prelude::*;
+use std::fs::{File, OpenOptions};
+use std::io::{BufWriter, Write};
+use std::path::Path;
+use std::sync::Arc;
+
+/// First landmark of the image left's and of the image right's eye.
+const FIRST: [usize; 2] = [36, 42];
+/// Floats of an eye, and of a record.
+const EYE: usize = 12 + 6 + 3 + 3 + 2 + 3;
+const FLOATS: usize = 2 * EYE + 9 + 3 + 4;
+/// Samples drawn between writes.
+const BATCH: u64 = 128;
+
+/// An eye of a picture.
+#[derive(Clone)]
+pub struct Eye {
+    /// The picture that shows it.
+    pub picture: Arc<Picture>,
+    /// 0 at the image left, the person's right eye; 1 at the image right.
+    pub side: usize,
+    /// Its six landmarks \[px\].
+    pub landmarks: [Vec2; 6],
+    /// Whether each is seen.
+    pub visible: [bool; 6],
+    /// Where it looks.
+    pub truth: EyeTruth,
+    /// Weight with which its lids are shut.
+    pub blink: f32,
+    /// Head to camera.
+    pub rotation: Mat3,
+    /// The head's origin, camera axes \[mm\].
+    pub position: Vec3,
+    /// The camera.
+    pub camera: Intrinsics,
+}
+
+fn floats(sample: &Sample, truth: &[EyeTruth; 2]) -> Vec<f32> {
+    let weight = |name: &str| {
+        let at = ANIMATION_NAMES.iter().position(|n| *n == name);
+        at.map_or(0.0, |at| sample.animation[at])
+    };
+    let blinks = [weight("eyeBlinkRight"), weight("eyeBlinkLeft")];
+    let mut out = Vec::with_capacity(FLOATS);
+    for ((first, eye), blink) in FIRST.iter().zip(truth).zip(blinks) {
+        let points = &sample.landmarks[*first..first + 6];
+        out.extend(points.iter().flat_map(|p| p.to_array()));
+        let visible = &sample.visible[*first..first + 6];
+        out.extend(visible.iter().map(|v| f32::from(*v)));
+        out.extend(eye.centre.to_array());
+        out.extend(eye.gaze.to_array());
+        out.extend(eye.iris.to_array());
+        out.extend([eye.seen, eye.lens, blink]);
+    }
+    out.extend(head_rotation(sample.angles).to_cols_array());
+    out.extend(sample.position.to_array());
+    let c = sample.camera;
+    out.extend([c.fx, c.fy, c.cx, c.cy]);
+    out
+}
+
+fn encode(sample: &Sample, truth: &[EyeTruth; 2]) -> Vec<u8> {
+    let mut body = Vec::new();
+    body.extend((sample.width as u16).to_le_bytes());
+    body.extend((sample.height as u16).to_le_bytes());
+    let floats = floats(sample, truth);
+    floats.iter().for_each(|f| body.extend(f.to_le_bytes()));
+    body.extend(&sample.luma);
+    let mut out = (body.len() as u32).to_le_bytes().to_vec();
+    out.extend(body);
+    out
+}
+
+fn decode(body: &[u8]) -> Result<[Eye; 2]> {
+    let (head, rest) = body
+        .split_at_checked(4 + 4 * FLOATS)
+        .context("a record is too short")?;
+    let side = |at: usize| u16::from_le_bytes([head[at], head[at + 1]]) as u32;
+    let size = [side(0), side(2)];
+    ensure!(
+        rest.len() == (size[0] * size[1]) as usize,
+        "a record's luma"
+    );
+    let picture = Arc::new(Picture {
+        size,
+        luma: rest.to_vec(),
+    });
+    let f: Vec<f32> = head[4..]
+        .chunks_exact(4)
+        .map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]))
+        .collect();
+    let common = &f[2 * EYE..];
+    Ok([0, 1].map(|side| {
+        let own = &f[side * EYE..][..EYE];
+        Eye {
+            picture: picture.clone(),
+            side,
+            landmarks: std::array::from_fn(|i| Vec2::from_slice(&own[2 * i..])),
+            visible: std::array::from_fn(|i| own[12 + i] != 0.0),
+            truth: EyeTruth {
+                centre: Vec3::from_slice(&own[18..]),
+                gaze: Vec3::from_slice(&own[21..]),
+                iris: Vec2::from_slice(&own[24..]),
+                seen: own[26],
+                lens: own[27],
+            },
+            blink: own[28],
+            rotation: Mat3::from_cols_slice(common),
+            position: Vec3::from_slice(&common[9..]),
+            camera: Intrinsics::new(common[12], common[13], common[14], common[15]),
+        }
+    }))
+}
+
+/// The eyes of a sample.
+pub fn eyes_of(sample: &Sample, truth: &[EyeTruth; 2]) -> [Eye; 2] {
+    let record = encode(sample, truth);
+    decode(&record[4..]).expect("a record is what was encoded")
+}
+
+/// The records of a file and their length in bytes.
+fn records(bytes: &[u8]) -> (Vec<&[u8]>, usize) {
+    let (mut out, mut at) = (vec![], 0);
+    while let Some((length, rest)) = bytes[at..].split_first_chunk::<4>() {
+        let Some(body) = rest.get(..u32::from_le_bytes(*length) as usize) else {
+            break;
+        };
+        out.push(body);
+        at += 4 + body.len();
+    }
+    (out, at)
+}
+
+/// Fills a file up to `count` samples.
+pub fn write(
+    path: &Path,
+    renderer: &Renderer,
+    seed: u64,
+    count: u64,
+    spec: &SampleSpec,
+) -> Result<()> {
+    let before = std::fs::read(path).unwrap_or_default();
+    let (present, end) = records(&before);
+    let mut next = present.len() as u64;
+    let mut options = OpenOptions::new();
+    let file = options.create(true).append(true).open(path);
+    let file: File = file.with_context(|| format!("cannot write {}", path.display()))?;
+    file.set_len(end as u64)?;
+    let mut file = BufWriter::new(file);
+    let style = ProgressStyle::with_template("eyes   {bar:40} {pos}/{len} {per_sec} eta {eta}")?;
+    let bar = ProgressBar::new(count)
+        .with_style(style)
+        .with_position(next);
+    while next < count {
+        let stop = (next + BATCH).min(count);
+        let drawn: Vec<Vec<u8>> = (next..stop)
+            .into_par_iter()
+            .map(|index| {
+                let (sample, truth) = renderer.sample_with_eyes(seed, index, spec);
+                bar.inc(1);
+                encode(&sample, &truth)
+            })
+            .collect();
+        drawn.iter().try_for_each(|r| file.write_all(r))?;
+        file.flush()?;
+        next = stop;
+    }
+    bar.finish();
+    Ok(())
+}
+
+/// All eyes of a file, at most of so many pictures.
+pub fn read(path: &Path, limit: usize) -> Result<Vec<Eye>> {
+    let bytes = std::fs::read(path).with_context(|| format!("reading {}", path.display()))?;
+    let (records, _) = records(&bytes);
+    let pairs = records.into_iter().take(limit).map(decode);
+    Ok(pairs
+        .collect::<Result<Vec<_>>>()?
+        .into_iter()
+        .flatten()
+        .collect())
+}
