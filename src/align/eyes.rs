@@ -125,8 +125,8 @@ impl EyePlace {
 }
 
 impl<'m> EyeModel<'m> {
-    /// Reads and checks the section: `classes: f32[6], gaze: f32[10], sigma: f32[4]`, and a regressor
-    /// of [`EYE_OUTPUTS`] points whose `zoom` is in crop px per mm.
+    /// Reads and checks the section: `classes: f32[6], gaze: f32[10], sigma: f32[4]`, and a
+    /// regressor of [`EYE_OUTPUTS`] points whose `zoom` is in crop px per mm.
     ///
     /// # Errors
     /// When the section is too short or a number is out of range.
