@@ -50,14 +50,19 @@ fn fill<const T: usize>(
         return;
     };
     // Of most frames and scales the samples of a row are adjacent bytes.
-    let first = columns.first().copied().unwrap_or(0);
+    let [first, last] = [columns.first(), columns.last()].map(|x| x.copied().unwrap_or(0));
     let adjacent = frame.byte_step(1, 0) == 1
         && scale_q8 == 256 * T as i32
         && left == first
-        && columns.last() == Some(&(first + width as i32 - 1));
+        && last == first + width as i32 - 1;
+    // Where the row's bytes between the first sample and the last one are few, all of them are added
+    // up by column, and what is sampled is the sums.
+    let span = (last - first + 1).max(0) as usize;
+    let by_column = frame.byte_step(1, 0) == 1 && span <= CROP_MAX * TAPS_MAX;
     let area = (T * T).max(1) as u16;
     for (v, pixels) in luma.chunks_exact_mut(side.max(1)).enumerate() {
         let mut sums = [0u16; CROP_MAX];
+        let mut totals = [0u16; CROP_MAX * TAPS_MAX];
         for j in 0..T {
             let row = sample::<T>(top, scale_q8, v * T + j);
             let row = row.min(frame.height() - 1).max(0);
@@ -66,14 +71,25 @@ fn fill<const T: usize>(
                 Some(bytes) if adjacent => {
                     let from = (start + first as isize) as usize;
                     let row = bytes.get(from..from + width).unwrap_or(&[]);
-                    add::<T, u8>(&mut sums, row, |v| v);
+                    add::<T, u8>(&mut sums, row, u16::from);
+                }
+                Some(bytes) if by_column => {
+                    let from = (start + first as isize) as usize;
+                    let row = bytes.get(from..from + span).unwrap_or(&[]);
+                    let totals = totals.iter_mut().zip(row);
+                    totals.for_each(|(total, v)| *total += u16::from(*v));
                 }
                 Some(bytes) => add::<T, i32>(&mut sums, columns, |x| {
                     let at = start + frame.byte_step(x, 0);
-                    bytes.get(at as usize).copied().unwrap_or(0)
+                    bytes.get(at as usize).copied().unwrap_or(0).into()
                 }),
-                None => add::<T, i32>(&mut sums, columns, |x| frame.raw_luma(x, row)),
+                None => add::<T, i32>(&mut sums, columns, |x| frame.raw_luma(x, row).into()),
             }
+        }
+        if by_column && !adjacent {
+            add::<T, i32>(&mut sums, columns, |x| {
+                totals.get((x - first) as usize).copied().unwrap_or(0)
+            });
         }
         for (pixel, sum) in pixels.iter_mut().zip(sums) {
             *pixel = ((sum + area / 2) / area) as u8;
@@ -83,9 +99,9 @@ fn fill<const T: usize>(
 
 /// Adds each crop pixel's `T` samples of a row.
 #[inline(always)]
-fn add<const T: usize, S: Copy>(sums: &mut [u16], samples: &[S], read: impl Fn(S) -> u8) {
+fn add<const T: usize, S: Copy>(sums: &mut [u16], samples: &[S], read: impl Fn(S) -> u16) {
     for (sum, samples) in sums.iter_mut().zip(samples.as_chunks::<T>().0) {
-        *sum += samples.iter().map(|s| u16::from(read(*s))).sum::<u16>();
+        *sum += samples.iter().map(|s| read(*s)).sum::<u16>();
     }
 }
 
