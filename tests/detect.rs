@@ -237,7 +237,11 @@ fn candidates_wait_for_their_budget() {
         let model = model.expect("a valid model");
         let (mut scan, mut memory) = (Scan::new(), Memory::new());
         let mut advance = |units: u32, candidate: u32| {
-            let budget = ScanBudget { units, candidate };
+            let budget = ScanBudget {
+                units,
+                candidate,
+                clear: false,
+            };
             let outcome = scan.advance(&model, &frame, Sizes::from(24), budget, &mut memory.tile());
             (outcome, scan.units_left())
         };

@@ -150,10 +150,17 @@ impl Candidates {
 
     /// Reports the best candidate that was not reported yet.
     pub fn report(&mut self) -> Option<Detection> {
+        self.report_from(f32::NEG_INFINITY)
+    }
+
+    /// As [`Self::report`], where its score is at least this.
+    pub fn report_from(&mut self, score: f32) -> Option<Detection> {
         let open = self.list.iter_mut().filter(|c| !c.reported);
         let best = open.max_by(|a, b| a.face.score.total_cmp(&b.face.score))?;
-        best.reported = true;
-        Some(best.face)
+        (best.face.score >= score).then(|| {
+            best.reported = true;
+            best.face
+        })
     }
 }
 

@@ -18,6 +18,9 @@ use crate::math::Similarity;
 /// one (`posewise bench`).
 pub const TILE_UNITS: u32 = 600;
 
+/// Score of a clear candidate \[logit above the detector's threshold\].
+const CLEAR_SCORE: f32 = 1.4;
+
 /// Largest size over the frame's shorter side \[1/256\]: a face that fills the frame, or of which
 /// a part lies outside.
 const LARGEST_Q8: i64 = 320;
@@ -76,6 +79,9 @@ pub struct ScanBudget {
     /// What the caller does with a candidate. One is reported while so much is left; the others
     /// wait for a later call.
     pub candidate: u32,
+    /// Whether only clear candidates, of [`CLEAR_SCORE`] and more, are reported while there are
+    /// tiles left to evaluate.
+    pub clear: bool,
 }
 
 impl ScanBudget {
@@ -84,6 +90,7 @@ impl ScanBudget {
         ScanBudget {
             units,
             candidate: 0,
+            clear: false,
         }
     }
 }
@@ -201,8 +208,13 @@ impl Scan {
         self.units_left = budget.units;
         let mut is_first = true;
         loop {
+            let least = if budget.clear {
+                CLEAR_SCORE
+            } else {
+                f32::NEG_INFINITY
+            };
             if self.units_left >= budget.candidate
-                && let Some(face) = self.candidates.report()
+                && let Some(face) = self.candidates.report_from(least)
             {
                 return ScanOutcome::Candidate(face);
             }
@@ -211,6 +223,11 @@ impl Scan {
             }
             is_first = false;
             let Some((corner, scale_q8)) = self.next_tile(model) else {
+                if self.units_left >= budget.candidate
+                    && let Some(face) = self.candidates.report()
+                {
+                    return ScanOutcome::Candidate(face);
+                }
                 if self.candidates.is_pending() {
                     return ScanOutcome::BudgetSpent;
                 }

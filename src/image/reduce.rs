@@ -55,8 +55,8 @@ fn fill<const T: usize>(
         && scale_q8 == 256 * T as i32
         && left == first
         && last == first + width as i32 - 1;
-    // Where the row's bytes between the first sample and the last one are few, all of them are added
-    // up by column, and what is sampled is the sums.
+    // Where a row has few bytes between its first sample and its last one, all of them are added up
+    // by column, and the sums are sampled.
     let span = (last - first + 1).max(0) as usize;
     let by_column = frame.byte_step(1, 0) == 1 && span <= CROP_MAX * TAPS_MAX;
     let area = (T * T).max(1) as u16;

@@ -6,7 +6,7 @@
 use super::Config;
 use super::policy::{
     EXPECT_PERIOD, EXPECT_US, EXPECTED_SIZES, ITERATION_UNITS, KEYFRAME_UNITS, LARGE_FACE,
-    LARGE_FACE_PERIOD,
+    LARGE_FACE_PERIOD, UNCLEAR_PERIOD,
 };
 use super::step::{Step, WorkBudget};
 use crate::detect::{Detection, Scan, ScanBudget, ScanOutcome, Sizes, TILE_UNITS, TileMemory};
@@ -184,6 +184,7 @@ impl Scanner {
         budget: &mut WorkBudget,
         memory: &mut TileMemory<'_>,
     ) -> Option<Detection> {
+        let steps = self.steps;
         while budget.left() >= TILE_UNITS {
             let (scan, sizes) = match plan.first {
                 Some(sizes) => (&mut self.first, sizes),
@@ -192,6 +193,7 @@ impl Scanner {
             let given = ScanBudget {
                 units: budget.left(),
                 candidate: ITERATION_UNITS.min(budget.limit()),
+                clear: !steps.is_multiple_of(UNCLEAR_PERIOD),
             };
             let detector = &step.model.detector;
             let outcome = scan.advance_in(detector, step.frame, roi, sizes, given, memory);
