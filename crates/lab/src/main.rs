@@ -7,6 +7,7 @@ mod features;
 mod product;
 mod protocol;
 mod report;
+mod rigid;
 mod shard;
 mod store;
 mod sweeps;

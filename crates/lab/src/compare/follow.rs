@@ -3,10 +3,11 @@
 use super::bayes::Loop;
 use super::cascade::{Hybrid, Regressed};
 use super::descriptor::Descriptor;
+use super::face_model::FaceModel;
 use super::follower::{ByEnergy, Follower};
 use super::gaussian::Gaussians;
 use super::keyframes::Keyframes;
-use super::person::{FaceModel, Person};
+use super::person::Person;
 use super::picture::Picture;
 use super::scorer::{Local, LocalModel, Scorer};
 use super::settings::{Method, Settings};

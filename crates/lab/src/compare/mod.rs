@@ -1,7 +1,7 @@
 //! The trackers of the thesis as comparators, beside posewise.
 //!
 //! ```text
-//! person, render ─► synthesis ─► gaussian | view_based | sparse ─► scorer ─► bayes, keyframes ─┐
+//! face_model, person, render ─► synthesis ─► gaussian | view_based | sparse ─► scorer ─► bayes, keyframes ─┐
 //! training ─► svm | cascade ─► fit ────────────────────────────────────────► follower ◄────────┘
 //! follower ─► follow ─► trackers ─► track
 //! trackers, systems, measures ─► comparison ─► table
@@ -17,6 +17,7 @@ mod bayes;
 mod cascade;
 mod comparison;
 mod descriptor;
+mod face_model;
 mod fit;
 mod follow;
 mod follower;

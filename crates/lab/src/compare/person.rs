@@ -1,20 +1,13 @@
 //! The 3D face of the person in the first frame: identity, pose and units from its landmarks.
 
+use super::face_model::{FaceModel, INNER};
 use super::state::{SIZE, State, UNITS};
 use anyhow::{Context, Result};
 use glam::{Mat3, Vec3};
 use nalgebra::{DMatrix, DVector};
 use posewise::Intrinsics;
 use posewise::shape::{LANDMARKS, posit};
-use posewise_train::head::Head;
-use posewise_train::render::mesh::Mesh;
-use std::path::Path;
 
-/// First landmark that is not on the jaw: the jaw of the image is no fixed place of the head.
-const INNER: usize = 17;
-
-/// Identity modes that are fitted; as many as the thesis uses of Candide-3.
-const MODES: usize = 12;
 /// Standard deviation of a landmark in the first frame \[mm\].
 const NOISE_MM: f64 = 1.5;
 /// Standard deviation of a unit in the first frame.
@@ -27,17 +20,6 @@ const DELTA_MM: f64 = 0.5;
 
 /// Added to the diagonal of the normal equations.
 const RIDGE: f64 = 1e-6;
-
-/// A head that can be drawn and moved.
-pub struct FaceModel {
-    /// What is drawn.
-    pub mesh: Mesh,
-    identity: Vec<Vec<Vec3>>,
-    /// By unit, displacement of every vertex at weight 1 \[mm\].
-    units: Vec<Vec<Vec3>>,
-    /// From each landmark's vertex to the landmark \[mm\].
-    offsets: Vec<Vec3>,
-}
 
 /// A person: the head with its identity.
 pub struct Person<'m> {
@@ -52,27 +34,6 @@ pub struct Person<'m> {
 }
 
 impl FaceModel {
-    /// Reads the face kit.
-    pub fn read(path: &Path) -> Result<FaceModel> {
-        let head = Head::load(path)?;
-        let vectors = |v: &Vec<[f32; 3]>| v.iter().map(|v| Vec3::from(*v)).collect::<Vec<_>>();
-        let unit = |names: &&[&str]| {
-            let mut sum = vec![Vec3::ZERO; head.mean.len()];
-            let moved = head.expressions.iter();
-            for expression in moved.filter(|e| names.contains(&e.name.as_str())) {
-                let delta = vectors(&expression.delta);
-                sum.iter_mut().zip(delta).for_each(|(s, d)| *s += d);
-            }
-            sum
-        };
-        Ok(FaceModel {
-            mesh: Mesh::new(&head)?,
-            identity: head.identity.iter().take(MODES).map(vectors).collect(),
-            units: UNITS.iter().map(unit).collect(),
-            offsets: vectors(&head.conventional_offsets_mm()),
-        })
-    }
-
     /// The person whose landmarks these are \[px\], and the state of that frame. POSIT finds the
     /// pose; Gauss–Newton with Gaussian priors then finds identity, pose and units together.
     pub fn fit(
@@ -141,18 +102,13 @@ impl FaceModel {
         let at = |v: &u32| normals[*v as usize];
         Person {
             model: self,
-            normals: self.mesh.landmarks.iter().map(at).collect(),
+            normals: self.surface.iter().map(at).collect(),
             neutral,
             camera,
         }
     }
 
-    /// A landmark of a face with these vertices \[mm, head frame\].
-    fn landmark(&self, vertices: &[Vec3], landmark: usize) -> Vec3 {
-        vertices[self.mesh.landmarks[landmark] as usize] + self.offsets[landmark]
-    }
-
-    /// The same of identity and units.
+    /// A landmark of identity and units \[mm, head frame\].
     fn fitted(&self, landmark: usize, state: &State, identity: &[f64]) -> Vec3 {
         let mean = self.landmark(&self.mesh.mean, landmark);
         let v = self.mesh.landmarks[landmark] as usize;

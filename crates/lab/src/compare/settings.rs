@@ -1,7 +1,7 @@
 //! Which tracker, and how.
 
 use super::descriptor::Descriptor;
-use super::{bayes, gaussian, synthesis, view_based};
+use super::{bayes, face_model, gaussian, synthesis, view_based};
 use crate::product;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -78,6 +78,14 @@ pub struct Settings {
     #[serde(skip)]
     #[arg(long, default_value = "../shared/data/facekit.npz")]
     pub facekit: PathBuf,
+    /// The 3D face of the comparators.
+    #[serde(skip_serializing_if = "face_model::Kind::is_morphable")]
+    #[arg(long, default_value = "morphable")]
+    pub face_model: face_model::Kind,
+    /// Candide-3's wireframe (`--face-model candide`).
+    #[serde(skip)]
+    #[arg(long, default_value = "../shared/data/candide3.wfm")]
+    pub candide: PathBuf,
     /// What is read at a landmark.
     #[arg(long, default_value = "gradients")]
     pub descriptor: Descriptor,

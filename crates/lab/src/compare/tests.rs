@@ -1,5 +1,6 @@
 //! Every method follows the demo clip, which is rendered.
 
+use super::face_model::Kind;
 use super::settings::{Method, Settings};
 use super::trackers::Trackers;
 use crate::truth;
@@ -58,11 +59,19 @@ fn every_method_follows_a_short_clip() {
         "--frames",
         &FRAMES.to_string(),
     ]);
+    let focal = truth[0].focal.map(|f| f as f32);
     let methods = Method::ALL;
     let trackers = Trackers::new(&settings.settings, &methods).unwrap();
-    for method in methods {
-        let focal = truth[0].focal.map(|f| f as f32);
-        let frames = trackers.follow(method, &clip, focal).unwrap();
+    let candide = Settings {
+        face_model: Kind::Candide,
+        candide: facekit.with_file_name("candide3.wfm"),
+        ..settings.settings.clone()
+    };
+    let some = [Method::Gaussian, Method::Svm];
+    let other = Trackers::new(&candide, &some).unwrap();
+    let all = methods.iter().map(|method| (method, &trackers));
+    for (method, trackers) in all.chain(some.iter().map(|method| (method, &other))) {
+        let frames = trackers.follow(*method, &clip, focal).unwrap();
         assert_eq!(frames.len(), truth.len(), "{}", method.name());
         let pairs = frames.iter().zip(&truth);
         let off = pairs.filter_map(|(frame, truth)| {

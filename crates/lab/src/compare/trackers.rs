@@ -1,7 +1,7 @@
 //! All trackers, ready for clips.
 
+use super::face_model::{FaceModel, Kind};
 use super::follow::{self, Clip};
-use super::person::FaceModel;
 use super::settings::{Method, Settings};
 use super::training::Trained;
 use crate::product::Product;
@@ -35,7 +35,10 @@ impl Trackers {
             }
             false => None,
         };
-        let read = || FaceModel::read(&settings.facekit);
+        let read = || match settings.face_model {
+            Kind::Morphable => FaceModel::morphable(&settings.facekit),
+            Kind::Candide => FaceModel::candide(&settings.candide, &settings.facekit),
+        };
         Ok(Trackers {
             model: needs_head.then(read).transpose()?,
             sums: [
@@ -63,6 +66,9 @@ impl Trackers {
         });
         if method != Method::Posewise {
             key["head"] = json!(self.sums[1]);
+            if self.settings.face_model == Kind::Candide {
+                key["candide"] = json!(sum_of(&self.settings.candide)?);
+            }
             key["weight"] = json!(method.weight());
             key["settings"] = serde_json::to_value(&self.settings)?;
             let trained = self.trained.as_ref();

@@ -1,8 +1,8 @@
 //! Heads of the morphable model that no training sees: extreme coefficients, and smooth
 //! deformations that the model does not have.
 
+use crate::rigid::rotation_onto;
 use glam::{Mat3, Vec3};
-use nalgebra::Matrix3;
 use posewise_train::render::expression::Expression;
 use posewise_train::render::mesh::{IDENTITIES, Mesh};
 use posewise_train::render::noise::{fractal, noise, normal, smoothstep};
@@ -142,25 +142,6 @@ impl Field {
             * smoothstep(-10.0, 25.0, p.z);
         sum + Vec3::new(p.x, 0.0, p.z - 62.0) * self.neck * neck
     }
-}
-
-/// The rotation that brings points nearest to others, both about their means (Kabsch 1976).
-pub fn rotation_onto(from: &[Vec3], to: &[Vec3]) -> Mat3 {
-    let mean = |points: &[Vec3]| points.iter().sum::<Vec3>() / points.len().max(1) as f32;
-    let (from_mean, to_mean) = (mean(from), mean(to));
-    let mut sum = Matrix3::<f32>::zeros();
-    for (a, b) in from.iter().zip(to) {
-        let (a, b) = (*a - from_mean, *b - to_mean);
-        sum += nalgebra::Vector3::from(b.to_array())
-            * nalgebra::Vector3::from(a.to_array()).transpose();
-    }
-    let svd = sum.svd(true, true);
-    let (Some(u), Some(v)) = (svd.u, svd.v_t) else {
-        return Mat3::IDENTITY;
-    };
-    let sign = (u * v).determinant().signum();
-    let turn = u * Matrix3::from_diagonal(&nalgebra::Vector3::new(1.0, 1.0, sign)) * v;
-    Mat3::from_cols_slice(turn.as_slice())
 }
 
 /// The frontmost depth of a head's surface over its frontal view.

@@ -4,8 +4,8 @@
 //!
 //! It is drawn as a prop; the mesh that the renderer wants has its landmarks and no triangles.
 
-use super::body::rotation_onto;
 use super::paint::Painter;
+use crate::rigid::rotation_onto;
 use anyhow::{Result, ensure};
 use glam::{Mat3, Vec3};
 use posewise::shape::ANIMATIONS;

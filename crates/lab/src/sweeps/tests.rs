@@ -1,9 +1,9 @@
-use super::body::rotation_onto;
 use super::clip::Studio;
 use super::covers::Cover;
 use super::motion::Motion;
 use super::plan::{Kind, Sweep, sweeps};
 use super::{Material, u3pt};
+use crate::rigid::rotation_onto;
 use glam::{Mat3, Vec3};
 use posewise::shape::LANDMARKS;
 use posewise_train::head::Head;
