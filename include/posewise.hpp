@@ -1,4 +1,5 @@
-// posewise.hpp - posewise.h for C++17: a tracker that owns its memory and borrows its model.
+// posewise.hpp - posewise.h for C++17: a tracker that owns its memory and borrows its model, and a
+// driver monitor.
 //
 // Header only. Throws no exceptions: functions that can fail return a posewise_status, and a
 // tracker whose creation failed converts to false. Units, ranges and frames are those of
@@ -21,6 +22,7 @@ namespace posewise {
 using Landmarks = std::array<posewise_landmark, POSEWISE_LANDMARKS>;
 using Events = std::array<posewise_event, POSEWISE_EVENTS>;
 using Animation = std::array<float, POSEWISE_ANIMATIONS>;
+using MonitorEvents = std::array<posewise_monitor_event, POSEWISE_MONITOR_EVENTS>;
 
 // Structs with struct_size set and all other fields 0, their defaults.
 inline posewise_config config() {
@@ -41,6 +43,21 @@ inline posewise_hint hint() {
 inline posewise_result result() {
     posewise_result r = POSEWISE_RESULT_INIT;
     return r;
+}
+
+inline posewise_monitor_config monitor_config() {
+    posewise_monitor_config c = POSEWISE_MONITOR_CONFIG_INIT;
+    return c;
+}
+
+inline posewise_observation observation() {
+    posewise_observation o = POSEWISE_OBSERVATION_INIT;
+    return o;
+}
+
+inline posewise_monitor_state monitor_state() {
+    posewise_monitor_state s = POSEWISE_MONITOR_STATE_INIT;
+    return s;
 }
 
 // A grey image without padding between rows.
@@ -165,6 +182,11 @@ public:
 
     posewise_status forget_identity() { return posewise_forget_identity(tracker_); }
 
+    // What a Monitor needs of the last step.
+    posewise_status observe(posewise_observation &out) const {
+        return posewise_observe(tracker_, &out);
+    }
+
     Tracker copy() const {
         Tracker other;
         if (tracker_ == nullptr || !(other.memory_ = allocate(size_))) {
@@ -204,6 +226,52 @@ private:
     posewise_tracker *tracker_ = nullptr;
     std::size_t size_ = 0;
     posewise_status status_ = POSEWISE_E_NULL;
+};
+
+// Watches one driver through the results of a tracker; holds its memory itself. A copy is a second,
+// independent monitor.
+class Monitor {
+public:
+    explicit Monitor(const posewise_monitor_config &config = monitor_config()) {
+        posewise_monitor *created = nullptr;
+        status_ = posewise_monitor_init(&created, memory_, sizeof memory_, &config);
+    }
+
+    // Whether the settings were valid; if not, status() and message() give the error.
+    explicit operator bool() const { return status_ == POSEWISE_OK; }
+    posewise_status status() const { return status_; }
+    const char *message() const { return posewise_strerror(status_); }
+
+    posewise_status update(const posewise_observation &seen, std::int64_t timestamp_us) {
+        return posewise_monitor_update(get(), &seen, timestamp_us);
+    }
+
+    posewise_status state(posewise_monitor_state &out) const {
+        return posewise_monitor_get_state(get(), &out);
+    }
+
+    // Takes the unread events, oldest first, and counts those that were overwritten unread.
+    posewise_status events(MonitorEvents &out, std::size_t &count, std::size_t &overwritten) {
+        return posewise_monitor_events(get(), out.data(), out.size(), &count, &overwritten);
+    }
+
+    // Replaces the zones; times in zones begin anew.
+    posewise_status set_zones(const posewise_zone *zones, std::size_t count) {
+        return posewise_monitor_set_zones(get(), zones, count);
+    }
+
+    // Another person drives.
+    posewise_status forget_driver() { return posewise_monitor_forget_driver(get()); }
+
+    // For functions of posewise.h that this class lacks.
+    posewise_monitor *get() { return reinterpret_cast<posewise_monitor *>(memory_); }
+    const posewise_monitor *get() const {
+        return reinterpret_cast<const posewise_monitor *>(memory_);
+    }
+
+private:
+    alignas(POSEWISE_ALIGN) unsigned char memory_[POSEWISE_MONITOR_SIZE] = {};
+    posewise_status status_ = POSEWISE_OK;
 };
 
 } // namespace posewise

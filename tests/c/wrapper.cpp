@@ -32,6 +32,13 @@ int main(int argc, char **argv) {
     CHECK(!none && none.step(posewise::frame(), a) == POSEWISE_E_NULL && !none.copy());
     posewise::Tracker first(model), second;
     CHECK(first);
+    posewise_monitor_config wrong_times = posewise::monitor_config();
+    wrong_times.gap_us = 1;
+    CHECK(posewise::Monitor(wrong_times).status() == POSEWISE_E_MONITOR_CONFIG);
+    posewise::Monitor monitor;
+    posewise_observation seen = posewise::observation();
+    posewise_monitor_state state = posewise::monitor_state();
+    CHECK(monitor && none.observe(seen) == POSEWISE_E_NULL);
     for (std::size_t i = 0; (i + 1) * len <= bytes.size(); i++) {
         const auto frame =
             posewise::grey(frames + i * len, width, height, static_cast<std::int64_t>(i) * 33333);
@@ -40,6 +47,9 @@ int main(int argc, char **argv) {
         CHECK(first.smoothed(b) == POSEWISE_OK && b.state == a.state);
         CHECK(first.smoothed_landmarks(points) == POSEWISE_OK);
         CHECK(first.smoothed_animation(weights) == POSEWISE_OK);
+        CHECK(first.observe(seen) == POSEWISE_OK && seen.state == a.state);
+        CHECK(monitor.update(seen, a.timestamp_us) == POSEWISE_OK);
+        CHECK(monitor.state(state) == POSEWISE_OK && state.timestamp_us == a.timestamp_us);
         if (second) {
             CHECK(second.step(frame, b) == POSEWISE_OK);
             CHECK(std::memcmp(&a, &b, sizeof a) == 0);
@@ -48,6 +58,15 @@ int main(int argc, char **argv) {
             second = first.copy();
     }
     CHECK(second);
+    posewise::Monitor other = monitor;
+    posewise_monitor_state same = posewise::monitor_state();
+    CHECK(other.state(same) == POSEWISE_OK && std::memcmp(&same, &state, sizeof same) == 0);
+    CHECK(monitor.update(seen, state.timestamp_us) == POSEWISE_E_TIME);
+    CHECK(monitor.set_zones(nullptr, 0) == POSEWISE_OK && monitor.forget_driver() == POSEWISE_OK);
+    posewise::MonitorEvents driver_events;
+    std::size_t seen_events, lost_events;
+    CHECK(monitor.events(driver_events, seen_events, lost_events) == POSEWISE_OK);
+    CHECK(seen_events <= driver_events.size() && lost_events == 0);
     posewise::Tracker moved(std::move(first));
     CHECK(moved && !first && moved.reset() == POSEWISE_OK);
     CHECK(moved.forget_identity() == POSEWISE_OK && none.forget_identity() == POSEWISE_E_NULL);

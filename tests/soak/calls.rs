@@ -18,6 +18,10 @@ impl Session<'_> {
             22..24 => self.reset(index),
             24..34 => self.detect(index, picture),
             34..38 => self.call_wrongly(index, picture),
+            40 => {
+                self.slots[index].watcher.forget();
+                self.tally.count("posewise_monitor_forget_driver");
+            }
             38..40 => self.slots[index] = new_slot(&mut self.random, self.model, self.fill),
             _ => return,
         }

@@ -2,7 +2,7 @@
 
 use super::session::Slot;
 use super::video::Picture;
-use crate::ffi::types::*;
+use crate::ffi::{monitor_types::*, types::*};
 use crate::targets::outputs::Outputs;
 
 /// How long a face that is lost is repeated at most \[µs\], as in `track/policy.rs`.
@@ -73,4 +73,27 @@ pub(super) fn check_place(r: &posewise_result, picture: &Picture) {
         "{r:?}"
     );
     assert!(size <= 8.0 * all_x.max(all_y), "{r:?}");
+}
+
+/// Shows the step to the tracker's monitor. Eyes are known of a tracked face only, and each closure
+/// that is no blink ends before the next one begins.
+pub(super) fn check_watched(
+    slot: &mut Slot,
+    r: &posewise_result,
+) -> (posewise_monitor_state, Vec<posewise_monitor_event>) {
+    let status = slot.watcher.watch(slot.tracker.ptr(), r.timestamp_us);
+    // A tracker that was reset takes any time; a monitor takes any but the last one again.
+    assert!(matches!(status, POSEWISE_OK | POSEWISE_E_TIME), "{status}");
+    let state = slot.watcher.state();
+    let is_known = state.eyes != POSEWISE_EYES_UNKNOWN;
+    assert!(!is_known || r.state == POSEWISE_TRACKING, "{r:?} {state:?}");
+    assert_eq!(state.timestamp_us, r.timestamp_us);
+    let events = slot.watcher.events();
+    assert!(
+        events
+            .iter()
+            .all(|event| event.timestamp_us == r.timestamp_us),
+        "{events:?}"
+    );
+    (state, events)
 }

@@ -10,7 +10,8 @@
 //! - a face that coasts repeats the last fit, for half a second at most;
 //! - a call that must fail does, with the right status, and changes nothing;
 //! - guards around the memory of tracker and outputs are whole; model and frame are unchanged;
-//! - a copy of a tracker gives the same bits.
+//! - a copy of a tracker gives the same bits;
+//! - a driver monitor of each tracker knows eyes of tracked faces only.
 //!
 //! Every fourth session runs twice, on memory with other content, and must give the same bits.
 //!

@@ -1,11 +1,12 @@
 //! A session: some trackers, some scenes, a step of each tracker on each frame.
 
-use super::checks::{check_change, check_events, check_place, expected_status};
+use super::checks::{check_change, check_events, check_place, check_watched, expected_status};
 use crate::common::random::Random;
 use crate::ffi::{api::*, types::*};
 use crate::tally::Tally;
 use crate::targets::memory::Exact;
 use crate::targets::outputs::{Outputs, Tracker};
+use crate::targets::watch::Watcher;
 use crate::video::{Library, Picture, Scene};
 use std::ptr::null;
 use std::time::Instant;
@@ -26,6 +27,8 @@ pub(super) struct Slot {
     /// Region of interest: x, y, width, height; all 0 for the whole frame.
     pub(super) roi: [u32; 4],
     pub(super) has_camera: bool,
+    /// A monitor of whom the tracker tracks.
+    pub(super) watcher: Watcher,
 }
 
 pub struct Session<'a> {
@@ -189,11 +192,14 @@ impl<'a> Session<'a> {
             }
             slot.fitted_us = r.timestamp_us;
         }
+        let seen = check_watched(slot, &r);
         self.tally.changes[slot.state as usize][r.state as usize] += 1;
         slot.state = r.state;
         slot.last_us = Some(r.timestamp_us);
         slot.landmarks = outputs.landmarks().to_vec();
         slot.face_box = r.face_box;
+        self.tally.count("posewise_monitor_update");
+        self.mix(format!("{seen:?}").as_bytes());
     }
 
     /// Takes all events out of the log.
@@ -256,5 +262,6 @@ pub(super) fn new_slot(random: &mut Random, model: &Exact, fill: u8) -> Slot {
         face_box: [0.0; 4],
         roi: [0; 4],
         has_camera,
+        watcher: Watcher::new(random.below(5) as u32, fill),
     }
 }

@@ -51,6 +51,8 @@ enum Command {
     Protocol(protocol::Args),
     /// Render clips in which two people pass each other, with the places of both faces.
     Crossings(sweeps::CrossingArgs),
+    /// Render clips of drivers with exact truth, for the driver monitor.
+    DriverClips(sweeps::DriverArgs),
     /// Render a stand-in for U3PT, the thesis' data set: ten subjects, five videos each.
     RenderU3pt(sweeps::U3ptArgs),
 }
@@ -67,6 +69,7 @@ fn main() -> Result<()> {
         Command::Protocol(args) => protocol::run(&args),
         Command::Sweeps(args) => sweeps::run(&args),
         Command::Crossings(args) => sweeps::run_crossings(&args),
+        Command::DriverClips(args) => sweeps::run_driver_clips(&args),
         Command::RenderU3pt(args) => sweeps::run_u3pt(&args),
     }
 }

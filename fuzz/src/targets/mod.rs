@@ -12,3 +12,4 @@ pub mod memory;
 pub mod model;
 pub mod outputs;
 pub mod tiny;
+pub mod watch;

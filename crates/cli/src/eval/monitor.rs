@@ -20,8 +20,9 @@ use crate::random::Random;
 
 /// Frames per second of a truth without times.
 const FPS: f64 = 30.0;
-/// The landmarks of the eyes.
+/// The landmarks of the eyes and of the mouth.
 const EYES: std::ops::Range<usize> = 36..48;
+const MOUTH: std::ops::Range<usize> = 48..68;
 
 /// Runs the command.
 pub fn run(args: &MonitorArgs) -> Result<()> {
@@ -182,14 +183,20 @@ fn truth_of(table: &Table) -> Result<Vec<Truth>> {
     let jaw = column("jawOpen")?;
     // Columns that a truth need not have.
     let (time, nod, zone) = (column("time"), column("nod"), column("zone"));
-    let covered: Vec<usize> = EYES.filter_map(|i| column(&format!("o{i}")).ok()).collect();
+    let covers = |part: std::ops::Range<usize>| -> Vec<usize> {
+        part.filter_map(|i| column(&format!("o{i}")).ok()).collect()
+    };
+    let (eyes, mouth) = (covers(EYES), covers(MOUTH));
     let mut rows = Vec::new();
     for row in 0..table.len() {
         let number = |column: usize| table.number(row, column);
-        let mut hidden = 0;
-        for column in &covered {
-            hidden += usize::from(number(*column)? > 0.5);
-        }
+        let is_covered = |columns: &[usize], part: std::ops::Range<usize>| -> Result<bool> {
+            let mut hidden = 0;
+            for column in columns {
+                hidden += usize::from(number(*column)? > 0.5);
+            }
+            Ok(2 * hidden >= part.len())
+        };
         let frame = number(frame)? as i64;
         let optional = |column: &Result<usize>| match column {
             Ok(column) => number(*column).map(Some),
@@ -201,7 +208,8 @@ fn truth_of(table: &Table) -> Result<Vec<Truth>> {
             blink: (number(blinks[0])? + number(blinks[1])?) / 2.0,
             jaw: number(jaw)?,
             yaw_deg: number(yaw)?,
-            is_covered: hidden >= EYES.len() / 2,
+            is_covered: is_covered(&eyes, EYES)?,
+            is_mouth_covered: is_covered(&mouth, MOUTH)?,
             is_nod: optional(&nod)?.map(|nod| nod > 0.5),
             zone: optional(&zone)?,
         });

@@ -46,10 +46,19 @@ pub struct Truth {
     pub yaw_deg: f64,
     /// Something covers at least half of the eyes' landmarks.
     pub is_covered: bool,
+    /// Something covers at least half of the mouth's landmarks.
+    pub is_mouth_covered: bool,
     /// The head nods, if the truth says so.
     pub is_nod: Option<bool>,
     /// The zone's index, if the truth has it.
     pub zone: Option<f64>,
+}
+
+impl Truth {
+    /// No camera sees whether the eyes are open.
+    fn is_hidden(&self) -> bool {
+        self.is_covered || self.yaw_deg.abs() >= TURNED_DEG
+    }
 }
 
 /// What the monitor found.
@@ -95,7 +104,7 @@ impl Scores {
             minutes: length_s(truth) / 60.0,
             ..Scores::default()
         };
-        let closures = runs(truth, |t| t.blink >= CLOSED);
+        let closures = seen_runs(truth, |t| t.blink >= CLOSED, Truth::is_hidden);
         for (events, (_, least_s)) in scores.levels.iter_mut().zip(LEVELS_S) {
             *events = level(&closures, &found.closures, least_s);
         }
@@ -108,9 +117,10 @@ impl Scores {
                 .length_errors_s
                 .extend(best.map(|f| f.length_s - closure.length_s));
         }
-        let yawns = runs(truth, |t| t.jaw > YAWN);
+        let yawns = seen_runs(truth, |t| t.jaw > YAWN, |t| t.is_mouth_covered);
         scores.yawns = level(&yawns, &found.yawns, YAWN_S);
-        scores.yawns.invented = invented(&found.yawns, &yawns, 0.0);
+        let wide = runs(truth, |t| t.jaw > YAWN);
+        scores.yawns.invented = invented(&found.yawns, &wide, 0.0);
         if truth.iter().any(|t| t.is_nod.is_some()) {
             let nods = runs(truth, |t| t.is_nod == Some(true));
             let mut events = level(&nods, &found.nods, 0.0);
@@ -130,7 +140,7 @@ impl Scores {
             let Some(t) = at.ok().and_then(|at| truth.get(at)) else {
                 continue;
             };
-            let is_hidden = t.is_covered || t.yaw_deg.abs() >= TURNED_DEG;
+            let is_hidden = t.is_hidden();
             let is_known = state.eyes != EyeState::Unknown;
             if is_hidden {
                 self.hidden.0 += 1;
@@ -311,10 +321,11 @@ fn length_s(truth: &[Truth]) -> f64 {
     }
 }
 
-/// True share of closed eyes in the 60 s up to a time.
+/// True share of closed eyes in the 60 s up to a time, of the frames that show them.
 fn share(truth: &[Truth], to_s: f64) -> f64 {
     let within = |t: &&Truth| t.time_s >= to_s - 60.0 && t.time_s < to_s;
     let frames: Vec<f64> = (truth.iter().filter(within))
+        .filter(|t| !t.is_hidden())
         .map(|t| f64::from(t.blink >= CLOSED))
         .collect();
     mean(&frames).unwrap_or(0.0)
@@ -322,9 +333,23 @@ fn share(truth: &[Truth], to_s: f64) -> f64 {
 
 /// The stretches of frames for which something holds.
 fn runs(truth: &[Truth], holds: impl Fn(&Truth) -> bool) -> Vec<Span> {
+    seen_runs(truth, holds, |_| false)
+}
+
+/// Those of them that are hidden for at most half of their frames.
+fn seen_runs(
+    truth: &[Truth],
+    holds: impl Fn(&Truth) -> bool,
+    is_hidden: impl Fn(&Truth) -> bool,
+) -> Vec<Span> {
     let frame_s = length_s(truth) / truth.len().max(1) as f64;
     let parts = truth.chunk_by(|a, b| holds(a) == holds(b));
     let parts = parts.filter(|part| part.first().is_some_and(&holds));
+    let is_seen = |part: &&[Truth]| {
+        let hidden = part.iter().filter(|t| is_hidden(t)).count();
+        2 * hidden <= part.len()
+    };
+    let parts = parts.filter(is_seen);
     let span = |part: &[Truth]| Span {
         start_s: part[0].time_s - truth[0].time_s,
         length_s: part.len() as f64 * frame_s,
@@ -345,6 +370,7 @@ mod tests {
             jaw: 0.0,
             yaw_deg: 0.0,
             is_covered: false,
+            is_mouth_covered: false,
             is_nod: None,
             zone: None,
         };
@@ -383,6 +409,16 @@ mod tests {
             (elsewhere.levels[0].found, elsewhere.levels[0].invented),
             (0, 1)
         );
+    }
+
+    #[test]
+    fn closures_that_no_camera_sees_do_not_count() {
+        let mut truth = truth(90..150);
+        truth[90..125].iter_mut().for_each(|t| t.is_covered = true);
+        assert_eq!(scores(&truth, &[]).levels[0].truth, 0);
+        assert_eq!(share(&truth, 10.0), 25.0 / 265.0);
+        truth[90..125].iter_mut().for_each(|t| t.is_covered = false);
+        assert_eq!(scores(&truth, &[]).levels[0].truth, 1);
     }
 
     #[test]

@@ -13,7 +13,7 @@ use glam::{Mat3, Vec3};
 use image::GrayImage;
 use posewise::math::head_rotation;
 use posewise_train::head::Head;
-use posewise_train::render::draw::{Drawn, Eyes, Posed, Prop, Scene, View, draw};
+use posewise_train::render::draw::{Drawn, Eyes, HIDES, Posed, Prop, Scene, View, draw};
 use posewise_train::render::effects::Camera;
 use posewise_train::render::expression::{Expression, gaze_directions};
 use posewise_train::render::light::Lights;
@@ -65,44 +65,81 @@ impl Studio {
 
     /// Writes a clip unless it is there.
     pub fn render(&self, sweep: &Sweep, folder: &Path) -> Result<()> {
-        let path = |extension: &str| folder.join(format!("{}.{extension}", sweep.name));
         let description = serde_json::to_string_pretty(&Description {
             version: VERSION,
             width: sweep.size[0],
             height: sweep.size[1],
-            backgrounds: self.backgrounds.len(),
+            backgrounds: self.background_count(),
             sweep,
         })?;
-        if std::fs::read_to_string(path("json")).is_ok_and(|text| text == description) {
-            return Ok(());
-        }
-        if let Some(parent) = path("json").parent() {
-            std::fs::create_dir_all(parent)?;
-        }
-        let mut set = Set::new(self, sweep)?;
-        let file = File::create(path("y4m.gz")).with_context(|| sweep.name.clone())?;
-        let mut clip = GzEncoder::new(file, Compression::fast());
-        let ([width, height], fps) = (sweep.size, sweep.fps);
-        writeln!(clip, "YUV4MPEG2 W{width} H{height} F{fps}:1 Ip A1:1 Cmono")?;
-        let mut rows = vec![truth::columns()];
-        for number in 0..sweep.frames {
-            let (luma, row) = set.frame(number);
-            clip.write_all(b"FRAME\n")?;
-            clip.write_all(&luma)?;
-            rows.push(row.text()?);
-        }
-        clip.finish()?;
-        std::fs::write(path("csv"), rows.join("\n") + "\n")?;
-        // Last, so that an interrupted clip is rendered again.
-        std::fs::write(path("json"), description)?;
-        Ok(())
+        write_clip(sweep, folder, &description, truth::columns(), || {
+            let mut set = Set::new(self, sweep)?;
+            Ok(move |number| {
+                let moment = set.moment(number);
+                let (luma, row) = set.frame(number, moment);
+                Ok((luma, row.text()?))
+            })
+        })
     }
+
+    /// How many pictures clips are drawn before.
+    pub fn background_count(&self) -> usize {
+        self.backgrounds.len()
+    }
+}
+
+/// Writes a clip (.y4m.gz), its truth (.csv) and its description (.json), unless that is there and
+/// agrees. `begin` prepares what draws a frame and a row of the truth.
+pub fn write_clip<Draw>(
+    sweep: &Sweep,
+    folder: &Path,
+    description: &str,
+    columns: String,
+    begin: impl FnOnce() -> Result<Draw>,
+) -> Result<()>
+where
+    Draw: FnMut(usize) -> Result<(Vec<u8>, String)>,
+{
+    let path = |extension: &str| folder.join(format!("{}.{extension}", sweep.name));
+    if std::fs::read_to_string(path("json")).is_ok_and(|text| text == description) {
+        return Ok(());
+    }
+    if let Some(parent) = path("json").parent() {
+        std::fs::create_dir_all(parent)?;
+    }
+    let mut draw = begin()?;
+    let file = File::create(path("y4m.gz")).with_context(|| sweep.name.clone())?;
+    let mut clip = GzEncoder::new(file, Compression::fast());
+    let ([width, height], fps) = (sweep.size, sweep.fps);
+    writeln!(clip, "YUV4MPEG2 W{width} H{height} F{fps}:1 Ip A1:1 Cmono")?;
+    let mut rows = vec![columns];
+    for number in 0..sweep.frames {
+        let (luma, row) = draw(number)?;
+        clip.write_all(b"FRAME\n")?;
+        clip.write_all(&luma)?;
+        rows.push(row);
+    }
+    clip.finish()?;
+    std::fs::write(path("csv"), rows.join("\n") + "\n")?;
+    // Last, so that an interrupted clip is rendered again.
+    std::fs::write(path("json"), description)?;
+    Ok(())
 }
 
 /// Whose head it is.
 enum Kin<'a> {
     Kit(Body),
     Candide(&'a Candide, Face),
+}
+
+impl Kin<'_> {
+    /// Vertices of the face at rest, head axes.
+    fn neutral(&self, mesh: &Mesh) -> Vec<Vec3> {
+        match self {
+            Kin::Kit(body) => body.vertices(mesh, &Expression::default()),
+            Kin::Candide(candide, face) => candide.draw(face, &Expression::default()).0,
+        }
+    }
 }
 
 /// Everything of a clip that stays the same from frame to frame.
@@ -114,7 +151,7 @@ pub struct Set<'a> {
     pub motion: Motion,
     covering: Option<Covering>,
     /// Hair and caps, head axes.
-    worn: Vec<Prop>,
+    pub worn: Vec<Prop>,
     torso: Torso,
     pub lights: Lights,
     eyes: Eyes,
@@ -142,8 +179,16 @@ pub struct Figure {
 }
 
 impl<'a> Set<'a> {
-    /// Casts a clip.
+    /// Casts a clip and exposes its first frame.
     pub fn new(studio: &'a Studio, sweep: &'a Sweep) -> Result<Set<'a>> {
+        let mut set = Set::cast(studio, sweep)?;
+        let moment = set.motion.at(0.0);
+        set.expose(&moment);
+        Ok(set)
+    }
+
+    /// Casts a clip, whose exposure is not set.
+    pub fn cast(studio: &'a Studio, sweep: &'a Sweep) -> Result<Set<'a>> {
         let seeded = |(seed, stream): (u64, u64)| {
             let mut rng = ChaCha8Rng::seed_from_u64(seed);
             rng.set_stream(stream);
@@ -161,10 +206,7 @@ impl<'a> Set<'a> {
             }
             _ => Kin::Kit(Body::new(rng_, mesh)),
         };
-        let neutral = match &kin {
-            Kin::Kit(body) => body.vertices(mesh, &Expression::default()),
-            Kin::Candide(candide, face) => candide.draw(face, &Expression::default()).0,
-        };
+        let neutral = kin.neutral(mesh);
         let number = sweep.person.unwrap_or(sweep.seed).1;
         let person = studio.people.make(mesh, number as u32, &looks);
         let rng_ = &mut rng;
@@ -176,7 +218,7 @@ impl<'a> Set<'a> {
         let rng_ = of_person.as_mut().unwrap_or(&mut rng);
         let worn = worn(rng_, sweep.hair, mesh, &neutral, looks.hair);
         let rng_ = &mut rng;
-        let mut set = Set {
+        Ok(Set {
             worn,
             motion: Motion::new(rng_, sweep),
             torso: Torso::random(rng_),
@@ -198,18 +240,15 @@ impl<'a> Set<'a> {
             view,
             at,
             rng,
-        };
-        set.expose();
-        Ok(set)
+        })
     }
 
-    /// Sets the exposure by the face's light in the first frame.
-    fn expose(&mut self) {
+    /// Sets the exposure by the face's light at a moment.
+    pub fn expose(&mut self, moment: &Moment) {
         self.camera.motion_px = (0.0, 0.0);
         self.camera.jpeg = None;
-        let moment = self.motion.at(0.0);
-        let figure = self.figure(&moment);
-        let drawn = self.drawn(&figure, &moment);
+        let figure = self.figure(moment);
+        let drawn = self.drawn(&figure, moment);
         let landmarks = self.landmarks(&figure);
         let [width, height] = self.sweep.size;
         let mut values = Vec::new();
@@ -223,9 +262,17 @@ impl<'a> Set<'a> {
         self.camera.exposure /= mean.max(0.01);
     }
 
-    fn frame(&mut self, number: usize) -> (Vec<u8>, Row) {
-        let time = number as f32 / self.sweep.fps as f32;
-        let moment = self.motion.at(time);
+    fn time(&self, number: usize) -> f32 {
+        number as f32 / self.sweep.fps as f32
+    }
+
+    fn moment(&self, number: usize) -> Moment {
+        self.motion.at(self.time(number))
+    }
+
+    /// Draws a frame of the clip at a moment.
+    pub fn frame(&mut self, number: usize, moment: Moment) -> (Vec<u8>, Row) {
+        let time = self.time(number);
         let figure = self.figure(&moment);
         let mut light = self.drawn(&figure, &moment).light;
         let row = Row {
@@ -318,14 +365,22 @@ impl<'a> Set<'a> {
             head: Some(&figure.posed),
             props: &figure.own,
         };
+        // What is behind clear lenses is seen.
+        let hides = |prop: &&Prop| prop.opacity > HIDES;
+        let opaque: Vec<Prop> = figure.over.iter().filter(hides).cloned().collect();
         Landmarks::new(
             &self.view,
             self.mesh(),
             &bare,
             &head,
-            &figure.over,
+            &opaque,
             &figure.covers,
         )
+    }
+
+    /// Vertices of the face at rest, head axes.
+    pub fn neutral(&self) -> Vec<Vec3> {
+        self.kin.neutral(self.mesh())
     }
 
     /// Topology of the head.

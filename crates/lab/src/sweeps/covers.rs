@@ -33,6 +33,8 @@ pub enum Cover {
     HairLeft,
     /// A cloth mask over nose, mouth and chin.
     Mask,
+    /// The rim of a steering wheel between camera and face, all the time.
+    Wheel,
 }
 
 impl Cover {
@@ -48,12 +50,13 @@ impl Cover {
             Cover::HairRight => "hair-right",
             Cover::HairLeft => "hair-left",
             Cover::Mask => "mask",
+            Cover::Wheel => "wheel",
         }
     }
 
     /// Whether it is there from the first frame to the last.
     pub fn is_worn_throughout(self) -> bool {
-        self == Cover::Sunglasses
+        matches!(self, Cover::Sunglasses | Cover::Wheel)
     }
 }
 
@@ -131,6 +134,7 @@ impl Covering {
             Cover::HandOnEyes | Cover::HandOnMouth | Cover::PhoneOnEyes | Cover::PhoneOnMouth => {
                 return self.held(&mut rng, wearer, amount);
             }
+            Cover::Wheel => return vec![wheel(&mut rng, self.albedo)],
             _ => {}
         }
         let mut worn = match self.cover {
@@ -250,6 +254,28 @@ impl Covering {
         }
         prop
     }
+}
+
+/// The depth of a steering wheel's rim, and where its upper edge is seen \[share of the depth\].
+pub const WHEEL_MM: f32 = 330.0;
+pub const WHEEL_AT: f32 = 0.09;
+
+/// The rim of a steering wheel before the camera, in camera axes.
+fn wheel(rng: &mut ChaCha8Rng, albedo: f32) -> Prop {
+    const SIDES: usize = 64;
+    let (radius, thick) = (rng.random_range(175.0..195.0), rng.random_range(13.0..17.0));
+    let tilt = Mat3::from_rotation_x(rng.random_range(0.2..0.5f32));
+    let top = tilt * Vec3::new(0.0, -radius, 0.0);
+    let aside = rng.random_range(-40.0..40.0);
+    let to = Vec3::new(aside, WHEEL_AT * WHEEL_MM, WHEEL_MM) - top;
+    let at = |i: usize| {
+        let (s, c) = (i as f32 / SIDES as f32 * std::f32::consts::TAU).sin_cos();
+        (tilt * Vec3::new(radius * s, -radius * c, 0.0) + to, thick)
+    };
+    let mut rim = Prop::opaque(0.2);
+    let points: Vec<(Vec3, f32)> = (0..SIDES).map(at).collect();
+    rim.tube(&points, 0.3 * albedo, true);
+    rim
 }
 
 /// Large dark lenses in a frame, in head axes.

@@ -17,6 +17,7 @@ mod casting;
 mod clip;
 mod covers;
 mod crossing;
+mod driver;
 mod motion;
 mod paint;
 mod plan;
@@ -24,6 +25,7 @@ mod truth;
 mod u3pt;
 
 pub use crossing::{Args as CrossingArgs, run as run_crossings};
+pub use driver::{Args as DriverArgs, run as run_driver_clips};
 pub use u3pt::{Args as U3ptArgs, run as run_u3pt};
 
 use anyhow::{Context, Result};

@@ -37,9 +37,10 @@ pub struct Moment {
     pub jaw: f32,
     /// Smile of both corners.
     pub smile: f32,
-    brows: f32,
-    pucker: f32,
-    gaze: (f32, f32),
+    pub(super) brows: f32,
+    pub(super) pucker: f32,
+    /// Gaze to the image right and down \[rad\].
+    pub gaze: (f32, f32),
     /// How far the cover has come: 0 away, 1 there.
     pub cover: f32,
     /// How far the key light has turned about the vertical axis \[rad\].
@@ -119,7 +120,7 @@ impl Motion {
             Kind::Yaw | Kind::Candide => ((0.0, 0.0), (12.0, 10.0), (7.0, 9.0)),
             Kind::Pitch => ((35.0, 10.0), (0.0, 0.0), (5.0, 8.0)),
             Kind::Covered(_) => ((6.0, 34.0), (6.0, 9.0), (5.0, 7.0)),
-            Kind::Crossing => ((4.0, 16.0), (4.0, 6.0), (3.0, 5.0)),
+            Kind::Crossing | Kind::Driver(_) => ((4.0, 16.0), (4.0, 6.0), (3.0, 5.0)),
             Kind::Subject(Video::Expression(_)) => ((10.0, 12.0), (5.0, 6.0), (4.0, 5.0)),
             Kind::Subject(Video::Free) => ((15.0, 50.0), (8.0, 15.0), (6.0, 15.0)),
             Kind::Subject(_) => ((8.0, 6.0), (5.0, 5.0), (4.0, 5.0)),

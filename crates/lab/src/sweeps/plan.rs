@@ -18,6 +18,8 @@ pub enum Kind {
     Covered(Cover),
     /// One of a subject's videos in the stand-in for U3PT.
     Subject(Video),
+    /// A driver, whose script is not that of [`super::motion`]; something covers the face.
+    Driver(Option<Cover>),
 }
 
 /// The videos of a subject in the stand-in for U3PT.
@@ -40,6 +42,7 @@ impl Kind {
     pub fn cover(self) -> Option<Cover> {
         match self {
             Kind::Covered(cover) | Kind::Subject(Video::Expression(cover)) => Some(cover),
+            Kind::Driver(cover) => cover,
             _ => None,
         }
     }
@@ -121,7 +124,7 @@ pub fn sweeps(seed: u64, candide: bool) -> Vec<Sweep> {
             let (frames, fps) = match kind {
                 Kind::Yaw | Kind::Candide => (120, 20),
                 Kind::Pitch => (100, 25),
-                Kind::Covered(_) | Kind::Crossing | Kind::Subject(_) => (110, 25),
+                Kind::Covered(_) | Kind::Crossing | Kind::Subject(_) | Kind::Driver(_) => (110, 25),
             };
             Sweep {
                 name: format!("{group}-{n:02}"),

@@ -78,7 +78,7 @@ fn a_rotation_is_found() {
 }
 
 /// A ball with 68 points on its front, which stands for a head.
-fn ball() -> Head {
+pub fn ball() -> Head {
     const ROUND: u32 = 32;
     const UP: u32 = 24;
     let vertex = |n: u32| {

@@ -57,7 +57,7 @@ pub(super) fn lay_out<T: Copy>(value: T, size: u32) -> Exact {
 }
 
 /// A float, often an extreme one.
-fn number(input: &mut Input<'_>) -> f32 {
+pub(super) fn number(input: &mut Input<'_>) -> f32 {
     match input.u8() {
         0 => 0.0,
         1 => f32::NAN,

@@ -1,5 +1,5 @@
-//! Sequences of calls with valid and invalid arguments on three trackers that share a model. A
-//! shadow state of each tracker gives the expected status of every call; a call that fails must
+//! Sequences of calls with valid and invalid arguments on three trackers that share a model, and on
+//! a driver monitor beside each. A shadow state of each gives the expected status of every call; a call that fails must
 //! change nothing. The sequence runs twice, on memory filled with different bytes, and must give
 //! the same.
 //!
@@ -9,6 +9,7 @@
 
 mod arguments;
 mod detect;
+mod monitor;
 mod settings;
 mod step;
 
@@ -18,11 +19,13 @@ use super::outputs::Outputs;
 use super::tiny;
 use crate::ffi::{api::*, types::*};
 use arguments::{CONFIG, config, is_good, spoilt, stated};
+use monitor::Watched;
 use std::ffi::{CStr, c_char};
 use std::ptr::null;
 
 const SLOTS: usize = 3;
 const MOST_CALLS: usize = 48;
+const FIRST_OF_MONITOR: u8 = 220;
 
 pub fn run(data: &[u8]) {
     let fill = Input::new(data).u8();
@@ -41,6 +44,7 @@ fn play(data: &[u8], fill: u8) -> Vec<u8> {
             memory: Guarded::new(size(), fill),
             live: None,
         }),
+        monitors: std::array::from_fn(|_| Watched::new(fill)),
         log: Vec::new(),
     };
     for _ in 0..MOST_CALLS {
@@ -49,6 +53,7 @@ fn play(data: &[u8], fill: u8) -> Vec<u8> {
         }
         world.call(&mut input, fill);
         world.slots.iter().for_each(|slot| slot.memory.check());
+        world.monitors.iter().for_each(|of| of.memory.check());
     }
     world.log
 }
@@ -74,12 +79,18 @@ struct Live {
 
 struct World {
     slots: [Slot; SLOTS],
+    /// One beside each tracker.
+    monitors: [Watched; SLOTS],
     log: Vec<u8>,
 }
 
 impl World {
     fn call(&mut self, input: &mut Input<'_>, fill: u8) {
-        let function = input.u8() % 20;
+        // The last bytes are functions of the monitor.
+        let function = match input.u8() {
+            monitor @ FIRST_OF_MONITOR.. => monitor,
+            other => other % 20,
+        };
         let head = input.u8();
         let slot = (head >> 3) as usize % SLOTS;
         let pointer = head & 7;
@@ -106,6 +117,7 @@ impl World {
             15 => self.set_lens(input, slot, pointer),
             16 => self.detect(input, slot, pointer),
             17 => self.step_at(input, slot, pointer),
+            FIRST_OF_MONITOR.. => self.monitor(function, input, slot, pointer),
             _ => self.step(input, slot, pointer),
         }
     }

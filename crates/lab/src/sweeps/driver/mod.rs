@@ -1,0 +1,62 @@
+//! `posewise-lab driver-clips`: clips of drivers with exact truth, which the driver monitor is
+//! measured on. `posewise eval monitor` reads their truth.
+//!
+//! Heads, hair and lights are those of the sweeps, by streams of their own. What is as in a car: a
+//! camera up to 40° off the direction of the road, glances and mirror checks of head and eyes,
+//! blinks, closures of 0.2 to 6 s, half-shut lids, yawns, nods, talking, clear and dark glasses,
+//! infrared light, hands before eyes and mouth, the rim of a steering wheel.
+//!
+//! ```text
+//! plan ─► script (what the driver does, and when) ─► scene (draws, truth)
+//! ```
+
+mod plan;
+mod scene;
+mod script;
+
+use super::Material;
+use super::clip::Studio;
+use anyhow::Result;
+use posewise_train::head::Head;
+use rayon::prelude::*;
+use std::path::PathBuf;
+
+/// Settings of `posewise-lab driver-clips`.
+#[derive(Clone, Debug, clap::Args)]
+pub struct Args {
+    #[command(flatten)]
+    pub material: Material,
+    /// Where clips (.y4m.gz), truths (.csv) and descriptions (.json) go. A clip whose description
+    /// is there and agrees is not rendered again.
+    #[arg(long)]
+    pub out: PathBuf,
+    /// Render only clips whose names begin with one of these; repeat for several.
+    #[arg(long)]
+    pub only: Vec<String>,
+    /// Length of each clip \[s\].
+    #[arg(long, default_value_t = 60)]
+    pub seconds: usize,
+    /// Frames per second.
+    #[arg(long, default_value_t = 25)]
+    pub fps: usize,
+    /// Width of the frames, 4 : 3 \[px\].
+    #[arg(long, default_value_t = 480)]
+    pub width: usize,
+}
+
+/// Renders the clips that are not there yet.
+pub fn run(args: &Args) -> Result<()> {
+    let kit = Head::load(&args.material.facekit)?;
+    let studio = Studio::new(&kit, None, args.material.pictures()?)?;
+    std::fs::create_dir_all(&args.out)?;
+    let mut clips = plan::clips(args);
+    if !args.only.is_empty() {
+        clips.retain(|c| args.only.iter().any(|name| c.sweep.name.starts_with(name)));
+    }
+    clips
+        .par_iter()
+        .try_for_each(|clip| scene::render(&studio, clip, &args.out))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,198 @@
+//! Which clips are rendered, and what a driver does in each.
+
+use super::super::covers::Cover;
+use super::super::plan::{Hair, Kind, SEED, Sweep};
+use super::Args;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use serde::Serialize;
+
+/// First of the streams of the seed, behind those of the sweeps and the stand-in for U3PT.
+const FIRST_STREAM: u64 = 2_000_000;
+/// Most that the camera is off the direction of the road \[deg\].
+const MOST_DEG: f32 = 40.0;
+
+/// What makes a clip hard.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub enum Condition {
+    /// Nothing.
+    Alert,
+    /// Many glances, and heads that turn by 60° from the camera.
+    Mirrors,
+    /// Half-shut lids, long closures and nods.
+    Drowsy,
+    /// Many yawns.
+    Yawns,
+    /// Clear glasses, with reflections.
+    ClearGlasses,
+    /// Dark glasses.
+    DarkGlasses,
+    /// Infrared light from beside the camera.
+    Infrared,
+    /// The same with clear glasses.
+    InfraredGlasses,
+    /// A hand comes before the eyes.
+    HandOnEyes,
+    /// A hand comes before the mouth.
+    HandOnMouth,
+    /// The rim of the wheel is before the chin, and before the eyes when the driver slumps.
+    Wheel,
+}
+
+/// How often a driver does what, in a minute.
+pub struct Recipe {
+    /// Lengths of closures \[s\].
+    pub closures_s: &'static [f32],
+    pub mirrors: usize,
+    pub laps: usize,
+    /// Turns by 60° and more from the camera.
+    pub turns: usize,
+    pub yawns: usize,
+    pub nods: usize,
+    pub talks: usize,
+    /// Hands before the face, or slumps behind the wheel.
+    pub covers: usize,
+    /// Most that the lids droop.
+    pub droop: f32,
+}
+
+const USUAL: Recipe = Recipe {
+    closures_s: &[0.25, 0.5, 1.2, 2.3],
+    mirrors: 3,
+    laps: 1,
+    turns: 1,
+    yawns: 1,
+    nods: 1,
+    talks: 1,
+    covers: 0,
+    droop: 0.15,
+};
+
+impl Condition {
+    /// What the driver does.
+    pub fn recipe(self) -> Recipe {
+        match self {
+            Condition::Alert => Recipe {
+                closures_s: &[0.22, 0.3, 0.45],
+                mirrors: 5,
+                laps: 2,
+                nods: 0,
+                talks: 2,
+                droop: 0.0,
+                ..USUAL
+            },
+            Condition::Mirrors => Recipe {
+                closures_s: &[0.25, 0.6],
+                mirrors: 8,
+                laps: 2,
+                turns: 4,
+                nods: 0,
+                droop: 0.0,
+                ..USUAL
+            },
+            Condition::Drowsy => Recipe {
+                closures_s: &[0.25, 0.4, 0.7, 1.2, 1.8, 3.3, 6.1],
+                mirrors: 2,
+                nods: 2,
+                talks: 0,
+                droop: 0.45,
+                ..USUAL
+            },
+            Condition::Yawns => Recipe {
+                closures_s: &[0.3, 0.9],
+                mirrors: 2,
+                turns: 0,
+                yawns: 5,
+                talks: 2,
+                droop: 0.3,
+                ..USUAL
+            },
+            Condition::HandOnEyes | Condition::HandOnMouth | Condition::Wheel => Recipe {
+                closures_s: &[0.3, 0.7, 1.6],
+                mirrors: 2,
+                nods: 0,
+                covers: 4,
+                ..USUAL
+            },
+            _ => USUAL,
+        }
+    }
+
+    /// What covers a part of the face.
+    fn cover(self) -> Option<Cover> {
+        match self {
+            Condition::DarkGlasses => Some(Cover::Sunglasses),
+            Condition::HandOnEyes => Some(Cover::HandOnEyes),
+            Condition::HandOnMouth => Some(Cover::HandOnMouth),
+            Condition::Wheel => Some(Cover::Wheel),
+            _ => None,
+        }
+    }
+}
+
+/// One clip.
+#[derive(Clone, Debug, Serialize)]
+pub struct Clip {
+    #[serde(flatten)]
+    pub sweep: Sweep,
+    pub condition: Condition,
+    /// Yaw and pitch of a driver who looks at the road, in the camera frame \[deg\].
+    pub road_deg: [f32; 2],
+}
+
+/// Names, conditions, and how far the camera is off the road \[deg\]; seeds choose the side.
+const CLIPS: [(&str, Condition, f32); 22] = [
+    ("alert", Condition::Alert, 3.0),
+    ("alert", Condition::Alert, 30.0),
+    ("mirrors", Condition::Mirrors, 22.0),
+    ("mirrors", Condition::Mirrors, 38.0),
+    ("drowsy", Condition::Drowsy, 0.0),
+    ("drowsy", Condition::Drowsy, 20.0),
+    ("drowsy", Condition::Drowsy, 37.0),
+    ("yawns", Condition::Yawns, 8.0),
+    ("yawns", Condition::Yawns, 25.0),
+    ("clear-glasses", Condition::ClearGlasses, 0.0),
+    ("clear-glasses", Condition::ClearGlasses, 15.0),
+    ("clear-glasses", Condition::ClearGlasses, 32.0),
+    ("dark-glasses", Condition::DarkGlasses, 5.0),
+    ("dark-glasses", Condition::DarkGlasses, 28.0),
+    ("infrared", Condition::Infrared, 0.0),
+    ("infrared", Condition::Infrared, 35.0),
+    ("infrared", Condition::InfraredGlasses, 18.0),
+    ("hand", Condition::HandOnEyes, 10.0),
+    ("hand", Condition::HandOnEyes, 27.0),
+    ("hand", Condition::HandOnMouth, 0.0),
+    ("wheel", Condition::Wheel, 0.0),
+    ("wheel", Condition::Wheel, 14.0),
+];
+
+/// All clips.
+pub fn clips(args: &Args) -> Vec<Clip> {
+    let mut count = std::collections::BTreeMap::new();
+    let clip = |(stream, (group, condition, off_deg)): (usize, (&'static str, Condition, f32))| {
+        let n = count.entry(group).and_modify(|n| *n += 1).or_insert(1);
+        let seed = (SEED ^ args.material.seed, FIRST_STREAM + stream as u64);
+        let mut rng = ChaCha8Rng::seed_from_u64(seed.0);
+        // What the plan draws is apart from what the scene draws.
+        rng.set_stream(2 * FIRST_STREAM + stream as u64);
+        let side = if rng.random_bool(0.5) { 1.0 } else { -1.0 };
+        let off = side * (off_deg + rng.random_range(-3.0..3.0f32)).clamp(0.0, MOST_DEG);
+        let hairs = [Hair::Short, Hair::Bald, Hair::Big, Hair::Short];
+        Clip {
+            sweep: Sweep {
+                name: format!("{group}-{n:02}"),
+                kind: Kind::Driver(condition.cover()),
+                hair: hairs[rng.random_range(0..hairs.len())],
+                view_deg: rng.random_range(34.0..50.0),
+                seed,
+                person: None,
+                size: [args.width, args.width * 3 / 4],
+                frames: args.seconds * args.fps,
+                fps: args.fps,
+            },
+            condition,
+            road_deg: [off, rng.random_range(-4.0..12.0)],
+        }
+    };
+    CLIPS.into_iter().enumerate().map(clip).collect()
+}

@@ -1,0 +1,86 @@
+use super::super::clip::Studio;
+use super::super::tests::ball;
+use super::super::{Material, clip::Set};
+use super::plan::{Clip, clips};
+use super::script::{Script, What};
+use super::{Args, scene};
+
+fn args(seconds: usize, width: usize) -> Args {
+    Args {
+        material: Material {
+            facekit: "".into(),
+            backgrounds: None,
+            seed: 1,
+        },
+        out: "".into(),
+        only: Vec::new(),
+        seconds,
+        fps: 25,
+        width,
+    }
+}
+
+fn script(studio: &Studio, clip: &Clip) -> Script {
+    let mut set = Set::cast(studio, &clip.sweep).unwrap();
+    Script::new(&mut set.rng, clip)
+}
+
+/// Lengths of the closures \[s\].
+fn closures_s(script: &Script) -> Vec<f32> {
+    let frames = (0..1500).map(|n| script.at(n as f32 / 25.0).blink >= 0.8);
+    let frames: Vec<bool> = frames.collect();
+    let runs = frames.chunk_by(|a, b| a == b).filter(|run| run[0]);
+    runs.map(|run| run.len() as f32 / 25.0).collect()
+}
+
+#[test]
+fn drivers_do_what_they_must() {
+    let studio = Studio::new(&ball(), None, Vec::new()).unwrap();
+    let plan = clips(&args(60, 480));
+    assert!(plan.len() >= 20);
+    let mut all = Vec::new();
+    let (mut yawns, mut turned) = (0, 0);
+    for clip in &plan {
+        assert!(clip.road_deg[0].abs() <= 40.0);
+        let script = script(&studio, clip);
+        let closures = closures_s(&script);
+        let blinks = closures.iter().filter(|s| **s < 0.2).count();
+        assert!((5..30).contains(&blinks), "{blinks} {:?}", clip.sweep.name);
+        all.extend(closures.into_iter().filter(|s| *s >= 0.2));
+        yawns += script.acts.iter().filter(|a| a.what == What::Yawn).count();
+        let yaw = |n: usize| script.at(n as f32 / 25.0).angles.yaw_deg;
+        turned += (0..1500).filter(|n| yaw(*n).abs() >= 60.0).count();
+        assert!((0..1500).all(|n| yaw(n).abs() < 85.0), "{:?}", clip.sweep);
+    }
+    assert!(all.len() > 80, "{} closures", all.len());
+    assert!(all.iter().any(|s| *s > 6.0) && all.iter().any(|s| *s < 0.3));
+    assert!(yawns >= 25 && turned > 500, "{yawns} {turned}");
+}
+
+#[test]
+fn a_driver_is_rendered_with_the_truth() {
+    let studio = Studio::new(&ball(), None, Vec::new()).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let mut plan = clips(&args(1, 96));
+    plan.iter_mut().for_each(|clip| clip.sweep.frames = 2);
+    for name in ["clear-glasses-01", "dark-glasses-01", "wheel-01"] {
+        let clip = plan.iter().find(|clip| clip.sweep.name == name).unwrap();
+        scene::render(&studio, clip, folder.path()).unwrap();
+        let text = std::fs::read_to_string(folder.path().join(format!("{name}.csv"))).unwrap();
+        let lines: Vec<Vec<&str>> = text.lines().map(|l| l.split(',').collect()).collect();
+        assert_eq!(lines.len(), 3);
+        assert!(lines.iter().all(|line| line.len() == lines[0].len()));
+        let number = |column: &str| -> f32 {
+            let at = lines[0].iter().position(|c| *c == column).unwrap();
+            lines[1][at].parse().unwrap()
+        };
+        let eyes = (36..48).filter(|i| number(&format!("o{i}")) > 0.5).count();
+        match name {
+            "dark-glasses-01" => assert!(eyes >= 6, "{eyes}"),
+            _ => assert!(eyes < 6, "{name}: {eyes}"),
+        }
+        let gaze = ["x", "y", "z"].map(|axis| number(&format!("gaze_0_{axis}")));
+        assert!((gaze.iter().map(|v| v * v).sum::<f32>() - 1.0).abs() < 1e-3);
+        assert!(gaze[2] < 0.0, "towards the camera");
+    }
+}
