@@ -24,8 +24,9 @@ const VERSION: u32 = 1;
 const FAR_MM: std::ops::Range<f32> = 520.0..780.0;
 /// How far below the eyes the wheel is seen in front of the face \[mm\].
 const WHEEL_BELOW_MM: f32 = 95.0;
-/// Lenses that let more than this of the light behind them through are clear.
-const CLEAR: f32 = 0.5;
+/// Most opacity and gloss of clear lenses: with more, a face in the shade has no eyes behind the
+/// reflections.
+const CLEAR: (f32, f32) = (0.1, 0.1);
 /// Convergence of the eyes, as of someone who looks a metre ahead \[rad\].
 const CONVERGE_RAD: f32 = 0.03;
 
@@ -108,7 +109,8 @@ fn clear_glasses(set: &mut Set) -> Vec<Prop> {
     let ears = [at(0), at(16)].map(|p| p + Vec3::new(p.x.signum() * 2.0, 2.0, 42.0));
     loop {
         let glasses = accessories::glasses(&mut set.rng, at(27), eyes, ears);
-        if glasses.iter().any(|part| part.opacity < CLEAR) {
+        let is_clear = |part: &Prop| part.opacity < CLEAR.0 && part.gloss < CLEAR.1;
+        if glasses.iter().any(is_clear) {
             return glasses;
         }
     }
