@@ -53,6 +53,27 @@ fn calls_without_a_face() {
     targets::calls::run(include_bytes!("data/calls-without-a-face"));
 }
 
+/// Random calls, mostly of the driver monitor's functions.
+#[test]
+fn calls_of_the_monitor() {
+    let mut seed = 3u32;
+    for round in 0..200 {
+        let mut input = vec![targets::input::scramble(&mut seed)];
+        for call in 0..30 {
+            let mut next = || targets::input::scramble(&mut seed);
+            // A monitor first, whose memory is right.
+            let head = match call {
+                0 => [223, 0],
+                _ => [220 + next() % 36, next() & 0x3F],
+            };
+            input.extend(head);
+            input.extend((0..24).map(|_| next()));
+        }
+        println!("{round}: {input:?}"); // shown when the input panics
+        targets::calls::run(&input);
+    }
+}
+
 /// The kept inputs, then random ones: models with changes and the right checksum.
 #[test]
 fn forged_models() {
