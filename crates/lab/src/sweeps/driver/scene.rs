@@ -132,7 +132,7 @@ fn columns() -> String {
 
 fn more(row: &truth::Row, script: &Script, t: f32) -> String {
     let nods = u8::from(script.does(What::Nod, t));
-    let mut text = format!(",{nods},{}", zone(script.from_road_deg(t)));
+    let mut text = format!(",{nods},{}", zone(script.off_road_deg(t)));
     let eyes = gaze_directions(&row.moment.expression(), CONVERGE_RAD);
     let eyes = eyes.map(|gaze| row.rotation * gaze);
     let both = eyes[0] + eyes[1];

@@ -146,7 +146,7 @@ impl Script {
     }
 
     /// Yaw and pitch of the head from the direction of the road \[deg\].
-    pub fn from_road_deg(&self, t: f32) -> [f32; 2] {
+    pub fn off_road_deg(&self, t: f32) -> [f32; 2] {
         let slow = |k: usize, size: f32, hertz: f32| {
             size * (TAU * hertz * t + self.phases[k % self.phases.len()]).sin()
         };
@@ -167,7 +167,7 @@ impl Script {
         let slow = |k: usize, size: f32, hertz: f32| {
             size * (TAU * hertz * t + self.phases[k % self.phases.len()]).sin()
         };
-        let [yaw, pitch] = self.from_road_deg(t);
+        let [yaw, pitch] = self.off_road_deg(t);
         let sum = |what: What| -> f32 {
             let of = self.acts.iter().filter(|act| act.what == what);
             of.map(|act| act.at(t) * act.weight).fold(0.0, f32::max)
