@@ -1,7 +1,7 @@
 //! Sequences of calls with valid and invalid arguments on three trackers that share a model, and on
-//! a driver monitor beside each. A shadow state of each gives the expected status of every call; a call that fails must
-//! change nothing. The sequence runs twice, on memory filled with different bytes, and must give
-//! the same.
+//! a driver monitor beside each. A shadow state of each gives the expected status of every call; a
+//! call that fails must change nothing. The sequence runs twice, on memory filled with different
+//! bytes, and must give the same.
 //!
 //! ```text
 //! u8 fill of the memory, then calls: u8 function, u8 tracker and wrong pointers, arguments
