@@ -18,7 +18,7 @@ use crate::math::Similarity;
 /// one (`posewise bench`).
 pub const TILE_UNITS: u32 = 600;
 
-/// Score of a clear candidate \[logit above the detector's threshold\].
+/// Score of a clear candidate \[logit above the detector's threshold\]: a probability of 0.5.
 const CLEAR_SCORE: f32 = 1.4;
 
 /// Largest size over the frame's shorter side \[1/256\]: a face that fills the frame, or of which
@@ -79,8 +79,7 @@ pub struct ScanBudget {
     /// What the caller does with a candidate. One is reported while so much is left; the others
     /// wait for a later call.
     pub candidate: u32,
-    /// Whether only clear candidates, of [`CLEAR_SCORE`] and more, are reported while there are
-    /// tiles left to evaluate.
+    /// Whether only clear candidates are reported while there are tiles left to evaluate.
     pub clear: bool,
 }
 
