@@ -2,6 +2,7 @@
 //! be without photographs, on photographs of single eyes.
 
 mod calibration;
+mod crop;
 mod samples;
 mod single;
 pub mod tracked;

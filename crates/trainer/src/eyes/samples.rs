@@ -1,14 +1,12 @@
 //! Samples for the network of single eyes: crops as the tracker cuts them, disturbed, and what the
 //! network is to say of them.
 
+use super::crop::{ROLL, crop_of, turned};
 use super::single::SingleEye;
 use crate::align::{Augment, Sample, Sizes, Source, disturb, normal, standardise};
-use crate::picture::Picture;
 use crate::render::eye_cache::Eye;
 use glam::{EulerRot, Mat3};
 use posewise::align::{EYE_OUTPUTS, EyePlace};
-use posewise::image::{Crop, warp};
-use posewise::math::Similarity;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 
@@ -18,10 +16,9 @@ pub const GAZE_UNIT: f32 = 11.0;
 pub const CLASS_UNIT: f32 = 4.0;
 
 /// Standard deviations of what the tracker errs by: middle of the eye \[mm\], logarithm of scale,
-/// roll \[rad\], rotation of the head \[rad\].
+/// rotation of the head \[rad\].
 const SHIFT_MM: f32 = 1.1;
 const LOG_SCALE: f32 = 0.06;
-pub const ROLL: f32 = 0.05;
 const TURN: f32 = 0.05;
 
 /// Least share of an iris that is seen for a label of its place and of the gaze.
@@ -48,33 +45,6 @@ pub struct Eyes<'a> {
     pub augment: &'a Augment,
     /// As in [`super::EyeOptions`].
     pub by_nose: f32,
-}
-
-pub fn crop_of(picture: &Picture, to_frame: &Similarity, side: usize, mirror: bool) -> Vec<f32> {
-    let centre = (side as f32 - 1.0) / 2.0;
-    let [tx, ty] = to_frame.apply([-centre, -centre]);
-    let mut crop = Crop::new();
-    let from_corner = Similarity {
-        tx,
-        ty,
-        ..*to_frame
-    };
-    warp(&picture.frame(), &from_corner, side, &mut crop);
-    if mirror {
-        crop.mirror();
-    }
-    crop.luma().iter().map(|v| f32::from(*v)).collect()
-}
-
-/// A similarity of this logarithm of scale and roll.
-pub fn turned(log_scale: f32, roll: f32, [tx, ty]: [f32; 2]) -> Similarity {
-    let scale = log_scale.exp();
-    Similarity {
-        a: scale * roll.cos(),
-        b: scale * roll.sin(),
-        tx,
-        ty,
-    }
 }
 
 /// Where the tracker takes a render's eye to be.

@@ -1,6 +1,6 @@
 //! Photographs of single eyes: they say only whether an eye is open.
 
-use super::samples::{ROLL, crop_of, turned};
+use super::crop::{ROLL, crop_of, turned};
 use crate::align::{Sizes, normal};
 use crate::picture::Picture;
 use anyhow::Result;

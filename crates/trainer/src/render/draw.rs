@@ -1,6 +1,5 @@
 //! Draws a posed head and props into linear light over a background.
 
-use super::eye_truth::eye_centre;
 use super::light::{Lights, Reach};
 use super::mesh::{Material, Mesh};
 use super::raster::{Cull, EMPTY, Projected, Target, weights};
@@ -383,4 +382,13 @@ impl<'a> Shader<'a> {
         let catch = super::noise::smoothstep(0.986, 0.996, out.dot(half));
         albedo * diffuse + 0.4 * catch * lights.key_power * diffuse.min(1.0)
     }
+}
+
+/// The middle of an eyeball \[mm, camera axes\]: that of its box, because vertices are dense at the
+/// cornea.
+pub fn eye_centre(mesh: &Mesh, head: &Posed, eye: usize) -> Vec3 {
+    let points = mesh.eyes[eye].iter().map(|v| head.vertices[*v as usize]);
+    let local = points.map(|p| head.rotation.transpose() * p);
+    let (low, high) = local.fold((Vec3::MAX, Vec3::MIN), |(l, h), p| (l.min(p), h.max(p)));
+    head.rotation * ((low + high) / 2.0)
 }

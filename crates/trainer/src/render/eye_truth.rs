@@ -1,8 +1,8 @@
 //! Where the eyes of a drawn head look, and how much of each iris is seen.
 
 use super::contour::is_drawn;
-use super::draw::{Drawn, IRIS_RAD, Posed, Scene, View};
-use super::mesh::{Material, Mesh};
+use super::draw::{Drawn, IRIS_RAD, Scene, View, eye_centre};
+use super::mesh::Material;
 use glam::{Vec2, Vec3};
 
 /// The truth of one eye.
@@ -18,15 +18,6 @@ pub struct EyeTruth {
     pub seen: f32,
     /// Opacity of the lens before the eye; 0 without glasses.
     pub lens: f32,
-}
-
-/// The middle of an eyeball \[mm, camera axes\]: that of its box, because vertices are dense at the
-/// cornea.
-pub fn eye_centre(mesh: &Mesh, head: &Posed, eye: usize) -> Vec3 {
-    let points = mesh.eyes[eye].iter().map(|v| head.vertices[*v as usize]);
-    let local = points.map(|p| head.rotation.transpose() * p);
-    let (low, high) = local.fold((Vec3::MAX, Vec3::MIN), |(l, h), p| (l.min(p), h.max(p)));
-    head.rotation * ((low + high) / 2.0)
 }
 
 /// The truth of the image left's (0) or the image right's eye (1).

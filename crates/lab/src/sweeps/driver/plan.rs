@@ -2,7 +2,7 @@
 
 use super::super::covers::Cover;
 use super::super::plan::{Hair, Kind, SEED, Sweep};
-use super::Args;
+use super::args::Args;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
