@@ -1,7 +1,8 @@
 //! The trackers of the thesis as comparators, beside posewise.
 //!
 //! ```text
-//! face_model, person, render ─► synthesis ─► gaussian | view_based | sparse ─► scorer ─► bayes, keyframes ─┐
+//! face_model, person, render ─► synthesis ─► gaussian | view_based | sparse ─► scorer
+//! scorer ─► bayes, keyframes ──────────────────────────────────────────────────────────────────┐
 //! training ─► svm | cascade ─► fit ────────────────────────────────────────► follower ◄────────┘
 //! follower ─► follow ─► trackers ─► track
 //! trackers, systems, measures ─► comparison ─► table
