@@ -37,10 +37,10 @@ pub(super) use operands::{
     BLOCK, DepthwiseWeights, MAX_ROWS, Rows, STAGING, Scale, Staging, Strip, StripParts,
     TapWeights, Tile,
 };
-#[cfg(all(simd_kernel, not(target_arch = "aarch64")))]
-use shared::depthwise3x3_by_block;
+#[cfg(all(simd_kernel, not(target_arch = "x86_64")))]
+use shared::conv2d_by_block;
 #[cfg(simd_kernel)]
-use shared::{conv2d_by_block, forwarded};
+use shared::forwarded;
 #[cfg(simd_kernel)]
 use unrolled::unrolled;
 

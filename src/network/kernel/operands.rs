@@ -74,7 +74,7 @@ pub(in crate::network) struct Scale<'a> {
 impl Scale<'_> {
     /// Whether nothing is added to the scaled sum: no zero point and no lateral.
     #[inline(always)]
-    #[cfg_attr(not(simd_kernel), expect(dead_code))]
+    #[cfg(all(simd_kernel, not(target_arch = "x86_64")))]
     pub fn is_plain(&self) -> bool {
         self.zero_point == 0 && !self.lateral
     }

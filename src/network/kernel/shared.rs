@@ -34,6 +34,7 @@ macro_rules! forwarded {
 }
 
 /// `conv2d` with tiles of `TILE` pixels and one block, by the module's `sums` and `Requantization`.
+#[cfg(not(target_arch = "x86_64"))]
 macro_rules! conv2d_by_block {
     ($features:literal) => {
         #[target_feature(enable = $features)]
@@ -72,37 +73,6 @@ macro_rules! conv2d_by_block {
     };
 }
 
-/// `depthwise3x3` with eight channels at a time, by the module's `depthwise8` and `Requantization`.
-#[cfg(not(target_arch = "aarch64"))]
-macro_rules! depthwise3x3_by_block {
-    ($features:literal) => {
-        #[target_feature(enable = $features)]
-        fn depthwise3x3(
-            rows: &Rows<'_>,
-            weights: &DepthwiseWeights<'_>,
-            scale: &Scale<'_>,
-            out: &mut [u8],
-        ) {
-            let weights = weights.paired;
-            let channels = rows.channels().max(1);
-            let blocks = (channels / BLOCK).min(weights.len());
-            let requantization = Requantization::new(scale);
-            for (x, out) in out.chunks_exact_mut(channels).enumerate() {
-                let taps = rows.tap_starts(x);
-                for block in 0..blocks {
-                    let requantization = requantization.of_block(scale, block);
-                    // SAFETY: every tap has all channels, as have the weights and the output.
-                    unsafe {
-                        let sums = depthwise8(&taps, block * BLOCK, weights.as_ptr().add(block));
-                        let out = out.as_mut_ptr().add(block * BLOCK);
-                        requantization.store::<true>(sums, out);
-                    }
-                }
-            }
-        }
-    };
-}
-
-#[cfg(not(target_arch = "aarch64"))]
-pub(super) use depthwise3x3_by_block;
-pub(super) use {conv2d_by_block, forwarded};
+#[cfg(not(target_arch = "x86_64"))]
+pub(super) use conv2d_by_block;
+pub(super) use forwarded;

@@ -5,7 +5,7 @@
 //! compiling, by `-Ctarget-feature=+simd128`.
 
 use super::{BLOCK, DepthwiseWeights, Kernel, Rows, Scale, Strip, Sum, TapWeights, Tile};
-use super::{conv2d_by_block, depthwise3x3_by_block, forwarded, tail, unrolled};
+use super::{conv2d_by_block, forwarded, tail, unrolled};
 use core::arch::wasm32::*;
 
 #[derive(Clone, Copy)]
@@ -147,7 +147,31 @@ impl Requantization {
     }
 }
 
-depthwise3x3_by_block!("simd128");
+/// Eight channels of a pixel at a time.
+#[target_feature(enable = "simd128")]
+fn depthwise3x3(
+    rows: &Rows<'_>,
+    weights: &DepthwiseWeights<'_>,
+    scale: &Scale<'_>,
+    out: &mut [u8],
+) {
+    let weights = weights.paired;
+    let channels = rows.channels().max(1);
+    let blocks = (channels / BLOCK).min(weights.len());
+    let requantization = Requantization::new(scale);
+    for (x, out) in out.chunks_exact_mut(channels).enumerate() {
+        let taps = rows.tap_starts(x);
+        for block in 0..blocks {
+            let requantization = requantization.of_block(scale, block);
+            // SAFETY: every tap has all channels, as have the weights and the output.
+            unsafe {
+                let sums = depthwise8(&taps, block * BLOCK, weights.as_ptr().add(block));
+                let out = out.as_mut_ptr().add(block * BLOCK);
+                requantization.store::<true>(sums, out);
+            }
+        }
+    }
+}
 
 /// The sums of eight channels from `at` on.
 ///

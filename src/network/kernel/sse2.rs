@@ -1,15 +1,21 @@
 //! The kernel for x86-64: `pmaddwd` multiplies pairs of 16-bit numbers and adds the products.
 
 use super::{BLOCK, DepthwiseWeights, Kernel, Rows, Scale, Strip, Sum, TapWeights, Tile};
-use super::{conv2d_by_block, depthwise3x3_by_block, forwarded, tail, unrolled};
+use super::{forwarded, tail, unrolled};
 use core::arch::x86_64::*;
+use core::mem::MaybeUninit;
 
 #[derive(Clone, Copy)]
 pub(in crate::network) struct Sse2;
 
+/// Columns that are read together.
+const GROUP: usize = 8;
+/// Pixels of the largest tile.
+const TILE: usize = 4;
+
 impl Kernel for Sse2 {
     const WIDTH: usize = 2;
-    const GROUP: usize = 8;
+    const GROUP: usize = GROUP;
     const TILE: usize = TILE;
 
     fn stage(self, values: &[u8], zero_point: u8, staged: &mut [u8]) {
@@ -25,66 +31,194 @@ fn stage(values: &[u8], zero_point: u8, staged: &mut [u8]) {
     tail::widen(values, zero_point, staged);
 }
 
-/// Pixels of a tile, whose sums fill eight of the sixteen registers.
-const TILE: usize = 4;
-
-conv2d_by_block!("sse2");
-
-/// The sums of the pixels of a tile in a block.
-///
-/// # Safety
-/// The strip has this block.
+/// Tiles of pixels × blocks whose sums fill eight of the sixteen registers: 2×2, and 4×1 for a
+/// block that is left.
 #[target_feature(enable = "sse2")]
-#[inline]
-unsafe fn sums(strip: &Strip<'_>, tile: Tile, block: usize) -> [[__m128i; 2]; TILE] {
-    let mut sums = [[_mm_setzero_si128(); 2]; TILE];
-    let mut weights = strip
-        .weights()
-        .as_ptr()
-        .wrapping_add(block * strip.block_weights());
-    for row in strip.rows() {
-        let mut window = tile.window.wrapping_add(*row);
-        for _ in 0..strip.columns() / 8 {
-            // SAFETY: a window has eight two-byte values for each eight columns.
-            let mut values = [_mm_setzero_si128(); TILE];
-            for (p, values) in values.iter_mut().enumerate() {
-                // SAFETY: a window has eight two-byte values for each eight columns.
-                *values = unsafe { _mm_loadu_si128(window.add(p * tile.step).cast()) };
-            }
-            // SAFETY: a block has 64 weights for each eight columns of each row.
-            unsafe {
-                multiply::<0b00_00_00_00>(&mut sums, &values, weights);
-                multiply::<0b01_01_01_01>(&mut sums, &values, weights.add(16));
-                multiply::<0b10_10_10_10>(&mut sums, &values, weights.add(32));
-                multiply::<0b11_11_11_11>(&mut sums, &values, weights.add(48));
-            }
-            weights = weights.wrapping_add(8 * BLOCK);
-            window = window.wrapping_add(16);
-        }
+fn conv2d(mut strip: Strip<'_>) {
+    let mut wide = Wide([const { MaybeUninit::uninit() }; WIDE_PAIRS]);
+    let mut block = 0;
+    while let left @ 1.. = strip.blocks().saturating_sub(block) {
+        block += match left {
+            1 => tiles::<TILE, 1>(&mut strip, block, &mut wide),
+            _ => tiles::<{ TILE / 2 }, 2>(&mut strip, block, &mut wide),
+        };
     }
-    sums
 }
 
-/// Multiplies one pair of the values of each pixel, which `PAIR` copies to all places, by sixteen
-/// weights.
-///
-/// # Safety
-/// `weights` is valid for sixteen bytes.
+/// Most pairs of columns, times blocks, whose weights are widened at once: two blocks of 80
+/// columns, the most that our models have.
+const WIDE_PAIRS: usize = 80;
+
+/// Weights as 16-bit numbers: `[pair of columns][block][8 channels][2]`. SSE2 has no instruction
+/// that widens them as it reads them, so that they are widened once for all pixels of a strip.
+struct Wide([MaybeUninit<[__m128i; 2]>; WIDE_PAIRS]);
+
+impl Wide {
+    /// Widens the weights of so many pairs of columns of `B` blocks, `block_weights` apart.
+    ///
+    /// # Safety
+    /// There are so many weights from `weights` on.
+    #[target_feature(enable = "sse2")]
+    #[inline]
+    unsafe fn fill<const B: usize>(
+        &mut self,
+        weights: *const i8,
+        block_weights: usize,
+        pairs: usize,
+    ) {
+        let of_pairs = self.0.as_chunks_mut::<B>().0.iter_mut().take(pairs);
+        for (pair, wide) in of_pairs.enumerate() {
+            for (b, wide) in wide.iter_mut().enumerate() {
+                let at = weights.wrapping_add(b * block_weights + pair * 2 * BLOCK);
+                // SAFETY: as the caller promises; a pair of columns of a block has 16 weights.
+                wide.write(signed(unsafe { _mm_loadu_si128(at.cast()) }));
+            }
+        }
+    }
+}
+
+/// All pixels of `B` blocks from `block` on, `P` pixels at a time. Returns `B`.
 #[target_feature(enable = "sse2")]
 #[inline]
-unsafe fn multiply<const PAIR: i32>(
-    sums: &mut [[__m128i; 2]; TILE],
-    values: &[__m128i; TILE],
-    weights: *const i8,
-) {
-    // SAFETY: as the caller promises.
-    let bytes = unsafe { _mm_loadu_si128(weights.cast()) };
-    let weights = signed(bytes);
-    for ([low, high], values) in sums.iter_mut().zip(values) {
-        let pair = _mm_shuffle_epi32::<PAIR>(*values);
-        *low = _mm_add_epi32(*low, _mm_madd_epi16(pair, weights[0]));
-        *high = _mm_add_epi32(*high, _mm_madd_epi16(pair, weights[1]));
+fn tiles<const P: usize, const B: usize>(
+    strip: &mut Strip<'_>,
+    block: usize,
+    wide: &mut Wide,
+) -> usize {
+    let (pixels, channels) = (strip.pixels(), strip.channels());
+    let pairs = strip.rows().len() * strip.columns() / 2;
+    let at_once = pairs * B <= WIDE_PAIRS;
+    if at_once {
+        let weights = strip
+            .weights()
+            .as_ptr()
+            .wrapping_add(block * strip.block_weights());
+        // SAFETY: `conv2d` takes only blocks that the strip has.
+        unsafe { wide.fill::<B>(weights, strip.block_weights(), pairs) };
     }
+    let scale = *strip.scale();
+    let requantization = Requantization::new(&scale);
+    let constants: [_; B] = core::array::from_fn(|b| Constants::new(&scale, block + b));
+    let mut out = strip.out().as_mut_ptr().wrapping_add(block * BLOCK);
+    let mut first = 0;
+    while first < pixels {
+        let tile = strip.tile(first, P);
+        let mut sums = [[[_mm_setzero_si128(); 2]; B]; P];
+        // SAFETY: the strip has these blocks, and the outputs of all its blocks at all pixels.
+        unsafe {
+            if at_once {
+                let mut weights = wide.0.as_ptr().cast();
+                for row in strip.rows() {
+                    let window = tile.window.wrapping_add(*row);
+                    let groups = strip.columns() / GROUP;
+                    weights = add_products(&mut sums, window, tile.step, weights, groups);
+                }
+            } else {
+                add_by_part(&mut sums, strip, tile, block, wide);
+            }
+            unrolled!(p < P => {
+                if p < tile.present {
+                    requantization.store::<false, B>(&sums[p], &constants, out);
+                    out = out.wrapping_add(channels);
+                }
+            });
+        }
+        first += tile.present;
+    }
+    B
+}
+
+/// Adds products as [`add_products`] does, for windows whose weights do not all fit in `wide`.
+///
+/// # Safety
+/// The strip has `B` blocks from `block` on.
+#[target_feature(enable = "sse2")]
+unsafe fn add_by_part<const P: usize, const B: usize>(
+    sums: &mut [[[__m128i; 2]; B]; P],
+    strip: &Strip<'_>,
+    tile: Tile,
+    block: usize,
+    wide: &mut Wide,
+) {
+    const PART: usize = WIDE_PAIRS / 2 * 2 / GROUP;
+    let block_weights = strip.block_weights();
+    let mut weights = strip.weights().as_ptr().wrapping_add(block * block_weights);
+    for row in strip.rows() {
+        let mut window = tile.window.wrapping_add(*row);
+        let groups = strip.columns() / GROUP;
+        for first in (0..groups).step_by(PART) {
+            let part = PART.min(groups - first);
+            // SAFETY: a block has the weights, and a window the values, of all columns.
+            unsafe {
+                wide.fill::<B>(weights, block_weights, part * GROUP / 2);
+                add_products(sums, window, tile.step, wide.0.as_ptr().cast(), part);
+            }
+            weights = weights.wrapping_add(part * GROUP * BLOCK);
+            window = window.wrapping_add(part * GROUP * 2);
+        }
+    }
+}
+
+/// Multiplies so many groups of values of the windows of `P` pixels, `step` bytes apart, by the
+/// weights of `B` blocks, and adds the products. Returns where the next group's weights are.
+///
+/// # Safety
+/// The windows have these groups, and from `weights` on there are their weights as [`Wide`] has
+/// them.
+#[target_feature(enable = "sse2")]
+#[inline]
+unsafe fn add_products<const P: usize, const B: usize>(
+    sums: &mut [[[__m128i; 2]; B]; P],
+    window: *const u8,
+    step: usize,
+    mut weights: *const __m128i,
+    groups: usize,
+) -> *const __m128i {
+    let mut totals = *sums;
+    for group in 0..groups {
+        let mut values = [_mm_setzero_si128(); P];
+        unrolled!(p < P => {
+            let at = window.wrapping_add(p * step + group * 2 * GROUP);
+            // SAFETY: a group is eight two-byte values.
+            values[p] = unsafe { _mm_loadu_si128(at.cast()) };
+        });
+        // SAFETY: there are the weights of four pairs for each group.
+        unsafe {
+            weights = multiply::<0b00_00_00_00, P, B>(&mut totals, &values, weights);
+            weights = multiply::<0b01_01_01_01, P, B>(&mut totals, &values, weights);
+            weights = multiply::<0b10_10_10_10, P, B>(&mut totals, &values, weights);
+            weights = multiply::<0b11_11_11_11, P, B>(&mut totals, &values, weights);
+        }
+    }
+    *sums = totals;
+    weights
+}
+
+/// Multiplies one pair of the values of each pixel, which `PAIR` copies to all places, by the
+/// weights of `B` blocks. Returns where the next pair's weights are.
+///
+/// # Safety
+/// `weights` is valid for `2·B` vectors.
+#[target_feature(enable = "sse2")]
+#[inline]
+unsafe fn multiply<const PAIR: i32, const P: usize, const B: usize>(
+    sums: &mut [[[__m128i; 2]; B]; P],
+    values: &[__m128i; P],
+    weights: *const __m128i,
+) -> *const __m128i {
+    unrolled!(p < P => {
+        let pair = _mm_shuffle_epi32::<PAIR>(values[p]);
+        unrolled!(b < B => {
+            let [low, high] = sums[p][b];
+            // SAFETY: as the caller promises.
+            let weights = unsafe { [*weights.add(2 * b), *weights.add(2 * b + 1)] };
+            sums[p][b] = [
+                _mm_add_epi32(low, _mm_madd_epi16(pair, weights[0])),
+                _mm_add_epi32(high, _mm_madd_epi16(pair, weights[1])),
+            ];
+        });
+    });
+    weights.wrapping_add(2 * B)
 }
 
 /// Sixteen signed bytes as 16-bit numbers.
@@ -109,17 +243,37 @@ fn unsigned(bytes: __m128i) -> [__m128i; 2] {
     ]
 }
 
-/// A [`Scale`] in registers; bias and multiplier are those of one block.
-#[derive(Clone, Copy)]
+/// What a [`Scale`] says of all blocks, in registers.
 struct Requantization {
-    bias: [__m128i; 2],
-    multiplier: [__m128i; 2],
     pre_shift: __m128i,
     post_shift: __m128i,
     half: __m128i,
     /// The zero point; less 2·128 where a lateral is added.
     offset: __m128i,
     lateral: bool,
+}
+
+/// What a [`Scale`] says of one block.
+#[derive(Clone, Copy)]
+struct Constants {
+    bias: [__m128i; 2],
+    multiplier: [__m128i; 2],
+}
+
+impl Constants {
+    #[target_feature(enable = "sse2")]
+    #[inline]
+    fn new(scale: &Scale<'_>, block: usize) -> Self {
+        let [bias, multiplier] = [scale.bias, scale.multiplier].map(|of| {
+            let [a, b, c, d, e, f, g, h] = of.get(block).copied().unwrap_or_default();
+            [_mm_setr_epi32(a, b, c, d), _mm_setr_epi32(e, f, g, h)]
+        });
+        Constants {
+            bias,
+            // Only the lower 16 bits of each factor are multiplied: the upper ones meet zeros.
+            multiplier: multiplier.map(|m| _mm_and_si128(m, _mm_set1_epi32(0xffff))),
+        }
+    }
 }
 
 impl Requantization {
@@ -129,8 +283,6 @@ impl Requantization {
         let (pre_shift, post_shift, half) = scale.shifts();
         let lateral = if scale.lateral { -256 } else { 0 };
         Requantization {
-            bias: [_mm_setzero_si128(); 2],
-            multiplier: [_mm_setzero_si128(); 2],
             pre_shift: _mm_cvtsi32_si128(pre_shift as i32),
             post_shift: _mm_cvtsi32_si128(post_shift as i32),
             half: _mm_set1_epi32(half),
@@ -139,51 +291,92 @@ impl Requantization {
         }
     }
 
-    #[target_feature(enable = "sse2")]
-    #[inline]
-    fn of_block(&self, scale: &Scale<'_>, block: usize) -> Self {
-        let [bias, multiplier] = [scale.bias, scale.multiplier].map(|of| {
-            let [a, b, c, d, e, f, g, h] = of.get(block).copied().unwrap_or_default();
-            [_mm_setr_epi32(a, b, c, d), _mm_setr_epi32(e, f, g, h)]
-        });
-        Requantization {
-            bias,
-            // Only the lower 16 bits of each factor are multiplied: the upper ones meet zeros.
-            multiplier: multiplier.map(|m| _mm_and_si128(m, _mm_set1_epi32(0xffff))),
-            ..*self
-        }
-    }
-
-    /// Writes the outputs of the block at a pixel; with `PLAIN`, nothing is added to them.
+    /// Writes the outputs of one or two blocks at a pixel; with `PLAIN`, nothing is added to them.
     ///
     /// # Safety
-    /// `out` is valid for eight bytes.
+    /// `out` is valid for eight bytes of each block.
     #[target_feature(enable = "sse2")]
     #[inline]
-    unsafe fn store<const PLAIN: bool>(&self, mut sums: [__m128i; 2], out: *mut u8) {
-        let constants = self.bias.iter().zip(&self.multiplier);
-        for (sum, (bias, multiplier)) in sums.iter_mut().zip(constants) {
-            let kept = _mm_sra_epi32(_mm_add_epi32(*sum, *bias), self.pre_shift);
-            let scaled = _mm_madd_epi16(kept, *multiplier);
-            *sum = _mm_sra_epi32(_mm_add_epi32(scaled, self.half), self.post_shift);
-        }
-        // What saturates here is clamped below anyway.
-        let mut words = _mm_packs_epi32(sums[0], sums[1]);
-        let mut offset = self.offset;
-        if !PLAIN && self.lateral {
-            // SAFETY: as the caller promises.
-            let [lateral, _] = unsigned(unsafe { _mm_loadl_epi64(out.cast_const().cast()) });
-            offset = _mm_add_epi16(offset, _mm_slli_epi16::<1>(lateral));
+    unsafe fn store<const PLAIN: bool, const B: usize>(
+        &self,
+        sums: &[[__m128i; 2]; B],
+        constants: &[Constants; B],
+        out: *mut u8,
+    ) {
+        let mut words = [_mm_setzero_si128(); 2];
+        for ((words, sums), constants) in words.iter_mut().zip(sums).zip(constants) {
+            let [low, high] = self.scaled(*sums, constants);
+            // What saturates here is clamped below anyway.
+            *words = _mm_packs_epi32(low, high);
         }
         if !PLAIN {
-            words = _mm_adds_epi16(words, offset);
+            let mut offsets = [self.offset; 2];
+            if self.lateral {
+                // SAFETY: as the caller promises.
+                let lateral = unsafe {
+                    match B {
+                        1 => _mm_loadl_epi64(out.cast_const().cast()),
+                        _ => _mm_loadu_si128(out.cast_const().cast()),
+                    }
+                };
+                for (offset, lateral) in offsets.iter_mut().zip(unsigned(lateral)) {
+                    *offset = _mm_add_epi16(*offset, _mm_slli_epi16::<1>(lateral));
+                }
+            }
+            for (words, offset) in words.iter_mut().zip(offsets) {
+                *words = _mm_adds_epi16(*words, offset);
+            }
         }
+        let bytes = _mm_packus_epi16(words[0], words[1]);
         // SAFETY: as the caller promises.
-        unsafe { _mm_storel_epi64(out.cast(), _mm_packus_epi16(words, words)) };
+        unsafe {
+            match B {
+                1 => _mm_storel_epi64(out.cast(), bytes),
+                _ => _mm_storeu_si128(out.cast(), bytes),
+            }
+        };
+    }
+
+    /// The sums of a block, scaled.
+    #[target_feature(enable = "sse2")]
+    #[inline]
+    fn scaled(&self, sums: [__m128i; 2], constants: &Constants) -> [__m128i; 2] {
+        let mut scaled = sums;
+        let constants = constants.bias.iter().zip(&constants.multiplier);
+        for (sum, (bias, multiplier)) in scaled.iter_mut().zip(constants) {
+            let kept = _mm_sra_epi32(_mm_add_epi32(*sum, *bias), self.pre_shift);
+            let product = _mm_madd_epi16(kept, *multiplier);
+            *sum = _mm_sra_epi32(_mm_add_epi32(product, self.half), self.post_shift);
+        }
+        scaled
     }
 }
 
-depthwise3x3_by_block!("sse2");
+/// Eight channels of a pixel at a time.
+#[target_feature(enable = "sse2")]
+fn depthwise3x3(
+    rows: &Rows<'_>,
+    weights: &DepthwiseWeights<'_>,
+    scale: &Scale<'_>,
+    out: &mut [u8],
+) {
+    let weights = weights.paired;
+    let channels = rows.channels().max(1);
+    let blocks = (channels / BLOCK).min(weights.len());
+    let requantization = Requantization::new(scale);
+    for (x, out) in out.chunks_exact_mut(channels).enumerate() {
+        let taps = rows.tap_starts(x);
+        for block in 0..blocks {
+            let constants = [Constants::new(scale, block)];
+            // SAFETY: every tap has all channels, as have the weights and the output.
+            unsafe {
+                let sums = depthwise8(&taps, block * BLOCK, weights.as_ptr().add(block));
+                let out = out.as_mut_ptr().add(block * BLOCK);
+                requantization.store::<true, 1>(&[sums], &constants, out);
+            }
+        }
+    }
+}
 
 /// The sums of eight channels from `at` on.
 ///

@@ -124,7 +124,8 @@ struct Case {
 
 impl Case {
     fn new(n: &mut Numbers, blocks: usize) -> Self {
-        let (rows, columns, stride) = (n.size(5), 8 * n.size(4), 8 * n.size(3));
+        let (rows, stride) = (n.size(5), 8 * n.size(3));
+        let columns = 8 * n.size(if rows == 1 { 12 } else { 4 });
         let (pixels, channels) = (n.size(30), (blocks + n.size(3) - 1) * BLOCK);
         Case {
             values: n.bytes(rows * ((pixels - 1) * stride + columns)),
