@@ -269,6 +269,8 @@ pub enum EvalCommand {
     Jitter(JitterArgs),
     /// Frames until a face that disappeared is tracked again elsewhere
     Recovery(RecoveryArgs),
+    /// Frames until a small face anywhere in a photograph is tracked
+    Latency(LatencyArgs),
     /// Frames tracked in pictures without people
     Faceless(FacelessArgs),
     /// Angle errors over many minutes
@@ -289,6 +291,15 @@ fn within(least: f64, most: f64) -> impl Fn(&str) -> Result<f64, String> + Clone
     move |text| match text.parse() {
         Ok(v) if (least..=most).contains(&v) => Ok(v),
         _ => Err(format!("not a number from {least} to {most}")),
+    }
+}
+
+/// Parses width and height of a frame, as `640x480`.
+fn frame_size(text: &str) -> Result<(u32, u32), String> {
+    let sides = text.split_once('x').map(|(w, h)| (w.parse(), h.parse()));
+    match sides {
+        Some((Ok(w @ 16..=16_384), Ok(h @ 16..=16_384))) => Ok((w, h)),
+        _ => Err("not a size of 16 to 16384 px, as 640x480".into()),
     }
 }
 
@@ -488,6 +499,38 @@ pub struct RecoveryArgs {
     #[arg(long)]
     pub no_mirror: bool,
     /// Draws pieces, places and pictures
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    #[command(flatten)]
+    pub tracker: TrackerArgs,
+    /// Write the numbers as JSON
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+}
+
+#[derive(Args)]
+pub struct LatencyArgs {
+    /// Labels of pictures with one face, as for `eval landmarks`
+    #[arg(long, value_name = "FILE")]
+    pub csv: PathBuf,
+    /// Folder of the pictures that the labels name
+    #[arg(long, value_name = "DIR")]
+    pub images: PathBuf,
+    #[command(flatten)]
+    pub backgrounds: BackgroundsArgs,
+    /// Size of the frames [px]; repeat for several [default: 640x480 1280x720 3840x2160]
+    #[arg(long, value_name = "WxH", value_parser = frame_size)]
+    pub frame: Vec<(u32, u32)>,
+    /// Longer side of the box of the landmarks [px]
+    #[arg(long, value_name = "PX", default_value_t = 60.0, value_parser = within(16.0, 1000.0))]
+    pub face: f64,
+    /// Faces in frames of each size
+    #[arg(long, value_name = "N", default_value_t = 40)]
+    pub faces: usize,
+    /// Most frames that are shown of each
+    #[arg(long, value_name = "N", default_value_t = 100)]
+    pub frames: usize,
+    /// Draws faces, places and pictures
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
     #[command(flatten)]

@@ -93,6 +93,7 @@ fn main() -> ExitCode {
             Command::Eval(EvalCommand::Monitor(args)) => eval::monitor::run(&args),
             Command::Eval(EvalCommand::Jitter(args)) => eval::jitter::run(&args),
             Command::Eval(EvalCommand::Recovery(args)) => eval::recovery::run(&args),
+            Command::Eval(EvalCommand::Latency(args)) => eval::latency::run(&args),
             Command::Eval(EvalCommand::Faceless(args)) => eval::faceless::run(&args),
             Command::Eval(EvalCommand::Drift(args)) => eval::drift::run(&args),
             Command::Bench(args) => bench::run(&args),

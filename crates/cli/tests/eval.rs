@@ -4,6 +4,7 @@ mod common;
 
 use common::{arg, fails_with, posewise};
 use std::fmt::Write;
+use std::io::Read;
 
 fn columns(prefixes: &[&str]) -> String {
     let mut out = String::new();
@@ -154,6 +155,63 @@ fn a_face_that_comes_back_is_found() {
         &["--every", "2", "--offset", "2"],
         &["--offset must be less"],
     );
+}
+
+/// The first frame of [`DEMO`] as a picture, and its labels as `eval landmarks` takes them.
+fn labelled_picture(dir: &std::path::Path) -> String {
+    let mut y4m = Vec::new();
+    let file = std::fs::File::open(DEMO[0]).unwrap();
+    flate2::read::GzDecoder::new(file)
+        .read_to_end(&mut y4m)
+        .unwrap();
+    let start = y4m.windows(6).position(|w| w == b"FRAME\n").unwrap() + 6;
+    let luma = y4m[start..start + 320 * 240].to_vec();
+    let picture = image::GrayImage::from_raw(320, 240, luma).unwrap();
+    picture.save(dir.join("face.png")).unwrap();
+    let truth = std::fs::read_to_string(DEMO[1]).unwrap();
+    let mut rows = truth
+        .lines()
+        .map(|line| line.split(',').collect::<Vec<_>>());
+    let (names, row) = (rows.next().unwrap(), rows.next().unwrap());
+    let mut labels = String::from("image");
+    let mut values = String::from("\nface.png");
+    for axis in ["x", "y"] {
+        for i in 0..68 {
+            let name = format!("{axis}{i}");
+            let at = names.iter().position(|n| *n == name).unwrap();
+            write!(labels, ",{name}").unwrap();
+            write!(values, ",{}", row[at]).unwrap();
+        }
+    }
+    let csv = dir.join("labels.csv");
+    std::fs::write(&csv, labels + &values).unwrap();
+    arg(&csv).to_string()
+}
+
+#[test]
+fn a_face_anywhere_is_found_in_some_frames() {
+    let dir = tempfile::tempdir().unwrap();
+    let (folder, csv) = (backgrounds(dir.path()), labelled_picture(dir.path()));
+    let common = [
+        "eval",
+        "latency",
+        "--csv",
+        &csv,
+        "--images",
+        arg(dir.path()),
+    ];
+    let common = [&common[..], &["--backgrounds", &folder]].concat();
+    let json = json_of(&[&common[..], &["--frame", "320x240", "--faces", "3"]].concat());
+    let found = &json["320x240"];
+    assert_eq!(found["not_found"].as_u64(), Some(0), "{json:#}");
+    assert_eq!(found["frames_until_tracked"].as_array().unwrap().len(), 3);
+    assert!(found["worst_frames"].as_u64() <= Some(5), "{json:#}");
+
+    let none = [&common[..], &["--faces", "0"]].concat();
+    fails_with(&none, Vec::new(), &["at least 1"]);
+    for wrong in [["--frame", "640"], ["--face", "nan"]] {
+        posewise().args(&common).args(wrong).assert().code(2);
+    }
 }
 
 #[test]

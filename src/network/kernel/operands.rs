@@ -329,7 +329,7 @@ impl<'a> Rows<'a> {
 
     /// Those of the first `pixels` output pixels whose taps lie between the map's left and right
     /// edges.
-    #[cfg(target_arch = "aarch64")]
+    #[cfg(any(target_arch = "aarch64", target_arch = "x86_64"))]
     #[inline(always)]
     pub fn inner(&self, pixels: usize) -> core::ops::Range<usize> {
         let stride = self.stride.max(1);
@@ -338,7 +338,7 @@ impl<'a> Rows<'a> {
     }
 
     /// The rows of taps at output pixel `x`, one of [`Self::inner`].
-    #[cfg(target_arch = "aarch64")]
+    #[cfg(any(target_arch = "aarch64", target_arch = "x86_64"))]
     #[inline(always)]
     pub fn lines(&self, x: usize) -> [Line; 3] {
         let first = (x * self.stride).wrapping_sub(1) * self.channels;
@@ -358,7 +358,7 @@ impl<'a> Rows<'a> {
 }
 
 /// Three neighbouring taps of a row.
-#[cfg(target_arch = "aarch64")]
+#[cfg(any(target_arch = "aarch64", target_arch = "x86_64"))]
 #[derive(Clone, Copy)]
 pub(in crate::network) struct Line {
     /// The left tap.
@@ -369,7 +369,7 @@ pub(in crate::network) struct Line {
     pixel: usize,
 }
 
-#[cfg(target_arch = "aarch64")]
+#[cfg(any(target_arch = "aarch64", target_arch = "x86_64"))]
 impl Line {
     /// The first byte of a tap, 0 to 2.
     #[inline(always)]

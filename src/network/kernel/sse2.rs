@@ -352,7 +352,7 @@ impl Requantization {
     }
 }
 
-/// Eight channels of a pixel at a time.
+/// Eight channels of all pixels, then the next eight.
 #[target_feature(enable = "sse2")]
 fn depthwise3x3(
     rows: &Rows<'_>,
@@ -360,50 +360,59 @@ fn depthwise3x3(
     scale: &Scale<'_>,
     out: &mut [u8],
 ) {
-    let weights = weights.paired;
     let channels = rows.channels().max(1);
-    let blocks = (channels / BLOCK).min(weights.len());
+    let pixels = out.len() / channels;
     let requantization = Requantization::new(scale);
-    for (x, out) in out.chunks_exact_mut(channels).enumerate() {
-        let taps = rows.tap_starts(x);
-        for block in 0..blocks {
-            let constants = [Constants::new(scale, block)];
-            // SAFETY: every tap has all channels, as have the weights and the output.
-            unsafe {
-                let sums = depthwise8(&taps, block * BLOCK, weights.as_ptr().add(block));
-                let out = out.as_mut_ptr().add(block * BLOCK);
-                requantization.store::<true, 1>(&[sums], &constants, out);
-            }
+    let inner = rows.inner(pixels);
+    let blocks = weights.paired.iter().take(channels / BLOCK);
+    for (block, weights) in blocks.enumerate() {
+        let constants = [Constants::new(scale, block)];
+        let at = block * BLOCK;
+        let out = out.as_mut_ptr().wrapping_add(at);
+        let store = |sums: [__m128i; 2], x: usize| {
+            // SAFETY: `pixels` pixels have outputs of all channels.
+            unsafe { requantization.store::<true, 1>(&[sums], &constants, out.add(x * channels)) };
+        };
+        for x in (0..inner.start).chain(inner.end..pixels) {
+            let taps = rows.tap_starts(x);
+            // SAFETY: every tap has all channels.
+            store(unsafe { depthwise8(weights, |k| taps[k].add(at)) }, x);
+        }
+        let mut lines = rows.lines(inner.start);
+        for x in inner.clone() {
+            // SAFETY: as above.
+            let sums = unsafe { depthwise8(weights, |k| lines[k / 3].tap(k % 3).add(at)) };
+            store(sums, x);
+            unrolled!(k < 3 => { lines[k].advance() });
         }
     }
 }
 
-/// The sums of eight channels from `at` on.
+/// The sums of eight channels, from their nine taps.
 ///
 /// # Safety
-/// Every tap and the weights have these channels.
+/// Every tap is valid for eight bytes.
 #[target_feature(enable = "sse2")]
 #[inline]
-unsafe fn depthwise8(
-    taps: &[*const u8; 10],
-    at: usize,
-    weights: *const TapWeights,
-) -> [__m128i; 2] {
+unsafe fn depthwise8(weights: &TapWeights, tap: impl Fn(usize) -> *const u8) -> [__m128i; 2] {
     let mut sums = [_mm_setzero_si128(); 2];
-    let mut weights = weights.cast::<__m128i>();
-    for pair in taps.as_chunks::<2>().0 {
+    unrolled!(pair < 5 => {
         // SAFETY: as the caller promises.
-        let [first, second] = pair.map(|tap| unsafe { _mm_loadl_epi64(tap.add(at).cast()) });
-        for (sum, pairs) in sums
-            .iter_mut()
-            .zip(unsigned(_mm_unpacklo_epi8(first, second)))
-        {
+        let first = unsafe { _mm_loadl_epi64(tap(2 * pair).cast()) };
+        // The tenth tap is 0.
+        let second = match pair {
+            4 => _mm_setzero_si128(),
             // SAFETY: as the caller promises.
-            let of_pairs = unsafe { _mm_loadu_si128(weights) };
-            weights = weights.wrapping_add(1);
-            *sum = _mm_add_epi32(*sum, _mm_madd_epi16(pairs, of_pairs));
+            _ => unsafe { _mm_loadl_epi64(tap(2 * pair + 1).cast()) },
+        };
+        let values = unsigned(_mm_unpacklo_epi8(first, second));
+        let of_pair = weights[pair].as_ptr().cast::<__m128i>();
+        // SAFETY: a pair of taps has sixteen weights.
+        let weights = unsafe { [_mm_loadu_si128(of_pair), _mm_loadu_si128(of_pair.add(1))] };
+        for ((sum, values), weights) in sums.iter_mut().zip(values).zip(weights) {
+            *sum = _mm_add_epi32(*sum, _mm_madd_epi16(values, weights));
         }
-    }
+    });
     sums
 }
 

@@ -38,9 +38,9 @@ const SCAN_BUDGET: u32 = 10_000_000;
 const THREAD_STACK: usize = 32 << 20;
 
 /// One labelled picture.
-struct Label {
-    image: String,
-    points: Points,
+pub(super) struct Label {
+    pub image: String,
+    pub points: Points,
 }
 
 /// Runs the command.
@@ -100,7 +100,7 @@ pub fn run(args: &LandmarksArgs) -> Result<()> {
     Ok(())
 }
 
-fn read_labels(path: &Path) -> Result<Vec<Label>> {
+pub(super) fn read_labels(path: &Path) -> Result<Vec<Label>> {
     let table = Table::read(path)?;
     let image = table.column("image")?;
     let (xs, ys) = (table.columns68("x")?, table.columns68("y")?);

@@ -1,5 +1,6 @@
 //! `posewise eval`: accuracy against labelled data. `*_metrics` are the formulas, without files;
-//! `recovery`, `faceless` and `drift` make their clips in memory and show them to a tracker.
+//! `recovery`, `latency`, `faceless` and `drift` make their clips in memory and show them to a
+//! tracker.
 
 pub mod backgrounds;
 pub mod camera;
@@ -11,6 +12,7 @@ pub mod faceless;
 pub mod jitter;
 pub mod landmark_metrics;
 pub mod landmarks;
+pub mod latency;
 pub mod monitor;
 pub mod monitor_metrics;
 pub mod pose;
