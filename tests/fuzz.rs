@@ -95,9 +95,10 @@ fn forged_models() {
     assert!(accepted > 1000);
 }
 
-/// Random networks, all kernels.
+/// The kept inputs, then random networks, with all kernels.
 #[test]
 fn whole_layers() {
+    replay("kernels", targets::kernels::run);
     let mut seed = 2u32;
     let mut layers = 0;
     for round in 0..2000 {
