@@ -110,6 +110,17 @@
 #define POSEWISE_LOSS_NO_POSE        3u           // No head pose fits the landmarks
 #define POSEWISE_LOSS_EXCLUDED       4u           // Another tracker has this face
 
+#define POSEWISE_EYE_NOT_SEEN        0u           // No face, or a model without this network
+#define POSEWISE_EYE_KNOWN           1u           // The eye, or its gaze, is known
+#define POSEWISE_EYE_TURNED          2u           // The head hides the eye
+#define POSEWISE_EYE_HIDDEN          3u           // Something covers it, or it is out of frame
+#define POSEWISE_EYE_SMALL           4u           // It is too small in the picture
+#define POSEWISE_EYE_BLURRED         5u           // It moves too fast
+#define POSEWISE_EYE_GLARE           6u           // Light that is too bright, as a reflection
+#define POSEWISE_EYE_DARK_GLASSES    7u           // It is behind dark glasses
+#define POSEWISE_EYE_SHUT            8u           // Of a gaze: the eye is shut
+#define POSEWISE_EYE_UNCERTAIN       9u           // What was found is too uncertain
+
 #define POSEWISE_LENS_PINHOLE        0u           // No distortion; coefficients are 0
 #define POSEWISE_LENS_BROWN          1u           // k1, k2, p1, p2, k3 as in OpenCV
 #define POSEWISE_LENS_FISHEYE        2u           // k1, k2, k3, k4, 0: OpenCV's fisheye
@@ -239,10 +250,13 @@ typedef struct posewise_config {
     float smoothing_beta;
     // The lens of the camera; other than POSEWISE_LENS_PINHOLE only with intrinsics.
     posewise_lens lens;
+    // 1: look at the eyes of the tracked face, which fills eye_open_probability to eye_look of
+    // posewise_result. It takes more time: a network for each eye. 0: those fields stay 0.
+    uint32_t gaze;
 } posewise_config;
 // Initialises a posewise_config: struct_size is set, all other fields are 0.
 #define POSEWISE_CONFIG_INIT \
-    {sizeof(posewise_config), 0, 0, 0, {0, 0, 0, 0}, 0, 0, {0, {0, 0, 0, 0, 0}}}
+    {sizeof(posewise_config), 0, 0, 0, {0, 0, 0, 0}, 0, 0, {0, {0, 0, 0, 0, 0}}, 0}
 
 // One camera frame. The library reads it only during the call.
 typedef struct posewise_frame {
@@ -313,11 +327,42 @@ typedef struct posewise_result {
     float rotation_sigma_deg[3];
     // Standard deviations of translation_mm [mm], estimated likewise. At most 100000.
     float translation_sigma_mm[3];
+    // Calibrated probability that the person's left and right eye is open, 0..1, by a network
+    // that sees one eye at a time; -1 where eye_unknown has another reason than
+    // POSEWISE_EYE_UNCERTAIN. This and all below is 0 unless state is POSEWISE_TRACKING and
+    // posewise_config has gaze, and with a model without that network.
+    float eye_open_probability[2];
+    // POSEWISE_EYE_*: why the lids of the left and right eye are unknown, or
+    // POSEWISE_EYE_KNOWN. With POSEWISE_EYE_UNCERTAIN there is a probability.
+    uint32_t eye_unknown[2];
+    // Middle of the iris [px of the upright image]: x, y; that of the landmarks of the eye where
+    // its gaze is unknown.
+    float iris_left[2];
+    float iris_right[2];
+    // POSEWISE_EYE_*: why the gaze of the left eye, the right eye and both together is unknown, or
+    // POSEWISE_EYE_KNOWN. The numbers below are 0 where it is unknown.
+    uint32_t gaze_unknown[3];
+    // Standard deviations of these gazes along each axis across them [deg].
+    float gaze_sigma_deg[3];
+    // Unit directions in which the left eye, the right eye and both together look, camera frame.
+    float gaze_left[3];
+    float gaze_right[3];
+    float gaze[3];
+    // That of both in the head frame: (0, 0, -1) is straight ahead.
+    float gaze_head[3];
+    // Probability that the person wears glasses, 0..1; -1 where neither eye is seen.
+    float glasses;
+    // Probability that these are dark, 0..1; -1 where neither eye is seen.
+    float dark_glasses;
+    // ARKit's weights of the gaze, 0..1: eyeLookUpLeft, UpRight, DownLeft, DownRight, InLeft,
+    // InRight, OutLeft, OutRight; 0 where it is unknown.
+    float eye_look[8];
 } posewise_result;
 // Initialises a posewise_result: struct_size is set, all other fields are 0.
 #define POSEWISE_RESULT_INIT \
     {sizeof(posewise_result), 0, 0, 0, 0, 0, {0, 0, 0, 0}, {0, 0, 0, 0}, 0, 0, 0, {0, 0, 0}, \
-     {0, 0}, 0, 0, {0, 0, 0}, {0, 0, 0}}
+     {0, 0}, 0, 0, {0, 0, 0}, {0, 0, 0}, {0, 0}, {0, 0}, {0, 0}, {0, 0}, {0, 0, 0}, {0, 0, 0}, \
+     {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, 0, 0, {0, 0, 0, 0, 0, 0, 0, 0}}
 
 // Where a face is expected, for posewise_step_at(): found by another detector, or by a tracker of
 // another camera.

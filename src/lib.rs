@@ -119,8 +119,9 @@ pub use monitor::{
 pub use posewise_format::{Aligned, ModelError};
 pub use shape::{ANIMATION_NAMES, ANIMATIONS, Distortion, Intrinsics, LANDMARKS};
 pub use track::{
-    Config, ConfigError, Detected, EVENTS, Event, EventKind, EventLog, FaceHint, FoundFace,
-    Landmark, Loss, MAX_EXCLUDED, Model, Smoothing,
+    Config, ConfigError, Detected, EVENTS, EYE_LOOK_NAMES, EYE_LOOKS, Event, EventKind, EventLog,
+    Eye, EyeUnknown, Eyes, FaceHint, FoundFace, Gaze, Landmark, Loss, MAX_EXCLUDED, Model,
+    Smoothing,
 };
 pub use track::{State, StepError, TrackResult, Tracker};
 

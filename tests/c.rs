@@ -87,13 +87,15 @@ fn layouts_agree() {
     layout!(posewise_roi: x y width height);
     layout!(posewise_lens: model coefficients);
     layout!(posewise_config: struct_size flags min_face_px scan_budget intrinsics
-        smoothing_hz smoothing_beta lens);
+        smoothing_hz smoothing_beta lens gaze);
     layout!(posewise_frame: struct_size format timestamp_us width height stride rotation_deg flags
         reserved data_len data);
     layout!(posewise_hint: struct_size face_box yaw_deg roll_deg);
     layout!(posewise_result: struct_size state timestamp_us age_us landmark_count confidence
         face_box rotation yaw_deg pitch_deg roll_deg translation_mm eye_open
-        loss visible_share rotation_sigma_deg translation_sigma_mm);
+        loss visible_share rotation_sigma_deg translation_sigma_mm
+        eye_open_probability eye_unknown iris_left iris_right gaze_unknown gaze_sigma_deg gaze_left
+        gaze_right gaze gaze_head glasses dark_glasses eye_look);
     layout!(posewise_face: face_box yaw_deg roll_deg confidence);
     layout!(posewise_landmark: x y confidence visibility x_mm y_mm z_mm);
     layout!(posewise_event: timestamp_us kind loss face_box confidence reserved);

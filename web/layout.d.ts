@@ -160,6 +160,12 @@ export namespace CONFIG {
             export { at_13 as at };
             export { LENS as struct };
         }
+        namespace gaze {
+            let at_14: number;
+            export { at_14 as at };
+            let type_12: string;
+            export { type_12 as type };
+        }
     }
     export { fields_2 as fields };
 }
@@ -168,72 +174,72 @@ export namespace FRAME {
     export { size_3 as size };
     export namespace fields_3 {
         export namespace structSize_1 {
-            let at_14: number;
-            export { at_14 as at };
-            let type_12: string;
-            export { type_12 as type };
-        }
-        export { structSize_1 as structSize };
-        export namespace format {
             let at_15: number;
             export { at_15 as at };
             let type_13: string;
             export { type_13 as type };
         }
-        export namespace timestampUs {
+        export { structSize_1 as structSize };
+        export namespace format {
             let at_16: number;
             export { at_16 as at };
             let type_14: string;
             export { type_14 as type };
         }
-        export namespace width {
+        export namespace timestampUs {
             let at_17: number;
             export { at_17 as at };
             let type_15: string;
             export { type_15 as type };
         }
-        export namespace height {
+        export namespace width {
             let at_18: number;
             export { at_18 as at };
             let type_16: string;
             export { type_16 as type };
         }
-        export namespace stride {
+        export namespace height {
             let at_19: number;
             export { at_19 as at };
             let type_17: string;
             export { type_17 as type };
         }
-        export namespace rotationDeg {
+        export namespace stride {
             let at_20: number;
             export { at_20 as at };
             let type_18: string;
             export { type_18 as type };
         }
-        export namespace flags_1 {
+        export namespace rotationDeg {
             let at_21: number;
             export { at_21 as at };
             let type_19: string;
             export { type_19 as type };
         }
-        export { flags_1 as flags };
-        export namespace reserved {
+        export namespace flags_1 {
             let at_22: number;
             export { at_22 as at };
             let type_20: string;
             export { type_20 as type };
         }
-        export namespace dataLen {
+        export { flags_1 as flags };
+        export namespace reserved {
             let at_23: number;
             export { at_23 as at };
             let type_21: string;
             export { type_21 as type };
         }
-        export namespace data {
+        export namespace dataLen {
             let at_24: number;
             export { at_24 as at };
             let type_22: string;
             export { type_22 as type };
+        }
+        export namespace data {
+            let at_25: number;
+            export { at_25 as at };
+            let type_23: string;
+            export { type_23 as type };
         }
     }
     export { fields_3 as fields };
@@ -243,122 +249,223 @@ export namespace RESULT {
     export { size_4 as size };
     export namespace fields_4 {
         export namespace structSize_2 {
-            let at_25: number;
-            export { at_25 as at };
-            let type_23: string;
-            export { type_23 as type };
-        }
-        export { structSize_2 as structSize };
-        export namespace state {
             let at_26: number;
             export { at_26 as at };
             let type_24: string;
             export { type_24 as type };
-            export { STATES as names };
         }
-        export namespace timestampUs_1 {
+        export { structSize_2 as structSize };
+        export namespace state {
             let at_27: number;
             export { at_27 as at };
             let type_25: string;
             export { type_25 as type };
+            export { STATES as names };
         }
-        export { timestampUs_1 as timestampUs };
-        export namespace ageUs {
+        export namespace timestampUs_1 {
             let at_28: number;
             export { at_28 as at };
             let type_26: string;
             export { type_26 as type };
         }
-        export namespace landmarkCount {
+        export { timestampUs_1 as timestampUs };
+        export namespace ageUs {
             let at_29: number;
             export { at_29 as at };
             let type_27: string;
             export { type_27 as type };
         }
-        export namespace confidence {
+        export namespace landmarkCount {
             let at_30: number;
             export { at_30 as at };
             let type_28: string;
             export { type_28 as type };
         }
-        export namespace faceBox {
+        export namespace confidence {
             let at_31: number;
             export { at_31 as at };
             let type_29: string;
             export { type_29 as type };
-            let count_1: number;
-            export { count_1 as count };
         }
-        export namespace rotation {
+        export namespace faceBox {
             let at_32: number;
             export { at_32 as at };
             let type_30: string;
             export { type_30 as type };
-            let count_2: number;
-            export { count_2 as count };
+            let count_1: number;
+            export { count_1 as count };
         }
-        export namespace yawDeg {
+        export namespace rotation {
             let at_33: number;
             export { at_33 as at };
             let type_31: string;
             export { type_31 as type };
+            let count_2: number;
+            export { count_2 as count };
         }
-        export namespace pitchDeg {
+        export namespace yawDeg {
             let at_34: number;
             export { at_34 as at };
             let type_32: string;
             export { type_32 as type };
         }
-        export namespace rollDeg {
+        export namespace pitchDeg {
             let at_35: number;
             export { at_35 as at };
             let type_33: string;
             export { type_33 as type };
         }
-        export namespace translationMm {
+        export namespace rollDeg {
             let at_36: number;
             export { at_36 as at };
             let type_34: string;
             export { type_34 as type };
-            let count_3: number;
-            export { count_3 as count };
         }
-        export namespace eyeOpen {
+        export namespace translationMm {
             let at_37: number;
             export { at_37 as at };
             let type_35: string;
             export { type_35 as type };
-            let count_4: number;
-            export { count_4 as count };
+            let count_3: number;
+            export { count_3 as count };
         }
-        export namespace loss {
+        export namespace eyeOpen {
             let at_38: number;
             export { at_38 as at };
             let type_36: string;
             export { type_36 as type };
-            export { LOSSES as names };
+            let count_4: number;
+            export { count_4 as count };
         }
-        export namespace visibleShare {
+        export namespace loss {
             let at_39: number;
             export { at_39 as at };
             let type_37: string;
             export { type_37 as type };
+            export { LOSSES as names };
         }
-        export namespace rotationSigmaDeg {
+        export namespace visibleShare {
             let at_40: number;
             export { at_40 as at };
             let type_38: string;
             export { type_38 as type };
-            let count_5: number;
-            export { count_5 as count };
         }
-        export namespace translationSigmaMm {
+        export namespace rotationSigmaDeg {
             let at_41: number;
             export { at_41 as at };
             let type_39: string;
             export { type_39 as type };
+            let count_5: number;
+            export { count_5 as count };
+        }
+        export namespace translationSigmaMm {
+            let at_42: number;
+            export { at_42 as at };
+            let type_40: string;
+            export { type_40 as type };
             let count_6: number;
             export { count_6 as count };
+        }
+        export namespace eyeOpenProbability {
+            let at_43: number;
+            export { at_43 as at };
+            let type_41: string;
+            export { type_41 as type };
+            let count_7: number;
+            export { count_7 as count };
+        }
+        export namespace eyeUnknown {
+            let at_44: number;
+            export { at_44 as at };
+            let type_42: string;
+            export { type_42 as type };
+            let count_8: number;
+            export { count_8 as count };
+        }
+        export namespace irisLeft {
+            let at_45: number;
+            export { at_45 as at };
+            let type_43: string;
+            export { type_43 as type };
+            let count_9: number;
+            export { count_9 as count };
+        }
+        export namespace irisRight {
+            let at_46: number;
+            export { at_46 as at };
+            let type_44: string;
+            export { type_44 as type };
+            let count_10: number;
+            export { count_10 as count };
+        }
+        export namespace gazeUnknown {
+            let at_47: number;
+            export { at_47 as at };
+            let type_45: string;
+            export { type_45 as type };
+            let count_11: number;
+            export { count_11 as count };
+        }
+        export namespace gazeSigmaDeg {
+            let at_48: number;
+            export { at_48 as at };
+            let type_46: string;
+            export { type_46 as type };
+            let count_12: number;
+            export { count_12 as count };
+        }
+        export namespace gazeLeft {
+            let at_49: number;
+            export { at_49 as at };
+            let type_47: string;
+            export { type_47 as type };
+            let count_13: number;
+            export { count_13 as count };
+        }
+        export namespace gazeRight {
+            let at_50: number;
+            export { at_50 as at };
+            let type_48: string;
+            export { type_48 as type };
+            let count_14: number;
+            export { count_14 as count };
+        }
+        export namespace gaze_1 {
+            let at_51: number;
+            export { at_51 as at };
+            let type_49: string;
+            export { type_49 as type };
+            let count_15: number;
+            export { count_15 as count };
+        }
+        export { gaze_1 as gaze };
+        export namespace gazeHead {
+            let at_52: number;
+            export { at_52 as at };
+            let type_50: string;
+            export { type_50 as type };
+            let count_16: number;
+            export { count_16 as count };
+        }
+        export namespace glasses {
+            let at_53: number;
+            export { at_53 as at };
+            let type_51: string;
+            export { type_51 as type };
+        }
+        export namespace darkGlasses {
+            let at_54: number;
+            export { at_54 as at };
+            let type_52: string;
+            export { type_52 as type };
+        }
+        export namespace eyeLook {
+            let at_55: number;
+            export { at_55 as at };
+            let type_53: string;
+            export { type_53 as type };
+            let count_17: number;
+            export { count_17 as count };
         }
     }
     export { fields_4 as fields };
@@ -368,33 +475,33 @@ export namespace HINT {
     export { size_5 as size };
     export namespace fields_5 {
         export namespace structSize_3 {
-            let at_42: number;
-            export { at_42 as at };
-            let type_40: string;
-            export { type_40 as type };
+            let at_56: number;
+            export { at_56 as at };
+            let type_54: string;
+            export { type_54 as type };
         }
         export { structSize_3 as structSize };
         export namespace faceBox_1 {
-            let at_43: number;
-            export { at_43 as at };
-            let type_41: string;
-            export { type_41 as type };
-            let count_7: number;
-            export { count_7 as count };
+            let at_57: number;
+            export { at_57 as at };
+            let type_55: string;
+            export { type_55 as type };
+            let count_18: number;
+            export { count_18 as count };
         }
         export { faceBox_1 as faceBox };
         export namespace yawDeg_1 {
-            let at_44: number;
-            export { at_44 as at };
-            let type_42: string;
-            export { type_42 as type };
+            let at_58: number;
+            export { at_58 as at };
+            let type_56: string;
+            export { type_56 as type };
         }
         export { yawDeg_1 as yawDeg };
         export namespace rollDeg_1 {
-            let at_45: number;
-            export { at_45 as at };
-            let type_43: string;
-            export { type_43 as type };
+            let at_59: number;
+            export { at_59 as at };
+            let type_57: string;
+            export { type_57 as type };
         }
         export { rollDeg_1 as rollDeg };
     }
@@ -405,33 +512,33 @@ export namespace FACE {
     export { size_6 as size };
     export namespace fields_6 {
         export namespace faceBox_2 {
-            let at_46: number;
-            export { at_46 as at };
-            let type_44: string;
-            export { type_44 as type };
-            let count_8: number;
-            export { count_8 as count };
+            let at_60: number;
+            export { at_60 as at };
+            let type_58: string;
+            export { type_58 as type };
+            let count_19: number;
+            export { count_19 as count };
         }
         export { faceBox_2 as faceBox };
         export namespace yawDeg_2 {
-            let at_47: number;
-            export { at_47 as at };
-            let type_45: string;
-            export { type_45 as type };
+            let at_61: number;
+            export { at_61 as at };
+            let type_59: string;
+            export { type_59 as type };
         }
         export { yawDeg_2 as yawDeg };
         export namespace rollDeg_2 {
-            let at_48: number;
-            export { at_48 as at };
-            let type_46: string;
-            export { type_46 as type };
+            let at_62: number;
+            export { at_62 as at };
+            let type_60: string;
+            export { type_60 as type };
         }
         export { rollDeg_2 as rollDeg };
         export namespace confidence_1 {
-            let at_49: number;
-            export { at_49 as at };
-            let type_47: string;
-            export { type_47 as type };
+            let at_63: number;
+            export { at_63 as at };
+            let type_61: string;
+            export { type_61 as type };
         }
         export { confidence_1 as confidence };
     }
@@ -442,47 +549,47 @@ export namespace LANDMARK {
     export { size_7 as size };
     export namespace fields_7 {
         export namespace x {
-            let at_50: number;
-            export { at_50 as at };
-            let type_48: string;
-            export { type_48 as type };
+            let at_64: number;
+            export { at_64 as at };
+            let type_62: string;
+            export { type_62 as type };
         }
         export namespace y {
-            let at_51: number;
-            export { at_51 as at };
-            let type_49: string;
-            export { type_49 as type };
+            let at_65: number;
+            export { at_65 as at };
+            let type_63: string;
+            export { type_63 as type };
         }
         export namespace confidence_2 {
-            let at_52: number;
-            export { at_52 as at };
-            let type_50: string;
-            export { type_50 as type };
+            let at_66: number;
+            export { at_66 as at };
+            let type_64: string;
+            export { type_64 as type };
         }
         export { confidence_2 as confidence };
         export namespace visibility {
-            let at_53: number;
-            export { at_53 as at };
-            let type_51: string;
-            export { type_51 as type };
+            let at_67: number;
+            export { at_67 as at };
+            let type_65: string;
+            export { type_65 as type };
         }
         export namespace xMm {
-            let at_54: number;
-            export { at_54 as at };
-            let type_52: string;
-            export { type_52 as type };
+            let at_68: number;
+            export { at_68 as at };
+            let type_66: string;
+            export { type_66 as type };
         }
         export namespace yMm {
-            let at_55: number;
-            export { at_55 as at };
-            let type_53: string;
-            export { type_53 as type };
+            let at_69: number;
+            export { at_69 as at };
+            let type_67: string;
+            export { type_67 as type };
         }
         export namespace zMm {
-            let at_56: number;
-            export { at_56 as at };
-            let type_54: string;
-            export { type_54 as type };
+            let at_70: number;
+            export { at_70 as at };
+            let type_68: string;
+            export { type_68 as type };
         }
     }
     export { fields_7 as fields };
@@ -492,48 +599,48 @@ export namespace EVENT {
     export { size_8 as size };
     export namespace fields_8 {
         export namespace timestampUs_2 {
-            let at_57: number;
-            export { at_57 as at };
-            let type_55: string;
-            export { type_55 as type };
+            let at_71: number;
+            export { at_71 as at };
+            let type_69: string;
+            export { type_69 as type };
         }
         export { timestampUs_2 as timestampUs };
         export namespace kind {
-            let at_58: number;
-            export { at_58 as at };
-            let type_56: string;
-            export { type_56 as type };
+            let at_72: number;
+            export { at_72 as at };
+            let type_70: string;
+            export { type_70 as type };
             export { EVENTS as names };
         }
         export namespace loss_1 {
-            let at_59: number;
-            export { at_59 as at };
-            let type_57: string;
-            export { type_57 as type };
+            let at_73: number;
+            export { at_73 as at };
+            let type_71: string;
+            export { type_71 as type };
             export { LOSSES as names };
         }
         export { loss_1 as loss };
         export namespace faceBox_3 {
-            let at_60: number;
-            export { at_60 as at };
-            let type_58: string;
-            export { type_58 as type };
-            let count_9: number;
-            export { count_9 as count };
+            let at_74: number;
+            export { at_74 as at };
+            let type_72: string;
+            export { type_72 as type };
+            let count_20: number;
+            export { count_20 as count };
         }
         export { faceBox_3 as faceBox };
         export namespace confidence_3 {
-            let at_61: number;
-            export { at_61 as at };
-            let type_59: string;
-            export { type_59 as type };
+            let at_75: number;
+            export { at_75 as at };
+            let type_73: string;
+            export { type_73 as type };
         }
         export { confidence_3 as confidence };
         export namespace reserved_1 {
-            let at_62: number;
-            export { at_62 as at };
-            let type_60: string;
-            export { type_60 as type };
+            let at_76: number;
+            export { at_76 as at };
+            let type_74: string;
+            export { type_74 as type };
         }
         export { reserved_1 as reserved };
     }
@@ -544,31 +651,31 @@ export namespace ROI {
     export { size_9 as size };
     export namespace fields_9 {
         export namespace x_1 {
-            let at_63: number;
-            export { at_63 as at };
-            let type_61: string;
-            export { type_61 as type };
+            let at_77: number;
+            export { at_77 as at };
+            let type_75: string;
+            export { type_75 as type };
         }
         export { x_1 as x };
         export namespace y_1 {
-            let at_64: number;
-            export { at_64 as at };
-            let type_62: string;
-            export { type_62 as type };
+            let at_78: number;
+            export { at_78 as at };
+            let type_76: string;
+            export { type_76 as type };
         }
         export { y_1 as y };
         export namespace width_1 {
-            let at_65: number;
-            export { at_65 as at };
-            let type_63: string;
-            export { type_63 as type };
+            let at_79: number;
+            export { at_79 as at };
+            let type_77: string;
+            export { type_77 as type };
         }
         export { width_1 as width };
         export namespace height_1 {
-            let at_66: number;
-            export { at_66 as at };
-            let type_64: string;
-            export { type_64 as type };
+            let at_80: number;
+            export { at_80 as at };
+            let type_78: string;
+            export { type_78 as type };
         }
         export { height_1 as height };
     }
@@ -579,210 +686,210 @@ export namespace MONITOR_CONFIG {
     export { size_10 as size };
     export namespace fields_10 {
         export namespace structSize_4 {
-            let at_67: number;
-            export { at_67 as at };
-            let type_65: string;
-            export { type_65 as type };
-        }
-        export { structSize_4 as structSize };
-        export namespace flags_2 {
-            let at_68: number;
-            export { at_68 as at };
-            let type_66: string;
-            export { type_66 as type };
-        }
-        export { flags_2 as flags };
-        export namespace preset {
-            let at_69: number;
-            export { at_69 as at };
-            let type_67: string;
-            export { type_67 as type };
-        }
-        export namespace gapUs {
-            let at_70: number;
-            export { at_70 as at };
-            let type_68: string;
-            export { type_68 as type };
-        }
-        export namespace minConfidence {
-            let at_71: number;
-            export { at_71 as at };
-            let type_69: string;
-            export { type_69 as type };
-        }
-        export namespace eyeYawDeg {
-            let at_72: number;
-            export { at_72 as at };
-            let type_70: string;
-            export { type_70 as type };
-        }
-        export namespace eyePitchDeg {
-            let at_73: number;
-            export { at_73 as at };
-            let type_71: string;
-            export { type_71 as type };
-        }
-        export namespace closedBelow {
-            let at_74: number;
-            export { at_74 as at };
-            let type_72: string;
-            export { type_72 as type };
-        }
-        export namespace openAbove {
-            let at_75: number;
-            export { at_75 as at };
-            let type_73: string;
-            export { type_73 as type };
-        }
-        export namespace blinkUs {
-            let at_76: number;
-            export { at_76 as at };
-            let type_74: string;
-            export { type_74 as type };
-        }
-        export namespace longClosureUs {
-            let at_77: number;
-            export { at_77 as at };
-            let type_75: string;
-            export { type_75 as type };
-        }
-        export namespace microsleepUs {
-            let at_78: number;
-            export { at_78 as at };
-            let type_76: string;
-            export { type_76 as type };
-        }
-        export namespace sleepUs {
-            let at_79: number;
-            export { at_79 as at };
-            let type_77: string;
-            export { type_77 as type };
-        }
-        export namespace unresponsiveUs {
-            let at_80: number;
-            export { at_80 as at };
-            let type_78: string;
-            export { type_78 as type };
-        }
-        export namespace drowsyP8060 {
             let at_81: number;
             export { at_81 as at };
             let type_79: string;
             export { type_79 as type };
         }
-        export namespace drowsyP80180 {
+        export { structSize_4 as structSize };
+        export namespace flags_2 {
             let at_82: number;
             export { at_82 as at };
             let type_80: string;
             export { type_80 as type };
         }
-        export namespace awakeShare {
+        export { flags_2 as flags };
+        export namespace preset {
             let at_83: number;
             export { at_83 as at };
             let type_81: string;
             export { type_81 as type };
         }
-        export namespace minKnown {
+        export namespace gapUs {
             let at_84: number;
             export { at_84 as at };
             let type_82: string;
             export { type_82 as type };
         }
-        export namespace yawnAbove {
+        export namespace minConfidence {
             let at_85: number;
             export { at_85 as at };
             let type_83: string;
             export { type_83 as type };
         }
-        export namespace yawnBelow {
+        export namespace eyeYawDeg {
             let at_86: number;
             export { at_86 as at };
             let type_84: string;
             export { type_84 as type };
         }
-        export namespace yawnUs {
+        export namespace eyePitchDeg {
             let at_87: number;
             export { at_87 as at };
             let type_85: string;
             export { type_85 as type };
         }
-        export namespace yawnMaxUs {
+        export namespace closedBelow {
             let at_88: number;
             export { at_88 as at };
             let type_86: string;
             export { type_86 as type };
         }
-        export namespace nodDeg {
+        export namespace openAbove {
             let at_89: number;
             export { at_89 as at };
             let type_87: string;
             export { type_87 as type };
         }
-        export namespace nodUs {
+        export namespace blinkUs {
             let at_90: number;
             export { at_90 as at };
             let type_88: string;
             export { type_88 as type };
         }
-        export namespace forwardYawDeg {
+        export namespace longClosureUs {
             let at_91: number;
             export { at_91 as at };
             let type_89: string;
             export { type_89 as type };
         }
-        export namespace forwardPitchDeg {
+        export namespace microsleepUs {
             let at_92: number;
             export { at_92 as at };
             let type_90: string;
             export { type_90 as type };
         }
-        export namespace naturalYawDeg {
+        export namespace sleepUs {
             let at_93: number;
             export { at_93 as at };
             let type_91: string;
             export { type_91 as type };
         }
-        export namespace naturalPitchDeg {
+        export namespace unresponsiveUs {
             let at_94: number;
             export { at_94 as at };
             let type_92: string;
             export { type_92 as type };
         }
-        export namespace zoneMarginDeg {
+        export namespace drowsyP8060 {
             let at_95: number;
             export { at_95 as at };
             let type_93: string;
             export { type_93 as type };
         }
-        export namespace longGlanceUs {
+        export namespace drowsyP80180 {
             let at_96: number;
             export { at_96 as at };
             let type_94: string;
             export { type_94 as type };
         }
-        export namespace cumulativeUs {
+        export namespace awakeShare {
             let at_97: number;
             export { at_97 as at };
             let type_95: string;
             export { type_95 as type };
         }
-        export namespace returnUs {
+        export namespace minKnown {
             let at_98: number;
             export { at_98 as at };
             let type_96: string;
             export { type_96 as type };
         }
-        export namespace clearUs {
+        export namespace yawnAbove {
             let at_99: number;
             export { at_99 as at };
             let type_97: string;
             export { type_97 as type };
         }
-        export namespace degradedUs {
+        export namespace yawnBelow {
             let at_100: number;
             export { at_100 as at };
             let type_98: string;
             export { type_98 as type };
+        }
+        export namespace yawnUs {
+            let at_101: number;
+            export { at_101 as at };
+            let type_99: string;
+            export { type_99 as type };
+        }
+        export namespace yawnMaxUs {
+            let at_102: number;
+            export { at_102 as at };
+            let type_100: string;
+            export { type_100 as type };
+        }
+        export namespace nodDeg {
+            let at_103: number;
+            export { at_103 as at };
+            let type_101: string;
+            export { type_101 as type };
+        }
+        export namespace nodUs {
+            let at_104: number;
+            export { at_104 as at };
+            let type_102: string;
+            export { type_102 as type };
+        }
+        export namespace forwardYawDeg {
+            let at_105: number;
+            export { at_105 as at };
+            let type_103: string;
+            export { type_103 as type };
+        }
+        export namespace forwardPitchDeg {
+            let at_106: number;
+            export { at_106 as at };
+            let type_104: string;
+            export { type_104 as type };
+        }
+        export namespace naturalYawDeg {
+            let at_107: number;
+            export { at_107 as at };
+            let type_105: string;
+            export { type_105 as type };
+        }
+        export namespace naturalPitchDeg {
+            let at_108: number;
+            export { at_108 as at };
+            let type_106: string;
+            export { type_106 as type };
+        }
+        export namespace zoneMarginDeg {
+            let at_109: number;
+            export { at_109 as at };
+            let type_107: string;
+            export { type_107 as type };
+        }
+        export namespace longGlanceUs {
+            let at_110: number;
+            export { at_110 as at };
+            let type_108: string;
+            export { type_108 as type };
+        }
+        export namespace cumulativeUs {
+            let at_111: number;
+            export { at_111 as at };
+            let type_109: string;
+            export { type_109 as type };
+        }
+        export namespace returnUs {
+            let at_112: number;
+            export { at_112 as at };
+            let type_110: string;
+            export { type_110 as type };
+        }
+        export namespace clearUs {
+            let at_113: number;
+            export { at_113 as at };
+            let type_111: string;
+            export { type_111 as type };
+        }
+        export namespace degradedUs {
+            let at_114: number;
+            export { at_114 as at };
+            let type_112: string;
+            export { type_112 as type };
         }
     }
     export { fields_10 as fields };
@@ -792,72 +899,72 @@ export namespace OBSERVATION {
     export { size_11 as size };
     export namespace fields_11 {
         export namespace structSize_5 {
-            let at_101: number;
-            export { at_101 as at };
-            let type_99: string;
-            export { type_99 as type };
+            let at_115: number;
+            export { at_115 as at };
+            let type_113: string;
+            export { type_113 as type };
         }
         export { structSize_5 as structSize };
         export namespace state_1 {
-            let at_102: number;
-            export { at_102 as at };
-            let type_100: string;
-            export { type_100 as type };
+            let at_116: number;
+            export { at_116 as at };
+            let type_114: string;
+            export { type_114 as type };
         }
         export { state_1 as state };
         export namespace confidence_4 {
-            let at_103: number;
-            export { at_103 as at };
-            let type_101: string;
-            export { type_101 as type };
+            let at_117: number;
+            export { at_117 as at };
+            let type_115: string;
+            export { type_115 as type };
         }
         export { confidence_4 as confidence };
         export namespace yawDeg_3 {
-            let at_104: number;
-            export { at_104 as at };
-            let type_102: string;
-            export { type_102 as type };
+            let at_118: number;
+            export { at_118 as at };
+            let type_116: string;
+            export { type_116 as type };
         }
         export { yawDeg_3 as yawDeg };
         export namespace pitchDeg_1 {
-            let at_105: number;
-            export { at_105 as at };
-            let type_103: string;
-            export { type_103 as type };
+            let at_119: number;
+            export { at_119 as at };
+            let type_117: string;
+            export { type_117 as type };
         }
         export { pitchDeg_1 as pitchDeg };
         export namespace translationMm_1 {
-            let at_106: number;
-            export { at_106 as at };
-            let type_104: string;
-            export { type_104 as type };
-            let count_10: number;
-            export { count_10 as count };
+            let at_120: number;
+            export { at_120 as at };
+            let type_118: string;
+            export { type_118 as type };
+            let count_21: number;
+            export { count_21 as count };
         }
         export { translationMm_1 as translationMm };
         export namespace rotationSigmaDeg_1 {
-            let at_107: number;
-            export { at_107 as at };
-            let type_105: string;
-            export { type_105 as type };
-            let count_11: number;
-            export { count_11 as count };
+            let at_121: number;
+            export { at_121 as at };
+            let type_119: string;
+            export { type_119 as type };
+            let count_22: number;
+            export { count_22 as count };
         }
         export { rotationSigmaDeg_1 as rotationSigmaDeg };
         export namespace eyeOpen_1 {
-            let at_108: number;
-            export { at_108 as at };
-            let type_106: string;
-            export { type_106 as type };
-            let count_12: number;
-            export { count_12 as count };
+            let at_122: number;
+            export { at_122 as at };
+            let type_120: string;
+            export { type_120 as type };
+            let count_23: number;
+            export { count_23 as count };
         }
         export { eyeOpen_1 as eyeOpen };
         export namespace jawOpen {
-            let at_109: number;
-            export { at_109 as at };
-            let type_107: string;
-            export { type_107 as type };
+            let at_123: number;
+            export { at_123 as at };
+            let type_121: string;
+            export { type_121 as type };
         }
     }
     export { fields_11 as fields };
@@ -867,40 +974,40 @@ export namespace PERCLOS {
     export { size_12 as size };
     export namespace fields_12 {
         namespace p70 {
-            let at_110: number;
-            export { at_110 as at };
-            let type_108: string;
-            export { type_108 as type };
+            let at_124: number;
+            export { at_124 as at };
+            let type_122: string;
+            export { type_122 as type };
         }
         namespace p80 {
-            let at_111: number;
-            export { at_111 as at };
-            let type_109: string;
-            export { type_109 as type };
+            let at_125: number;
+            export { at_125 as at };
+            let type_123: string;
+            export { type_123 as type };
         }
         namespace em {
-            let at_112: number;
-            export { at_112 as at };
-            let type_110: string;
-            export { type_110 as type };
+            let at_126: number;
+            export { at_126 as at };
+            let type_124: string;
+            export { type_124 as type };
         }
         namespace known {
-            let at_113: number;
-            export { at_113 as at };
-            let type_111: string;
-            export { type_111 as type };
+            let at_127: number;
+            export { at_127 as at };
+            let type_125: string;
+            export { type_125 as type };
         }
         namespace closures {
-            let at_114: number;
-            export { at_114 as at };
-            let type_112: string;
-            export { type_112 as type };
+            let at_128: number;
+            export { at_128 as at };
+            let type_126: string;
+            export { type_126 as type };
         }
         namespace meanClosureUs {
-            let at_115: number;
-            export { at_115 as at };
-            let type_113: string;
-            export { type_113 as type };
+            let at_129: number;
+            export { at_129 as at };
+            let type_127: string;
+            export { type_127 as type };
         }
     }
     export { fields_12 as fields };
@@ -910,162 +1017,162 @@ export namespace MONITOR_STATE {
     export { size_13 as size };
     export namespace fields_13 {
         export namespace structSize_6 {
-            let at_116: number;
-            export { at_116 as at };
-            let type_114: string;
-            export { type_114 as type };
-        }
-        export { structSize_6 as structSize };
-        export namespace eyes {
-            let at_117: number;
-            export { at_117 as at };
-            let type_115: string;
-            export { type_115 as type };
-        }
-        export namespace timestampUs_3 {
-            let at_118: number;
-            export { at_118 as at };
-            let type_116: string;
-            export { type_116 as type };
-        }
-        export { timestampUs_3 as timestampUs };
-        export namespace eyesUnknown {
-            let at_119: number;
-            export { at_119 as at };
-            let type_117: string;
-            export { type_117 as type };
-        }
-        export namespace openness {
-            let at_120: number;
-            export { at_120 as at };
-            let type_118: string;
-            export { type_118 as type };
-        }
-        export namespace closureUs {
-            let at_121: number;
-            export { at_121 as at };
-            let type_119: string;
-            export { type_119 as type };
-        }
-        export namespace blinks {
-            let at_122: number;
-            export { at_122 as at };
-            let type_120: string;
-            export { type_120 as type };
-        }
-        export namespace yawns {
-            let at_123: number;
-            export { at_123 as at };
-            let type_121: string;
-            export { type_121 as type };
-        }
-        export namespace nods {
-            let at_124: number;
-            export { at_124 as at };
-            let type_122: string;
-            export { type_122 as type };
-        }
-        export namespace mouthOpenUs {
-            let at_125: number;
-            export { at_125 as at };
-            let type_123: string;
-            export { type_123 as type };
-        }
-        export namespace zone {
-            let at_126: number;
-            export { at_126 as at };
-            let type_124: string;
-            export { type_124 as type };
-        }
-        export namespace zoneUs {
-            let at_127: number;
-            export { at_127 as at };
-            let type_125: string;
-            export { type_125 as type };
-        }
-        export namespace awayUs {
-            let at_128: number;
-            export { at_128 as at };
-            let type_126: string;
-            export { type_126 as type };
-        }
-        export namespace away30Us {
-            let at_129: number;
-            export { at_129 as at };
-            let type_127: string;
-            export { type_127 as type };
-        }
-        export namespace naturalIsFinal {
             let at_130: number;
             export { at_130 as at };
             let type_128: string;
             export { type_128 as type };
         }
-        export namespace fromRoadDeg {
+        export { structSize_6 as structSize };
+        export namespace eyes {
             let at_131: number;
             export { at_131 as at };
             let type_129: string;
             export { type_129 as type };
-            let count_13: number;
-            export { count_13 as count };
         }
-        export namespace naturalDeg {
+        export namespace timestampUs_3 {
             let at_132: number;
             export { at_132 as at };
             let type_130: string;
             export { type_130 as type };
-            let count_14: number;
-            export { count_14 as count };
         }
-        export namespace openEye {
+        export { timestampUs_3 as timestampUs };
+        export namespace eyesUnknown {
             let at_133: number;
             export { at_133 as at };
             let type_131: string;
             export { type_131 as type };
-            let count_15: number;
-            export { count_15 as count };
         }
-        export namespace openEyeIsFinal {
+        export namespace openness {
             let at_134: number;
             export { at_134 as at };
             let type_132: string;
             export { type_132 as type };
         }
-        export namespace drowsiness {
+        export namespace closureUs {
             let at_135: number;
             export { at_135 as at };
             let type_133: string;
             export { type_133 as type };
         }
-        export namespace degraded {
+        export namespace blinks {
             let at_136: number;
             export { at_136 as at };
             let type_134: string;
             export { type_134 as type };
         }
-        export namespace reserved_2 {
+        export namespace yawns {
             let at_137: number;
             export { at_137 as at };
             let type_135: string;
             export { type_135 as type };
         }
-        export { reserved_2 as reserved };
-        export namespace zonesUs {
+        export namespace nods {
             let at_138: number;
             export { at_138 as at };
             let type_136: string;
             export { type_136 as type };
-            let count_16: number;
-            export { count_16 as count };
         }
-        export namespace perclos60 {
+        export namespace mouthOpenUs {
             let at_139: number;
             export { at_139 as at };
+            let type_137: string;
+            export { type_137 as type };
+        }
+        export namespace zone {
+            let at_140: number;
+            export { at_140 as at };
+            let type_138: string;
+            export { type_138 as type };
+        }
+        export namespace zoneUs {
+            let at_141: number;
+            export { at_141 as at };
+            let type_139: string;
+            export { type_139 as type };
+        }
+        export namespace awayUs {
+            let at_142: number;
+            export { at_142 as at };
+            let type_140: string;
+            export { type_140 as type };
+        }
+        export namespace away30Us {
+            let at_143: number;
+            export { at_143 as at };
+            let type_141: string;
+            export { type_141 as type };
+        }
+        export namespace naturalIsFinal {
+            let at_144: number;
+            export { at_144 as at };
+            let type_142: string;
+            export { type_142 as type };
+        }
+        export namespace fromRoadDeg {
+            let at_145: number;
+            export { at_145 as at };
+            let type_143: string;
+            export { type_143 as type };
+            let count_24: number;
+            export { count_24 as count };
+        }
+        export namespace naturalDeg {
+            let at_146: number;
+            export { at_146 as at };
+            let type_144: string;
+            export { type_144 as type };
+            let count_25: number;
+            export { count_25 as count };
+        }
+        export namespace openEye {
+            let at_147: number;
+            export { at_147 as at };
+            let type_145: string;
+            export { type_145 as type };
+            let count_26: number;
+            export { count_26 as count };
+        }
+        export namespace openEyeIsFinal {
+            let at_148: number;
+            export { at_148 as at };
+            let type_146: string;
+            export { type_146 as type };
+        }
+        export namespace drowsiness {
+            let at_149: number;
+            export { at_149 as at };
+            let type_147: string;
+            export { type_147 as type };
+        }
+        export namespace degraded {
+            let at_150: number;
+            export { at_150 as at };
+            let type_148: string;
+            export { type_148 as type };
+        }
+        export namespace reserved_2 {
+            let at_151: number;
+            export { at_151 as at };
+            let type_149: string;
+            export { type_149 as type };
+        }
+        export { reserved_2 as reserved };
+        export namespace zonesUs {
+            let at_152: number;
+            export { at_152 as at };
+            let type_150: string;
+            export { type_150 as type };
+            let count_27: number;
+            export { count_27 as count };
+        }
+        export namespace perclos60 {
+            let at_153: number;
+            export { at_153 as at };
             export { PERCLOS as struct };
         }
         export namespace perclos180 {
-            let at_140: number;
-            export { at_140 as at };
+            let at_154: number;
+            export { at_154 as at };
             export { PERCLOS as struct };
         }
     }
@@ -1076,56 +1183,56 @@ export namespace MONITOR_EVENT {
     export { size_14 as size };
     export namespace fields_14 {
         export namespace timestampUs_4 {
-            let at_141: number;
-            export { at_141 as at };
-            let type_137: string;
-            export { type_137 as type };
+            let at_155: number;
+            export { at_155 as at };
+            let type_151: string;
+            export { type_151 as type };
         }
         export { timestampUs_4 as timestampUs };
         export namespace startUs {
-            let at_142: number;
-            export { at_142 as at };
-            let type_138: string;
-            export { type_138 as type };
+            let at_156: number;
+            export { at_156 as at };
+            let type_152: string;
+            export { type_152 as type };
         }
         export namespace durationUs {
-            let at_143: number;
-            export { at_143 as at };
-            let type_139: string;
-            export { type_139 as type };
+            let at_157: number;
+            export { at_157 as at };
+            let type_153: string;
+            export { type_153 as type };
         }
         export namespace kind_1 {
-            let at_144: number;
-            export { at_144 as at };
-            let type_140: string;
-            export { type_140 as type };
+            let at_158: number;
+            export { at_158 as at };
+            let type_154: string;
+            export { type_154 as type };
         }
         export { kind_1 as kind };
         export namespace zone_1 {
-            let at_145: number;
-            export { at_145 as at };
-            let type_141: string;
-            export { type_141 as type };
+            let at_159: number;
+            export { at_159 as at };
+            let type_155: string;
+            export { type_155 as type };
         }
         export { zone_1 as zone };
         export namespace flags_3 {
-            let at_146: number;
-            export { at_146 as at };
-            let type_142: string;
-            export { type_142 as type };
+            let at_160: number;
+            export { at_160 as at };
+            let type_156: string;
+            export { type_156 as type };
         }
         export { flags_3 as flags };
         export namespace value {
-            let at_147: number;
-            export { at_147 as at };
-            let type_143: string;
-            export { type_143 as type };
+            let at_161: number;
+            export { at_161 as at };
+            let type_157: string;
+            export { type_157 as type };
         }
         export namespace reserved_3 {
-            let at_148: number;
-            export { at_148 as at };
-            let type_144: string;
-            export { type_144 as type };
+            let at_162: number;
+            export { at_162 as at };
+            let type_158: string;
+            export { type_158 as type };
         }
         export { reserved_3 as reserved };
     }
@@ -1136,32 +1243,32 @@ export namespace ZONE {
     export { size_15 as size };
     export namespace fields_15 {
         export namespace kind_2 {
-            let at_149: number;
-            export { at_149 as at };
-            let type_145: string;
-            export { type_145 as type };
+            let at_163: number;
+            export { at_163 as at };
+            let type_159: string;
+            export { type_159 as type };
         }
         export { kind_2 as kind };
         export namespace flags_4 {
-            let at_150: number;
-            export { at_150 as at };
-            let type_146: string;
-            export { type_146 as type };
+            let at_164: number;
+            export { at_164 as at };
+            let type_160: string;
+            export { type_160 as type };
         }
         export { flags_4 as flags };
         export namespace graceUs {
-            let at_151: number;
-            export { at_151 as at };
-            let type_147: string;
-            export { type_147 as type };
+            let at_165: number;
+            export { at_165 as at };
+            let type_161: string;
+            export { type_161 as type };
         }
         export namespace numbers {
-            let at_152: number;
-            export { at_152 as at };
-            let type_148: string;
-            export { type_148 as type };
-            let count_17: number;
-            export { count_17 as count };
+            let at_166: number;
+            export { at_166 as at };
+            let type_162: string;
+            export { type_162 as type };
+            let count_28: number;
+            export { count_28 as count };
         }
     }
     export { fields_15 as fields };
@@ -1252,6 +1359,12 @@ export type Config = {
      * intrinsics.
      */
     lens?: Lens | undefined;
+    /**
+     * 1: look at the eyes of the tracked face, which fills
+     * eye_open_probability to eye_look of posewise_result. It takes more time: a network for each
+     * eye. 0: those fields stay 0.
+     */
+    gaze?: number | undefined;
 };
 /**
  * The result of one frame. Every number is finite.
@@ -1339,6 +1452,75 @@ export type Result = {
      * [mm], estimated likewise. At most 100000.
      */
     translationSigmaMm: [number, number, number];
+    /**
+     * Calibrated probability that the person's left and
+     * right eye is open, 0..1, by a network that sees one eye at a time; -1 where eye_unknown has
+     * another reason than POSEWISE_EYE_UNCERTAIN. This and all below is 0 unless state is
+     * POSEWISE_TRACKING and posewise_config has gaze, and with a model without that network.
+     */
+    eyeOpenProbability: [number, number];
+    /**
+     * POSEWISE_EYE_*: why the lids of the left and right eye
+     * are unknown, or POSEWISE_EYE_KNOWN. With POSEWISE_EYE_UNCERTAIN there is a probability.
+     */
+    eyeUnknown: [number, number];
+    /**
+     * Middle of the iris [px of the upright image]: x, y; that of
+     * the landmarks of the eye where its gaze is unknown.
+     */
+    irisLeft: [number, number];
+    /**
+     * Middle of the iris [px of the upright image]: x, y; that
+     * of the landmarks of the eye where its gaze is unknown.
+     */
+    irisRight: [number, number];
+    /**
+     * POSEWISE_EYE_*: why the gaze of the left eye,
+     * the right eye and both together is unknown, or POSEWISE_EYE_KNOWN. The numbers below are 0
+     * where it is unknown.
+     */
+    gazeUnknown: [number, number, number];
+    /**
+     * Standard deviations of these gazes along each
+     * axis across them [deg].
+     */
+    gazeSigmaDeg: [number, number, number];
+    /**
+     * Unit directions in which the left eye, the right
+     * eye and both together look, camera frame.
+     */
+    gazeLeft: [number, number, number];
+    /**
+     * Unit directions in which the left eye, the right
+     * eye and both together look, camera frame.
+     */
+    gazeRight: [number, number, number];
+    /**
+     * Unit directions in which the left eye, the right eye
+     * and both together look, camera frame.
+     */
+    gaze: [number, number, number];
+    /**
+     * That of both in the head frame: (0, 0, -1) is
+     * straight ahead.
+     */
+    gazeHead: [number, number, number];
+    /**
+     * Probability that the person wears glasses, 0..1; -1 where neither eye
+     * is seen.
+     */
+    glasses: number;
+    /**
+     * Probability that these are dark, 0..1; -1 where neither eye is
+     * seen.
+     */
+    darkGlasses: number;
+    /**
+     * ARKit's
+     * weights of the gaze, 0..1: eyeLookUpLeft, UpRight, DownLeft, DownRight, InLeft, InRight,
+     * OutLeft, OutRight; 0 where it is unknown.
+     */
+    eyeLook: [number, number, number, number, number, number, number, number];
 };
 /**
  * Where a face is expected, for posewise_step_at(): found by another detector, or by a tracker of

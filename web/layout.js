@@ -151,9 +151,12 @@ export const LENS = {
  *   and 12.
  * @property {Lens} [lens] The lens of the camera; other than POSEWISE_LENS_PINHOLE only with
  *   intrinsics.
+ * @property {number} [gaze] 1: look at the eyes of the tracked face, which fills
+ *   eye_open_probability to eye_look of posewise_result. It takes more time: a network for each
+ *   eye. 0: those fields stay 0.
  */
 export const CONFIG = {
-  size: 64,
+  size: 68,
   fields: {
     structSize: { at: 0, type: 'u32' },
     flags: { at: 4, type: 'u32' },
@@ -163,6 +166,7 @@ export const CONFIG = {
     smoothingHz: { at: 32, type: 'f32' },
     smoothingBeta: { at: 36, type: 'f32' },
     lens: { at: 40, struct: LENS },
+    gaze: { at: 64, type: 'u32' },
   },
 };
 export const FRAME = {
@@ -219,9 +223,39 @@ export const FRAME = {
  *   frame and the 3D face. At most 180.
  * @property {[number, number, number]} translationSigmaMm Standard deviations of translation_mm
  *   [mm], estimated likewise. At most 100000.
+ * @property {[number, number]} eyeOpenProbability Calibrated probability that the person's left and
+ *   right eye is open, 0..1, by a network that sees one eye at a time; -1 where eye_unknown has
+ *   another reason than POSEWISE_EYE_UNCERTAIN. This and all below is 0 unless state is
+ *   POSEWISE_TRACKING and posewise_config has gaze, and with a model without that network.
+ * @property {[number, number]} eyeUnknown POSEWISE_EYE_*: why the lids of the left and right eye
+ *   are unknown, or POSEWISE_EYE_KNOWN. With POSEWISE_EYE_UNCERTAIN there is a probability.
+ * @property {[number, number]} irisLeft Middle of the iris [px of the upright image]: x, y; that of
+ *   the landmarks of the eye where its gaze is unknown.
+ * @property {[number, number]} irisRight Middle of the iris [px of the upright image]: x, y; that
+ *   of the landmarks of the eye where its gaze is unknown.
+ * @property {[number, number, number]} gazeUnknown POSEWISE_EYE_*: why the gaze of the left eye,
+ *   the right eye and both together is unknown, or POSEWISE_EYE_KNOWN. The numbers below are 0
+ *   where it is unknown.
+ * @property {[number, number, number]} gazeSigmaDeg Standard deviations of these gazes along each
+ *   axis across them [deg].
+ * @property {[number, number, number]} gazeLeft Unit directions in which the left eye, the right
+ *   eye and both together look, camera frame.
+ * @property {[number, number, number]} gazeRight Unit directions in which the left eye, the right
+ *   eye and both together look, camera frame.
+ * @property {[number, number, number]} gaze Unit directions in which the left eye, the right eye
+ *   and both together look, camera frame.
+ * @property {[number, number, number]} gazeHead That of both in the head frame: (0, 0, -1) is
+ *   straight ahead.
+ * @property {number} glasses Probability that the person wears glasses, 0..1; -1 where neither eye
+ *   is seen.
+ * @property {number} darkGlasses Probability that these are dark, 0..1; -1 where neither eye is
+ *   seen.
+ * @property {[number, number, number, number, number, number, number, number]} eyeLook ARKit's
+ *   weights of the gaze, 0..1: eyeLookUpLeft, UpRight, DownLeft, DownRight, InLeft, InRight,
+ *   OutLeft, OutRight; 0 where it is unknown.
  */
 export const RESULT = {
-  size: 128,
+  size: 272,
   fields: {
     structSize: { at: 0, type: 'u32' },
     state: { at: 4, type: 'u32', names: STATES },
@@ -240,6 +274,19 @@ export const RESULT = {
     visibleShare: { at: 100, type: 'f32' },
     rotationSigmaDeg: { at: 104, type: 'f32', count: 3 },
     translationSigmaMm: { at: 116, type: 'f32', count: 3 },
+    eyeOpenProbability: { at: 128, type: 'f32', count: 2 },
+    eyeUnknown: { at: 136, type: 'u32', count: 2 },
+    irisLeft: { at: 144, type: 'f32', count: 2 },
+    irisRight: { at: 152, type: 'f32', count: 2 },
+    gazeUnknown: { at: 160, type: 'u32', count: 3 },
+    gazeSigmaDeg: { at: 172, type: 'f32', count: 3 },
+    gazeLeft: { at: 184, type: 'f32', count: 3 },
+    gazeRight: { at: 196, type: 'f32', count: 3 },
+    gaze: { at: 208, type: 'f32', count: 3 },
+    gazeHead: { at: 220, type: 'f32', count: 3 },
+    glasses: { at: 232, type: 'f32' },
+    darkGlasses: { at: 236, type: 'f32' },
+    eyeLook: { at: 240, type: 'f32', count: 8 },
   },
 };
 

@@ -11,11 +11,23 @@ frame (x right, y down, z away from the camera), degrees. Left and right are the
 """
 
 from ._library import PosewiseError
-from ._tracker import ANIMATION_NAMES, FORMATS, Detected, Event, Face, Result, Tracker
+from ._layout import EYE_UNKNOWN
+from ._tracker import (
+    ANIMATION_NAMES,
+    EYE_LOOK_NAMES,
+    FORMATS,
+    Detected,
+    Event,
+    Face,
+    Result,
+    Tracker,
+)
 from ._video import track
 
 __all__ = [
     "ANIMATION_NAMES",
+    "EYE_LOOK_NAMES",
+    "EYE_UNKNOWN",
     "Detected",
     "Event",
     "FORMATS",

@@ -38,6 +38,18 @@ EVENTS = (
     "reset",
     "forgotten",
 )
+EYE_UNKNOWN = (
+    "not_seen",
+    "known",
+    "turned",
+    "hidden",
+    "small",
+    "blurred",
+    "glare",
+    "dark_glasses",
+    "shut",
+    "uncertain",
+)
 
 # Pixel formats by name.
 FORMATS = {
@@ -88,6 +100,7 @@ class Config(Structure):
         ("smoothing_hz", c_float),
         ("smoothing_beta", c_float),
         ("lens", Lens),
+        ("gaze", c_uint32),
     ]
 
 
@@ -126,6 +139,19 @@ class Result(Structure):
         ("visible_share", c_float),
         ("rotation_sigma_deg", c_float * 3),
         ("translation_sigma_mm", c_float * 3),
+        ("eye_open_probability", c_float * 2),
+        ("eye_unknown", c_uint32 * 2),
+        ("iris_left", c_float * 2),
+        ("iris_right", c_float * 2),
+        ("gaze_unknown", c_uint32 * 3),
+        ("gaze_sigma_deg", c_float * 3),
+        ("gaze_left", c_float * 3),
+        ("gaze_right", c_float * 3),
+        ("gaze", c_float * 3),
+        ("gaze_head", c_float * 3),
+        ("glasses", c_float),
+        ("dark_glasses", c_float),
+        ("eye_look", c_float * 8),
     ]
 
 

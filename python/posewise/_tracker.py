@@ -20,6 +20,10 @@ Pixels = npt.NDArray[Any]
 
 #: Formats by name, for ``Tracker.step(format=…)``.
 FORMATS: dict[str, int] = layout.FORMATS
+#: ARKit's weights of the gaze, in the order of Result.eye_look.
+EYE_LOOK_NAMES: tuple[str, ...] = tuple(
+    f"eyeLook{way}{side}" for way in ("Up", "Down", "In", "Out") for side in ("Left", "Right")
+)
 #: ARKit's names of the animation weights, in order.
 ANIMATION_NAMES: tuple[str, ...] = tuple(
     lib.posewise_animation_name(i).decode() for i in range(layout.ANIMATIONS)
@@ -77,6 +81,26 @@ class Result:
     rotation_sigma_deg: Floats
     #: Standard deviations of translation_mm [mm].
     translation_sigma_mm: Floats
+    #: Probability that the left and right eye is open, by a network of single eyes; -1 unknown.
+    eye_open_probability: Floats
+    #: Why the lids of the left and right eye are unknown, or "known": see EYE_UNKNOWN.
+    eye_unknown: tuple[str, ...]
+    #: (2, 2): middle of the iris of the left and right eye [px].
+    iris: Floats
+    #: Why the gaze of the left eye, the right eye and both is unknown, or "known".
+    gaze_unknown: tuple[str, ...]
+    #: Standard deviations of these gazes [deg].
+    gaze_sigma_deg: Floats
+    #: (3, 3): unit gazes of the left eye, the right eye and both, camera frame.
+    gaze: Floats
+    #: Unit gaze of both eyes, head frame.
+    gaze_head: Floats
+    #: Probability of glasses, -1 unknown.
+    glasses: float
+    #: Probability that they are dark, -1 unknown.
+    dark_glasses: float
+    #: (8,): ARKit's weights of the gaze, named by EYE_LOOK_NAMES.
+    eye_look: Floats
     #: (68, 2): x, y in the upright image [px]; zeros while searching.
     landmarks: Floats
     #: (68,): probability that the landmark is right.
@@ -134,6 +158,10 @@ def _name(names: Sequence[str], value: int) -> str:
     return names[value] if value < len(names) else str(value)
 
 
+def _names(numbers: Any) -> tuple[str, ...]:
+    return tuple(_name(layout.EYE_UNKNOWN, number) for number in numbers)
+
+
 def _numbers(array: Any) -> Floats:
     return np.array(array, dtype=np.float32)
 
@@ -152,7 +180,8 @@ class Tracker:
     """Follows one face. Several threads may share a tracker: they wait for each other.
 
     ``model`` is "default", "clean" (trained on renders only: may ship in a product), or the path of
-    a ``.posewise`` file. 0 in any other setting selects its default.
+    a ``.posewise`` file. 0 in any other setting selects its default. ``gaze`` looks at the eyes of
+    the face, which takes more time; without it they are "not_seen".
     """
 
     def __init__(
@@ -165,6 +194,7 @@ class Tracker:
         smoothing_beta: float = 0.0,
         intrinsics: Optional[Sequence[float]] = None,
         lens: Optional[tuple[str, Sequence[float]]] = None,
+        gaze: bool = False,
     ) -> None:
         config = layout.Config()
         config.struct_size = ctypes.sizeof(config)
@@ -172,6 +202,7 @@ class Tracker:
         config.scan_budget = scan_budget
         config.smoothing_hz = smoothing_hz
         config.smoothing_beta = smoothing_beta
+        config.gaze = int(gaze)
         if intrinsics is not None:
             config.intrinsics = layout.Intrinsics(*intrinsics)
         if lens is not None:
@@ -254,6 +285,16 @@ class Tracker:
             visible_share=out.visible_share,
             rotation_sigma_deg=_numbers(out.rotation_sigma_deg),
             translation_sigma_mm=_numbers(out.translation_sigma_mm),
+            eye_open_probability=_numbers(out.eye_open_probability),
+            eye_unknown=_names(out.eye_unknown),
+            iris=np.stack([_numbers(out.iris_left), _numbers(out.iris_right)]),
+            gaze_unknown=_names(out.gaze_unknown),
+            gaze_sigma_deg=_numbers(out.gaze_sigma_deg),
+            gaze=np.stack([_numbers(g) for g in (out.gaze_left, out.gaze_right, out.gaze)]),
+            gaze_head=_numbers(out.gaze_head),
+            glasses=out.glasses,
+            dark_glasses=out.dark_glasses,
+            eye_look=_numbers(out.eye_look),
             # As in posewise_landmark: x, y, confidence, visibility, x_mm, y_mm, z_mm.
             landmarks=points[:, 0:2],
             landmark_confidence=points[:, 2],

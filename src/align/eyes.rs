@@ -33,6 +33,10 @@ const SIGMA: usize = 4;
 const MOST_SINE: f32 = 0.99;
 /// Luma from which a pixel is overexposed.
 const OVEREXPOSED: u8 = 250;
+/// Least part of the head's vertical axis that is seen across the line of sight.
+const LEAST_DOWN: f32 = 1e-3;
+/// An eye is not nearer.
+const MOST_PX_PER_MM: f32 = 1e4;
 /// Range of a gaze's standard deviation \[rad\].
 const SIGMAS: (f32, f32) = (0.005, 1.5);
 
@@ -104,9 +108,13 @@ impl EyePlace {
         let head = straight.transpose() * *rotation;
         let down = head.y_axis;
         let length = libm::sqrtf(down.x * down.x + down.y * down.y);
+        let px_per_mm = camera.fx / distance_mm;
+        // Not for a NaN.
+        if !(length > LEAST_DOWN && (0.0..MOST_PX_PER_MM).contains(&px_per_mm)) {
+            return None;
+        }
         let (sin, cos) = (-down.x / length, down.y / length);
         let rolled = Mat3::from_cols(Vec3::new(cos, sin, 0.0), Vec3::new(-sin, cos, 0.0), Vec3::Z);
-        let px_per_mm = camera.fx / distance_mm;
         let n = landmarks.len().max(1) as f32;
         let sum = (landmarks.iter()).fold([0.0, 0.0], |sum, p| [sum[0] + p[0], sum[1] + p[1]]);
         let to_frame = Similarity {

@@ -5,8 +5,8 @@ use super::types::*;
 use crate::image::{Frame, FrameLayout, PixelFormat, Roi, Rotation};
 use crate::shape::{Distortion, Intrinsics, LANDMARKS};
 use crate::track::{
-    Config, ConfigError, Event, EventKind, FaceHint, FoundFace, Loss, Model, Smoothing, State,
-    StepError, TrackResult,
+    Config, ConfigError, Event, EventKind, EyeUnknown, Eyes, FaceHint, FoundFace, Loss, Model,
+    Smoothing, State, StepError, TrackResult,
 };
 use core::ffi::c_void;
 use posewise_format::ModelError;
@@ -59,9 +59,10 @@ pub(super) unsafe fn config_from(
             cutoff_hz: or_f32(given.smoothing_hz, default.smoothing.cutoff_hz),
             beta: or_f32(given.smoothing_beta, default.smoothing.beta),
         },
+        gaze: given.gaze == 1,
         ..default
     };
-    if given.flags != 0 {
+    if given.flags != 0 || given.gaze > 1 {
         return Err(POSEWISE_E_FLAGS);
     }
     config.check().map_err(config_error)?;
@@ -178,6 +179,15 @@ pub(super) fn result_to(result: &TrackResult) -> posewise_result {
         State::Tracking => (POSEWISE_TRACKING, LANDMARKS as u32),
         State::Coasting => (POSEWISE_COASTING, LANDMARKS as u32),
     };
+    let Eyes {
+        each: [left, right],
+        gaze,
+        glasses,
+        dark_glasses,
+        look,
+        ..
+    } = &result.eyes;
+    let gazes = [&left.gaze, &right.gaze, gaze];
     posewise_result {
         struct_size: 0, // write_struct() keeps the caller's
         state,
@@ -196,6 +206,34 @@ pub(super) fn result_to(result: &TrackResult) -> posewise_result {
         visible_share: result.visible_share,
         rotation_sigma_deg: result.rotation_sigma_deg,
         translation_sigma_mm: result.translation_sigma_mm,
+        eye_open_probability: [left.open, right.open],
+        eye_unknown: [left.unknown, right.unknown].map(eye_unknown_to),
+        iris_left: left.iris,
+        iris_right: right.iris,
+        gaze_unknown: gazes.map(|gaze| eye_unknown_to(gaze.unknown)),
+        gaze_sigma_deg: gazes.map(|gaze| gaze.sigma_deg),
+        gaze_left: left.gaze.camera,
+        gaze_right: right.gaze.camera,
+        gaze: gaze.camera,
+        gaze_head: gaze.head,
+        glasses: *glasses,
+        dark_glasses: *dark_glasses,
+        eye_look: *look,
+    }
+}
+
+fn eye_unknown_to(unknown: EyeUnknown) -> u32 {
+    match unknown {
+        EyeUnknown::NotSeen => POSEWISE_EYE_NOT_SEEN,
+        EyeUnknown::Known => POSEWISE_EYE_KNOWN,
+        EyeUnknown::Turned => POSEWISE_EYE_TURNED,
+        EyeUnknown::Hidden => POSEWISE_EYE_HIDDEN,
+        EyeUnknown::Small => POSEWISE_EYE_SMALL,
+        EyeUnknown::Blurred => POSEWISE_EYE_BLURRED,
+        EyeUnknown::Glare => POSEWISE_EYE_GLARE,
+        EyeUnknown::DarkGlasses => POSEWISE_EYE_DARK_GLASSES,
+        EyeUnknown::Shut => POSEWISE_EYE_SHUT,
+        EyeUnknown::Uncertain => POSEWISE_EYE_UNCERTAIN,
     }
 }
 

@@ -21,8 +21,8 @@ pub(super) unsafe trait Growing: Copy {
 
 // SAFETY: `repr(C)` and free of padding (asserted in types.rs), plain numbers and pointers only.
 unsafe impl Growing for posewise_config {
-    // 40: before `lens`.
-    const EARLIER_SIZES: &'static [usize] = &[40];
+    // 40: before `lens`; 64: before `gaze`.
+    const EARLIER_SIZES: &'static [usize] = &[40, 64];
 }
 // SAFETY: as above.
 unsafe impl Growing for posewise_frame {
@@ -34,7 +34,8 @@ unsafe impl Growing for posewise_hint {
 }
 // SAFETY: as above.
 unsafe impl Growing for posewise_result {
-    const EARLIER_SIZES: &'static [usize] = &[];
+    // Before `eye_open_probability`.
+    const EARLIER_SIZES: &'static [usize] = &[128];
 }
 
 // SAFETY: as above.
@@ -187,14 +188,14 @@ mod tests {
 
     #[test]
     fn short_structs_are_extended_with_zeros() {
-        let old = later(64, 7);
+        let old = later(68, 7);
         // SAFETY: a live struct.
         let read = unsafe { read_struct(&old) }.unwrap();
         assert_eq!((read.config.min_face_px, read.more), (50, 0));
-        // SAFETY: a live struct, of which only the first 64 bytes may be written.
-        let mut out = later(64, 9);
-        unsafe { write_struct(&mut out, 64, &later(72, 1)) };
-        assert_eq!((out.config.struct_size, out.more), (64, 9));
+        // SAFETY: a live struct, of which only the first 68 bytes may be written.
+        let mut out = later(68, 9);
+        unsafe { write_struct(&mut out, 68, &later(76, 1)) };
+        assert_eq!((out.config.struct_size, out.more), (68, 9));
     }
 
     #[test]
@@ -215,7 +216,7 @@ mod tests {
 
     #[test]
     fn sizes_that_no_header_had_are_rejected() {
-        for size in [0, 4, 40, 63, 65, 68, 71, 73, 128, 4096, 4097, u32::MAX] {
+        for size in [0, 4, 40, 64, 67, 69, 72, 75, 77, 128, 4096, 4097, u32::MAX] {
             // SAFETY: nothing beyond `struct_size` is read.
             assert!(unsafe { read_struct(&later(size, 0)) }.is_err(), "{size}");
         }

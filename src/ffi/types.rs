@@ -146,6 +146,27 @@ pub const POSEWISE_LOSS_NO_POSE: u32 = 3;
 /// Another tracker has this face.
 pub const POSEWISE_LOSS_EXCLUDED: u32 = 4;
 
+/// No face, or a model without this network.
+pub const POSEWISE_EYE_NOT_SEEN: u32 = 0;
+/// The eye, or its gaze, is known.
+pub const POSEWISE_EYE_KNOWN: u32 = 1;
+/// The head hides the eye.
+pub const POSEWISE_EYE_TURNED: u32 = 2;
+/// Something covers it, or it is out of frame.
+pub const POSEWISE_EYE_HIDDEN: u32 = 3;
+/// It is too small in the picture.
+pub const POSEWISE_EYE_SMALL: u32 = 4;
+/// It moves too fast.
+pub const POSEWISE_EYE_BLURRED: u32 = 5;
+/// Light that is too bright, as a reflection.
+pub const POSEWISE_EYE_GLARE: u32 = 6;
+/// It is behind dark glasses.
+pub const POSEWISE_EYE_DARK_GLASSES: u32 = 7;
+/// Of a gaze: the eye is shut.
+pub const POSEWISE_EYE_SHUT: u32 = 8;
+/// What was found is too uncertain.
+pub const POSEWISE_EYE_UNCERTAIN: u32 = 9;
+
 /// No distortion; coefficients are 0.
 pub const POSEWISE_LENS_PINHOLE: u32 = 0;
 /// k1, k2, p1, p2, k3 as in OpenCV.
@@ -238,6 +259,9 @@ pub struct posewise_config {
     pub smoothing_beta: f32,
     /// The lens of the camera; other than POSEWISE_LENS_PINHOLE only with intrinsics.
     pub lens: posewise_lens,
+    /// 1: look at the eyes of the tracked face, which fills eye_open_probability to eye_look of
+    /// posewise_result. It takes more time: a network for each eye. 0: those fields stay 0.
+    pub gaze: u32,
 }
 
 /// One camera frame. The library reads it only during the call.
@@ -327,6 +351,36 @@ pub struct posewise_result {
     pub rotation_sigma_deg: [f32; 3],
     /// Standard deviations of translation_mm \[mm\], estimated likewise. At most 100000.
     pub translation_sigma_mm: [f32; 3],
+    /// Calibrated probability that the person's left and right eye is open, 0..1, by a network
+    /// that sees one eye at a time; -1 where eye_unknown has another reason than
+    /// POSEWISE_EYE_UNCERTAIN. This and all below is 0 unless state is POSEWISE_TRACKING and
+    /// posewise_config has gaze, and with a model without that network.
+    pub eye_open_probability: [f32; 2],
+    /// POSEWISE_EYE_*: why the lids of the left and right eye are unknown, or
+    /// POSEWISE_EYE_KNOWN. With POSEWISE_EYE_UNCERTAIN there is a probability.
+    pub eye_unknown: [u32; 2],
+    /// Middle of the iris \[px of the upright image\]: x, y; that of the landmarks of the eye where
+    /// its gaze is unknown.
+    pub iris_left: [f32; 2],
+    pub iris_right: [f32; 2],
+    /// POSEWISE_EYE_*: why the gaze of the left eye, the right eye and both together is unknown, or
+    /// POSEWISE_EYE_KNOWN. The numbers below are 0 where it is unknown.
+    pub gaze_unknown: [u32; 3],
+    /// Standard deviations of these gazes along each axis across them \[deg\].
+    pub gaze_sigma_deg: [f32; 3],
+    /// Unit directions in which the left eye, the right eye and both together look, camera frame.
+    pub gaze_left: [f32; 3],
+    pub gaze_right: [f32; 3],
+    pub gaze: [f32; 3],
+    /// That of both in the head frame: (0, 0, -1) is straight ahead.
+    pub gaze_head: [f32; 3],
+    /// Probability that the person wears glasses, 0..1; -1 where neither eye is seen.
+    pub glasses: f32,
+    /// Probability that these are dark, 0..1; -1 where neither eye is seen.
+    pub dark_glasses: f32,
+    /// ARKit's weights of the gaze, 0..1: eyeLookUpLeft, UpRight, DownLeft, DownRight, InLeft,
+    /// InRight, OutLeft, OutRight; 0 where it is unknown.
+    pub eye_look: [f32; 8],
 }
 
 /// One landmark. This struct never grows, so the layout of arrays stays the same.
@@ -413,7 +467,7 @@ assert_no_padding!(posewise_roi: x: u32, y: u32, width: u32, height: u32);
 assert_no_padding!(posewise_lens: model: u32, coefficients: [f32; 5]);
 assert_no_padding!(posewise_config: struct_size: u32, flags: u32, min_face_px: u32,
     scan_budget: u32, intrinsics: posewise_intrinsics, smoothing_hz: f32, smoothing_beta: f32,
-    lens: posewise_lens);
+    lens: posewise_lens, gaze: u32);
 assert_no_padding!(posewise_frame: struct_size: u32, format: u32, timestamp_us: i64, width: u32,
     height: u32, stride: u32, rotation_deg: u32, flags: u32, reserved: u32, data_len: usize,
     data: *const u8);
@@ -422,7 +476,11 @@ assert_no_padding!(posewise_hint: struct_size: u32, face_box: [f32; 4], yaw_deg:
 assert_no_padding!(posewise_result: struct_size: u32, state: u32, timestamp_us: i64, age_us: i64,
     landmark_count: u32, confidence: f32, face_box: [f32; 4], rotation: [f32; 4], yaw_deg: f32,
     pitch_deg: f32, roll_deg: f32, translation_mm: [f32; 3], eye_open: [f32; 2],
-    loss: u32, visible_share: f32, rotation_sigma_deg: [f32; 3], translation_sigma_mm: [f32; 3]);
+    loss: u32, visible_share: f32, rotation_sigma_deg: [f32; 3], translation_sigma_mm: [f32; 3],
+    eye_open_probability: [f32; 2], eye_unknown: [u32; 2], iris_left: [f32; 2],
+    iris_right: [f32; 2], gaze_unknown: [u32; 3], gaze_sigma_deg: [f32; 3], gaze_left: [f32; 3],
+    gaze_right: [f32; 3], gaze: [f32; 3], gaze_head: [f32; 3], glasses: f32, dark_glasses: f32,
+    eye_look: [f32; 8]);
 assert_no_padding!(posewise_face: face_box: [f32; 4], yaw_deg: f32, roll_deg: f32,
     confidence: f32);
 assert_no_padding!(posewise_landmark: x: f32, y: f32, confidence: f32, visibility: f32,

@@ -41,7 +41,7 @@ mod zone;
 pub use config::{MonitorConfig, MonitorConfigError};
 pub use driver::{Monitor, MonitorTimeError};
 pub use event::{MONITOR_EVENTS, MonitorEvent, MonitorEventKind, MonitorEventLog};
-pub use observation::Observation;
+pub use observation::{Observation, fused_openness};
 pub use preset::Preset;
 pub use state::{Drowsiness, EyeState, MonitorState, Perclos, Unknown};
 pub use zone::{MAX_ZONES, Zone, ZoneShape, ZoneState};

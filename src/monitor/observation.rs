@@ -1,6 +1,6 @@
 //! What a monitor sees of one frame.
 
-use crate::track::{State, TrackResult};
+use crate::track::{Eye, EyeUnknown, State, TrackResult};
 
 /// One frame as a monitor sees it: a subset of [`TrackResult`]. A number that is not finite is
 /// unknown.
@@ -53,8 +53,32 @@ const MOUTH: core::ops::Range<usize> = 48..68;
 /// hides more than half of them.
 const MOUTH_VISIBILITY: f32 = 0.5;
 
+/// Openness of an eye that is open for sure, at least, and of one that is shut for sure, at most:
+/// outside of the thresholds of a closure.
+const OPEN_AT_LEAST: f32 = 0.5;
+const SHUT_AT_MOST: f32 = 0.1;
+
+/// Openness of an eye by its lids and by the network that sees it: lids that look down or are badly
+/// placed do not shut an eye that is open for sure, and the other way round. In between the lids
+/// say it. Behind dark glasses and reflections it is unknown, −1.
+pub fn fused_openness(lids: f32, eye: &Eye) -> f32 {
+    match eye.unknown {
+        EyeUnknown::DarkGlasses | EyeUnknown::Glare => -1.0,
+        EyeUnknown::Known | EyeUnknown::Uncertain if lids >= 0.0 => {
+            // −1 shut for sure, 1 open for sure.
+            let sure = 2.0 * eye.open - 1.0;
+            match sure >= 0.0 {
+                true => lids.max(sure * OPEN_AT_LEAST),
+                false => lids.min(1.0 + sure * (1.0 - SHUT_AT_MOST)),
+            }
+        }
+        _ => lids,
+    }
+}
+
 impl From<&TrackResult> for Observation {
     fn from(result: &TrackResult) -> Self {
+        let ([left, right], [left_eye, right_eye]) = (&result.eye_open, &result.eyes.each);
         let mouth = result.landmarks.get(MOUTH).unwrap_or_default();
         let visibility: f32 = mouth.iter().map(|landmark| landmark.visibility).sum();
         let is_visible = visibility >= MOUTH_VISIBILITY * MOUTH.len() as f32;
@@ -66,7 +90,10 @@ impl From<&TrackResult> for Observation {
             pitch_deg: result.pitch_deg,
             translation_mm: result.translation_mm,
             rotation_sigma_deg: result.rotation_sigma_deg,
-            eye_open: result.eye_open,
+            eye_open: [
+                fused_openness(*left, left_eye),
+                fused_openness(*right, right_eye),
+            ],
             jaw_open: jaw_open.copied().unwrap_or(-1.0),
         }
     }
@@ -79,6 +106,24 @@ mod tests {
     #[test]
     fn the_jaw_is_where_the_names_say() {
         assert_eq!(crate::shape::ANIMATION_NAMES[JAW_OPEN], "jawOpen");
+    }
+
+    #[test]
+    fn lids_and_network_are_fused() {
+        let eye = |unknown, open| Eye {
+            unknown,
+            open,
+            ..Eye::EMPTY
+        };
+        assert_eq!(fused_openness(0.4, &eye(EyeUnknown::NotSeen, 0.0)), 0.4);
+        assert_eq!(
+            fused_openness(0.1, &eye(EyeUnknown::DarkGlasses, -1.0)),
+            -1.0
+        );
+        assert_eq!(fused_openness(0.1, &eye(EyeUnknown::Known, 1.0)), 0.5);
+        assert_eq!(fused_openness(0.4, &eye(EyeUnknown::Uncertain, 0.5)), 0.4);
+        assert!(fused_openness(0.6, &eye(EyeUnknown::Known, 0.0)) < 0.11);
+        assert_eq!(fused_openness(-1.0, &eye(EyeUnknown::Known, 1.0)), -1.0);
     }
 
     #[test]

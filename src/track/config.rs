@@ -40,6 +40,10 @@ pub struct Config {
     /// A face that is tracked may leave it. It must lie in every frame. `None` for the whole
     /// frame. Default: `None`.
     pub roi: Option<Roi>,
+    /// Looks at the eyes of the tracked face: [`crate::TrackResult::eyes`]. It takes a network of
+    /// its own for each eye. Default: false; the eyes are then unknown, and a step is as if there
+    /// were no such network.
+    pub gaze: bool,
 }
 
 impl Default for Config {
@@ -50,6 +54,7 @@ impl Default for Config {
             scan_budget: 3600,
             smoothing: Smoothing::default(),
             roi: None,
+            gaze: false,
         }
     }
 }
@@ -90,6 +95,11 @@ impl Config {
             roi: roi.into(),
             ..self
         }
+    }
+
+    /// With another [`Config::gaze`].
+    pub fn with_gaze(self, gaze: bool) -> Self {
+        Config { gaze, ..self }
     }
 
     /// Whether every setting is in range.

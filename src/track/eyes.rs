@@ -6,6 +6,7 @@ use super::policy::{
     EYE_DARK, EYE_LOOK_RAD, EYE_MAX_BLUR, EYE_MAX_GLARE, EYE_MIN_FACING_Z, EYE_MIN_PX_PER_MM,
     EYE_MIN_VISIBILITY, EYE_UNSURE, GAZE_MAX_SIGMA_DEG, GAZE_MIN_OPEN, GAZE_SHARED,
 };
+use super::step::Step;
 use super::{State, Tracker};
 use crate::align::{EyeModel, EyePlace, SeenEye};
 use crate::image::Frame;
@@ -25,19 +26,26 @@ struct Look<'a> {
 }
 
 impl Tracker {
-    /// Looks at the eyes of the face that the last step tracked on this frame; nothing is seen in
-    /// another state.
-    #[inline(never)]
-    pub fn eyes(&mut self, model: &EyeModel<'_>, frame: &Frame<'_>) -> Eyes {
-        let mut eyes = Eyes::EMPTY;
-        if self.result.state != State::Tracking || !model.is_present() {
-            return eyes;
+    /// Looks at the eyes of the face that this step tracks, if the settings say so; in another
+    /// state, and with a model without the network, they are unknown.
+    pub(super) fn look(&mut self, step: &Step<'_>) {
+        if self.config.gaze {
+            self.look_at_eyes(step);
         }
-        let default = Intrinsics::of_frame(frame.width(), frame.height());
+    }
+
+    #[inline(never)]
+    fn look_at_eyes(&mut self, step: &Step<'_>) {
+        let mut eyes = Eyes::EMPTY;
+        let model = &step.model.eyes;
+        if self.result.state != State::Tracking || !model.is_present() {
+            self.result.eyes = eyes;
+            return;
+        }
         let look = Look {
             model,
-            frame,
-            camera: self.config.intrinsics.unwrap_or(default),
+            frame: step.frame,
+            camera: step.camera(&self.config),
             rotation: rotation_from_quaternion(self.result.rotation),
         };
         let mut glasses = [0.0f32; 3];
@@ -53,7 +61,7 @@ impl Tracker {
         };
         eyes.gaze = both(&eyes.each, &look.rotation);
         eyes.look = looks(&eyes.each);
-        eyes
+        self.result.eyes = eyes;
     }
 
     /// Looks at the eye whose first landmark is given, and adds what it says of glasses.
@@ -110,6 +118,12 @@ impl Tracker {
             false => eye_of(&seen),
         }
     }
+}
+
+/// Angles of a gaze in the head frame to the subject's left and down \[rad\].
+fn angles(gaze: Vec3) -> [f32; 2] {
+    let across = libm::sqrtf(gaze.x * gaze.x + gaze.z * gaze.z);
+    [libm::atan2f(gaze.x, -gaze.z), libm::atan2f(gaze.y, across)]
 }
 
 fn middle(points: &[[f32; 2]; 6]) -> [f32; 2] {
@@ -185,12 +199,9 @@ fn both(eyes: &[Eye; 2], rotation: &Mat3) -> Gaze {
 /// ARKit's weights of the gazes.
 fn looks(eyes: &[Eye; 2]) -> [f32; EYE_LOOKS] {
     // Angles to the subject's left and down.
-    let [left, right] = eyes.each_ref().map(|eye| {
-        let [x, y, z] = eye.gaze.head;
-        match eye.gaze.unknown {
-            EyeUnknown::Known => [libm::atan2f(x, -z), libm::atan2f(y, -z)],
-            _ => [0.0; 2],
-        }
+    let [left, right] = eyes.each_ref().map(|eye| match eye.gaze.unknown {
+        EyeUnknown::Known => angles(Vec3::from(eye.gaze.head)),
+        _ => [0.0; 2],
     });
     let weight = |angle: f32| (angle / EYE_LOOK_RAD).clamp(0.0, 1.0);
     [

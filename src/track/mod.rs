@@ -25,7 +25,6 @@ mod error;
 mod event;
 mod excluded;
 mod eye;
-#[cfg(feature = "unstable-internals")]
 mod eyes;
 mod geometry;
 mod hint;

@@ -1,6 +1,6 @@
 //! All of a model's sections, opened and checked once.
 
-use crate::align::{AlignModel, EnsembleMember, Refiners, RotationRegression};
+use crate::align::{AlignModel, EnsembleMember, EyeModel, Refiners, RotationRegression};
 use crate::detect::{self, DetectorModel};
 use crate::shape::{FACE_TAG, FaceModel};
 use crate::verifier::Verifier;
@@ -18,6 +18,8 @@ pub struct Model<'m> {
     pub(crate) verifier: Verifier<'m>,
     /// The head's rotation by what the cascade sees.
     pub(crate) rotation: RotationRegression<'m>,
+    /// The network of single eyes.
+    pub(crate) eyes: EyeModel<'m>,
     /// The 3D face.
     pub(crate) face: FaceModel<'m>,
 }
@@ -37,6 +39,7 @@ impl<'m> Model<'m> {
             verifier: Verifier::open(&blob, align.features(), align.signed_views())?,
             rotation: RotationRegression::open(&blob, align.features(), align.signed_views())?,
             align,
+            eyes: EyeModel::open(&blob)?,
             face: FaceModel::open(blob.section(&FACE_TAG)?)?,
         })
     }
@@ -58,6 +61,11 @@ impl<'m> Model<'m> {
     /// The cascade.
     pub fn align(&self) -> &AlignModel<'m> {
         &self.align
+    }
+
+    /// The network of single eyes.
+    pub fn eyes(&self) -> &EyeModel<'m> {
+        &self.eyes
     }
 
     /// Face and landmark probabilities.

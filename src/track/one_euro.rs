@@ -52,6 +52,7 @@ impl Smoother {
                 self.result.timestamp_us = raw.timestamp_us;
                 self.result.age_us = raw.age_us;
                 self.result.loss = raw.loss;
+                self.result.eyes = raw.eyes;
             }
             State::Tracking => {
                 let elapsed_us = raw.timestamp_us.saturating_sub(self.fitted_us);

@@ -45,6 +45,8 @@ pub(super) fn write(to: &mut TrackResult, now_us: i64, fitted: &Fitted<'_>) {
         landmarks,
         points_mm,
         animation,
+        // By what is seen in the picture: see `eyes`.
+        eyes: _,
     } = to;
     *state = State::Tracking;
     (*timestamp_us, *age_us) = (now_us, 0);

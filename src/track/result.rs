@@ -1,5 +1,6 @@
 //! The result of a step.
 
+use super::eye::Eyes;
 use crate::shape::{ANIMATIONS, LANDMARKS};
 
 /// What the tracker is doing. Complete: a program must handle each of them.
@@ -104,6 +105,8 @@ pub struct TrackResult {
     pub points_mm: [[f32; 3]; LANDMARKS],
     /// Weights of [`crate::ANIMATION_NAMES`], 0..1.
     pub animation: [f32; ANIMATIONS],
+    /// Lids, glasses and gaze by the network of single eyes.
+    pub eyes: Eyes,
 }
 
 impl TrackResult {
@@ -127,6 +130,7 @@ impl TrackResult {
         landmarks: [Landmark::EMPTY; LANDMARKS],
         points_mm: [[0.0; 3]; LANDMARKS],
         animation: [0.0; ANIMATIONS],
+        eyes: Eyes::EMPTY,
     };
 }
 

@@ -73,6 +73,7 @@ impl Tracker {
                 beta: 0.0,
             },
             roi: None,
+            gaze: false,
         },
         result: TrackResult::EMPTY,
         smoother: Smoother::EMPTY,
@@ -162,6 +163,7 @@ impl Tracker {
             now_us: timestamp_us,
         };
         self.advance(step, hint);
+        self.look(step);
         self.smoother.follow(&self.result, &self.config.smoothing);
         Ok(&self.result)
     }
@@ -190,6 +192,7 @@ impl Tracker {
         if !outcome.is_accept() {
             self.clear_result(timestamp_us);
         }
+        self.look(step);
         self.smoother.follow(&self.result, &self.config.smoothing);
         Ok(&self.result)
     }

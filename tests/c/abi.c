@@ -19,7 +19,7 @@ SIZE(posewise_lens, 24);
 FIELD(posewise_lens, model, 0);
 FIELD(posewise_lens, coefficients, 4);
 
-SIZE(posewise_config, 64);
+SIZE(posewise_config, 68);
 FIELD(posewise_config, struct_size, 0);
 FIELD(posewise_config, flags, 4);
 FIELD(posewise_config, min_face_px, 8);
@@ -28,6 +28,7 @@ FIELD(posewise_config, intrinsics, 16);
 FIELD(posewise_config, smoothing_hz, 32);
 FIELD(posewise_config, smoothing_beta, 36);
 FIELD(posewise_config, lens, 40);
+FIELD(posewise_config, gaze, 64);
 
 SIZE(posewise_frame, 40 + sizeof(size_t) + sizeof(void *));
 FIELD(posewise_frame, struct_size, 0);
@@ -42,7 +43,7 @@ FIELD(posewise_frame, reserved, 36);
 FIELD(posewise_frame, data_len, 40);
 FIELD(posewise_frame, data, 40 + sizeof(size_t));
 
-SIZE(posewise_result, 128);
+SIZE(posewise_result, 272);
 FIELD(posewise_result, struct_size, 0);
 FIELD(posewise_result, state, 4);
 FIELD(posewise_result, timestamp_us, 8);
@@ -60,6 +61,19 @@ FIELD(posewise_result, loss, 96);
 FIELD(posewise_result, visible_share, 100);
 FIELD(posewise_result, rotation_sigma_deg, 104);
 FIELD(posewise_result, translation_sigma_mm, 116);
+FIELD(posewise_result, eye_open_probability, 128);
+FIELD(posewise_result, eye_unknown, 136);
+FIELD(posewise_result, iris_left, 144);
+FIELD(posewise_result, iris_right, 152);
+FIELD(posewise_result, gaze_unknown, 160);
+FIELD(posewise_result, gaze_sigma_deg, 172);
+FIELD(posewise_result, gaze_left, 184);
+FIELD(posewise_result, gaze_right, 196);
+FIELD(posewise_result, gaze, 208);
+FIELD(posewise_result, gaze_head, 220);
+FIELD(posewise_result, glasses, 232);
+FIELD(posewise_result, dark_glasses, 236);
+FIELD(posewise_result, eye_look, 240);
 
 SIZE(posewise_face, 28);
 SIZE(posewise_landmark, 28);

@@ -148,6 +148,7 @@ static void test_config(void) {
     c = zero, c.struct_size = sizeof c + 8, config_rejected(&c);
     config_rejected((const posewise_config *)(const void *)((const char *)pair + 2));
     c = zero, c.flags = 1, config_rejected(&c);
+    c = zero, c.gaze = 2, config_rejected(&c);
     c = zero, c.min_face_px = 23, config_rejected(&c);
     c = zero, c.min_face_px = 4097, config_rejected(&c);
     c = zero, c.scan_budget = 99, config_rejected(&c);
@@ -532,12 +533,13 @@ static void size_refused(posewise_tracker *t, uint32_t size) {
     posewise_result r = POSEWISE_RESULT_INIT;
     void *start = any.start;
     memcpy(start, &size, sizeof size);
-    /* 40: the first header's. */
-    if (size != sizeof(posewise_config) && size != 40) {
+    /* 40 and 64: those of the first headers. */
+    if (size != sizeof(posewise_config) && size != 40 && size != 64) {
         CHECK_STATUS(posewise_config_default(start), POSEWISE_E_ARG);
         CHECK(posewise_memory_size(start) == 0);
     }
-    if (size != sizeof(posewise_result)) {
+    /* 128: the first header's. */
+    if (size != sizeof(posewise_result) && size != 128) {
         CHECK_STATUS(posewise_step(t, &f, start), POSEWISE_E_ARG);
         CHECK_STATUS(posewise_smoothed(t, start), POSEWISE_E_ARG);
     }
@@ -836,6 +838,20 @@ static void test_first_config(void) {
     guarded_free(memory);
 }
 
+/* A result of the first header: what follows it in memory is not written. */
+static void test_first_result(void) {
+    guarded memory = tracker_memory(0);
+    posewise_tracker *t = init(memory, NULL);
+    const posewise_frame f = clip_frame(&frames, 0);
+    posewise_result r;
+    memset(&r, 0xFF, sizeof r);
+    r.struct_size = 128;
+    CHECK_STATUS(posewise_step(t, &f, &r), POSEWISE_OK);
+    CHECK(r.struct_size == 128 && r.timestamp_us == f.timestamp_us);
+    CHECK(filled((const uint8_t *)&r + 128, sizeof r - 128, 0xFF));
+    guarded_free(memory);
+}
+
 /* With twice the focal length, the same image means twice the distance. */
 static void test_zoom(void) {
     guarded memory = tracker_memory(0);
@@ -1002,6 +1018,7 @@ int main(int argc, char **argv) {
     test_intrinsics();
     test_lens();
     test_first_config();
+    test_first_result();
     test_zoom();
     test_events();
     test_forget_person();

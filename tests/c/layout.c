@@ -29,6 +29,7 @@ int main(void) {
     FIELD(posewise_config, smoothing_hz);
     FIELD(posewise_config, smoothing_beta);
     FIELD(posewise_config, lens);
+    FIELD(posewise_config, gaze);
     SIZE(posewise_frame);
     FIELD(posewise_frame, struct_size);
     FIELD(posewise_frame, format);
@@ -64,6 +65,19 @@ int main(void) {
     FIELD(posewise_result, visible_share);
     FIELD(posewise_result, rotation_sigma_deg);
     FIELD(posewise_result, translation_sigma_mm);
+    FIELD(posewise_result, eye_open_probability);
+    FIELD(posewise_result, eye_unknown);
+    FIELD(posewise_result, iris_left);
+    FIELD(posewise_result, iris_right);
+    FIELD(posewise_result, gaze_unknown);
+    FIELD(posewise_result, gaze_sigma_deg);
+    FIELD(posewise_result, gaze_left);
+    FIELD(posewise_result, gaze_right);
+    FIELD(posewise_result, gaze);
+    FIELD(posewise_result, gaze_head);
+    FIELD(posewise_result, glasses);
+    FIELD(posewise_result, dark_glasses);
+    FIELD(posewise_result, eye_look);
     SIZE(posewise_face);
     FIELD(posewise_face, face_box);
     FIELD(posewise_face, yaw_deg);

@@ -16,6 +16,18 @@ function openFaceAngles({ state, rotation }) {
   return [Math.atan2(-z[1], z[2]), Math.asin(sine), Math.atan2(-y[0], x[0])];
 }
 
+/** POSEWISE_EYE_* as words. */
+const EYE_UNKNOWN = ['not-seen', 'known', 'turned', 'hidden', 'small', 'blurred', 'glare',
+  'dark-glasses', 'shut', 'uncertain'];
+
+/**
+ * OpenFace's angles of the gaze of both eyes [rad].
+ * @param {import('../layout.js').Result} result
+ */
+function gazeAngles({ gaze: [x, y, z] }) {
+  return z < 0 ? [Math.atan2(x, -z), Math.atan2(y, -z)] : [0, 0];
+}
+
 /**
  * Columns by groups: names, decimals, values.
  * @type {[string[], number, (t: Tracked) => ArrayLike<number | string>][]}
@@ -43,6 +55,21 @@ const GROUPS = [
   [['visible_share'], 3, ({ result: r }) => [r.visibleShare]],
   [['R_sigma_x', 'R_sigma_y', 'R_sigma_z'], 3, ({ result: r }) => r.rotationSigmaDeg],
   [['T_sigma_x', 'T_sigma_y', 'T_sigma_z'], 2, ({ result: r }) => r.translationSigmaMm],
+  [['gaze_0_x', 'gaze_0_y', 'gaze_0_z'], 4, ({ result: r }) => r.gazeRight],
+  [['gaze_1_x', 'gaze_1_y', 'gaze_1_z'], 4, ({ result: r }) => r.gazeLeft],
+  [['gaze_angle_x', 'gaze_angle_y'], 4, ({ result: r }) => gazeAngles(r)],
+  [['gaze_head_x', 'gaze_head_y', 'gaze_head_z'], 4, ({ result: r }) => r.gazeHead],
+  [['gaze_sigma_deg'], 2, ({ result: r }) => [r.gazeSigmaDeg[2]]],
+  [['gaze_unknown'], 0, ({ result: r }) => [EYE_UNKNOWN[r.gazeUnknown[2]]]],
+  [['eye_open_p_left', 'eye_open_p_right'], 3, ({ result: r }) => r.eyeOpenProbability],
+  [['eye_unknown_left', 'eye_unknown_right'], 0,
+    ({ result: r }) => r.eyeUnknown.map((number) => EYE_UNKNOWN[number])],
+  [['iris_left_x', 'iris_left_y', 'iris_right_x', 'iris_right_y'], 3,
+    ({ result: r }) => [...r.irisLeft, ...r.irisRight]],
+  [['glasses'], 3, ({ result: r }) => [r.glasses]],
+  [['dark_glasses'], 3, ({ result: r }) => [r.darkGlasses]],
+  [['eyeLookUpLeft', 'eyeLookUpRight', 'eyeLookDownLeft', 'eyeLookDownRight', 'eyeLookInLeft',
+    'eyeLookInRight', 'eyeLookOutLeft', 'eyeLookOutRight'], 3, ({ result: r }) => r.eyeLook],
 ];
 
 /** @param {string} name */

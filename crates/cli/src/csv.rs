@@ -10,7 +10,7 @@ use std::io::Write;
 use anyhow::{Context, Result, anyhow};
 use glam::{Mat3, Quat};
 use posewise::shape::{ANIMATION_NAMES, LANDMARKS};
-use posewise::track::{State, TrackResult};
+use posewise::track::{EYE_LOOK_NAMES, Eye, Eyes, Gaze, State, TrackResult};
 
 /// What one row is made of.
 #[derive(Clone, Copy)]
@@ -31,6 +31,8 @@ pub enum Names {
     PerLandmark(&'static str),
     /// ARKit's blendshape names.
     Animations,
+    /// Several columns.
+    List(&'static [&'static str]),
 }
 
 /// One value of a row.
@@ -85,6 +87,20 @@ const fn per_landmark(
 ) -> Column {
     Column {
         names: Names::PerLandmark(name),
+        unit,
+        meaning,
+        value,
+    }
+}
+
+const fn list(
+    names: &'static [&'static str],
+    unit: &'static str,
+    meaning: &'static str,
+    value: fn(&Row<'_>, usize) -> Cell,
+) -> Column {
+    Column {
+        names: Names::List(names),
         unit,
         meaning,
         value,
@@ -301,7 +317,102 @@ pub const COLUMNS: &[Column] = &[
         "standard deviation of pose_Tz",
         |r, _| num(r.result.translation_sigma_mm[2], 2),
     ),
+    list(
+        &["gaze_0_x", "gaze_0_y", "gaze_0_z"],
+        "",
+        "gaze of the image left's eye, unit vector, camera frame",
+        |r, i| num(right_eye(r).gaze.camera[i], 4),
+    ),
+    list(
+        &["gaze_1_x", "gaze_1_y", "gaze_1_z"],
+        "",
+        "gaze of the image right's eye, likewise",
+        |r, i| num(left_eye(r).gaze.camera[i], 4),
+    ),
+    list(
+        &["gaze_angle_x", "gaze_angle_y"],
+        "rad",
+        "gaze of both eyes, + to the image right and down",
+        |r, i| num(gaze_angles(&r.result.eyes.gaze)[i], 4),
+    ),
+    list(
+        &["gaze_head_x", "gaze_head_y", "gaze_head_z"],
+        "",
+        "gaze of both eyes, unit vector, head frame",
+        |r, i| num(r.result.eyes.gaze.head[i], 4),
+    ),
+    one(
+        "gaze_sigma_deg",
+        "deg",
+        "standard deviation of the gaze of both eyes",
+        |r, _| num(r.result.eyes.gaze.sigma_deg, 2),
+    ),
+    one(
+        "gaze_unknown",
+        "word",
+        "`known`, or why the gaze of both eyes is unknown; it is 0 then",
+        |r, _| Cell::Word(r.result.eyes.gaze.unknown.name()),
+    ),
+    list(
+        &["eye_open_p_left", "eye_open_p_right"],
+        "0..1, −1",
+        "probability that the eye is open, −1 unknown",
+        |r, i| num(r.result.eyes.each[i].open, 3),
+    ),
+    list(
+        &["eye_unknown_left", "eye_unknown_right"],
+        "word",
+        "`known`, or why the lids are unknown",
+        |r, i| Cell::Word(r.result.eyes.each[i].unknown.name()),
+    ),
+    list(
+        &["iris_left_x", "iris_left_y", "iris_right_x", "iris_right_y"],
+        "px",
+        "middle of the iris; of the eye where its gaze is unknown",
+        |r, i| num(r.result.eyes.each[i / 2].iris[i % 2], 3),
+    ),
+    one(
+        "glasses",
+        "0..1, −1",
+        "probability of glasses, −1 unknown",
+        |r, _| num(r.result.eyes.glasses, 3),
+    ),
+    one(
+        "dark_glasses",
+        "0..1, −1",
+        "probability that they are dark, −1 unknown",
+        |r, _| num(r.result.eyes.dark_glasses, 3),
+    ),
+    list(
+        &EYE_LOOK_NAMES,
+        "0..1",
+        "ARKit's weights of the gaze, 0 where it is unknown",
+        |r, i| num(r.result.eyes.look[i], 3),
+    ),
 ];
+
+fn left_eye<'a>(row: &Row<'a>) -> &'a Eye {
+    let Eyes {
+        each: [left, _], ..
+    } = &row.result.eyes;
+    left
+}
+
+fn right_eye<'a>(row: &Row<'a>) -> &'a Eye {
+    let Eyes {
+        each: [_, right], ..
+    } = &row.result.eyes;
+    right
+}
+
+/// OpenFace's angles of a gaze \[rad\]; 0 where it is unknown.
+fn gaze_angles(gaze: &Gaze) -> [f32; 2] {
+    let [x, y, z] = gaze.camera;
+    match z < 0.0 {
+        true => [x.atan2(-z), y.atan2(-z)],
+        false => [0.0; 2],
+    }
+}
 
 /// The word for a state.
 pub fn state_name(state: State) -> &'static str {
@@ -336,6 +447,7 @@ pub fn names() -> Vec<String> {
             Names::One(name) => vec![name.to_string()],
             Names::PerLandmark(name) => (0..LANDMARKS).map(|i| format!("{name}_{i}")).collect(),
             Names::Animations => ANIMATION_NAMES.map(String::from).to_vec(),
+            Names::List(names) => names.iter().map(|name| name.to_string()).collect(),
         })
         .collect()
 }
@@ -347,6 +459,7 @@ pub fn cells<'a>(row: &'a Row<'_>) -> impl Iterator<Item = Cell> + 'a {
             Names::One(_) => 1,
             Names::PerLandmark(_) => LANDMARKS,
             Names::Animations => ANIMATION_NAMES.len(),
+            Names::List(names) => names.len(),
         };
         (0..count).map(move |i| (column.value)(row, i))
     })
@@ -355,6 +468,10 @@ pub fn cells<'a>(row: &'a Row<'_>) -> impl Iterator<Item = Cell> + 'a {
 /// All values of one row as they stand in the table.
 pub fn values(row: &Row<'_>) -> Vec<String> {
     cells(row).map(|cell| cell.text()).collect()
+}
+
+fn is_long(column: &Column) -> bool {
+    matches!(column.names, Names::List(names) if names.len() > 3)
 }
 
 /// Names of animation weights on one line of the documentation.
@@ -371,6 +488,13 @@ pub fn documentation() -> String {
             Names::Animations => {
                 let (first, last) = (ANIMATION_NAMES.first(), ANIMATION_NAMES.last());
                 format!("`{}` … `{}`", first.unwrap_or(&""), last.unwrap_or(&""))
+            }
+            Names::List([first, .., last]) if is_long(column) => {
+                format!("`{first}` … `{last}`")
+            }
+            Names::List(names) => {
+                let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+                names.join(", ")
             }
         };
         out += &format!("| {name} | {} | {} |\n", column.unit, column.meaning);
@@ -441,7 +565,10 @@ mod tests {
             result: &result,
         };
         assert_eq!(names().len(), values(&row).len());
-        assert_eq!(names().len(), 30 + 7 * LANDMARKS + ANIMATION_NAMES.len());
+        assert_eq!(
+            names().len(),
+            53 + 7 * LANDMARKS + ANIMATION_NAMES.len() + EYE_LOOK_NAMES.len()
+        );
     }
 
     #[test]

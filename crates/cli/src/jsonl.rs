@@ -4,6 +4,7 @@ use std::io::Write;
 
 use anyhow::{Context, Result};
 use posewise::shape::ANIMATION_NAMES;
+use posewise::track::{EYE_LOOK_NAMES, Eyes, Gaze};
 use serde_json::{Map, Value, json};
 
 use crate::csv::{Row, state_name};
@@ -53,9 +54,43 @@ pub fn object(row: &Row<'_>) -> Value {
         "visible_share": number(r.visible_share),
         "rotation_sigma_deg": numbers(&r.rotation_sigma_deg),
         "translation_sigma_mm": numbers(&r.translation_sigma_mm),
+        "eyes": eyes(&r.eyes),
         "animation": animation,
         "landmarks": landmarks,
         "points_mm": points,
+    })
+}
+
+/// What is seen of the eyes: the person's left and right one, then both together.
+fn eyes(eyes: &Eyes) -> Value {
+    let gaze = |gaze: &Gaze| {
+        json!({
+            "unknown": gaze.unknown.name(),
+            "camera": numbers(&gaze.camera),
+            "head": numbers(&gaze.head),
+            "sigma_deg": number(gaze.sigma_deg),
+        })
+    };
+    let look: Map<String, Value> = EYE_LOOK_NAMES
+        .iter()
+        .zip(eyes.look)
+        .map(|(name, weight)| (name.to_string(), number(weight)))
+        .collect();
+    let [left, right] = eyes.each.each_ref().map(|eye| {
+        json!({
+            "unknown": eye.unknown.name(),
+            "open": number(eye.open),
+            "iris": numbers(&eye.iris),
+            "gaze": gaze(&eye.gaze),
+        })
+    });
+    json!({
+        "left": left,
+        "right": right,
+        "gaze": gaze(&eyes.gaze),
+        "glasses": number(eyes.glasses),
+        "dark_glasses": number(eyes.dark_glasses),
+        "look": look,
     })
 }
 

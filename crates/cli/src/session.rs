@@ -42,6 +42,7 @@ impl<'m> Session<'m> {
             WHOLE_FRAME
         };
         config.scan_budget = args.scan_budget.unwrap_or(budget);
+        config.gaze = args.gaze;
         let smoothing = &mut config.smoothing;
         smoothing.cutoff_hz = args.smooth_cutoff.unwrap_or(smoothing.cutoff_hz);
         smoothing.beta = args.smooth_beta.unwrap_or(smoothing.beta);

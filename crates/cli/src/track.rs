@@ -9,7 +9,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use posewise::shape::Intrinsics;
 use posewise::track::{EventLog, State, TrackResult};
 
-use crate::cli::TrackArgs;
+use crate::cli::{TrackArgs, TrackerArgs};
 use crate::csv::{CsvWriter, Row};
 use crate::destination::{self, Destination, Named};
 use crate::faces::{Face, Faces};
@@ -272,7 +272,11 @@ pub fn run(args: &TrackArgs) -> Result<Option<u8>> {
     let model = file.model()?;
     let mut source = source::open(&args.input, args.frame.fps)?;
     let live = source.is_live();
-    let mut trackers = Faces::new(args.faces, &model, &args.tracker, live, args.frame.roi)?;
+    let settings = TrackerArgs {
+        gaze: args.tracker.gaze || args.monitor.is_some(),
+        ..args.tracker.clone()
+    };
+    let mut trackers = Faces::new(args.faces, &model, &settings, live, args.frame.roi)?;
     let interrupt = Interrupt::listen().context("cannot listen for signals")?;
     let mut outputs = Outputs::open(args, source.as_ref())?;
     let progress = progress_bar(source.as_ref(), args);

@@ -20,10 +20,11 @@ from ctypes import Structure, c_float, c_int64, c_size_t, c_uint32, c_void_p
 ";
 
 /// Lists of words for numbers from 0 on: name, and what its constants begin with.
-const LISTS: [(&str, &str); 3] = [
+const LISTS: [(&str, &str); 4] = [
     ("LOSSES", "LOSS_"),
     ("LENSES", "LENS_"),
     ("EVENTS", "EVENT_"),
+    ("EYE_UNKNOWN", "EYE_"),
 ];
 
 /// What the file has to hold.

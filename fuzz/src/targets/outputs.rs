@@ -90,7 +90,7 @@ impl Outputs {
                     roll_deg: 0.0,
                     translation_mm: [0.0; 3],
                     eye_open: [0.0; 2],
-                    ..r
+                    ..without_eyes(r)
                 };
                 assert_eq!(text, format!("{zero:?}"), "searching, but not zero");
                 assert!(words(&self.0[RESULT..]).all(|w| w == 0));
@@ -106,8 +106,51 @@ impl Outputs {
                 );
                 assert!(r.pitch_deg.abs() <= 90.01, "{r:?}");
                 assert!(r.eye_open.iter().all(|v| unit(v) || *v == -1.0), "{r:?}");
+                check_eyes(&r);
             }
             other => panic!("state {other}"),
+        }
+    }
+}
+
+/// The result with nothing seen of the eyes.
+fn without_eyes(r: posewise_result) -> posewise_result {
+    posewise_result {
+        eye_open_probability: [0.0; 2],
+        eye_unknown: [POSEWISE_EYE_NOT_SEEN; 2],
+        iris_left: [0.0; 2],
+        iris_right: [0.0; 2],
+        gaze_unknown: [POSEWISE_EYE_NOT_SEEN; 3],
+        gaze_sigma_deg: [0.0; 3],
+        gaze_left: [0.0; 3],
+        gaze_right: [0.0; 3],
+        gaze: [0.0; 3],
+        gaze_head: [0.0; 3],
+        glasses: 0.0,
+        dark_glasses: 0.0,
+        eye_look: [0.0; 8],
+        ..r
+    }
+}
+
+/// Checks what the header states of the eyes of a face.
+fn check_eyes(r: &posewise_result) {
+    let unit = |v: &f32| (0.0..=1.0).contains(v);
+    let or_unknown = |v: &f32| unit(v) || *v == -1.0;
+    assert!(r.eye_open_probability.iter().all(or_unknown), "{r:?}");
+    assert!(
+        or_unknown(&r.glasses) && or_unknown(&r.dark_glasses),
+        "{r:?}"
+    );
+    assert!(r.eye_look.iter().all(unit), "{r:?}");
+    let gazes = [r.gaze_left, r.gaze_right, r.gaze];
+    for ((gaze, unknown), sigma_deg) in gazes.iter().zip(r.gaze_unknown).zip(r.gaze_sigma_deg) {
+        let norm: f32 = gaze.iter().map(|v| v * v).sum();
+        match unknown {
+            POSEWISE_EYE_KNOWN => {
+                assert!((norm - 1.0).abs() < 1e-3 && sigma_deg > 0.0, "{r:?}");
+            }
+            _ => assert!(norm == 0.0 && sigma_deg == 0.0, "{r:?}"),
         }
     }
 }

@@ -6,6 +6,8 @@
 use std::fmt::Write as _;
 
 use anyhow::{Result, bail};
+use posewise::monitor::fused_openness;
+use posewise::track::{Eye, EyeUnknown};
 use posewise::{MonitorEvent, MonitorEventKind, MonitorState, Observation, State};
 use serde_json::json;
 
@@ -61,6 +63,8 @@ struct Columns {
     pose: [usize; 5],
     sigma: [usize; 3],
     eyes: [usize; 2],
+    /// What the network of single eyes says: `eye_unknown_…` and `eye_open_p_…`, in newer files.
+    network: [Option<[usize; 2]>; 2],
     jaw: usize,
     mouth: Vec<usize>,
 }
@@ -86,6 +90,10 @@ impl Columns {
                 column("R_sigma_z")?,
             ],
             eyes: [column("eye_open_left")?, column("eye_open_right")?],
+            network: ["left", "right"].map(|side| {
+                let unknown = column(&format!("eye_unknown_{side}")).ok()?;
+                Some([unknown, column(&format!("eye_open_p_{side}")).ok()?])
+            }),
             jaw: column("jawOpen")?,
             mouth: (48..68)
                 .map(|i| column(&format!("vis_{i}")))
@@ -109,7 +117,17 @@ impl Columns {
         for (to, column) in seen.rotation_sigma_deg.iter_mut().zip(self.sigma) {
             *to = number(column)?;
         }
-        seen.eye_open = [number(self.eyes[0])?, number(self.eyes[1])?];
+        let eyes = self.eyes.iter().zip(self.network);
+        for (to, (lids, network)) in seen.eye_open.iter_mut().zip(eyes) {
+            let mut eye = Eye::EMPTY;
+            if let Some([unknown, open]) = network {
+                let word = csv.text(row, unknown);
+                let reason = EyeUnknown::ALL.into_iter().find(|u| u.name() == word);
+                eye.unknown = reason.unwrap_or_default();
+                eye.open = number(open)?;
+            }
+            *to = fused_openness(number(*lids)?, &eye);
+        }
         let mut visibility = 0.0;
         for column in &self.mouth {
             visibility += number(*column)?;

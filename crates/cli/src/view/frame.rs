@@ -6,7 +6,7 @@ use std::time::Duration;
 use anyhow::{Context, Result};
 use image::codecs::jpeg::JpegEncoder;
 use posewise::shape::{ANIMATION_NAMES, Intrinsics};
-use posewise::track::TrackResult;
+use posewise::track::{EyeUnknown, Eyes, TrackResult};
 use serde_json::{Value, json};
 use tungstenite::Bytes;
 
@@ -79,6 +79,36 @@ impl Encoder {
 
 /// `Result` of `web/layout.js`.
 fn result_of(r: &TrackResult) -> Value {
+    let mut out = pose_of(r);
+    if let (Value::Object(all), Value::Object(eyes)) = (&mut out, eyes_of(&r.eyes)) {
+        all.extend(eyes);
+    }
+    out
+}
+
+fn eyes_of(eyes: &Eyes) -> Value {
+    let [left, right] = &eyes.each;
+    let gazes = [&left.gaze, &right.gaze, &eyes.gaze];
+    let number_of = |unknown| EyeUnknown::ALL.iter().position(|u| *u == unknown);
+    let unknown = [left.unknown, right.unknown].map(number_of);
+    json!({
+        "eyeOpenProbability": numbers(&[left.open, right.open]),
+        "eyeUnknown": unknown,
+        "irisLeft": numbers(&left.iris),
+        "irisRight": numbers(&right.iris),
+        "gazeUnknown": gazes.map(|gaze| number_of(gaze.unknown)),
+        "gazeSigmaDeg": numbers(&gazes.map(|gaze| gaze.sigma_deg)),
+        "gazeLeft": numbers(&left.gaze.camera),
+        "gazeRight": numbers(&right.gaze.camera),
+        "gaze": numbers(&eyes.gaze.camera),
+        "gazeHead": numbers(&eyes.gaze.head),
+        "glasses": number(eyes.glasses),
+        "darkGlasses": number(eyes.dark_glasses),
+        "eyeLook": numbers(&eyes.look),
+    })
+}
+
+fn pose_of(r: &TrackResult) -> Value {
     json!({
         "state": state_name(r.state),
         "timestampUs": r.timestamp_us,

@@ -4,7 +4,6 @@ use super::samples::{DARK, is_looking, is_open};
 use crate::render::{self, Kind, SampleSpec};
 use anyhow::{Context, Result};
 use glam::Vec3;
-use posewise::align::EyeModel;
 use posewise::image::{Frame, FrameLayout};
 use posewise::track::{Config, EyeUnknown, FaceHint, Model, State, Tracker};
 use posewise_format::AlignedBytes;
@@ -93,7 +92,7 @@ fn look(
     sample: &render::Sample,
     truth: &[render::eye_truth::EyeTruth; 2],
 ) -> Result<Row> {
-    let mut config = Config::default();
+    let mut config = Config::default().with_gaze(true);
     config.intrinsics = Some(sample.camera);
     let mut tracker = Box::new(Tracker::new(&config)?);
     let layout = FrameLayout::grey(sample.width as u32, sample.height as u32);
@@ -110,8 +109,8 @@ fn look(
     for k in 1..STEPS {
         tracker.step(model, &frame, 1 + 33_333 * k)?;
     }
-    let seen = &tracker.eyes(&EyeModel::open(model.blob())?, &frame);
     let result = tracker.result();
+    let seen = &result.eyes;
     let eyes = render::eye_cache::eyes_of(sample, truth);
     let is_known = seen.gaze.unknown == EyeUnknown::Known;
     let true_gaze = (truth[0].gaze + truth[1].gaze).normalize();

@@ -11,7 +11,7 @@ use crate::eyes::{self, EyeOptions};
 use crate::render::{Kind, eye_cache};
 use anyhow::{Context as _, Result};
 use posewise::align::EYES_TAG;
-use posewise_format::{AlignedBytes, Blob, SectionWriter, blob};
+use posewise_format::{AlignedBytes, Blob, SectionWriter};
 use std::path::PathBuf;
 
 /// Renders of other people, by which probabilities are calibrated.
@@ -92,20 +92,57 @@ pub fn add(add: &AddArgs) -> Result<()> {
     let args = &add.args;
     let store = Store::open(&args.cache)?;
     let context = Context::new(args, &store, None);
-    let section = sections::read(&(&make(&context)?, EYES_TAG))?;
+    let output = make(&context)?;
+    let section = sections::read(&(&output, EYES_TAG))?;
+    let figures: serde_json::Value = serde_json::from_slice(&output.read(FIGURES)?)?;
     let path = add.model.display();
     let bytes = std::fs::read(&add.model).with_context(|| format!("reading {path}"))?;
     let bytes = AlignedBytes::new(&bytes);
     let others = Blob::open(&bytes)?;
     let mut all: Vec<SectionWriter> = others
         .sections()
-        .filter(|(tag, _)| *tag != EYES_TAG)
+        .filter(|(tag, _)| *tag != EYES_TAG && *tag != *b"INFO")
         .map(|(tag, bytes)| SectionWriter::of_bytes(tag, bytes.to_vec()))
         .collect();
-    // The data sheet is last.
-    all.insert(all.len().saturating_sub(1), section);
-    let bytes = blob(&all);
-    std::fs::write(&args.out, &bytes)?;
-    println!("{}: {} bytes", args.out.display(), bytes.len());
+    all.push(section);
+    let sheet = others.sections().find(|(tag, _)| *tag == *b"INFO");
+    let sheet = String::from_utf8_lossy(sheet.map_or(&[], |(_, bytes)| bytes)).into_owned();
+    let before = sheet.split(HEADING).next().unwrap_or_default();
+    let before = before.trim_end_matches(['\0', '\n']);
+    let (_, before) = before.split_once('\n').unwrap_or_default();
+    let name = args.out.file_name().unwrap_or_default().display();
+    let about = about(args, &figures);
+    let sheet = format!("# Data sheet of {name}\n{before}{HEADING}{about}");
+    let size = super::pack::write(args, all, &sheet)?;
+    println!("{}: {size} bytes", args.out.display());
     Ok(())
+}
+
+/// Where the part of a data sheet begins that is about the section.
+const HEADING: &str = "\n\nEyes (section EYES):\n";
+
+/// What a data sheet says of the section.
+fn about(args: &Args, figures: &serde_json::Value) -> String {
+    let number = |value: &serde_json::Value| value.as_f64().unwrap_or(f64::NAN);
+    let (clean, photographs) = match args.clean {
+        true => (" --clean", "no photograph was used"),
+        false => ("", "four fifths of the photographs of single eyes above"),
+    };
+    format!(
+        "\
+added by `cargo run --release -p posewise-train -- add-eyes{clean} --seed {seed}
+--eye-renders {renders} --eye-steps {steps}`. Trained on {renders} rendered faces of that head with
+procedural eyes; {photographs}.
+On {CALIBRATION} renders of other heads, which also set its twenty numbers of calibration:
+gaze of both eyes within 30 degrees of yaw {gaze:.1} degrees; areas under the ROC of lids {lids:.3},
+glasses {glasses:.3}, dark glasses {dark:.3}.
+",
+        seed = args.seed,
+        renders = args.eye_renders,
+        steps = args.eye_steps,
+        gaze = number(&figures["both_deg"]),
+        lids = number(&figures["auc"][0]),
+        glasses = number(&figures["auc"][1]),
+        dark = number(&figures["auc"][2]),
+    )
 }

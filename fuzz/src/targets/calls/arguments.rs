@@ -28,13 +28,13 @@ pub(super) fn stated(input: &mut Input<'_>, own: u32) -> u32 {
     match input.u8() {
         0..192 => own,
         192..208 => own + 16,
-        208..224 => own - 4,
+        208..224 => own - 8,
         224..232 => 4096,
         232..240 => own + 1,
         240..248 => 0,
-        // Not the size in the first header, of which the whole struct would have to be there.
+        // Not a size in an earlier header, of which the whole struct would have to be there.
         _ => match input.u32() {
-            40 => 41,
+            40 | 64 | 128 => 41,
             size => size,
         },
     }
@@ -198,8 +198,10 @@ pub(super) fn config(input: &mut Input<'_>) -> (Exact, bool) {
         0x40 => (1.0, -1.0),
         _ => (0.0, 0.0),
     };
+    let gaze = [0, 1, 1, 2][input.u8() as usize & 3];
     let valid = struct_size == CONFIG
         && flags == 0
+        && gaze < 2
         && (min_face_px == 0 || (24..=4096).contains(&min_face_px))
         && (scan_budget == 0 || (100..=10_000_000).contains(&scan_budget))
         && camera
@@ -214,6 +216,7 @@ pub(super) fn config(input: &mut Input<'_>) -> (Exact, bool) {
         smoothing_hz,
         smoothing_beta,
         lens,
+        gaze,
     };
     (lay_out(config, struct_size), valid)
 }
