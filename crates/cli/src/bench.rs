@@ -23,6 +23,10 @@ use crate::{demo_clip, frame_sizes, output, source, stack, stages};
 
 /// Most frames of the clip that are kept in memory.
 const MAX_FRAMES: usize = 300;
+/// Trackers that share the model, each with memory of its own.
+const SHARED: [usize; 5] = [1, 2, 4, 8, 16];
+/// Frames of the clip that they track.
+const SHARED_FRAMES: usize = 30;
 /// Frames of the clip over which the stack is measured.
 const STACK_FRAMES: usize = 60;
 
@@ -39,6 +43,7 @@ pub fn run(args: &BenchArgs) -> Result<()> {
     let scenes = Scenes::of(&clip.frames);
     let steps = Steps::time(&model, || scenes.pictures())?;
     let sizes = frame_sizes::time(&model, &clip.frames, args.clutter.as_deref())?;
+    let shared = time_shared(&model, &clip.frames)?;
     let stages = stages::time(&model, &clip.frames)?;
     let peak_stack = measure_stack(&model, &clip.frames, scenes.shuffled());
     let tracking = steps.of(Some(Kind::Tracking)).quantile(0.5);
@@ -64,6 +69,7 @@ pub fn run(args: &BenchArgs) -> Result<()> {
     value["worst_over_tracking"] = json!(over_tracking(worst.map(|w| w.1)));
     value["stages"] = stages.iter().map(|s| stage(s, tracking)).collect();
     value["frame_sizes"] = sizes.into();
+    value["trackers"] = shared.into();
     value["model_bytes"] = json!(model.blob().total_len());
     value["tracker_bytes"] = json!(std::mem::size_of::<Tracker>());
     value["peak_stack_bytes"] = json!(peak_stack);
@@ -72,6 +78,19 @@ pub fn run(args: &BenchArgs) -> Result<()> {
         output::write_json(path, &value)?;
     }
     output::print(&report(&value))
+}
+
+/// Times of tracking steps of several trackers in turn on each frame, as JSON.
+fn time_shared(model: &Model<'_>, frames: &[GrayImage]) -> Result<Vec<Value>> {
+    let shown = || frames.iter().take(SHARED_FRAMES).cloned();
+    SHARED
+        .iter()
+        .map(|count| {
+            let steps = Steps::time_shared(model, *count, shown)?;
+            let tracking = steps.of(Some(Kind::Tracking)).json();
+            Ok(json!({"count": count, "tracking": tracking}))
+        })
+        .collect()
 }
 
 fn stage(stage: &Stage, tracking: Option<u64>) -> Value {
@@ -150,6 +169,7 @@ fn report(value: &Value) -> String {
     );
     report_stages(&mut out, &value["stages"]);
     report_sizes(&mut out, &value["frame_sizes"]);
+    report_shared(&mut out, &value["trackers"]);
     for (name, key, unit) in [
         ("search / track", "searching_over_tracking", "×"),
         ("model", "model_bytes", "bytes"),
@@ -198,6 +218,24 @@ fn report_sizes(out: &mut String, sizes: &Value) {
             number(&searching["p99_ns"]),
             number(&searching["max_ns"]),
             number(&row["searching_p99_over_tracking"])
+        );
+    }
+}
+
+fn report_shared(out: &mut String, rows: &Value) {
+    let _ = writeln!(
+        out,
+        "{:<18}{:>12}{:>12}",
+        "trackers [ns]", "tracking", "p99"
+    );
+    for row in rows.as_array().into_iter().flatten() {
+        let tracking = &row["tracking"];
+        let _ = writeln!(
+            out,
+            "  {:<16}{:>12}{:>12}",
+            number(&row["count"]),
+            number(&tracking["median_ns"]),
+            number(&tracking["p99_ns"])
         );
     }
 }

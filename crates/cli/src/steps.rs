@@ -69,14 +69,26 @@ impl Steps {
     where
         P: Iterator<Item = GrayImage>,
     {
+        Self::time_shared(model, 1, pictures)
+    }
+
+    /// The same for so many trackers, which take a step in turn on each picture.
+    pub fn time_shared<P>(
+        model: &Model<'_>,
+        trackers: usize,
+        pictures: impl Fn() -> P,
+    ) -> Result<Self>
+    where
+        P: Iterator<Item = GrayImage>,
+    {
         let mut timed = Steps {
             runs: 1,
-            steps: run(model, pictures())?,
+            steps: run(model, trackers, pictures())?,
         };
         let mut quiet = 0;
         while timed.runs < RUNS.0 || (quiet < QUIET_RUNS && timed.runs < RUNS.1) {
             let before = timed.worst();
-            timed.join(&run(model, pictures())?)?;
+            timed.join(&run(model, trackers, pictures())?)?;
             let cheaper = |(before, now): (Step, Step)| 100 * now.1 < 99 * before.1;
             let is_cheaper = before.zip(timed.worst()).is_some_and(cheaper);
             quiet = if is_cheaper { 0 } else { quiet + 1 };
@@ -115,19 +127,24 @@ pub fn fresh() -> Result<Box<Tracker>> {
     Ok(Box::new(tracker))
 }
 
-fn run(model: &Model<'_>, pictures: impl Iterator<Item = GrayImage>) -> Result<Vec<Step>> {
-    let mut tracker = fresh()?;
-    let mut before = State::Searching;
+fn run(
+    model: &Model<'_>,
+    trackers: usize,
+    pictures: impl Iterator<Item = GrayImage>,
+) -> Result<Vec<Step>> {
+    let mut trackers = (0..trackers).map(|_| fresh()).collect::<Result<Vec<_>>>()?;
     let mut steps = Vec::new();
     for (n, image) in pictures.enumerate() {
         let picture = Picture::from_grey(image);
         let frame = picture.frame()?;
-        let start = Instant::now();
-        let result = tracker.step(model, &frame, n as i64 * STEP_US);
-        let ns = start.elapsed().as_nanos() as u64;
-        let after = result.map_err(|e| anyhow!("{e}"))?.state;
-        steps.push((Kind::of(before, after), ns));
-        before = after;
+        for tracker in &mut trackers {
+            let before = tracker.result().state;
+            let start = Instant::now();
+            let result = tracker.step(model, &frame, n as i64 * STEP_US);
+            let ns = start.elapsed().as_nanos() as u64;
+            let after = result.map_err(|e| anyhow!("{e}"))?.state;
+            steps.push((Kind::of(before, after), ns));
+        }
     }
     Ok(steps)
 }

@@ -68,6 +68,11 @@ fn bench_measures_and_names_bad_inputs() {
             "{row}"
         );
     }
+    let shared = json["trackers"].as_array().unwrap();
+    assert_eq!(shared.last().unwrap()["count"].as_u64(), Some(16));
+    for row in shared {
+        assert!(row["tracking"]["median_ns"].as_u64() > Some(0), "{row}");
+    }
     assert!(json["model_bytes"].as_u64().unwrap() >= 64);
     assert!(json["tracker_bytes"].as_u64().unwrap() > 1000);
     if cfg!(unix) {
