@@ -201,7 +201,21 @@ def test_the_gil_is_released():
     assert len(inside) > 3
 
 
+def test_the_gaze_is_given_on_request(clip):
+    plain, asked = posewise.Tracker(), posewise.Tracker(gaze=True)
+    known = 0
+    for i, frame in enumerate(clip[0][:40]):
+        without, result = (t.step(frame, i * clip[1]) for t in (plain, asked))
+        assert result_bytes(without) == result_bytes(result)
+        assert "known" not in without.gaze_unknown
+        if result.gaze_unknown[2] == "known":
+            known += 1
+            assert np.linalg.norm(result.gaze, axis=1)[2] == pytest.approx(1, abs=1e-5)
+            assert result.gaze_sigma_deg[2] > 0
+    assert known > 0
+
+
 def test_structs_are_those_of_c():
     # Sizes on machines with 64-bit pointers; the header's test has the rest.
-    sizes = {"Config": 64, "Intrinsics": 16, "Lens": 24, "Landmark": 28, "Event": 40, "Roi": 16}
+    sizes = {"Config": 68, "Intrinsics": 16, "Lens": 24, "Landmark": 28, "Event": 40, "Roi": 16}
     assert {name: ctypes.sizeof(getattr(layout, name)) for name in sizes} == sizes
