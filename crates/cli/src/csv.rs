@@ -366,10 +366,16 @@ pub const COLUMNS: &[Column] = &[
         |r, i| Cell::Word(r.result.eyes.each[i].unknown.name()),
     ),
     list(
-        &["iris_left_x", "iris_left_y", "iris_right_x", "iris_right_y"],
+        &["iris_left_x", "iris_left_y"],
         "px",
-        "middle of the iris; of the eye where its gaze is unknown",
-        |r, i| num(r.result.eyes.each[i / 2].iris[i % 2], 3),
+        "middle of the left iris; of the eye if its gaze is unknown",
+        |r, i| num(r.result.eyes.each[0].iris[i], 3),
+    ),
+    list(
+        &["iris_right_x", "iris_right_y"],
+        "px",
+        "middle of the right iris, likewise",
+        |r, i| num(r.result.eyes.each[1].iris[i], 3),
     ),
     one(
         "glasses",
