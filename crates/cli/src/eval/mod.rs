@@ -9,6 +9,7 @@ mod clips;
 pub mod drift;
 pub mod eyes;
 pub mod faceless;
+mod gaze_metrics;
 pub mod jitter;
 pub mod landmark_metrics;
 pub mod landmarks;

@@ -6,12 +6,14 @@
 use std::fmt::Write as _;
 
 use anyhow::{Result, bail};
+use glam::DVec3;
 use posewise::monitor::fused_openness;
 use posewise::track::{Eye, EyeUnknown};
 use posewise::{MonitorEvent, MonitorEventKind, MonitorState, Observation, State};
 use serde_json::json;
 
 use super::clips::clips_of;
+use super::gaze_metrics::TrueGaze;
 use super::monitor_metrics::{Found, Scores, Truth};
 use super::spans::Span;
 use super::table::Table;
@@ -67,6 +69,8 @@ struct Columns {
     network: [Option<[usize; 2]>; 2],
     jaw: usize,
     mouth: Vec<usize>,
+    /// `gaze_unknown` and both angles, in newer files.
+    gaze: Option<[usize; 3]>,
 }
 
 impl Columns {
@@ -98,7 +102,22 @@ impl Columns {
             mouth: (48..68)
                 .map(|i| column(&format!("vis_{i}")))
                 .collect::<Result<_>>()?,
+            gaze: ["gaze_unknown", "gaze_angle_x", "gaze_angle_y"]
+                .map(|name| column(name).ok())
+                .into_iter()
+                .collect::<Option<Vec<usize>>>()
+                .and_then(|columns| columns.try_into().ok()),
         })
+    }
+
+    /// Angles of both eyes' gaze to the image right and down \[rad\], if it is known.
+    fn gaze(&self, csv: &Table, row: usize) -> Result<Option<[f64; 2]>> {
+        match self.gaze {
+            Some([unknown, x, y]) if csv.text(row, unknown) == EyeUnknown::Known.name() => {
+                Ok(Some([csv.number(row, x)?, csv.number(row, y)?]))
+            }
+            _ => Ok(None),
+        }
     }
 
     /// What a monitor sees of a row.
@@ -146,6 +165,7 @@ fn replay(args: &MonitorArgs, csv: &Table) -> Result<Found> {
     let mut random = Random::of(args.seed);
     let mut next_s = f64::NEG_INFINITY;
     let mut states: Vec<(i64, MonitorState)> = Vec::new();
+    let mut gazes = Vec::new();
     for row in 0..csv.len() {
         let time_s = csv.number(row, columns.timestamp)?;
         let is_dropped = (random.below(1_000_000) as f64) < args.drop * 1e6;
@@ -161,7 +181,9 @@ fn replay(args: &MonitorArgs, csv: &Table) -> Result<Found> {
         let timestamp_us = (time_s * 1e6).round() as i64;
         watch.observe(&seen, timestamp_us)?;
         // Rows are numbered from 1, frames of the truth from 0.
-        states.push((csv.number(row, columns.frame)? as i64 - 1, watch.state()));
+        let frame = csv.number(row, columns.frame)? as i64 - 1;
+        states.push((frame, watch.state()));
+        gazes.push(columns.gaze(csv, row)?);
     }
     if states.is_empty() {
         bail!("no frame is left");
@@ -176,6 +198,7 @@ fn replay(args: &MonitorArgs, csv: &Table) -> Result<Found> {
         }),
         nods: spans(&watch.events, start_s, |kind| kind == MonitorEventKind::Nod),
         states,
+        gazes: columns.gaze.map(|_| gazes),
     })
 }
 
@@ -205,16 +228,31 @@ fn truth_of(table: &Table) -> Result<Vec<Truth>> {
         part.filter_map(|i| column(&format!("o{i}")).ok()).collect()
     };
     let (eyes, mouth) = (covers(EYES), covers(MOUTH));
+    let gazes: Result<Vec<usize>> = (0..2)
+        .flat_map(|eye| ["x", "y", "z"].map(|axis| format!("gaze_{eye}_{axis}")))
+        .map(|name| column(&name))
+        .collect();
     let mut rows = Vec::new();
     for row in 0..table.len() {
         let number = |column: usize| table.number(row, column);
-        let is_covered = |columns: &[usize], part: std::ops::Range<usize>| -> Result<bool> {
+        let covered = |columns: &[usize]| -> Result<usize> {
             let mut hidden = 0;
             for column in columns {
                 hidden += usize::from(number(*column)? > 0.5);
             }
-            Ok(2 * hidden >= part.len())
+            Ok(hidden)
         };
+        let (covered_eyes, covered_mouth) = (covered(&eyes)?, covered(&mouth)?);
+        let blinks = [number(blinks[0])?, number(blinks[1])?];
+        let both = match &gazes {
+            Ok(columns) => Some(both_gazes(table, row, columns)?),
+            Err(_) => None,
+        };
+        let gaze = both.map(|both| TrueGaze {
+            both,
+            blinks,
+            covered: covered_eyes,
+        });
         let frame = number(frame)? as i64;
         let optional = |column: &Result<usize>| match column {
             Ok(column) => number(*column).map(Some),
@@ -223,14 +261,24 @@ fn truth_of(table: &Table) -> Result<Vec<Truth>> {
         rows.push(Truth {
             frame,
             time_s: optional(&time)?.unwrap_or(frame as f64 / FPS),
-            blink: (number(blinks[0])? + number(blinks[1])?) / 2.0,
+            blink: (blinks[0] + blinks[1]) / 2.0,
             jaw: number(jaw)?,
             yaw_deg: number(yaw)?,
-            is_covered: is_covered(&eyes, EYES)?,
-            is_mouth_covered: is_covered(&mouth, MOUTH)?,
+            is_covered: 2 * covered_eyes >= EYES.len(),
+            is_mouth_covered: 2 * covered_mouth >= MOUTH.len(),
             is_nod: optional(&nod)?.map(|nod| nod > 0.5),
             zone: optional(&zone)?,
+            gaze,
         });
     }
     Ok(rows)
+}
+
+/// The sum of both eyes' gazes; their columns are the axes of one after the other.
+fn both_gazes(table: &Table, row: usize, columns: &[usize]) -> Result<DVec3> {
+    let mut sum = [0.0; 3];
+    for (k, column) in columns.iter().enumerate() {
+        sum[k % 3] += table.number(row, *column)?;
+    }
+    Ok(DVec3::from(sum))
 }

@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use super::gaze_metrics::{GazeScores, TrueGaze};
 use super::spans::{Events, Span, invented, level};
 use posewise::{EyeState, MonitorState, ZoneState};
 use posewise_metrics::{correlation, mean};
@@ -52,6 +53,8 @@ pub struct Truth {
     pub is_nod: Option<bool>,
     /// The zone's index, if the truth has it.
     pub zone: Option<f64>,
+    /// Where both eyes look, if the truth has it.
+    pub gaze: Option<TrueGaze>,
 }
 
 impl Truth {
@@ -71,6 +74,9 @@ pub struct Found {
     pub yawns: Vec<Span>,
     /// Nods.
     pub nods: Vec<Span>,
+    /// Angles of both eyes' gaze of each of the states' frames \[rad\], where known; `None` where
+    /// the tracker was not asked for it.
+    pub gazes: Option<Vec<Option<[f64; 2]>>>,
 }
 
 /// All numbers of a clip, or of several.
@@ -95,6 +101,7 @@ pub struct Scores {
     hidden: (usize, usize),
     /// Frames with a known zone, and those of them with the true one.
     zones: (usize, usize),
+    gaze: GazeScores,
 }
 
 impl Scores {
@@ -128,7 +135,19 @@ impl Scores {
             scores.nods = Some(events);
         }
         scores.compare_frames(truth, found);
+        scores.compare_gazes(truth, found);
         scores
+    }
+
+    fn compare_gazes(&mut self, truth: &[Truth], found: &Found) {
+        let gazes = found.gazes.iter().flatten();
+        for ((frame, _), gaze) in found.states.iter().zip(gazes) {
+            let at = truth.binary_search_by_key(frame, |t| t.frame);
+            let t = at.ok().and_then(|at| truth.get(at));
+            if let Some((t, true_gaze)) = t.and_then(|t| Some((t, t.gaze?))) {
+                self.gaze.compare(&true_gaze, t.yaw_deg, *gaze);
+            }
+        }
     }
 
     fn compare_frames(&mut self, truth: &[Truth], found: &Found) {
@@ -202,6 +221,7 @@ impl Scores {
         ] {
             *sum = (sum.0 + more.0, sum.1 + more.1);
         }
+        self.gaze.add(&other.gaze);
     }
 
     /// For people.
@@ -263,7 +283,7 @@ impl Scores {
         for (name, value) in lines {
             let _ = writeln!(out, "  {name:<13}{value}");
         }
-        out
+        out + &self.gaze.text()
     }
 
     /// For programs.
@@ -279,6 +299,7 @@ impl Scores {
             "hidden_frames": self.hidden.0,
             "hidden_closed": self.hidden.1,
             "zones_right": part(self.zones),
+            "gaze": self.gaze.json(),
         });
         for (name, events) in self.events() {
             value[name] = json!({"truth": events.truth, "found": events.found,
@@ -373,6 +394,7 @@ mod tests {
             is_mouth_covered: false,
             is_nod: None,
             zone: None,
+            gaze: None,
         };
         (0..300).map(frame).collect()
     }
@@ -387,6 +409,7 @@ mod tests {
             closures: closures.iter().map(span).collect(),
             yawns: Vec::new(),
             nods: Vec::new(),
+            gazes: None,
         };
         Scores::of(truth, &found)
     }
