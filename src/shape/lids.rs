@@ -8,7 +8,7 @@ const LIDS: [[usize; 2]; 2] = [[1, 5], [2, 4]];
 /// Measured opening of a shut eye, relative to an open one: the networks place poorly visible lids
 /// slightly apart. Measured on 87 shut and 1442 open eyes of rendered faces outside the training
 /// set: means of 0.121 and 0.747, a ratio of 0.16.
-const SHUT: f32 = 0.16;
+pub(crate) const SHUT: f32 = 0.16;
 /// Least difference of the lid distance between an open and a shut eye, over the eye's width: below
 /// it, the eye is seen too much from the side.
 const MIN_RANGE: f32 = 0.08;

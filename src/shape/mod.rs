@@ -19,6 +19,7 @@ pub use face::{Contour, FACE_TAG, FIXED_CONTOUR, FaceModel, JAW, MAX_EXTRA, MAX_
 pub use face::{VIEW_AZIMUTHS, VIEW_BYTES, VIEW_ELEVATIONS, VIEW_STEP_DEG};
 pub use fit::{FaceFit, FitOptions, fit};
 pub use identity::{FRAME_WEIGHT, IdentityEstimator};
+pub(crate) use lids::SHUT;
 pub use lids::eye_open;
 pub use linear::Observed;
 pub use posit::posit;

@@ -3,6 +3,7 @@
 mod common;
 
 use posewise_train::head::Head;
+use posewise_train::render::lids::Lids;
 use posewise_train::render::mesh::Mesh;
 use posewise_train::render::{People, Persons, Renderer, SampleSpec, cache};
 
@@ -168,4 +169,43 @@ fn what_is_worn_hides_what_it_covers() {
             renderer.sample(5, 0, &plain).luma
         );
     }
+}
+
+#[test]
+fn a_blink_shuts_wide_and_narrow_eyes() {
+    let mut mesh = Mesh::new(&head()).unwrap();
+    let weights = |blink: f32| {
+        let names = ["eyeBlinkLeft", "eyeBlinkRight"];
+        names.map(|name| (mesh.shape(name).unwrap(), blink))
+    };
+    let weights = [0.0, 0.5, 1.0].map(weights);
+    // The second identity mode stretches the head along its vertical axis.
+    for stretch in [-4.0, 0.0, 4.0] {
+        // Four times the head's own blink, which moves its coarse lids by 3 mm.
+        let vertices = |weights: &[(usize, f32)]| {
+            let weights: Vec<_> = weights.iter().map(|(at, w)| (*at, 4.0 * w)).collect();
+            mesh.vertices(&[0.0, stretch], &weights)
+        };
+        let lids = Lids::new(&mesh, vertices);
+        let gap = |mut weights: [(usize, f32); 2]| {
+            lids.shut(&mesh, &mut weights);
+            let head = vertices(&weights);
+            let at = |i: usize| head[mesh.landmarks[i] as usize].y;
+            (at(41) - at(37) + at(40) - at(38)) / 2.0
+        };
+        let [open, half, shut] = weights.map(gap);
+        assert!((shut - 0.5).abs() < 1e-3, "{stretch}: {shut} mm");
+        assert!((half - (open + shut) / 2.0).abs() < 1e-3);
+    }
+    // An eyeball of which two vertices say how large it is, around a corner of the eye.
+    let lids = Lids::new(&mesh, |weights| mesh.vertices(&[], weights));
+    let mut head = mesh.vertices(&[], &weights[2]);
+    let corner = head[mesh.landmarks[37] as usize];
+    let (a, b) = (mesh.landmarks[36], mesh.landmarks[39]);
+    mesh.eyes[0] = vec![a, b];
+    let middle = (head[a as usize] + head[b as usize]) / 2.0;
+    assert!(corner.distance(middle) < head[a as usize].distance(middle));
+    let radius = head[a as usize].distance(middle);
+    lids.cover_eyeballs(&mesh, &mut head);
+    assert!(head[mesh.landmarks[37] as usize].distance(middle) > radius + 0.3);
 }

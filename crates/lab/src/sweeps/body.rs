@@ -4,6 +4,7 @@
 use crate::rigid::rotation_onto;
 use glam::{Mat3, Vec3};
 use posewise_train::render::expression::Expression;
+use posewise_train::render::lids::Lids;
 use posewise_train::render::mesh::{IDENTITIES, Mesh};
 use posewise_train::render::noise::{fractal, noise, normal, smoothstep};
 use rand::Rng;
@@ -23,6 +24,8 @@ pub struct Body {
     /// What takes off the rotation and the shift that the displacements have in common.
     turn: Mat3,
     shift: Vec3,
+    /// Of a head whose eyes shut.
+    lids: Option<Lids>,
 }
 
 impl Body {
@@ -54,12 +57,30 @@ impl Body {
             moves,
             turn,
             shift,
+            lids: None,
         }
+    }
+
+    /// The same whose eyes a blink of 1 shuts.
+    pub fn shutting(mut self, mesh: &Mesh) -> Body {
+        self.lids = Some(Lids::new(mesh, |weights| self.weighted(mesh, weights)));
+        self
     }
 
     /// Vertices \[mm, head axes\] with an expression.
     pub fn vertices(&self, mesh: &Mesh, face: &Expression) -> Vec<Vec3> {
-        let model = mesh.vertices(&self.identity, &face.weights(mesh));
+        let mut weights = face.weights(mesh);
+        let Some(lids) = &self.lids else {
+            return self.weighted(mesh, &weights);
+        };
+        lids.shut(mesh, &mut weights);
+        let mut head = self.weighted(mesh, &weights);
+        lids.cover_eyeballs(mesh, &mut head);
+        head
+    }
+
+    fn weighted(&self, mesh: &Mesh, weights: &[(usize, f32)]) -> Vec<Vec3> {
+        let model = mesh.vertices(&self.identity, weights);
         let moved = model.iter().zip(&self.moves);
         moved
             .map(|(v, d)| self.turn * (*v + *d) + self.shift)

@@ -204,6 +204,7 @@ impl<'a> Set<'a> {
                 let candide = candide.as_ref().context("no --candide FILE is given")?;
                 Kin::Candide(candide, candide.face(rng_, &looks))
             }
+            (Kind::Driver(_), _) => Kin::Kit(Body::new(rng_, mesh).shutting(mesh)),
             _ => Kin::Kit(Body::new(rng_, mesh)),
         };
         let neutral = kin.neutral(mesh);

@@ -54,6 +54,13 @@ pub struct Shape {
     moves: Vec<(u32, Vec3)>,
 }
 
+impl Shape {
+    /// The vertices that it moves.
+    pub fn moved(&self) -> impl Iterator<Item = u32> {
+        self.moves.iter().map(|(v, _)| *v)
+    }
+}
+
 /// Each material's run of the triangles.
 type Runs = Vec<(Material, Range<usize>)>;
 

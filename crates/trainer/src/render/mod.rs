@@ -19,6 +19,7 @@ pub mod effects;
 pub mod expression;
 pub mod eye_cache;
 pub mod eye_truth;
+pub mod lids;
 pub mod light;
 pub mod mesh;
 pub mod noise;

@@ -6,6 +6,7 @@ use super::draw::{Eyes, Posed, Prop, Scene, View, draw};
 use super::effects::Camera;
 use super::expression::{Expression, random_gaze};
 use super::eye_truth::{EyeTruth, eye_truth};
+use super::lids::Lids;
 use super::light::Lights;
 use super::mesh::{IDENTITIES, Mesh};
 use super::noise::normal;
@@ -168,11 +169,21 @@ impl Renderer {
         if some(rng, spec.looking) {
             expression.look(rng);
         }
-        let weights = expression.weights(&self.mesh);
-        let mut head = self.mesh.vertices(&identity, &weights);
+        let mut weights = expression.weights(&self.mesh);
         let strength = deformation_of(person, spec);
         let deformation = Deformation::random(rng, &self.mesh, strength);
-        head.iter_mut().for_each(|v| *v = deformation.apply(*v));
+        let vertices = |weights: &[(usize, f32)]| {
+            let mut head = self.mesh.vertices(&identity, weights);
+            head.iter_mut().for_each(|v| *v = deformation.apply(*v));
+            head
+        };
+        if !spec.shutting {
+            return (vertices(&weights), expression);
+        }
+        let lids = Lids::new(&self.mesh, vertices);
+        lids.shut(&self.mesh, &mut weights);
+        let mut head = vertices(&weights);
+        lids.cover_eyeballs(&self.mesh, &mut head);
         (head, expression)
     }
 

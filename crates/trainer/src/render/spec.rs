@@ -48,6 +48,13 @@ pub struct SampleSpec {
     /// harder.
     #[serde(skip_serializing_if = "is_none")]
     pub everyday: f64,
+    /// Whether a blink of 1 shuts the eyes of every head.
+    #[serde(skip_serializing_if = "is_false")]
+    pub shutting: bool,
+}
+
+fn is_false(is: &bool) -> bool {
+    !is
 }
 
 fn is_none(share: &f64) -> bool {
@@ -76,6 +83,7 @@ impl Default for SampleSpec {
             defects: 1.0,
             persons: Persons::All,
             everyday: 0.0,
+            shutting: false,
         }
     }
 }
@@ -127,6 +135,7 @@ impl SampleSpec {
             caps: 0.03,
             closing: 0.0,
             looking: 1.0,
+            shutting: true,
             odd_eyes: 0.03,
             infrared: 0.25,
             defects: 0.6,

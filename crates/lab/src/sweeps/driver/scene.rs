@@ -19,7 +19,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 /// Raised when clips of the same plan would come out otherwise.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// Distance of a driver's face from the camera \[mm\].
 const FAR_MM: std::ops::Range<f32> = 520.0..780.0;
 /// How far below the eyes the wheel is seen in front of the face \[mm\].
