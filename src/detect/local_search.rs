@@ -49,6 +49,6 @@ pub fn local_search(
     let mut candidates = Candidates::EMPTY;
     let reach = REACH * expected.size;
     let wanted = |face: &Detection| libm::hypotf(face.x - expected.x, face.y - expected.y) <= reach;
-    evaluate(model, &to_frame, wanted, memory, &mut candidates);
+    evaluate(model, &to_frame, wanted, |_, _| (), memory, &mut candidates);
     candidates.report()
 }

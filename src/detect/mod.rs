@@ -14,6 +14,7 @@
 //! work.
 
 mod candidates;
+mod hints;
 mod local_search;
 mod model;
 mod scan;

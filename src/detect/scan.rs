@@ -2,12 +2,14 @@
 //!
 //! A level is the frame at one reduction; each next level is twice as fine, and its tiles find the
 //! faces that are too small for the one before. The coarsest level is first: the largest faces are
-//! found first, and coarse levels have few tiles. A candidate is reported right after its tile.
+//! found first, and coarse levels have few tiles. The tiles of a level are evaluated in the order
+//! of what the level before saw there ([`Order`]). A candidate is reported right after its tile.
 //!
 //! Between calls the frame may change: a scan of a live stream sees each part of it at another
 //! time.
 
 use super::candidates::Candidates;
+use super::hints::{Order, PASSES, Scores};
 use super::model::TILE;
 use super::tile::{TileMemory, evaluate};
 use super::{Detection, DetectorModel};
@@ -17,6 +19,11 @@ use crate::math::Similarity;
 /// Work of a tile \[units\]: time of a tile over time of a tracking step, of which 3,000 units are
 /// one (`posewise bench`).
 pub const TILE_UNITS: u32 = 600;
+
+/// After so many tiles that belong to other passes …
+const TILES_PASSED: u32 = 1024;
+/// … this counts as work \[units\].
+const PASSED_UNITS: u32 = 32;
 
 /// Score of a clear candidate \[logit above the detector's threshold\]: a probability of 0.5.
 const CLEAR_SCORE: f32 = 1.4;
@@ -107,9 +114,26 @@ pub struct Scan {
     // Levels that are finer than this one, and the number of the next tile of this one.
     level: u8,
     tile: u32,
+    // The pass over the level's tiles, which pass each belongs to, and what the level has seen.
+    pass: u8,
+    order: Order,
+    scores: Scores,
     // Units of work that the last call did not use.
     units_left: u32,
     candidates: Candidates,
+}
+
+/// What a scan does next.
+#[derive(Clone, Copy, PartialEq)]
+enum Next {
+    /// Evaluates a tile: its corner \[frame px\] and scale \[1/256 frame px per tile px\].
+    Tile { corner: [i32; 2], scale_q8: i32 },
+    /// Goes on, after many tiles that belong to other passes.
+    Passed,
+    /// Begins another pass.
+    Pass,
+    /// Nothing: it is finished.
+    End,
 }
 
 /// Tiles along one axis.
@@ -169,6 +193,9 @@ impl Scan {
             begun: false,
             level: 0,
             tile: 0,
+            pass: 0,
+            order: Order::NONE,
+            scores: Scores::NONE,
             units_left: 0,
             candidates: Candidates::EMPTY,
         }
@@ -220,24 +247,33 @@ impl Scan {
             if !is_first && self.units_left < TILE_UNITS {
                 return ScanOutcome::BudgetSpent;
             }
-            is_first = false;
-            let Some((corner, scale_q8)) = self.next_tile(model) else {
-                if self.units_left >= budget.candidate
-                    && let Some(face) = self.candidates.report()
-                {
-                    return ScanOutcome::Candidate(face);
+            match self.next(model) {
+                Next::Tile { corner, scale_q8 } => {
+                    self.evaluate(model, frame, corner, scale_q8, memory);
+                    self.units_left = self.units_left.saturating_sub(TILE_UNITS);
+                    is_first = false;
                 }
-                if self.candidates.is_pending() {
-                    return ScanOutcome::BudgetSpent;
-                }
-                let units_left = self.units_left;
-                self.restart();
-                self.units_left = units_left;
-                return ScanOutcome::Finished;
-            };
-            self.evaluate(model, frame, corner, scale_q8, memory);
-            self.units_left = self.units_left.saturating_sub(TILE_UNITS);
+                Next::Passed => self.units_left = self.units_left.saturating_sub(PASSED_UNITS),
+                Next::Pass => {}
+                Next::End => return self.end(budget),
+            }
         }
+    }
+
+    /// After the last tile: a candidate that waits, or the end.
+    fn end(&mut self, budget: ScanBudget) -> ScanOutcome {
+        if self.units_left >= budget.candidate
+            && let Some(face) = self.candidates.report()
+        {
+            return ScanOutcome::Candidate(face);
+        }
+        if self.candidates.is_pending() {
+            return ScanOutcome::BudgetSpent;
+        }
+        let units_left = self.units_left;
+        self.restart();
+        self.units_left = units_left;
+        ScanOutcome::Finished
     }
 
     /// Units of the last call's budget that it did not use.
@@ -277,24 +313,47 @@ impl Scan {
         };
     }
 
-    /// Corner \[frame px\] and scale \[1/256 frame px per tile px\] of the next tile; `None` at the
-    /// end of the scan.
-    fn next_tile(&mut self, model: &DetectorModel<'_>) -> Option<([i32; 2], i32)> {
-        loop {
-            let scale = scale_q8(model, self.sizes.min_px, self.level);
-            let [across, down] = self.axes(model, scale);
-            let tile = self.tile;
-            if tile < across.count * down.count {
-                self.tile += 1;
-                let corner = [
-                    across.at(tile % across.count.max(1)),
-                    down.at(tile / across.count.max(1)),
-                ];
-                return Some((corner, scale));
-            }
-            self.level = self.level.checked_sub(1)?;
-            self.tile = 0;
+    /// The next tile of the scan, in the order of passes.
+    fn next(&mut self, model: &DetectorModel<'_>) -> Next {
+        if self.pass >= PASSES {
+            return Next::End;
         }
+        let scale_q8 = scale_q8(model, self.sizes.min_px, self.level);
+        let [across, down] = self.axes(model, scale_q8);
+        let end = (across.count * down.count).min(self.tile.saturating_add(TILES_PASSED));
+        while self.tile < end {
+            let tile = self.tile;
+            self.tile += 1;
+            let corner = [
+                across.at(tile % across.count.max(1)),
+                down.at(tile / across.count.max(1)),
+            ];
+            if self.pass_of(model, corner, scale_q8) == self.pass {
+                return Next::Tile { corner, scale_q8 };
+            }
+        }
+        if end < across.count * down.count {
+            return Next::Passed;
+        }
+        self.tile = 0;
+        self.pass += 1;
+        if self.pass == PASSES && self.level > 0 {
+            self.level -= 1;
+            self.pass = 0;
+            self.order = Order::new(&self.scores);
+            self.scores = Scores::NONE;
+        }
+        Next::Pass
+    }
+
+    /// The pass of a tile, by its middle, which no other tile shows.
+    fn pass_of(&self, model: &DetectorModel<'_>, corner: [i32; 2], scale_q8: i32) -> u8 {
+        let px = |tile_px: i32| (tile_px * scale_q8) as f32 / 256.0;
+        let (from, to) = (px(model.overlap), px(TILE as i32 - model.overlap));
+        let [x, y] = corner.map(|v| v as f32);
+        let (width, height) = (self.width as f32, self.height as f32);
+        let place = |by: f32| [(x + by) / width, (y + by) / height];
+        self.order.pass(place(from), place(to))
     }
 
     /// Tiles across and down that show all faces of a level that are centred in the region.
@@ -335,7 +394,10 @@ impl Scan {
         };
         let (roi, sizes) = (self.roi, self.sizes);
         let wanted = |face: &Detection| sizes.holds(face.size) && is_centred(&roi, face);
-        evaluate(model, &to_frame, wanted, memory, &mut self.candidates);
+        let (width, height) = (self.width as f32, self.height as f32);
+        let scores = &mut self.scores;
+        let note = |[x, y]: [f32; 2], score: u8| scores.add([x / width, y / height], score);
+        evaluate(model, &to_frame, wanted, note, memory, &mut self.candidates);
     }
 }
 

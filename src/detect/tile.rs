@@ -20,12 +20,13 @@ pub struct TileMemory<'a> {
 const LOG_SIZE_MAX: f32 = 1.5;
 
 /// Runs the network on the tile in `memory` and adds the faces that are wanted. `to_frame`: tile px
-/// to frame px.
+/// to frame px. `note` is told each cell's place \[frame px\] and score.
 #[inline(never)]
 pub(super) fn evaluate(
     model: &DetectorModel<'_>,
     to_frame: &Similarity,
     is_wanted: impl Fn(&Detection) -> bool,
+    mut note: impl FnMut([f32; 2], u8),
     memory: &mut TileMemory<'_>,
     candidates: &mut Candidates,
 ) {
@@ -46,6 +47,8 @@ pub(super) fn evaluate(
             continue;
         };
         let [score, right, down, log_size, roll, yaw] = *values;
+        let at = [(k % side) as f32 * stride, (k / side) as f32 * stride];
+        note(to_frame.apply(at), score);
         if score < model.threshold {
             continue;
         }
@@ -53,10 +56,7 @@ pub(super) fn evaluate(
             let unit = model.units.get(output).copied().unwrap_or(0.0);
             (i32::from(value) - i32::from(ZERO)) as f32 * unit
         };
-        let [x, y] = to_frame.apply([
-            (k % side) as f32 * stride + output(right, 1),
-            (k / side) as f32 * stride + output(down, 2),
-        ]);
+        let [x, y] = to_frame.apply([at[0] + output(right, 1), at[1] + output(down, 2)]);
         let log_size = output(log_size, 3).clamp(-LOG_SIZE_MAX, LOG_SIZE_MAX);
         let threshold = output(model.threshold, 0);
         let face = Detection {
