@@ -395,6 +395,9 @@ pub struct LandmarksArgs {
     #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_negative_numbers = true,
         value_parser = within(-180.0, 180.0))]
     pub roll: f64,
+    /// Cut off this share of the landmarks' box at the left, right, upper and lower edge in turn
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = within(0.0, 0.9))]
+    pub cut: f64,
     /// Where the first fit starts
     #[arg(long, value_enum, default_value = "detector")]
     pub start: Start,

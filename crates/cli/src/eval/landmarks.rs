@@ -17,6 +17,7 @@ use serde_json::{Map, Value, json};
 
 use super::camera;
 use super::ced::Curve;
+use super::cut::cut;
 use super::landmark_metrics::{
     FitConfidence, Outcome, PARTS, Points, Summary, YawBand, eye_line, summarize,
 };
@@ -68,17 +69,24 @@ pub fn run(args: &LandmarksArgs) -> Result<()> {
         labels
             .par_iter()
             .progress_with(progress)
-            .map(|label| {
+            .enumerate()
+            .map(|(index, label)| {
                 let picture = Picture::from_rgb(read_rgb(&args.images.join(&label.image))?);
                 let grey = camera::through(&args.camera, picture.upright_grey()?, 1);
                 let turn = Turn::new(&grey, args.roll);
-                let picture = Picture::from_grey(turn.picture(&grey));
-                let start =
-                    (args.start == Start::Box).then(|| turned_box(&label.points, &turn, args.roll));
+                let (mut grey, mut points) = (turn.picture(&grey), turn.points(&label.points));
+                let mut corner = [0.0; 2];
+                if args.cut > 0.0 {
+                    (grey, corner) = cut(&grey, &points, args.cut, index % 4);
+                    points = points.map(|[x, y]| [x - corner[0], y - corner[1]]);
+                }
+                let picture = Picture::from_grey(grey);
+                let start = (args.start == Start::Box)
+                    .then(|| turned_box(&label.points, &turn, args.roll, corner));
                 let found = fit_still(&model, &config, picture, start, args.steps)
                     .with_context(|| label.image.clone())?;
-                let (points, confidence) = found.unzip();
-                let mut outcome = Outcome::new(&turn.points(&label.points), points.as_ref());
+                let (found, confidence) = found.unzip();
+                let mut outcome = Outcome::new(&points, found.as_ref());
                 outcome.confidence = confidence;
                 Ok(outcome)
             })
@@ -154,13 +162,14 @@ fn fit_still(
     Ok(found)
 }
 
-/// The upright square around the labels, turned with the picture.
-fn turned_box(label: &Points, turn: &Turn, roll_deg: f64) -> Detection {
+/// The upright square around the labels, turned with the picture, of which the corner is at
+/// `corner`.
+fn turned_box(label: &Points, turn: &Turn, roll_deg: f64, corner: [f64; 2]) -> Detection {
     let [left, top, right, bottom] = bounds(label);
     let [x, y] = turn.point([(left + right) / 2.0, (top + bottom) / 2.0]);
     Detection {
-        x: x as f32,
-        y: y as f32,
+        x: (x - corner[0]) as f32,
+        y: (y - corner[1]) as f32,
         size: (right - left).max(bottom - top) as f32,
         roll: roll_deg.to_radians() as f32,
         score: 1.0,
@@ -236,6 +245,9 @@ fn to_json(args: &LandmarksArgs, total: &Summary, bands: &[(&str, Summary)]) -> 
         map.insert("steps_after_found".into(), json!(args.steps));
         map.insert("min_face_px".into(), json!(args.min_face));
         map.insert("roll_deg".into(), json!(args.roll));
+        if args.cut > 0.0 {
+            map.insert("cut".into(), json!(args.cut));
+        }
     }
     value
 }

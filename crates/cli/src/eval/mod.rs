@@ -6,6 +6,7 @@ pub mod backgrounds;
 pub mod camera;
 mod ced;
 mod clips;
+mod cut;
 pub mod drift;
 pub mod eyes;
 pub mod faceless;
