@@ -39,6 +39,12 @@ impl Points {
         Points { vertices, extra }
     }
 
+    /// The landmark of each point.
+    fn landmarks(&self) -> impl Iterator<Item = usize> {
+        let extra = (0..JAW).flat_map(|i| std::iter::repeat_n(i, self.extra[i].into()));
+        (0..LANDMARKS).chain(extra)
+    }
+
     fn pick(&self, values: &[[f32; 3]]) -> Mode {
         self.vertices.iter().map(|v| values[*v as usize]).collect()
     }
@@ -54,7 +60,8 @@ pub fn open<'m>(model: &Blob<'m>) -> Result<FaceModel<'m>> {
 pub fn face_section(head: &Head, offsets_mm: Option<&[[f32; 3]]>) -> Result<SectionWriter> {
     let points = Points::of(head);
     let mut mean = points.pick(&head.mean);
-    for (p, offset) in mean.iter_mut().zip(offsets_mm.unwrap_or(&[])) {
+    for (p, landmark) in mean.iter_mut().zip(points.landmarks()) {
+        let offset = offsets_mm.map_or([0.0; 3], |all| all[landmark]);
         (0..3).for_each(|k| p[k] += offset[k]);
     }
     let modes: Vec<Mode> = head.identity.iter().map(|m| points.pick(m)).collect();

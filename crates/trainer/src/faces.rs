@@ -1,5 +1,6 @@
 //! Labelled faces in memory: photographs from a CSV, and renders turned into the same form.
 
+use crate::head::marks_mm;
 use crate::labels::{self, Label};
 pub use crate::picture::Picture;
 use crate::render::{Sample, cache};
@@ -29,6 +30,8 @@ pub struct Face {
     /// The head's rotation as a camera sees it that looks straight at the landmarks' middle, where
     /// it is known (renders).
     pub rotation: Option<Mat3>,
+    /// Pixels per millimetre at the middle of the landmarks, where it is known (renders).
+    pub px_per_mm: Option<f32>,
     /// What an error against its label weighs.
     pub weight: f32,
     /// How often it is drawn, against another photograph or another render.
@@ -82,6 +85,22 @@ impl Face {
         self.inter_ocular().max(0.42 * area.sqrt())
     }
 
+    /// The landmarks where people mark them ([`marks_mm`]), if the head's place is known. The more
+    /// the head is turned, the less they move, because the marks were measured on heads that turn
+    /// to 50°.
+    pub fn marked(&self) -> Shape {
+        let mut marked = self.landmarks;
+        let (Some(rotation), Some(scale)) = (self.rotation, self.px_per_mm) else {
+            return marked;
+        };
+        let facing = rotation.z_axis.z.max(0.0);
+        for (point, mark) in marked.iter_mut().zip(marks_mm()) {
+            let moved = facing * scale * (rotation * mark).truncate();
+            *point = [point[0] + moved.x, point[1] + moved.y];
+        }
+        marked
+    }
+
     /// −1 (turned to the image left) … 1 (right): from yaw where it is known, else from where the
     /// nose tip lies between the outer eye corners.
     pub fn turn(&self) -> f32 {
@@ -124,6 +143,7 @@ pub fn labelled(labels: &[Label], images: &Path, share: f32) -> Result<Vec<Face>
                 person: number(labels::person(&label.image)),
                 yaw_deg: None,
                 rotation: None,
+                px_per_mm: None,
                 weight: label_weight(label.spread),
                 share,
                 visible: [true; LANDMARKS],
@@ -152,6 +172,7 @@ pub fn rendered(path: &Path, count: usize) -> Result<Vec<Face>> {
         .into_iter()
         .map(|sample| Face {
             rotation: Some(rotation_of(&sample)),
+            px_per_mm: Some(px_per_mm(&sample)),
             weight: visible_weight(&sample.visible),
             share: 1.0,
             landmarks: sample.landmarks.map(|p| p.to_array()),
@@ -171,6 +192,12 @@ fn rotation_of(sample: &Sample) -> Mat3 {
     let landmarks = sample.landmarks.map(|p| p.to_array());
     let to_camera = crop_to_camera(&landmarks, 0.0, &sample.camera);
     to_camera.transpose() * head_rotation(sample.angles)
+}
+
+/// Pixels per millimetre at the landmarks' mean distance.
+fn px_per_mm(sample: &Sample) -> f32 {
+    let depths = sample.points3d.iter().map(|p| p.z);
+    sample.camera.fx * LANDMARKS as f32 / depths.sum::<f32>()
 }
 
 /// Weight of a render of which hardly anything is seen. Half of a profile's landmarks are hidden,

@@ -29,6 +29,8 @@ enum Command {
     Eyes(single_eyes::Args),
     /// Measure what a tracker says of the eyes of rendered heads.
     Gaze(eyes::tracked::Args),
+    /// Measure where people mark landmarks against where a model puts them.
+    Marks(pipeline::marks::Args),
     /// Leave sections out of a model: ENSM (the global stage's ensemble member), RFIN (refiners,
     /// and with them what SREG holds), SREG (shape regression) or INFO (the data sheet).
     Trim {
@@ -66,6 +68,7 @@ fn main() -> Result<()> {
         Command::Sheet(args) => render::sheet::run(&args),
         Command::Eyes(args) => single_eyes::run(&args),
         Command::Gaze(args) => eyes::tracked::run(&args),
+        Command::Marks(args) => pipeline::marks::run(&args),
         Command::Trim {
             model,
             out,

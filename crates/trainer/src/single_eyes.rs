@@ -84,6 +84,7 @@ pub fn for_training(model: &AlignModel<'_>, folder: &Path) -> Result<Vec<Single>
                     person: u32::MAX,
                     yaw_deg: None,
                     rotation: None,
+                    px_per_mm: None,
                     weight: 1.0,
                     share: 1.0,
                     visible,

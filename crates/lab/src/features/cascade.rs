@@ -360,6 +360,7 @@ mod tests {
             person,
             yaw_deg: Some(0.0),
             rotation: None,
+            px_per_mm: None,
             weight: 1.0,
             share: 1.0,
             visible: [true; LANDMARKS],

@@ -176,6 +176,7 @@ mod tests {
             person: 1,
             yaw_deg: None,
             rotation: None,
+            px_per_mm: None,
             weight: 1.0,
             share: 1.0,
             visible: [true; LANDMARKS],

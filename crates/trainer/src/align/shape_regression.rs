@@ -31,11 +31,17 @@ struct Row {
 /// Trains section `SREG` for a cascade whose last stages are the refiners. Mirrored rows make the
 /// map symmetric. An upper lid and the lower one below it get the same correction: the rest of a
 /// face does not determine how far its eyes are open.
-pub fn train(model: &AlignModel<'_>, faces: &[Face]) -> Result<SectionWriter> {
+/// Faces end at `label`.
+pub fn train(
+    model: &AlignModel<'_>,
+    faces: &[Face],
+    label: fn(&Face) -> Shape,
+) -> Result<SectionWriter> {
     let mut rows = vec![];
     for (face, ends) in faces.iter().zip(ends(model, faces)) {
+        let label = label(face);
         for end in ends.into_iter().flatten() {
-            rows.extend(Row::new(model.mean(), face, &end));
+            rows.extend(Row::new(model.mean(), face, &label, &end));
         }
     }
     let mirrored: Vec<Row> = rows.iter().map(Row::mirrored).collect();
@@ -64,11 +70,11 @@ pub fn train(model: &AlignModel<'_>, faces: &[Face]) -> Result<SectionWriter> {
 }
 
 impl Row {
-    fn new(mean: &Shape, face: &Face, end: &Shape) -> Option<Row> {
+    fn new(mean: &Shape, face: &Face, label: &Shape, end: &Shape) -> Option<Row> {
         let (to_frame, result) = deviation(mean, end)?;
         let back = to_frame.inverse()?;
         let correction = std::array::from_fn(|i| {
-            let [label, at] = [face.landmarks[i], end[i]].map(|p| back.apply(p));
+            let [label, at] = [label[i], end[i]].map(|p| back.apply(p));
             [label[0] - at[0], label[1] - at[1]]
         });
         let weight = f64::from(face.weight);

@@ -4,7 +4,8 @@
 use super::crop::{ROLL, crop_of, turned};
 use super::single::SingleEye;
 use crate::align::{Augment, Sample, Sizes, Source, disturb, normal, standardise};
-use crate::render::eye_cache::Eye;
+use crate::head::marks_mm;
+use crate::render::eye_cache::{Eye, FIRST};
 use glam::{EulerRot, Mat3};
 use posewise::align::{EYE_OUTPUTS, EyePlace};
 use rand::Rng;
@@ -51,7 +52,7 @@ pub struct Eyes<'a> {
 pub fn place_of(eye: &Eye, rng: &mut ChaCha8Rng) -> EyePlace {
     let [x, y, z] = [TURN, TURN, ROLL].map(|sigma| sigma * normal(rng));
     let rotation = Mat3::from_euler(EulerRot::XYZ, x, y, z) * eye.rotation;
-    let points = eye.landmarks.map(|p| p.to_array());
+    let points = marked(eye);
     let middle = [0, 1].map(|k| points.iter().map(|p| p[k]).sum::<f32>() / 6.0);
     let distance = eye.truth.centre.z;
     let place = EyePlace::new(&points, middle, &eye.camera, &rotation, distance)
@@ -62,6 +63,16 @@ pub fn place_of(eye: &Eye, rng: &mut ChaCha8Rng) -> EyePlace {
         to_frame: jitter.then(&place.to_frame),
         ..place
     }
+}
+
+/// A render's lids where people mark them, as the tracker's are \[px\].
+fn marked(eye: &Eye) -> [[f32; 2]; 6] {
+    let scale = eye.camera.fx / eye.truth.centre.z;
+    let marks = &marks_mm()[FIRST[eye.side]..];
+    std::array::from_fn(|i| {
+        let moved = scale * (eye.rotation * marks[i]).truncate();
+        (eye.landmarks[i] + moved).to_array()
+    })
 }
 
 /// Whether iris and gaze of a render are labels.

@@ -5,11 +5,13 @@
 
 mod contour;
 mod convention;
+mod marks;
 mod morphable;
 mod npz;
 mod wfm;
 
 pub use contour::{BELOW_MM, at_place, contour_paths, even_places, outward};
 pub use convention::CONVENTION_VERSION;
+pub use marks::{MARKS_VERSION, marks_mm};
 pub use morphable::{Expression, Head};
 pub use wfm::{Unit, Wfm};

@@ -8,6 +8,7 @@ use super::sections;
 use super::stage::Stage;
 use super::store::{Output, Store};
 use crate::eyes::{self, EyeOptions};
+use crate::head::MARKS_VERSION;
 use crate::render::{Kind, eye_cache};
 use anyhow::{Context as _, Result};
 use posewise::align::EYES_TAG;
@@ -41,12 +42,12 @@ pub fn make(context: &Context<'_>) -> Result<Output> {
     let calibration = renders::make(context.store, &others, None)?;
     let read = |output: &Output| eye_cache::read(&output.path(renders::FILE), usize::MAX);
     let stage = Stage::new("eyes-network", 1)
-        .options(&options.network)?
+        .options(&(&options.network, options.by_nose, MARKS_VERSION))?
         .input("renders-eyes", rendered.hash(renders::FILE)?);
     let network = context.store.make(&stage, &[NETWORK], |folder| {
         eyes::train_rendered(&read(&rendered)?, &options, &folder.join(NETWORK))
     })?;
-    let stage = Stage::new("eyes", 1)
+    let stage = Stage::new("eyes", 2)
         .options(&options)?
         .input("eyes-network", network.hash(NETWORK)?)
         .input("renders-eyes", rendered.hash(renders::FILE)?)

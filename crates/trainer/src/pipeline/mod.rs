@@ -31,6 +31,7 @@ pub mod face;
 pub mod fits;
 pub mod global_network;
 pub mod hash;
+pub mod marks;
 pub mod pack;
 pub mod refiners;
 pub mod renders;

@@ -20,7 +20,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// First landmark of the image left's and of the image right's eye.
-const FIRST: [usize; 2] = [36, 42];
+pub const FIRST: [usize; 2] = [36, 42];
 /// Floats of an eye, and of a record.
 const EYE: usize = 12 + 6 + 3 + 3 + 2 + 3;
 const FLOATS: usize = 2 * EYE + 9 + 3 + 4;

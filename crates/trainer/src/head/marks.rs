@@ -1,0 +1,87 @@
+//! How far people mark landmarks from where a network of renders puts them in photographs.
+//!
+//! The convention of renders ([`Head::conventional_offsets_mm`](super::Head)) says what a landmark
+//! is on the kit's head. People put some of them elsewhere, and heads in photographs differ from
+//! rendered ones. `posewise-train marks` measures what is left over on photographs with manual
+//! landmarks. The last step of a clean model's cascade takes it off; nothing else of photographs is
+//! in such a model.
+
+use glam::Vec3;
+use posewise::shape::{LANDMARKS, MIRROR};
+
+/// Changes with the table.
+pub const MARKS_VERSION: u32 = 1;
+
+/// Offsets \[mm, head frame\] of the landmarks of the image's left half and of the middle, in order
+/// of their indices. Those of the right half are mirrored. The lids of a pair move alike, so that
+/// eyes stay as open as they are.
+const MARKS_MM: [[f32; 3]; 39] = [
+    [-1.5, -1.9, 2.0],
+    [-0.7, 0.8, 2.2],
+    [-0.4, 2.4, 0.9],
+    [0.2, 3.1, -0.5],
+    [1.0, 3.2, -2.3],
+    [1.5, 3.0, -2.3],
+    [2.7, 1.3, -2.6],
+    [2.0, 1.0, -2.3],
+    [0.0, -0.2, -2.4],
+    [-1.4, 0.7, 0.4],
+    [-2.8, -0.3, 1.8],
+    [-0.9, -1.7, 1.4],
+    [0.7, -1.3, 0.6],
+    [1.3, 0.4, -0.7],
+    [0.0, -3.1, -1.3],
+    [0.0, -1.9, -0.1],
+    [0.0, -2.1, 0.8],
+    [0.0, -2.3, -0.4],
+    [-0.5, -0.7, -4.1],
+    [-0.6, 0.2, -2.5],
+    [0.0, 0.8, -2.8],
+    [0.0, -1.2, -1.0],
+    [-0.3, -1.2, 0.0],
+    [-0.1, -1.0, -0.1],
+    [-0.4, -1.1, -0.7],
+    [-0.1, -1.0, -0.1],
+    [-0.3, -1.2, 0.0],
+    [1.0, 0.3, -0.5],
+    [0.8, 1.8, 0.2],
+    [-0.3, 0.9, -0.5],
+    [0.0, 1.9, -0.4],
+    [-1.5, 0.9, -1.7],
+    [-2.4, 1.3, -2.7],
+    [0.0, 0.7, -2.1],
+    [2.0, 0.5, -1.8],
+    [2.0, -0.2, -3.9],
+    [0.0, 0.1, -3.1],
+    [-1.5, 0.6, -4.1],
+    [0.0, 0.1, -3.4],
+];
+
+/// The offset of each landmark \[mm, head frame\].
+pub fn marks_mm() -> [Vec3; LANDMARKS] {
+    let mut marks = [Vec3::ZERO; LANDMARKS];
+    let left = (0..LANDMARKS).filter(|i| *i <= MIRROR[*i]);
+    for (i, [x, y, z]) in left.zip(MARKS_MM) {
+        marks[MIRROR[i]] = Vec3::new(-x, y, z);
+        marks[i] = Vec3::new(x, y, z);
+    }
+    marks
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn marks_are_symmetric() {
+        let marks = marks_mm();
+        for i in 0..LANDMARKS {
+            let [x, y, z] = marks[MIRROR[i]].to_array();
+            assert_eq!(marks[i].to_array(), [-x, y, z], "landmark {i}");
+        }
+        assert_eq!(
+            (0..LANDMARKS).filter(|i| *i <= MIRROR[*i]).count(),
+            MARKS_MM.len()
+        );
+    }
+}
