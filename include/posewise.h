@@ -540,7 +540,9 @@ typedef struct posewise_observation {
     float translation_mm[3];
     // As in posewise_result [deg].
     float rotation_sigma_deg[3];
-    // As in posewise_result: the person's left and right eye, 0 shut .. 1 open, -1 unknown.
+    // Distance of the lids in that of open ones, of the person's left and right eye, 0 shut .. 1
+    // open, -1 unknown; posewise_observe computes it from posewise_result.eye_open and what the
+    // gaze says of the eyes.
     float eye_open[2];
     // The animation weight jawOpen, 0..1; -1: unknown, because the mouth is hidden.
     float jaw_open;
@@ -598,7 +600,7 @@ typedef struct posewise_monitor_state {
     float from_road_deg[2];
     // The natural pose: yaw and pitch from forward_yaw_deg and forward_pitch_deg [deg].
     float natural_deg[2];
-    // posewise_result.eye_open of this person's open left and right eye; 1 until it is final.
+    // posewise_observation.eye_open of this person's open left and right eye; 1 until it is final.
     float open_eye[2];
     // 1: open_eye is final, after half a minute of known eyes while alert.
     uint32_t open_eye_is_final;

@@ -1862,8 +1862,9 @@ export type Observation = {
      */
     rotationSigmaDeg: [number, number, number];
     /**
-     * As in posewise_result: the person's left and right eye, 0
-     * shut .. 1 open, -1 unknown.
+     * Distance of the lids in that of open ones, of the person's
+     * left and right eye, 0 shut .. 1 open, -1 unknown; posewise_observe computes it from
+     * posewise_result.eye_open and what the gaze says of the eyes.
      */
     eyeOpen: [number, number];
     /**
@@ -1978,7 +1979,7 @@ export type Monitor_state = {
      */
     naturalDeg: [number, number];
     /**
-     * posewise_result.eye_open of this person's open left and
+     * posewise_observation.eye_open of this person's open left and
      * right eye; 1 until it is final.
      */
     openEye: [number, number];

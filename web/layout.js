@@ -534,8 +534,9 @@ export const MONITOR_CONFIG = {
  * @property {number} pitchDeg As in posewise_result [deg].
  * @property {[number, number, number]} translationMm As in posewise_result [mm].
  * @property {[number, number, number]} rotationSigmaDeg As in posewise_result [deg].
- * @property {[number, number]} eyeOpen As in posewise_result: the person's left and right eye, 0
- *   shut .. 1 open, -1 unknown.
+ * @property {[number, number]} eyeOpen Distance of the lids in that of open ones, of the person's
+ *   left and right eye, 0 shut .. 1 open, -1 unknown; posewise_observe computes it from
+ *   posewise_result.eye_open and what the gaze says of the eyes.
  * @property {number} jawOpen The animation weight jawOpen, 0..1; -1: unknown, because the mouth is
  *   hidden.
  */
@@ -603,7 +604,7 @@ export const PERCLOS = {
  *   for an unknown zone.
  * @property {[number, number]} naturalDeg The natural pose: yaw and pitch from forward_yaw_deg and
  *   forward_pitch_deg [deg].
- * @property {[number, number]} openEye posewise_result.eye_open of this person's open left and
+ * @property {[number, number]} openEye posewise_observation.eye_open of this person's open left and
  *   right eye; 1 until it is final.
  * @property {number} openEyeIsFinal 1: open_eye is final, after half a minute of known eyes while
  *   alert.

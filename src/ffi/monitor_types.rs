@@ -218,7 +218,9 @@ pub struct posewise_observation {
     pub translation_mm: [f32; 3],
     /// As in posewise_result \[deg\].
     pub rotation_sigma_deg: [f32; 3],
-    /// As in posewise_result: the person's left and right eye, 0 shut .. 1 open, -1 unknown.
+    /// Distance of the lids in that of open ones, of the person's left and right eye, 0 shut .. 1
+    /// open, -1 unknown; posewise_observe computes it from posewise_result.eye_open and what the
+    /// gaze says of the eyes.
     pub eye_open: [f32; 2],
     /// The animation weight jawOpen, 0..1; -1: unknown, because the mouth is hidden.
     pub jaw_open: f32,
@@ -277,7 +279,7 @@ pub struct posewise_monitor_state {
     pub from_road_deg: [f32; 2],
     /// The natural pose: yaw and pitch from forward_yaw_deg and forward_pitch_deg \[deg\].
     pub natural_deg: [f32; 2],
-    /// posewise_result.eye_open of this person's open left and right eye; 1 until it is final.
+    /// posewise_observation.eye_open of this person's open left and right eye; 1 until it is final.
     pub open_eye: [f32; 2],
     /// 1: open_eye is final, after half a minute of known eyes while alert.
     pub open_eye_is_final: u32,

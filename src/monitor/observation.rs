@@ -20,7 +20,8 @@ pub struct Observation {
     pub translation_mm: [f32; 3],
     /// Standard deviations of the rotation about the camera's axes \[deg\].
     pub rotation_sigma_deg: [f32; 3],
-    /// Openness of the person's left and right eye: 0 shut, 1 open, below 0 unknown.
+    /// Distance of the lids in that of open ones, of the person's left and right eye: 0 shut, 1
+    /// open, below 0 unknown (`fused_openness`).
     pub eye_open: [f32; 2],
     /// Animation weight `jawOpen`, 0..1, below 0 unknown.
     pub jaw_open: f32,
