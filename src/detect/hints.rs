@@ -30,7 +30,7 @@ pub(super) struct Order {
 impl Scores {
     pub const NONE: Scores = Scores { cells: [0; CELLS] };
 
-    /// Notes a score at a place \[shares of the frame's width and height, 0..1\].
+    /// Adds a score at a place \[shares of the frame's width and height, 0..1\].
     pub fn add(&mut self, place: [f32; 2], score: u8) {
         let [x, y] = place.map(cell);
         if let Some(best) = self.cells.get_mut(y * SIDE + x) {

@@ -396,8 +396,15 @@ impl Scan {
         let wanted = |face: &Detection| sizes.holds(face.size) && is_centred(&roi, face);
         let (width, height) = (self.width as f32, self.height as f32);
         let scores = &mut self.scores;
-        let note = |[x, y]: [f32; 2], score: u8| scores.add([x / width, y / height], score);
-        evaluate(model, &to_frame, wanted, note, memory, &mut self.candidates);
+        let visit = |[x, y]: [f32; 2], score: u8| scores.add([x / width, y / height], score);
+        evaluate(
+            model,
+            &to_frame,
+            wanted,
+            visit,
+            memory,
+            &mut self.candidates,
+        );
     }
 }
 

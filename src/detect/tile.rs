@@ -20,13 +20,13 @@ pub struct TileMemory<'a> {
 const LOG_SIZE_MAX: f32 = 1.5;
 
 /// Runs the network on the tile in `memory` and adds the faces that are wanted. `to_frame`: tile px
-/// to frame px. `note` is told each cell's place \[frame px\] and score.
+/// to frame px. `visit` is called with each cell's place \[frame px\] and score.
 #[inline(never)]
 pub(super) fn evaluate(
     model: &DetectorModel<'_>,
     to_frame: &Similarity,
     is_wanted: impl Fn(&Detection) -> bool,
-    mut note: impl FnMut([f32; 2], u8),
+    mut visit: impl FnMut([f32; 2], u8),
     memory: &mut TileMemory<'_>,
     candidates: &mut Candidates,
 ) {
@@ -48,7 +48,7 @@ pub(super) fn evaluate(
         };
         let [score, right, down, log_size, roll, yaw] = *values;
         let at = [(k % side) as f32 * stride, (k / side) as f32 * stride];
-        note(to_frame.apply(at), score);
+        visit(to_frame.apply(at), score);
         if score < model.threshold {
             continue;
         }

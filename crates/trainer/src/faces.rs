@@ -1,6 +1,6 @@
 //! Labelled faces in memory: photographs from a CSV, and renders turned into the same form.
 
-use crate::head::marks_mm;
+use crate::head::marks_px;
 use crate::labels::{self, Label};
 pub use crate::picture::Picture;
 use crate::render::{Sample, cache};
@@ -85,7 +85,7 @@ impl Face {
         self.inter_ocular().max(0.42 * area.sqrt())
     }
 
-    /// The landmarks where people mark them ([`marks_mm`]), if the head's place is known. The more
+    /// The landmarks where people mark them ([`marks_px`]), if the head's place is known. The more
     /// the head is turned, the less they move, because the marks were measured on heads that turn
     /// to 50°.
     pub fn marked(&self) -> Shape {
@@ -94,8 +94,7 @@ impl Face {
             return marked;
         };
         let facing = rotation.z_axis.z.max(0.0);
-        for (point, mark) in marked.iter_mut().zip(marks_mm()) {
-            let moved = facing * scale * (rotation * mark).truncate();
+        for (point, moved) in marked.iter_mut().zip(marks_px(rotation, facing * scale)) {
             *point = [point[0] + moved.x, point[1] + moved.y];
         }
         marked

@@ -4,7 +4,7 @@
 use super::crop::{ROLL, crop_of, turned};
 use super::single::SingleEye;
 use crate::align::{Augment, Sample, Sizes, Source, disturb, normal, standardise};
-use crate::head::marks_mm;
+use crate::head::marks_px;
 use crate::render::eye_cache::{Eye, FIRST};
 use glam::{EulerRot, Mat3};
 use posewise::align::{EYE_OUTPUTS, EyePlace};
@@ -68,11 +68,8 @@ pub fn place_of(eye: &Eye, rng: &mut ChaCha8Rng) -> EyePlace {
 /// A render's lids where people mark them, as the tracker's are \[px\].
 fn marked(eye: &Eye) -> [[f32; 2]; 6] {
     let scale = eye.camera.fx / eye.truth.centre.z;
-    let marks = &marks_mm()[FIRST[eye.side]..];
-    std::array::from_fn(|i| {
-        let moved = scale * (eye.rotation * marks[i]).truncate();
-        (eye.landmarks[i] + moved).to_array()
-    })
+    let marks = &marks_px(eye.rotation, scale)[FIRST[eye.side]..];
+    std::array::from_fn(|i| (eye.landmarks[i] + marks[i]).to_array())
 }
 
 /// Whether iris and gaze of a render are labels.

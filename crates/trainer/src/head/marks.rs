@@ -6,7 +6,7 @@
 //! landmarks. The last step of a clean model's cascade takes it off; nothing else of photographs is
 //! in such a model.
 
-use glam::Vec3;
+use glam::{Mat3, Vec2, Vec3};
 use posewise::shape::{LANDMARKS, MIRROR};
 
 /// Changes with the table.
@@ -66,6 +66,11 @@ pub fn marks_mm() -> [Vec3; LANDMARKS] {
         marks[i] = Vec3::new(x, y, z);
     }
     marks
+}
+
+/// The offset of each landmark in the picture \[px\] of a head of this rotation (head to camera).
+pub fn marks_px(rotation: Mat3, px_per_mm: f32) -> [Vec2; LANDMARKS] {
+    marks_mm().map(|mark| px_per_mm * (rotation * mark).truncate())
 }
 
 #[cfg(test)]

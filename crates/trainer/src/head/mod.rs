@@ -12,6 +12,6 @@ mod wfm;
 
 pub use contour::{BELOW_MM, at_place, contour_paths, even_places, outward};
 pub use convention::CONVENTION_VERSION;
-pub use marks::{MARKS_VERSION, marks_mm};
+pub use marks::{MARKS_VERSION, marks_mm, marks_px};
 pub use morphable::{Expression, Head};
 pub use wfm::{Unit, Wfm};
