@@ -124,7 +124,6 @@ pub struct Scan {
 }
 
 /// What a scan does next.
-#[derive(Clone, Copy, PartialEq)]
 enum Next {
     /// Evaluates a tile: its corner \[frame px\] and scale \[1/256 frame px per tile px\].
     Tile { corner: [i32; 2], scale_q8: i32 },
