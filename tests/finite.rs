@@ -31,7 +31,9 @@ fn track_demo(
 ) -> (usize, usize) {
     let clip = common::demo().expect("tests/data/demo.y4m.gz");
     let model = Model::load(posewise::DEFAULT_MODEL).expect("the default model is valid");
-    let mut tracker = Box::new(Tracker::new(&Config::default().with_gaze(true)).expect("valid"));
+    let mut tracker = Box::new(
+        Tracker::new(&Config::default().with_gaze(true).with_natural_gaze(true)).expect("valid"),
+    );
     let layout = FrameLayout::grey(clip.width as u32, clip.height as u32);
     let (mut tracked, mut refused) = (0, 0);
     for round in 0..rounds {
@@ -73,7 +75,7 @@ fn anything_taken_for_a_face() {
     let config = posewise_config {
         struct_size: size_of::<posewise_config>() as u32,
         min_face_px: 24,
-        gaze: 1,
+        gaze: 2,
         ..Default::default()
     };
     let mut random = Random(2);

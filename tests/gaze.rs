@@ -55,3 +55,42 @@ fn a_step_with_gaze_has_the_same_bits_and_the_eyes() {
     println!("the gaze is known in {known} of {tracked} frames");
     assert!(2 * known > tracked, "{known} of {tracked}");
 }
+
+#[test]
+fn a_natural_gaze_is_near_the_gaze_and_nothing_else_changes() {
+    let Some(clip) = common::demo() else {
+        eprintln!("skipped: there is no tests/data/demo.y4m.gz");
+        return;
+    };
+    let model = Model::load(posewise::DEFAULT_MODEL).expect("the default model is valid");
+    let config = Config::default().with_gaze(true);
+    let new = |config: &Config| Box::new(Tracker::new(config).expect("valid"));
+    let mut trackers = [new(&config), new(&config.with_natural_gaze(true))];
+    let layout = FrameLayout::grey(clip.width as u32, clip.height as u32);
+    let mut largest = 0.0f32;
+    for (i, luma) in clip.luma.iter().enumerate() {
+        let frame = Frame::new(&layout, luma).expect("a frame");
+        let timestamp_us = (i as f64 * clip.frame_us) as i64;
+        let [plain, natural] = trackers.each_mut().map(|tracker| {
+            let result = tracker.step(&model, &frame, timestamp_us);
+            *result.expect("in order")
+        });
+        let unknown = |eyes: &Eyes| {
+            eyes.each
+                .map(|eye| (eye.unknown, eye.open, eye.gaze.unknown))
+        };
+        assert_eq!(unknown(&plain.eyes), unknown(&natural.eyes), "frame {i}");
+        let without = |mut result: posewise::TrackResult| {
+            result.eyes = Eyes::EMPTY;
+            format!("{result:?}")
+        };
+        assert_eq!(without(plain), without(natural), "frame {i}");
+        if plain.eyes.gaze.unknown != EyeUnknown::Known {
+            continue;
+        }
+        let pairs = plain.eyes.gaze.camera.iter().zip(natural.eyes.gaze.camera);
+        let cosine: f32 = pairs.map(|(a, b)| a * b).sum();
+        largest = largest.max(cosine.clamp(-1.0, 1.0).acos().to_degrees());
+    }
+    assert!((0.5..8.5).contains(&largest), "{largest}");
+}

@@ -59,10 +59,11 @@ pub(super) unsafe fn config_from(
             cutoff_hz: or_f32(given.smoothing_hz, default.smoothing.cutoff_hz),
             beta: or_f32(given.smoothing_beta, default.smoothing.beta),
         },
-        gaze: given.gaze == 1,
+        gaze: given.gaze >= 1,
+        natural_gaze: given.gaze == 2,
         ..default
     };
-    if given.flags != 0 || given.gaze > 1 {
+    if given.flags != 0 || given.gaze > 2 {
         return Err(POSEWISE_E_FLAGS);
     }
     config.check().map_err(config_error)?;

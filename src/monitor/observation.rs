@@ -74,13 +74,14 @@ fn distance(lids: f32) -> f32 {
 }
 
 /// Openness of an eye by its lids and by the network that sees it: lids that look down or are badly
-/// placed do not shut an eye that is open for sure, and the other way round. In between the lids
-/// say it. Behind dark glasses and reflections it is unknown, −1.
+/// placed do not shut an eye that is open for sure, and the other way round. Where the network
+/// cannot tell, and behind dark glasses and reflections, it is unknown, −1: what covers an eye
+/// moves its lids anywhere.
 pub fn fused_openness(lids: f32, eye: &Eye) -> f32 {
     let lids = if lids > 0.0 { distance(lids) } else { lids };
     match eye.unknown {
-        EyeUnknown::DarkGlasses | EyeUnknown::Glare => -1.0,
-        EyeUnknown::Known | EyeUnknown::Uncertain if lids >= 0.0 => {
+        EyeUnknown::DarkGlasses | EyeUnknown::Glare | EyeUnknown::Uncertain => -1.0,
+        EyeUnknown::Known if lids >= 0.0 => {
             // −1 shut for sure, 1 open for sure.
             let sure = 2.0 * eye.open - 1.0;
             match sure >= 0.0 {
@@ -144,9 +145,9 @@ mod tests {
             -1.0
         );
         assert_eq!(fused_openness(0.1, &eye(EyeUnknown::Known, 1.0)), 0.5);
-        near(fused_openness(0.4, &eye(EyeUnknown::Uncertain, 0.5)), 0.496);
+        assert_eq!(fused_openness(0.4, &eye(EyeUnknown::Uncertain, 0.5)), -1.0);
         near(fused_openness(0.4, &eye(EyeUnknown::Known, 0.0)), 0.1984);
-        near(fused_openness(0.4, &eye(EyeUnknown::Uncertain, 0.3)), 0.496);
+        near(fused_openness(0.4, &eye(EyeUnknown::Known, 0.25)), 0.496);
         assert_eq!(fused_openness(-1.0, &eye(EyeUnknown::Known, 1.0)), -1.0);
     }
 

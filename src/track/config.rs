@@ -44,6 +44,11 @@ pub struct Config {
     /// its own for each eye. Default: false; the eyes are then unknown, and a step is as if there
     /// were no such network.
     pub gaze: bool,
+    /// With [`Config::gaze`]: takes part of the mean of this person's gaze in the head frame off
+    /// the gaze, at most 8°. For people who look straight ahead most of the time, as drivers do:
+    /// most of what is wrong with a gaze stays the same for a person. It is forgotten with the
+    /// identity. Default: false.
+    pub natural_gaze: bool,
 }
 
 impl Default for Config {
@@ -55,6 +60,7 @@ impl Default for Config {
             smoothing: Smoothing::default(),
             roi: None,
             gaze: false,
+            natural_gaze: false,
         }
     }
 }
@@ -100,6 +106,14 @@ impl Config {
     /// With another [`Config::gaze`].
     pub fn with_gaze(self, gaze: bool) -> Self {
         Config { gaze, ..self }
+    }
+
+    /// With another [`Config::natural_gaze`].
+    pub fn with_natural_gaze(self, natural_gaze: bool) -> Self {
+        Config {
+            natural_gaze,
+            ..self
+        }
     }
 
     /// Whether every setting is in range.

@@ -1,10 +1,11 @@
 //! Looks at the eyes of the face that was tracked: lids, glasses, gaze.
 
 use super::eye::{EYE_LOOKS, Eye, EyeUnknown, Eyes, Gaze};
-use super::geometry::length;
+use super::geometry::{gaze_angles, length};
 use super::policy::{
     EYE_DARK, EYE_LOOK_RAD, EYE_MAX_BLUR, EYE_MAX_GLARE, EYE_MIN_FACING_Z, EYE_MIN_PX_PER_MM,
     EYE_MIN_VISIBILITY, EYE_UNSURE, GAZE_MAX_SIGMA_DEG, GAZE_MIN_OPEN, GAZE_SHARED,
+    NATURAL_GAZE_FACING_Z,
 };
 use super::step::Step;
 use super::{State, Tracker};
@@ -60,8 +61,27 @@ impl Tracker {
             false => [-1.0; 2],
         };
         eyes.gaze = both(&eyes.each, &look.rotation);
+        if self.config.natural_gaze {
+            self.correct_gaze(&mut eyes, &look.rotation, step.now_us);
+        }
         eyes.look = looks(&eyes.each);
         self.result.eyes = eyes;
+    }
+
+    /// Learns from the gaze of both eyes, and takes off what is always wrong with it.
+    #[inline(never)]
+    fn correct_gaze(&mut self, eyes: &mut Eyes, rotation: &Mat3, now_us: i64) {
+        let natural = &mut self.target.natural_gaze;
+        let is_known = |gaze: &&mut Gaze| gaze.unknown == EyeUnknown::Known;
+        let faces = rotation.z_axis.z >= NATURAL_GAZE_FACING_Z;
+        if faces && eyes.gaze.unknown == EyeUnknown::Known {
+            natural.see(gaze_angles(Vec3::from(eyes.gaze.head)), now_us);
+        }
+        let [left, right] = &mut eyes.each;
+        let gazes = [&mut left.gaze, &mut right.gaze, &mut eyes.gaze];
+        for gaze in gazes.into_iter().filter(is_known) {
+            natural.correct(gaze, rotation);
+        }
     }
 
     /// Looks at the eye whose first landmark is given, and adds what it says of glasses.
@@ -118,12 +138,6 @@ impl Tracker {
             false => eye_of(&seen),
         }
     }
-}
-
-/// Angles of a gaze in the head frame to the subject's left and down \[rad\].
-fn angles(gaze: Vec3) -> [f32; 2] {
-    let across = libm::sqrtf(gaze.x * gaze.x + gaze.z * gaze.z);
-    [libm::atan2f(gaze.x, -gaze.z), libm::atan2f(gaze.y, across)]
 }
 
 fn middle(points: &[[f32; 2]; 6]) -> [f32; 2] {
@@ -200,7 +214,7 @@ fn both(eyes: &[Eye; 2], rotation: &Mat3) -> Gaze {
 fn looks(eyes: &[Eye; 2]) -> [f32; EYE_LOOKS] {
     // Angles to the subject's left and down.
     let [left, right] = eyes.each_ref().map(|eye| match eye.gaze.unknown {
-        EyeUnknown::Known => angles(Vec3::from(eye.gaze.head)),
+        EyeUnknown::Known => gaze_angles(Vec3::from(eye.gaze.head)),
         _ => [0.0; 2],
     });
     let weight = |angle: f32| (angle / EYE_LOOK_RAD).clamp(0.0, 1.0);

@@ -7,6 +7,7 @@ use crate::detect::Detection;
 use crate::image::{Frame, Roi};
 use crate::math::Similarity;
 use crate::shape::LANDMARKS;
+use glam::Vec3;
 
 /// Places the upright canonical shape of a view in a detection's box.
 pub(super) fn initial_shape(canonical: &Shape, face: &Detection) -> Option<Shape> {
@@ -97,4 +98,10 @@ pub(super) fn face_width(shape: &Shape) -> f32 {
     let [cx, cy] = centroid(shape);
     let sum: f32 = shape.iter().map(|[x, y]| length([x - cx, y - cy])).sum();
     2.0 * sum / LANDMARKS as f32
+}
+
+/// Angles of a gaze in the head frame to the subject's left and down \[rad\].
+pub(super) fn gaze_angles(gaze: Vec3) -> [f32; 2] {
+    let across = libm::sqrtf(gaze.x * gaze.x + gaze.z * gaze.z);
+    [libm::atan2f(gaze.x, -gaze.z), libm::atan2f(gaze.y, across)]
 }

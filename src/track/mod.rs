@@ -30,6 +30,7 @@ mod geometry;
 mod hint;
 mod model;
 mod motion;
+mod natural_gaze;
 mod one_euro;
 mod output;
 mod policy;

@@ -3,6 +3,7 @@
 use super::anchor::Anchor;
 use super::appearance::Appearance;
 use super::motion::{Motion, damped};
+use super::natural_gaze::NaturalGaze;
 use super::policy::{
     ACCEPT_CONFIDENCE, COVERED_US, IDENTITY_FRAMES, IDENTITY_PERIOD, LOW_CONFIDENCE_US,
     RECOGNISED_KEEP_CONFIDENCE, RECOGNISED_LANDMARKS, TRUST_CONFIDENCE, TRUSTED_KEEP_CONFIDENCE,
@@ -50,6 +51,7 @@ pub(super) struct Target {
     trusted_frames: u32,
     /// When it last had high confidence or was recognised \[µs\].
     confirmed_us: i64,
+    pub(super) natural_gaze: NaturalGaze,
 }
 
 impl Target {
@@ -67,6 +69,7 @@ impl Target {
         is_trusted: false,
         trusted_frames: 0,
         confirmed_us: 0,
+        natural_gaze: NaturalGaze::UNKNOWN,
     };
 
     pub(super) fn is_trusted(&self) -> bool {
@@ -121,6 +124,7 @@ impl Target {
     pub(super) fn begin_identity(&mut self) {
         self.identity = IdentityEstimator::new();
         self.appearance = Appearance::EMPTY;
+        self.natural_gaze = NaturalGaze::UNKNOWN;
         self.anchor.clear();
         self.trusted_frames = 0;
         self.is_trusted = false;
@@ -130,6 +134,7 @@ impl Target {
     pub(super) fn forget_identity(&mut self) {
         self.identity = IdentityEstimator::new();
         self.appearance = Appearance::EMPTY;
+        self.natural_gaze = NaturalGaze::UNKNOWN;
         self.face.identity = [0.0; MAX_IDENTITIES];
     }
 

@@ -74,6 +74,7 @@ impl Tracker {
             },
             roi: None,
             gaze: false,
+            natural_gaze: false,
         },
         result: TrackResult::EMPTY,
         smoother: Smoother::EMPTY,

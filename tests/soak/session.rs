@@ -237,7 +237,7 @@ pub(super) fn new_slot(random: &mut Random, model: &Exact, fill: u8) -> Slot {
         scan_budget: [0, 100, 1000 + random.below(30_000) as u32][random.below(3)],
         smoothing_hz: [0.0, 0.01 + random.unit()][random.below(2)],
         smoothing_beta: [0.0, 100.0 * random.unit()][random.below(2)],
-        gaze: random.below(2) as u32,
+        gaze: random.below(3) as u32,
         ..Default::default()
     };
     let with_camera = posewise_config {

@@ -73,9 +73,13 @@ pub struct TrackerArgs {
     /// cameras, else the whole frame]
     #[arg(long, value_name = "N", value_parser = whole(100, 10_000_000))]
     pub scan_budget: Option<u32>,
-    /// Look at the eyes: lids, iris, gaze, glasses; `track --monitor` does too
+    /// Look at the eyes: lids, iris, gaze, glasses
     #[arg(long)]
     pub gaze: bool,
+    /// The same, less part of the mean gaze, for who looks straight ahead most of the time, as
+    /// drivers do; `track --monitor` does too
+    #[arg(long)]
+    pub natural_gaze: bool,
     /// Write the smoothed values (One-Euro filter)
     #[arg(long)]
     pub smooth: bool,

@@ -42,7 +42,8 @@ impl<'m> Session<'m> {
             WHOLE_FRAME
         };
         config.scan_budget = args.scan_budget.unwrap_or(budget);
-        config.gaze = args.gaze;
+        config.gaze = args.gaze || args.natural_gaze;
+        config.natural_gaze = args.natural_gaze;
         let smoothing = &mut config.smoothing;
         smoothing.cutoff_hz = args.smooth_cutoff.unwrap_or(smoothing.cutoff_hz);
         smoothing.beta = args.smooth_beta.unwrap_or(smoothing.beta);

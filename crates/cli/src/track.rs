@@ -273,7 +273,7 @@ pub fn run(args: &TrackArgs) -> Result<Option<u8>> {
     let mut source = source::open(&args.input, args.frame.fps)?;
     let live = source.is_live();
     let settings = TrackerArgs {
-        gaze: args.tracker.gaze || args.monitor.is_some(),
+        natural_gaze: args.tracker.natural_gaze || args.monitor.is_some(),
         ..args.tracker.clone()
     };
     let mut trackers = Faces::new(args.faces, &model, &settings, live, args.frame.roi)?;

@@ -3,6 +3,7 @@
 
 mod calibration;
 mod crop;
+mod lens;
 mod samples;
 mod single;
 pub mod tracked;

@@ -2,6 +2,7 @@
 //! network is to say of them.
 
 use super::crop::{ROLL, crop_of, turned};
+use super::lens;
 use super::single::SingleEye;
 use crate::align::{Augment, Sample, Sizes, Source, disturb, normal, standardise};
 use crate::head::marks_px;
@@ -31,6 +32,11 @@ const SHUT: f32 = 0.85;
 const OPEN: f32 = 0.35;
 /// Least number of visible landmarks for labels of the lids.
 const VISIBLE: usize = 3;
+/// Weight of the lids from which they are drooping, and how much such lids count: there are half as
+/// many as open ones. How much lids count of which nothing is seen.
+const DROOPING: f32 = 0.2;
+const DROOPING_WEIGHT: f32 = 2.0;
+const UNSEEN_WEIGHT: f32 = 0.3;
 
 /// What the network is trained on.
 pub struct Eyes<'a> {
@@ -77,15 +83,35 @@ pub fn is_looking(eye: &Eye) -> bool {
     eye.truth.seen >= SEEN && eye.truth.lens < DARK
 }
 
+/// Whether a render's lids are seen.
+fn has_lids(eye: &Eye) -> bool {
+    let visible = eye.visible.iter().filter(|v| **v).count();
+    visible >= VISIBLE && eye.truth.lens < DARK
+}
+
 /// Whether a render's lids are open or shut; `None` in between and where they are hidden.
 pub fn is_open(eye: &Eye) -> Option<bool> {
-    let visible = eye.visible.iter().filter(|v| **v).count();
-    let known = visible >= VISIBLE && eye.truth.lens < DARK;
     match eye.blink {
-        SHUT.. => Some(false).filter(|_| known),
-        ..OPEN => Some(true).filter(|_| known),
+        SHUT.. => Some(false).filter(|_| has_lids(eye)),
+        ..OPEN => Some(true).filter(|_| has_lids(eye)),
         _ => None,
     }
+}
+
+/// What the network is to say of a render's lids, of which a lens leaves this share to be seen, and
+/// how much that counts: their opening, from the value of a shut eye's class to that of an open
+/// one, so that half-shut lids are in between, and the middle where nothing is seen of them.
+fn lids(eye: &Eye, seen: f32) -> (f32, f32) {
+    if !has_lids(eye) || seen <= 0.0 {
+        return (0.0, UNSEEN_WEIGHT);
+    }
+    let opening = CLASS_UNIT * (1.0 - 2.0 * eye.blink.clamp(0.0, 1.0));
+    let weight = if eye.blink > DROOPING {
+        DROOPING_WEIGHT
+    } else {
+        1.0
+    };
+    (opening, weight * (2.0 * seen).min(1.0))
 }
 
 fn class(is: bool) -> f32 {
@@ -102,20 +128,32 @@ impl Eyes<'_> {
         let back = to_frame.inverse().expect("a crop has extent");
         let [x, y] = back.apply(eye.truth.iris.to_array());
         let sine = place.to_camera.transpose() * eye.truth.gaze - self.by_nose * place.nose;
-        let open = is_open(eye);
-        let looking = f32::from(is_looking(eye)) * eye.truth.seen;
-        let glasses = [class(eye.truth.lens > 0.0), class(eye.truth.lens > DARK)];
-        let lids = [class(open.unwrap_or(true)), 0.0];
+        let mut crop = crop_of(&eye.picture, &to_frame, self.sizes.side, mirror);
+        let drawn = match eye.truth.lens > 0.0 {
+            true => None,
+            false => lens::draw(&mut crop, self.sizes.side, self.sizes.zoom, rng),
+        };
+        let seen = match drawn {
+            None => 1.0,
+            Some(lens) if lens.dark => 0.0,
+            Some(lens) => 1.0 - lens.opacity,
+        };
+        let (lids, lids_weight) = lids(eye, seen);
+        let looking = f32::from(is_looking(eye)) * eye.truth.seen * seen;
+        let glasses = [
+            class(drawn.is_some() || eye.truth.lens > 0.0),
+            class(drawn.is_some_and(|lens| lens.dark) || eye.truth.lens > DARK),
+        ];
         Sample {
-            crop: crop_of(&eye.picture, &to_frame, self.sizes.side, mirror),
+            crop,
             start: vec![[0.0; 2]; EYE_OUTPUTS],
             truth: vec![
                 [sign * x, y],
                 [GAZE_UNIT * sign * sine.x, GAZE_UNIT * sine.y],
-                lids,
+                [lids, 0.0],
                 glasses,
             ],
-            weights: vec![looking, 2.0 * looking, f32::from(open.is_some()), 0.5],
+            weights: vec![looking, 2.0 * looking, lids_weight, 0.5],
         }
     }
 

@@ -41,13 +41,13 @@ pub fn make(context: &Context<'_>) -> Result<Output> {
     let rendered = renders::make(context.store, &render, None)?;
     let calibration = renders::make(context.store, &others, None)?;
     let read = |output: &Output| eye_cache::read(&output.path(renders::FILE), usize::MAX);
-    let stage = Stage::new("eyes-network", 1)
+    let stage = Stage::new("eyes-network", 2)
         .options(&(&options.network, options.by_nose, MARKS_VERSION))?
         .input("renders-eyes", rendered.hash(renders::FILE)?);
     let network = context.store.make(&stage, &[NETWORK], |folder| {
         eyes::train_rendered(&read(&rendered)?, &options, &folder.join(NETWORK))
     })?;
-    let stage = Stage::new("eyes", 2)
+    let stage = Stage::new("eyes", 3)
         .options(&options)?
         .input("eyes-network", network.hash(NETWORK)?)
         .input("renders-eyes", rendered.hash(renders::FILE)?)

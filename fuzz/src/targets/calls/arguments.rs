@@ -198,10 +198,10 @@ pub(super) fn config(input: &mut Input<'_>) -> (Exact, bool) {
         0x40 => (1.0, -1.0),
         _ => (0.0, 0.0),
     };
-    let gaze = [0, 1, 1, 2][input.u8() as usize & 3];
+    let gaze = [0, 1, 2, 3][input.u8() as usize & 3];
     let valid = struct_size == CONFIG
         && flags == 0
-        && gaze < 2
+        && gaze < 3
         && (min_face_px == 0 || (24..=4096).contains(&min_face_px))
         && (scan_budget == 0 || (100..=10_000_000).contains(&scan_budget))
         && camera
