@@ -12,6 +12,8 @@ pub enum KernelName {
     Sse2,
     /// x86-64 with AVX2.
     Avx2,
+    /// x86-64 with AVX2 and AVX-VNNI.
+    Vnni,
     /// AArch64.
     Neon,
     /// AArch64 with dot products.
@@ -22,10 +24,11 @@ pub enum KernelName {
 
 impl KernelName {
     /// All kernels, the fastest of each machine last.
-    pub const ALL: [KernelName; 6] = [
+    pub const ALL: [KernelName; 7] = [
         Self::Scalar,
         Self::Sse2,
         Self::Avx2,
+        Self::Vnni,
         Self::Neon,
         Self::Dotprod,
         Self::Simd128,
@@ -37,6 +40,7 @@ impl KernelName {
             Self::Scalar => "scalar",
             Self::Sse2 => "sse2",
             Self::Avx2 => "avx2",
+            Self::Vnni => "vnni",
             Self::Neon => "neon",
             Self::Dotprod => "dotprod",
             Self::Simd128 => "simd128",
@@ -49,7 +53,9 @@ impl KernelName {
             Self::Scalar => cfg!(any(test, feature = "unstable-internals", not(simd_kernel))),
             Self::Sse2 => cfg!(target_arch = "x86_64"),
             #[cfg(target_arch = "x86_64")]
-            Self::Avx2 => super::avx2::is_available(),
+            Self::Avx2 => super::avx::has_avx2(),
+            #[cfg(target_arch = "x86_64")]
+            Self::Vnni => super::avx::has_vnni(),
             Self::Neon => cfg!(target_arch = "aarch64"),
             Self::Dotprod => cfg!(target_arch = "aarch64") && has_dotprod(),
             Self::Simd128 => cfg!(all(target_arch = "wasm32", simd_kernel)),
@@ -122,6 +128,8 @@ pub fn select_kernel(kernel: KernelName) -> bool {
 #[derive(Clone, Copy)]
 pub(in crate::network) enum Chosen {
     #[cfg(target_arch = "x86_64")]
+    Vnni(super::vnni::Vnni),
+    #[cfg(target_arch = "x86_64")]
     Avx2(super::avx2::Avx2),
     #[cfg(target_arch = "x86_64")]
     Sse2(super::sse2::Sse2),
@@ -151,6 +159,9 @@ pub(super) unsafe fn of_name(name: KernelName) -> Chosen {
     match name {
         #[cfg(target_arch = "x86_64")]
         // SAFETY: the caller promises that it is available.
+        KernelName::Vnni => Chosen::Vnni(unsafe { super::vnni::Vnni::new() }),
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: as above.
         KernelName::Avx2 => Chosen::Avx2(unsafe { super::avx2::Avx2::new() }),
         #[cfg(all(simd_kernel, any(test, feature = "unstable-internals")))]
         KernelName::Scalar => Chosen::Scalar(super::scalar::Scalar),
@@ -173,6 +184,8 @@ macro_rules! dispatch {
     ($kernel:ident => $call:expr) => {{
         use crate::network::kernel::{Chosen, chosen};
         match chosen() {
+            #[cfg(target_arch = "x86_64")]
+            Chosen::Vnni($kernel) => $call,
             #[cfg(target_arch = "x86_64")]
             Chosen::Avx2($kernel) => $call,
             #[cfg(target_arch = "x86_64")]

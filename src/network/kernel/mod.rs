@@ -10,6 +10,8 @@
 #[cfg(target_arch = "aarch64")]
 mod aarch64;
 #[cfg(target_arch = "x86_64")]
+mod avx;
+#[cfg(target_arch = "x86_64")]
 mod avx2;
 mod choice;
 #[cfg(target_arch = "aarch64")]
@@ -30,6 +32,8 @@ mod tail;
 mod tests;
 #[cfg(simd_kernel)]
 mod unrolled;
+#[cfg(target_arch = "x86_64")]
+mod vnni;
 
 pub(super) use choice::{Chosen, chosen, dispatch};
 pub use choice::{KernelName, chosen_kernel, select_kernel, set_dotprod};

@@ -327,6 +327,37 @@ impl<'a> Rows<'a> {
         starts
     }
 
+    /// The first bytes of so many input columns, from the one to the left of output pixel `x` on.
+    #[cfg(target_arch = "x86_64")]
+    #[inline(always)]
+    pub fn columns<const N: usize>(&self, x: usize) -> [[*const u8; N]; 3] {
+        let first = (x * self.stride).wrapping_sub(1);
+        self.rows.map(|row| {
+            core::array::from_fn(|k| {
+                let sx = first.wrapping_add(k);
+                match row.is_empty() || sx >= self.side {
+                    true => OUTSIDE.as_ptr(),
+                    false => row.as_ptr().wrapping_add(sx * self.channels),
+                }
+            })
+        })
+    }
+
+    /// Whether all of [`Self::columns`] are in the map.
+    #[cfg(target_arch = "x86_64")]
+    #[inline(always)]
+    pub fn has_columns<const N: usize>(&self, x: usize) -> bool {
+        let first = (x * self.stride).wrapping_sub(1);
+        first.wrapping_add(N) <= self.side && first < self.side
+    }
+
+    /// From an output pixel's input to the next one's \[px\].
+    #[cfg(target_arch = "x86_64")]
+    #[inline(always)]
+    pub fn stride(&self) -> usize {
+        self.stride
+    }
+
     /// Those of the first `pixels` output pixels whose taps lie between the map's left and right
     /// edges.
     #[cfg(any(target_arch = "aarch64", target_arch = "x86_64"))]

@@ -19,6 +19,8 @@ macro_rules! each_kernel {
             // SAFETY: it is available.
             match unsafe { choice::of_name($name) } {
                 #[cfg(target_arch = "x86_64")]
+                Chosen::Vnni($kernel) => $test,
+                #[cfg(target_arch = "x86_64")]
                 Chosen::Avx2($kernel) => $test,
                 #[cfg(target_arch = "x86_64")]
                 Chosen::Sse2($kernel) => $test,

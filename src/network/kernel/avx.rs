@@ -1,0 +1,260 @@
+//! What the kernels for x86-64 with 256-bit registers share.
+
+use super::{BLOCK, Scale, Sum, tail};
+use core::arch::x86_64::*;
+
+/// Whether the processor has AVX2, and the operating system keeps its registers.
+pub(super) fn has_avx2() -> bool {
+    // Miri runs no CPUID.
+    if cfg!(any(target_feature = "avx2", miri)) {
+        return cfg!(target_feature = "avx2");
+    }
+    const OSXSAVE_AND_AVX: u32 = 1 << 27 | 1 << 28;
+    const AVX2: u32 = 1 << 5;
+    /// Bits of XCR0: the state of XMM and YMM registers.
+    const REGISTERS: u64 = 0b110;
+    if __cpuid(0).eax < 7 || __cpuid(1).ecx & OSXSAVE_AND_AVX != OSXSAVE_AND_AVX {
+        return false;
+    }
+    // SAFETY: OSXSAVE says that the instruction may be used.
+    let registers = unsafe { xcr0() };
+    registers & REGISTERS == REGISTERS && __cpuid_count(7, 0).ebx & AVX2 != 0
+}
+
+/// Whether the processor has AVX-VNNI too.
+pub(super) fn has_vnni() -> bool {
+    // Miri has no such instruction.
+    if cfg!(any(target_feature = "avxvnni", miri)) {
+        return cfg!(target_feature = "avxvnni");
+    }
+    const AVX_VNNI: u32 = 1 << 4;
+    has_avx2() && __cpuid_count(7, 0).eax >= 1 && __cpuid_count(7, 1).eax & AVX_VNNI != 0
+}
+
+/// Extended control register 0.
+#[target_feature(enable = "xsave")]
+fn xcr0() -> u64 {
+    // SAFETY: register 0 exists where XSAVE does.
+    unsafe { _xgetbv(0) }
+}
+
+/// `conv2d` by the module's `sums`, which has the same target features.
+macro_rules! conv2d_by_tile {
+    ($features:literal) => {
+        /// Tiles of pixels × blocks that fill twelve of the sixteen registers: 6×2, for three
+        /// blocks that are left 4×3, for one that is left 8×1.
+        #[target_feature(enable = $features)]
+        fn conv2d(mut strip: Strip<'_>) {
+            let mut block = 0;
+            while let left @ 1.. = strip.blocks().saturating_sub(block) {
+                block += match left {
+                    1 => tiles::<8, 1>(&mut strip, block),
+                    3 => tiles::<4, 3>(&mut strip, block),
+                    _ => tiles::<6, 2>(&mut strip, block),
+                };
+            }
+        }
+
+        /// All pixels of `B` blocks from `block` on, `P` pixels at a time. Returns `B`.
+        #[target_feature(enable = $features)]
+        #[inline]
+        fn tiles<const P: usize, const B: usize>(strip: &mut Strip<'_>, block: usize) -> usize {
+            let (pixels, channels) = (strip.pixels(), strip.channels());
+            let scale = *strip.scale();
+            let requantization = Requantization::new(&scale);
+            let out = strip.out().as_mut_ptr().wrapping_add(block * BLOCK);
+            let mut first = 0;
+            while first < pixels {
+                let tile = strip.tile(first, P);
+                // SAFETY: `conv2d` takes only blocks that the strip has.
+                let sums = unsafe { sums::<P, B>(strip, tile, block) };
+                unrolled!(p < P => {
+                    if p < tile.present {
+                        let out = out.wrapping_add((first + p) * channels);
+                        // SAFETY: the strip has the outputs of all its blocks at all its pixels.
+                        unsafe { store(&requantization, &sums[p], block, out) };
+                    }
+                });
+                first += tile.present;
+            }
+            B
+        }
+    };
+}
+pub(super) use conv2d_by_tile;
+
+/// Writes the outputs of `B` blocks from `block` on at a pixel.
+///
+/// # Safety
+/// The scale has these blocks, and `out` is valid for their channels.
+#[target_feature(enable = "avx2")]
+#[inline]
+pub(super) unsafe fn store<const B: usize>(
+    requantization: &Requantization<'_>,
+    sums: &[__m256i; B],
+    block: usize,
+    out: *mut u8,
+) {
+    // SAFETY: as the caller promises.
+    unsafe {
+        if B >= 2 {
+            requantization.store16([sums[0], sums[1]], block, out);
+        }
+        if B % 2 == 1 {
+            let last = B - 1;
+            requantization.store8(sums[last], block + last, out.add(last * BLOCK));
+        }
+    }
+}
+
+/// The eight numbers of a block.
+///
+/// # Safety
+/// There are so many blocks.
+#[target_feature(enable = "avx2")]
+#[inline]
+pub(super) unsafe fn eight(of: &[[i32; BLOCK]], block: usize) -> __m256i {
+    // SAFETY: as the caller promises.
+    unsafe { _mm256_loadu_si256(of.as_ptr().add(block).cast()) }
+}
+
+/// A [`Scale`] in registers, but for the bias, with which the sums start.
+pub(super) struct Requantization<'a> {
+    scale: &'a Scale<'a>,
+    pre_shift: __m128i,
+    post_shift: __m128i,
+    half: __m256i,
+    /// The zero point; less 2·128 where a lateral is added.
+    offset: __m256i,
+}
+
+impl<'a> Requantization<'a> {
+    #[target_feature(enable = "avx2")]
+    #[inline]
+    pub(super) fn new(scale: &'a Scale<'a>) -> Self {
+        let (pre_shift, post_shift, half) = scale.shifts();
+        let lateral = if scale.lateral { -256 } else { 0 };
+        Requantization {
+            scale,
+            pre_shift: _mm_cvtsi32_si128(pre_shift as i32),
+            post_shift: _mm_cvtsi32_si128(post_shift as i32),
+            half: _mm256_set1_epi32(half),
+            offset: _mm256_set1_epi16((scale.zero_point + lateral) as i16),
+        }
+    }
+
+    /// The sums of a block, scaled.
+    ///
+    /// # Safety
+    /// The scale has the block.
+    #[target_feature(enable = "avx2")]
+    #[inline]
+    unsafe fn scaled(&self, sums: __m256i, block: usize) -> __m256i {
+        // SAFETY: as the caller promises.
+        let multiplier = unsafe { eight(self.scale.multiplier, block) };
+        let kept = _mm256_sra_epi32(sums, self.pre_shift);
+        // Only the lower 16 bits of each factor are multiplied: the upper ones meet zeros.
+        let multiplier = _mm256_and_si256(multiplier, _mm256_set1_epi32(0xffff));
+        let scaled = _mm256_madd_epi16(kept, multiplier);
+        _mm256_sra_epi32(_mm256_add_epi32(scaled, self.half), self.post_shift)
+    }
+
+    /// Writes the outputs of two blocks of channels of a pixel.
+    ///
+    /// # Safety
+    /// The scale has both blocks, and `out` is valid for sixteen bytes.
+    #[target_feature(enable = "avx2")]
+    #[inline]
+    pub(super) unsafe fn store16(&self, sums: [__m256i; 2], block: usize, out: *mut u8) {
+        // SAFETY: as the caller promises.
+        let (first, second) =
+            unsafe { (self.scaled(sums[0], block), self.scaled(sums[1], block + 1)) };
+        // In units of four channels, 0 2 | 1 3. What saturates here is clamped below anyway.
+        let words = _mm256_packs_epi32(first, second);
+        let mut offset = self.offset;
+        if self.scale.lateral {
+            // SAFETY: as the caller promises.
+            let lateral = unsafe { _mm_loadu_si128(out.cast()) };
+            let lateral = _mm256_cvtepu8_epi16(_mm_shuffle_epi32::<0b11_01_10_00>(lateral));
+            offset = _mm256_add_epi16(offset, _mm256_slli_epi16::<1>(lateral));
+        }
+        let words = _mm256_adds_epi16(words, offset);
+        let (low, high) = (
+            _mm256_castsi256_si128(words),
+            _mm256_extracti128_si256::<1>(words),
+        );
+        let bytes = _mm_shuffle_epi32::<0b11_01_10_00>(_mm_packus_epi16(low, high));
+        // SAFETY: as the caller promises.
+        unsafe { _mm_storeu_si128(out.cast(), bytes) };
+    }
+
+    /// Writes the outputs of a block of channels of a pixel.
+    ///
+    /// # Safety
+    /// The scale has the block, and `out` is valid for eight bytes.
+    #[target_feature(enable = "avx2")]
+    #[inline]
+    pub(super) unsafe fn store8(&self, sums: __m256i, block: usize, out: *mut u8) {
+        // SAFETY: as the caller promises.
+        let scaled = unsafe { self.scaled(sums, block) };
+        let (low, high) = (
+            _mm256_castsi256_si128(scaled),
+            _mm256_extracti128_si256::<1>(scaled),
+        );
+        let words = _mm_packs_epi32(low, high);
+        let mut offset = _mm256_castsi256_si128(self.offset);
+        if self.scale.lateral {
+            // SAFETY: as the caller promises.
+            let lateral = _mm_cvtepu8_epi16(unsafe { _mm_loadl_epi64(out.cast_const().cast()) });
+            offset = _mm_add_epi16(offset, _mm_slli_epi16::<1>(lateral));
+        }
+        let words = _mm_adds_epi16(words, offset);
+        // SAFETY: as the caller promises.
+        unsafe { _mm_storel_epi64(out.cast(), _mm_packus_epi16(words, words)) };
+    }
+}
+
+#[target_feature(enable = "avx2")]
+pub(super) fn add(sum: &Sum, other: &[u8], out: &mut [u8]) {
+    let (pre_shift, post_shift, half) = sum.shifts();
+    let [own, second] = sum.factors.map(|f| f as u16 as u32);
+    let factors = _mm256_set1_epi32((own | second << 16) as i32);
+    let half = _mm256_set1_epi32(half);
+    let [pre_shift, post_shift] = [pre_shift, post_shift].map(|s| _mm_cvtsi32_si128(s as i32));
+    let (vectors, rest) = out.as_chunks_mut::<16>();
+    let (others, rest_of_other) = other.as_chunks::<16>();
+    for (out, other) in vectors.iter_mut().zip(others) {
+        // SAFETY: both are sixteen bytes.
+        let [own, other] = [&*out, other]
+            .map(|v| unsafe { _mm256_cvtepu8_epi16(_mm_loadu_si128(v.as_ptr().cast())) });
+        let pairs = [
+            _mm256_unpacklo_epi16(own, other),
+            _mm256_unpackhi_epi16(own, other),
+        ];
+        let [low, high] = pairs.map(|pairs| {
+            let sum = _mm256_sra_epi32(_mm256_madd_epi16(pairs, factors), pre_shift);
+            _mm256_sra_epi32(_mm256_add_epi32(sum, half), post_shift)
+        });
+        let words = _mm256_packs_epi32(low, high);
+        let (low, high) = (
+            _mm256_castsi256_si128(words),
+            _mm256_extracti128_si256::<1>(words),
+        );
+        // SAFETY: the output is sixteen bytes.
+        unsafe { _mm_storeu_si128(out.as_mut_ptr().cast(), _mm_packus_epi16(low, high)) };
+    }
+    tail::add(sum, rest_of_other, rest);
+}
+
+/// The sum of eight numbers.
+#[target_feature(enable = "avx2")]
+#[inline]
+pub(super) fn sum_of(numbers: __m256i) -> i32 {
+    let (low, high) = (
+        _mm256_castsi256_si128(numbers),
+        _mm256_extracti128_si256::<1>(numbers),
+    );
+    let sums = _mm_add_epi32(low, high);
+    let sums = _mm_add_epi32(sums, _mm_shuffle_epi32::<0b1110>(sums));
+    _mm_cvtsi128_si32(_mm_add_epi32(sums, _mm_shuffle_epi32::<0b01>(sums)))
+}

@@ -1,0 +1,415 @@
+//! The kernel for x86-64 with AVX-VNNI: `vpdpbusd` adds four products of a byte and a signed byte to
+//! each of eight sums.
+//!
+//! Values x are multiplied as they are; the bias makes up for it: Σ w·(x − z) = Σ w·x − z·Σ w, where
+//! z is the zero point.
+
+use super::avx::{Requantization, add, conv2d_by_tile, eight, store, sum_of};
+use super::{BLOCK, DepthwiseWeights, Kernel, Rows, Scale, Strip, Tile};
+use super::{forwarded, tail, unrolled};
+use core::arch::x86_64::*;
+
+/// Shows that the machine has AVX2 and AVX-VNNI.
+#[derive(Clone, Copy)]
+pub(in crate::network) struct Vnni(());
+
+impl Vnni {
+    /// # Safety
+    /// The machine has both, as [`has_vnni`](super::avx::has_vnni) says.
+    #[inline(always)]
+    pub(in crate::network) unsafe fn new() -> Self {
+        Vnni(())
+    }
+}
+
+/// Columns that are multiplied together.
+const GROUP: usize = 4;
+
+impl Kernel for Vnni {
+    const WIDTH: usize = 1;
+    const GROUP: usize = GROUP;
+    const TILE: usize = 6;
+    const PAIRED: bool = false;
+
+    fn stage(self, values: &[u8], _zero_point: u8, staged: &mut [u8]) {
+        if let Some(staged) = staged.get_mut(..values.len()) {
+            staged.copy_from_slice(values);
+        }
+    }
+
+    fn padding(self, zero_point: u8) -> u8 {
+        zero_point
+    }
+
+    fn correct(self, weights: &[i8], zero_point: u8, bias: &mut [[i32; BLOCK]]) {
+        if zero_point != 0 {
+            // SAFETY: `self` exists only where the machine has AVX2 and AVX-VNNI.
+            unsafe { correct(weights, zero_point, bias) }
+        }
+    }
+
+    forwarded!();
+}
+
+/// Subtracts what values that stand for 0 add to the sums of each block.
+#[target_feature(enable = "avx2,avxvnni")]
+fn correct(weights: &[i8], zero_point: u8, bias: &mut [[i32; BLOCK]]) {
+    let zero_points = _mm256_set1_epi8(zero_point as i8);
+    let blocks = weights.chunks_exact((weights.len() / bias.len().max(1)).max(1));
+    for (bias, weights) in bias.iter_mut().zip(blocks) {
+        let mut sums = _mm256_setzero_si256();
+        for weights in weights.as_chunks::<{ GROUP * BLOCK }>().0 {
+            // SAFETY: a group of columns of a block.
+            let weights = unsafe { quads(weights.as_ptr()) };
+            sums = _mm256_dpbusd_avx_epi32(sums, zero_points, weights);
+        }
+        // SAFETY: a block has eight biases.
+        unsafe {
+            let bias = bias.as_mut_ptr().cast();
+            _mm256_storeu_si256(bias, _mm256_sub_epi32(_mm256_loadu_si256(bias), sums));
+        }
+    }
+}
+
+conv2d_by_tile!("avx2,avxvnni");
+
+/// The sums of the `P` pixels of a tile in `B` blocks from `block` on.
+///
+/// # Safety
+/// The strip has these blocks.
+#[target_feature(enable = "avx2,avxvnni")]
+#[inline]
+unsafe fn sums<const P: usize, const B: usize>(
+    strip: &Strip<'_>,
+    tile: Tile,
+    block: usize,
+) -> [[__m256i; B]; P] {
+    let mut bias = [_mm256_setzero_si256(); B];
+    unrolled!(b < B => {
+        // SAFETY: as the caller promises.
+        bias[b] = unsafe { eight(strip.scale().bias, block + b) };
+    });
+    let mut sums = [bias; P];
+    let block_weights = strip.block_weights();
+    let mut weights = strip.weights().as_ptr().wrapping_add(block * block_weights);
+    for row in strip.rows() {
+        let mut values = [tile.window.wrapping_add(*row); P];
+        unrolled!(p < P => {
+            values[p] = values[p].wrapping_add(p * tile.step);
+        });
+        for group in 0..strip.columns() / GROUP {
+            let mut of_block = [_mm256_setzero_si256(); B];
+            unrolled!(b < B => {
+                // SAFETY: a block has the weights of each group of columns of each row.
+                of_block[b] = unsafe { quads(weights.add(b * block_weights)) };
+            });
+            unrolled!(p < P => {
+                // SAFETY: a window has a byte for each column.
+                let quad = unsafe {
+                    values[p].add(GROUP * group).cast::<i32>().read_unaligned()
+                };
+                let quad = _mm256_set1_epi32(quad);
+                unrolled!(b < B => {
+                    sums[p][b] = _mm256_dpbusd_avx_epi32(sums[p][b], quad, of_block[b]);
+                });
+            });
+            weights = weights.wrapping_add(GROUP * BLOCK);
+        }
+    }
+    sums
+}
+
+/// Weights of a block for four columns: those of a channel side by side.
+///
+/// # Safety
+/// There are 32 of them.
+#[target_feature(enable = "avx2")]
+#[inline]
+unsafe fn quads(weights: *const i8) -> __m256i {
+    // SAFETY: as the caller promises.
+    let pairs = unsafe { _mm256_loadu_si256(weights.cast()) };
+    // Two pairs of columns of channels 0 to 3 | 4 to 7.
+    let halves = _mm256_permute4x64_epi64::<0b11_01_10_00>(pairs);
+    let order = _mm_setr_epi8(0, 1, 8, 9, 2, 3, 10, 11, 4, 5, 12, 13, 6, 7, 14, 15);
+    _mm256_shuffle_epi8(halves, _mm256_broadcastsi128_si256(order))
+}
+
+/// Two blocks of channels of all pixels, then the next two.
+#[target_feature(enable = "avx2,avxvnni")]
+fn depthwise3x3(
+    rows: &Rows<'_>,
+    weights: &DepthwiseWeights<'_>,
+    scale: &Scale<'_>,
+    out: &mut [u8],
+) {
+    let channels = rows.channels();
+    let blocks = channels / BLOCK;
+    let weights = weights.raw;
+    if weights.len() < 9 * channels || scale.bias.len() < blocks || scale.multiplier.len() < blocks
+    {
+        return;
+    }
+    for block in (0..blocks).step_by(2) {
+        // SAFETY: there are the weights and the scale of all channels.
+        unsafe {
+            match (block + 1 < blocks, rows.stride()) {
+                (true, 1) => depthwise::<2, 1>(rows, weights, scale, block, out),
+                (true, _) => depthwise::<2, 2>(rows, weights, scale, block, out),
+                (false, 1) => depthwise::<1, 1>(rows, weights, scale, block, out),
+                (false, _) => depthwise::<1, 2>(rows, weights, scale, block, out),
+            }
+        }
+    }
+}
+
+/// The outputs of `B` blocks from `block` on, where output pixels are `STRIDE` input pixels apart.
+/// The lower half of each vector is of one or two pixels, the upper half of the next ones.
+///
+/// # Safety
+/// The rows, the nine weights of each channel and the scale have these blocks.
+#[target_feature(enable = "avx2,avxvnni")]
+#[inline]
+unsafe fn depthwise<const B: usize, const STRIDE: usize>(
+    rows: &Rows<'_>,
+    weights: &[i8],
+    scale: &Scale<'_>,
+    block: usize,
+    out: &mut [u8],
+) {
+    let (channels, at) = (rows.channels(), block * BLOCK);
+    let pixels = out.len() / channels.max(1);
+    let together = 4 / STRIDE;
+    // SAFETY: the caller promises the weights and the scale; every output pixel and every input
+    // column has all channels.
+    unsafe {
+        let weights = Taps::read::<B>(weights.as_ptr().add(at), channels);
+        let layer = Layer::<B>::new(scale, block);
+        let out = out.as_mut_ptr().add(at);
+        for x in (0..pixels).step_by(together) {
+            let sums = if rows.has_columns::<6>(x) {
+                let lines = rows.lines(x);
+                weights.sums::<B, STRIDE>(layer.bias, |row, k| lines[row].tap(k).add(at))
+            } else {
+                let columns = rows.columns::<6>(x);
+                weights.sums::<B, STRIDE>(layer.bias, |row, k| columns[row][k].add(at))
+            };
+            let present = pixels - x;
+            let out = out.add(x * channels);
+            let half = together / 2;
+            layer.store(sums[0], [out, out.add(half * channels)], present > half);
+            if STRIDE == 1 && present > 1 {
+                let next = [out.add(channels), out.add(3 * channels)];
+                layer.store(sums[1], next, present > 3);
+            }
+        }
+    }
+}
+
+/// Weights of sixteen channels, by row: four channels in each half of a vector, both the same.
+#[derive(Clone, Copy)]
+struct Taps {
+    /// Left, middle, right, 0.
+    first: [[__m256i; 4]; 3],
+    /// 0, left, middle, right.
+    second: [[__m256i; 4]; 3],
+}
+
+impl Taps {
+    /// Reads the weights of `B` blocks; those of the next tap are `channels` further on.
+    ///
+    /// # Safety
+    /// They are there.
+    #[target_feature(enable = "avx2")]
+    #[inline]
+    unsafe fn read<const B: usize>(weights: *const i8, channels: usize) -> Self {
+        let mut first = [[_mm256_setzero_si256(); 4]; 3];
+        let mut second = first;
+        for (row, (first, second)) in first.iter_mut().zip(&mut second).enumerate() {
+            let tap = |k| weights.wrapping_add((3 * row + k) * channels).cast();
+            // SAFETY: as the caller promises.
+            *first = unsafe { quads_of::<B, 2>(|_, k| tap(k)) };
+            *second = first.map(|w| _mm256_slli_epi32::<8>(w));
+        }
+        Taps { first, second }
+    }
+
+    /// The sums of the pixels whose input columns start at `tap(row, 0)` to `tap(row, 5)`: of the
+    /// first pixel of each half and, where `STRIDE` is 1, of the second.
+    ///
+    /// # Safety
+    /// There are `B` blocks at each.
+    #[target_feature(enable = "avx2,avxvnni")]
+    #[inline]
+    unsafe fn sums<const B: usize, const STRIDE: usize>(
+        &self,
+        bias: [__m256i; 4],
+        tap: impl Fn(usize, usize) -> *const u8,
+    ) -> [[__m256i; 4]; 2] {
+        let [mut first, mut second] = [bias; 2];
+        unrolled!(row < 3 => {
+            // SAFETY: as the caller promises.
+            let quads = unsafe { quads_of::<B, STRIDE>(|half, k| tap(row, 2 * half + k)) };
+            unrolled!(q < 4 => {
+                if q < 2 * B {
+                    first[q] = _mm256_dpbusd_avx_epi32(first[q], quads[q], self.first[row][q]);
+                    if STRIDE == 1 {
+                        second[q] =
+                            _mm256_dpbusd_avx_epi32(second[q], quads[q], self.second[row][q]);
+                    }
+                }
+            });
+        });
+        [first, second]
+    }
+}
+
+/// Four columns of `B` blocks side by side, those of each half of the vectors from `column(half,
+/// k)` on; where `STRIDE` is 2 the fourth is 0.
+///
+/// # Safety
+/// There are `B` blocks at each.
+#[target_feature(enable = "avx2")]
+#[inline]
+unsafe fn quads_of<const B: usize, const STRIDE: usize>(
+    column: impl Fn(usize, usize) -> *const u8,
+) -> [__m256i; 4] {
+    let mut columns = [_mm256_setzero_si256(); 4];
+    unrolled!(k < 4 => {
+        if k < 3 || STRIDE == 1 {
+            // SAFETY: as the caller promises.
+            let [low, high] = unsafe { [bytes::<B>(column(0, k)), bytes::<B>(column(1, k))] };
+            columns[k] = _mm256_inserti128_si256::<1>(_mm256_castsi128_si256(low), high);
+        }
+    });
+    let [a, b, c, d] = columns;
+    let low = [_mm256_unpacklo_epi8(a, b), _mm256_unpacklo_epi8(c, d)];
+    let high = [_mm256_unpackhi_epi8(a, b), _mm256_unpackhi_epi8(c, d)];
+    [
+        _mm256_unpacklo_epi16(low[0], low[1]),
+        _mm256_unpackhi_epi16(low[0], low[1]),
+        _mm256_unpacklo_epi16(high[0], high[1]),
+        _mm256_unpackhi_epi16(high[0], high[1]),
+    ]
+}
+
+/// Reads the bytes of one or two blocks.
+///
+/// # Safety
+/// They are there.
+#[target_feature(enable = "avx2")]
+#[inline]
+unsafe fn bytes<const B: usize>(from: *const u8) -> __m128i {
+    // SAFETY: as the caller promises.
+    unsafe {
+        match B {
+            1 => _mm_loadl_epi64(from.cast()),
+            _ => _mm_loadu_si128(from.cast()),
+        }
+    }
+}
+
+/// The scale of `B` blocks: four channels in each half of a vector, both the same.
+#[derive(Clone, Copy)]
+struct Layer<const B: usize> {
+    bias: [__m256i; 4],
+    multiplier: [__m256i; 4],
+    pre_shift: __m128i,
+    post_shift: __m128i,
+    half: __m256i,
+}
+
+impl<const B: usize> Layer<B> {
+    /// # Safety
+    /// The scale has the blocks from `block` on.
+    #[target_feature(enable = "avx2")]
+    #[inline]
+    unsafe fn new(scale: &Scale<'_>, block: usize) -> Self {
+        let (pre_shift, post_shift, half) = scale.shifts();
+        let [mut bias, mut multiplier] = [[_mm256_setzero_si256(); 4]; 2];
+        unrolled!(q < 4 => {
+            if q < 2 * B {
+                let [of_bias, of_multiplier] = [scale.bias, scale.multiplier].map(|of| {
+                    let four = of.as_ptr().wrapping_add(block).cast::<__m128i>().wrapping_add(q);
+                    // SAFETY: as the caller promises.
+                    _mm256_broadcastsi128_si256(unsafe { _mm_loadu_si128(four) })
+                });
+                bias[q] = of_bias;
+                // Only the lower 16 bits of each factor are multiplied: the upper ones meet zeros.
+                multiplier[q] = _mm256_and_si256(of_multiplier, _mm256_set1_epi32(0xffff));
+            }
+        });
+        Layer {
+            bias,
+            multiplier,
+            pre_shift: _mm_cvtsi32_si128(pre_shift as i32),
+            post_shift: _mm_cvtsi32_si128(post_shift as i32),
+            half: _mm256_set1_epi32(half),
+        }
+    }
+
+    /// Writes the outputs of the lower halves, and those of the upper halves where they are
+    /// wanted.
+    ///
+    /// # Safety
+    /// What is written to is valid for `B` blocks.
+    #[target_feature(enable = "avx2")]
+    #[inline]
+    unsafe fn store(&self, sums: [__m256i; 4], out: [*mut u8; 2], upper: bool) {
+        let mut scaled = sums;
+        unrolled!(q < 4 => {
+            if q < 2 * B {
+                let kept = _mm256_sra_epi32(sums[q], self.pre_shift);
+                let product = _mm256_madd_epi16(kept, self.multiplier[q]);
+                scaled[q] =
+                    _mm256_sra_epi32(_mm256_add_epi32(product, self.half), self.post_shift);
+            }
+        });
+        // What saturates here is clamped to bytes anyway.
+        let words = [
+            _mm256_packs_epi32(scaled[0], scaled[1]),
+            _mm256_packs_epi32(scaled[2], scaled[3]),
+        ];
+        let bytes = _mm256_packus_epi16(words[0], words[1]);
+        let halves = [
+            _mm256_castsi256_si128(bytes),
+            _mm256_extracti128_si256::<1>(bytes),
+        ];
+        // SAFETY: as the caller promises.
+        unsafe {
+            write::<B>(halves[0], out[0]);
+            if upper {
+                write::<B>(halves[1], out[1]);
+            }
+        }
+    }
+}
+
+/// Writes the bytes of one or two blocks.
+///
+/// # Safety
+/// There is room.
+#[target_feature(enable = "avx2")]
+#[inline]
+unsafe fn write<const B: usize>(bytes: __m128i, out: *mut u8) {
+    // SAFETY: as the caller promises.
+    unsafe {
+        match B {
+            1 => _mm_storel_epi64(out.cast(), bytes),
+            _ => _mm_storeu_si128(out.cast(), bytes),
+        }
+    }
+}
+
+#[target_feature(enable = "avx2,avxvnni")]
+fn dot(features: &[u8], weights: &[i8]) -> i32 {
+    let (vectors, rest) = features.as_chunks::<32>();
+    let (rows, rest_of_row) = weights.as_chunks::<32>();
+    let mut sums = _mm256_setzero_si256();
+    for (features, weights) in vectors.iter().zip(rows) {
+        // SAFETY: both are 32 bytes.
+        let [features, weights] = [features.as_ptr().cast(), weights.as_ptr().cast()]
+            .map(|v| unsafe { _mm256_loadu_si256(v) });
+        sums = _mm256_dpbusd_avx_epi32(sums, features, weights);
+    }
+    sum_of(sums).wrapping_add(tail::dot(rest, rest_of_row))
+}
