@@ -1,8 +1,8 @@
 //! Execution of a network's nodes.
 
 use super::kernel::{
-    BLOCK, DepthwiseWeights, Kernel, MAX_ROWS, Rows, STAGING, Scale, Staging, Strip, StripParts,
-    Sum, TapWeights, dispatch,
+    BLOCK, DepthwiseInput, DepthwiseWeights, Kernel, MAX_ROWS, STAGING, Scale, Staging, Strip,
+    StripParts, Sum, TapWeights, dispatch,
 };
 use super::plan::{
     ARENA, MAX_CHANNELS, Map, Network, Node, OP_ADD, OP_DEPTHWISE, OP_INPUT, OP_LATERAL, OP_LINEAR,
@@ -325,7 +325,7 @@ impl Convolution {
 /// 3×3 convolution of each channel by itself.
 fn depthwise<K: Kernel>(kernel: K, node: &Node<'_>, work: &mut Activations) {
     let (from, to) = (node.input, node.output);
-    let (side, channels) = (to.side().max(1), to.channels().max(1));
+    let channels = to.channels();
     let Ok([input, output]) = work.arena.get_disjoint_mut([from.range(), to.range()]) else {
         return;
     };
@@ -340,11 +340,8 @@ fn depthwise<K: Kernel>(kernel: K, node: &Node<'_>, work: &mut Activations) {
         paired,
     };
     let scale = node.scale(node.bias.as_chunks().0);
-    for (y, out) in output.chunks_exact_mut(side * channels).enumerate() {
-        let stride = node.stride as usize;
-        if let Some(rows) = Rows::new(input, from.side(), channels, y * stride, stride) {
-            kernel.depthwise3x3(&rows, &weights, &scale, out);
-        }
+    if let Some(input) = DepthwiseInput::new(input, from.side(), channels, node.stride as usize) {
+        kernel.depthwise3x3(input, &weights, &scale, output);
     }
 }
 

@@ -3,7 +3,7 @@
 //! Values x are multiplied as x − 128, which fits a signed byte; the bias makes up for it:
 //! Σ w·(x − z) = Σ w·(x − 128) + (128 − z)·Σ w, where z is the zero point.
 
-use super::{BLOCK, DepthwiseWeights, Rows, Scale, Sum, tail, unrolled};
+use super::{BLOCK, DepthwiseInput, DepthwiseWeights, Scale, Sum, tail, unrolled};
 use core::arch::aarch64::*;
 use core::arch::asm;
 
@@ -161,21 +161,21 @@ fn lower_words(low: int32x4_t, high: int32x4_t) -> int16x8_t {
 /// registers.
 #[target_feature(enable = "neon")]
 pub(super) fn depthwise3x3(
-    rows: &Rows<'_>,
+    input: DepthwiseInput<'_>,
     weights: &DepthwiseWeights<'_>,
     scale: &Scale<'_>,
     out: &mut [u8],
 ) {
-    let blocks = rows.channels() / BLOCK;
-    if weights.raw.len() < 9 * rows.channels() {
+    let blocks = input.channels() / BLOCK;
+    if weights.raw.len() < 9 * input.channels() {
         return;
     }
     for block in (0..blocks).step_by(2) {
         // SAFETY: the weights have nine taps of all channels.
         unsafe {
             match block + 1 < blocks {
-                true => depthwise_blocks::<true>(rows, weights.raw, scale, block, out),
-                false => depthwise_blocks::<false>(rows, weights.raw, scale, block, out),
+                true => depthwise_blocks::<true>(input, weights.raw, scale, block, out),
+                false => depthwise_blocks::<false>(input, weights.raw, scale, block, out),
             }
         }
     }
@@ -184,43 +184,45 @@ pub(super) fn depthwise3x3(
 /// The outputs of a block, and of the next one where `TWO` are wanted.
 ///
 /// # Safety
-/// The rows have these blocks, and there are nine weights of each of the rows' channels.
+/// The input has these blocks, and there are nine weights of each of its channels.
 #[target_feature(enable = "neon")]
 #[inline]
 unsafe fn depthwise_blocks<const TWO: bool>(
-    rows: &Rows<'_>,
+    input: DepthwiseInput<'_>,
     weights: &[i8],
     scale: &Scale<'_>,
     block: usize,
     out: &mut [u8],
 ) {
-    let (channels, at) = (rows.channels(), block * BLOCK);
-    let pixels = out.len() / channels.max(1);
+    let (channels, at) = (input.channels(), block * BLOCK);
     let requantization = Requantization::new(scale);
     let requantizations = [block, block + 1].map(|b| requantization.of_block(scale, b));
+    let [first, second] = [block, block + 1].map(|b| halves(scale.bias, b));
     // SAFETY: the caller promises the weights, and every output pixel has all channels.
     unsafe {
         let weights = Taps::read::<TWO>(weights.as_ptr().add(at), channels);
-        let [first, second] = [block, block + 1].map(|b| halves(scale.bias, b));
         let bias = weights.bias([first[0], first[1], second[0], second[1]]);
-        let out = out.as_mut_ptr().add(at);
-        let store = |[a, b, c, d]: [int32x4_t; 4], x: usize| {
-            let out = out.add(x * channels);
-            requantizations[0].store::<true>([a, b], out);
-            if TWO {
-                requantizations[1].store::<true>([c, d], out.add(BLOCK));
+        for (rows, out) in input.rows(out) {
+            let pixels = out.len() / channels.max(1);
+            let out = out.as_mut_ptr().add(at);
+            let store = |[a, b, c, d]: [int32x4_t; 4], x: usize| {
+                let out = out.add(x * channels);
+                requantizations[0].store::<true>([a, b], out);
+                if TWO {
+                    requantizations[1].store::<true>([c, d], out.add(BLOCK));
+                }
+            };
+            let inner = rows.inner(pixels);
+            for x in (0..inner.start).chain(inner.end..pixels) {
+                let taps = rows.tap_starts(x);
+                store(weights.sums::<TWO>(bias, |k| taps[k].add(at)), x);
             }
-        };
-        let inner = rows.inner(pixels);
-        for x in (0..inner.start).chain(inner.end..pixels) {
-            let taps = rows.tap_starts(x);
-            store(weights.sums::<TWO>(bias, |k| taps[k].add(at)), x);
-        }
-        let mut lines = rows.lines(inner.start);
-        for x in inner {
-            let tap = |k: usize| lines[k / 3].tap(k % 3).add(at);
-            store(weights.sums::<TWO>(bias, tap), x);
-            unrolled!(k < 3 => { lines[k].advance() });
+            let mut lines = rows.lines(inner.start);
+            for x in inner {
+                let tap = |k: usize| lines[k / 3].tap(k % 3).add(at);
+                store(weights.sums::<TWO>(bias, tap), x);
+                unrolled!(k < 3 => { lines[k].advance() });
+            }
         }
     }
 }

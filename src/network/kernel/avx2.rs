@@ -3,8 +3,10 @@
 //!
 //! `vpmaddubsw`, which multiplies bytes, saturates on 8–35 % of the weight pairs of our models.
 
-use super::avx::{Requantization, add, conv2d_by_tile, eight, store, sum_of};
-use super::{BLOCK, DepthwiseWeights, Kernel, Rows, Scale, Strip, TapWeights, Tile};
+use super::avx::{
+    Layer, Requantization, add, bytes, conv2d_by_tile, depthwise_by_block, eight, sum_of,
+};
+use super::{BLOCK, DepthwiseInput, DepthwiseWeights, Kernel, Scale, Strip, Tile};
 use super::{forwarded, tail, unrolled};
 use core::arch::x86_64::*;
 
@@ -25,6 +27,7 @@ impl Kernel for Avx2 {
     const WIDTH: usize = 2;
     const GROUP: usize = 2;
     const TILE: usize = 6;
+    const PAIRED: bool = false;
 
     fn stage(self, values: &[u8], zero_point: u8, staged: &mut [u8]) {
         // SAFETY: `self` exists only where the machine has AVX2; so for all below.
@@ -86,92 +89,87 @@ unsafe fn sums<const P: usize, const B: usize>(
     sums
 }
 
-/// Sixteen channels at a time, then eight.
-#[target_feature(enable = "avx2")]
-fn depthwise3x3(
-    rows: &Rows<'_>,
-    weights: &DepthwiseWeights<'_>,
-    scale: &Scale<'_>,
-    out: &mut [u8],
-) {
-    let weights = weights.paired;
-    let channels = rows.channels();
-    let blocks = channels / BLOCK;
-    if weights.len() < blocks || scale.bias.len() < blocks || scale.multiplier.len() < blocks {
-        return;
-    }
-    let requantization = Requantization::new(scale);
-    for (x, out) in out.chunks_exact_mut(channels.max(1)).enumerate() {
-        let taps = rows.tap_starts(x);
-        for block in (0..blocks).step_by(2) {
-            let at = block * BLOCK;
-            // SAFETY: every tap has all channels, as have the weights, the scale and the output.
-            unsafe {
-                let weights = weights.as_ptr().add(block);
-                let out = out.as_mut_ptr().add(at);
-                if block + 1 < blocks {
-                    let bias = [eight(scale.bias, block), eight(scale.bias, block + 1)];
-                    let sums = depthwise16(&taps, at, weights, bias);
-                    requantization.store16(sums, block, out);
-                } else {
-                    let sums = depthwise8(&taps, at, weights, eight(scale.bias, block));
-                    requantization.store8(sums, block, out);
-                }
-            }
-        }
-    }
-}
+depthwise_by_block!("avx2");
 
-/// The sums of sixteen channels from `at` on, which start with the bias.
-///
-/// # Safety
-/// Every tap and the weights have these channels.
-#[target_feature(enable = "avx2")]
-#[inline]
-unsafe fn depthwise16(
-    taps: &[*const u8; 10],
-    at: usize,
-    weights: *const TapWeights,
-    mut sums: [__m256i; 2],
-) -> [__m256i; 2] {
-    let weights: [*const __m256i; 2] = [weights.cast(), weights.wrapping_add(1).cast()];
-    for (k, pair) in taps.as_chunks::<2>().0.iter().enumerate() {
-        // SAFETY: as the caller promises.
-        let [first, second] = pair.map(|tap| unsafe { _mm_loadu_si128(tap.add(at).cast()) });
-        let pairs = [
-            _mm256_cvtepu8_epi16(_mm_unpacklo_epi8(first, second)),
-            _mm256_cvtepu8_epi16(_mm_unpackhi_epi8(first, second)),
-        ];
-        for ((sum, pairs), weights) in sums.iter_mut().zip(pairs).zip(weights) {
+/// Weights of sixteen channels, by pair of taps: four channels in each half of a vector, both the
+/// same. The tenth tap is 0.
+#[derive(Clone, Copy)]
+struct Taps([[__m256i; 4]; 5]);
+
+impl Taps {
+    /// Reads the weights of `B` blocks; those of the next tap are `channels` further on.
+    ///
+    /// # Safety
+    /// They are there.
+    #[target_feature(enable = "avx2")]
+    #[inline]
+    unsafe fn read<const B: usize>(weights: *const i8, channels: usize) -> Self {
+        let mut taps = [[_mm256_setzero_si256(); 4]; 5];
+        for (pair, taps) in taps.iter_mut().enumerate() {
             // SAFETY: as the caller promises.
-            let weights = unsafe { _mm256_loadu_si256(weights.add(k)) };
-            *sum = _mm256_add_epi32(*sum, _mm256_madd_epi16(pairs, weights));
+            let [first, second] = [2 * pair, 2 * pair + 1].map(|k| match k {
+                9 => _mm_setzero_si128(),
+                _ => unsafe { bytes::<B>(weights.add(k * channels).cast()) },
+            });
+            let low = _mm_unpacklo_epi8(first, second);
+            let high = _mm_unpackhi_epi8(first, second);
+            let fours = [
+                low,
+                _mm_unpackhi_epi64(low, low),
+                high,
+                _mm_unpackhi_epi64(high, high),
+            ];
+            *taps = fours.map(|four| _mm256_broadcastsi128_si256(_mm_cvtepi8_epi16(four)));
         }
+        Taps(taps)
     }
-    sums
-}
 
-/// The sums of eight channels from `at` on, which start with the bias.
-///
-/// # Safety
-/// Every tap and the weights have these channels.
-#[target_feature(enable = "avx2")]
-#[inline]
-unsafe fn depthwise8(
-    taps: &[*const u8; 10],
-    at: usize,
-    weights: *const TapWeights,
-    mut sums: __m256i,
-) -> __m256i {
-    for (k, pair) in taps.as_chunks::<2>().0.iter().enumerate() {
-        // SAFETY: as the caller promises.
-        let [first, second] = pair.map(|tap| unsafe { _mm_loadl_epi64(tap.add(at).cast()) });
-        let pairs = _mm256_cvtepu8_epi16(_mm_unpacklo_epi8(first, second));
-        // SAFETY: as the caller promises.
-        let weights = unsafe { _mm256_loadu_si256(weights.cast::<__m256i>().add(k)) };
-        sums = _mm256_add_epi32(sums, _mm256_madd_epi16(pairs, weights));
+    /// Output pixels that are computed together: one for each half of the vectors.
+    const fn together(_stride: usize) -> usize {
+        2
     }
-    sums
+
+    /// The sums of the pixels whose input columns start at `tap(row, 0)` and so on; the second
+    /// ones are not used.
+    ///
+    /// # Safety
+    /// There are `B` blocks at each.
+    #[target_feature(enable = "avx2")]
+    #[inline]
+    unsafe fn sums<const B: usize, const STRIDE: usize>(
+        &self,
+        bias: [__m256i; 4],
+        tap: impl Fn(usize, usize) -> *const u8,
+    ) -> [[__m256i; 4]; 2] {
+        let mut sums = bias;
+        let value = |k: usize| match k {
+            9 => _mm256_setzero_si256(),
+            _ => {
+                // SAFETY: as the caller promises.
+                let [low, high] = [0, STRIDE].map(|c| unsafe { bytes::<B>(tap(k / 3, k % 3 + c)) });
+                _mm256_inserti128_si256::<1>(_mm256_castsi128_si256(low), high)
+            }
+        };
+        let zero = _mm256_setzero_si256();
+        unrolled!(pair < 5 => {
+            let [first, second] = [value(2 * pair), value(2 * pair + 1)];
+            let low = _mm256_unpacklo_epi8(first, second);
+            let high = _mm256_unpackhi_epi8(first, second);
+            let values = [
+                _mm256_unpacklo_epi8(low, zero),
+                _mm256_unpackhi_epi8(low, zero),
+                _mm256_unpacklo_epi8(high, zero),
+                _mm256_unpackhi_epi8(high, zero),
+            ];
+            unrolled!(q < 4 => {
+                if q < 2 * B {
+                    let products = _mm256_madd_epi16(values[q], self.0[pair][q]);
+                    sums[q] = _mm256_add_epi32(sums[q], products);
+                }
+            });
+        });
+        [sums, bias]
+    }
 }
 
 #[target_feature(enable = "avx2")]

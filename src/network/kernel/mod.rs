@@ -38,7 +38,7 @@ mod vnni;
 pub(super) use choice::{Chosen, chosen, dispatch};
 pub use choice::{KernelName, chosen_kernel, select_kernel, set_dotprod};
 pub(super) use operands::{
-    BLOCK, DepthwiseWeights, MAX_ROWS, Rows, STAGING, Scale, Staging, Strip, StripParts,
+    BLOCK, DepthwiseInput, DepthwiseWeights, MAX_ROWS, STAGING, Scale, Staging, Strip, StripParts,
     TapWeights, Tile,
 };
 #[cfg(all(simd_kernel, not(target_arch = "x86_64")))]
@@ -74,11 +74,10 @@ pub(super) trait Kernel: Copy {
     /// Full convolution of a strip: `Σₖ values[k]·weights[k]`, requantised.
     fn conv2d(self, strip: Strip<'_>);
 
-    /// Depthwise 3×3 convolution of a row of output pixels. Weights and scale are of all channels,
-    /// and the scale is plain.
+    /// Depthwise 3×3 convolution. Weights and scale are of all channels, and the scale is plain.
     fn depthwise3x3(
         self,
-        rows: &Rows<'_>,
+        input: DepthwiseInput<'_>,
         weights: &DepthwiseWeights<'_>,
         scale: &Scale<'_>,
         out: &mut [u8],

@@ -249,7 +249,78 @@ impl<'a> Strip<'a> {
     }
 }
 
+/// The input of a 3×3 depthwise convolution, a square map.
+#[derive(Clone, Copy)]
+pub(in crate::network) struct DepthwiseInput<'a> {
+    map: &'a [u8],
+    side: usize,
+    stride: usize,
+    channels: usize,
+}
+
+impl<'a> DepthwiseInput<'a> {
+    /// A map of `side` × `side` pixels; `None` unless it has them.
+    #[inline]
+    pub fn new(map: &'a [u8], side: usize, channels: usize, stride: usize) -> Option<Self> {
+        let valid = channels.is_multiple_of(BLOCK)
+            && (1..=OUTSIDE.len()).contains(&channels)
+            && side > 0
+            && stride > 0
+            && map.len() >= side * side * channels;
+        valid.then_some(DepthwiseInput {
+            map,
+            side,
+            stride,
+            channels,
+        })
+    }
+
+    /// Channels of every pixel, a multiple of [`BLOCK`].
+    #[inline(always)]
+    pub fn channels(&self) -> usize {
+        self.channels
+    }
+
+    /// From an output pixel's input to the next one's \[px\].
+    #[cfg(target_arch = "x86_64")]
+    #[inline(always)]
+    pub fn stride(&self) -> usize {
+        self.stride
+    }
+
+    /// The input of each row of the output, with that row.
+    #[inline(always)]
+    pub fn rows<'o>(self, out: &'o mut [u8]) -> impl Iterator<Item = (Rows<'a>, &'o mut [u8])> {
+        let row = self.side.div_ceil(self.stride) * self.channels;
+        let rows = out.chunks_exact_mut(row.max(1)).enumerate();
+        rows.map(move |(y, out)| (self.around(y * self.stride), out))
+    }
+
+    /// The rows around row `y` of the input.
+    #[inline(always)]
+    fn around(&self, y: usize) -> Rows<'a> {
+        let row = self.side * self.channels;
+        let mut rows: [&[u8]; 3] = [&[]; 3];
+        for (k, input) in rows.iter_mut().enumerate() {
+            let sy = (y + k).wrapping_sub(1);
+            if sy < self.side {
+                *input = self.map.get(sy * row..(sy + 1) * row).unwrap_or(&[]);
+            }
+        }
+        Rows {
+            rows,
+            side: self.side,
+            stride: self.stride,
+            channels: self.channels,
+        }
+    }
+}
+
+/// What is read outside of a map.
+static OUTSIDE: [u8; super::super::plan::MAX_CHANNELS] = [0; _];
+
 /// The input rows of one output row of a 3×3 depthwise convolution.
+#[derive(Clone, Copy)]
 pub(in crate::network) struct Rows<'a> {
     rows: [&'a [u8]; 3],
     side: usize,
@@ -257,35 +328,7 @@ pub(in crate::network) struct Rows<'a> {
     channels: usize,
 }
 
-/// What is read outside of a map.
-static OUTSIDE: [u8; super::super::plan::MAX_CHANNELS] = [0; _];
-
 impl<'a> Rows<'a> {
-    /// The rows of `side` pixels around row `y` of the input; `None` unless the map has them.
-    #[inline]
-    pub fn new(
-        map: &'a [u8],
-        side: usize,
-        channels: usize,
-        y: usize,
-        stride: usize,
-    ) -> Option<Self> {
-        let mut rows: [&[u8]; 3] = [&[]; 3];
-        for (k, row) in rows.iter_mut().enumerate() {
-            let sy = (y + k).wrapping_sub(1);
-            if sy < side {
-                *row = map.get(sy * side * channels..(sy + 1) * side * channels)?;
-            }
-        }
-        let valid = channels.is_multiple_of(BLOCK) && channels <= OUTSIDE.len();
-        valid.then_some(Rows {
-            rows,
-            side,
-            stride,
-            channels,
-        })
-    }
-
     /// Channels of every pixel, a multiple of [`BLOCK`].
     #[inline(always)]
     pub fn channels(&self) -> usize {
@@ -343,19 +386,12 @@ impl<'a> Rows<'a> {
         })
     }
 
-    /// Whether all of [`Self::columns`] are in the map.
+    /// Whether so many of [`Self::columns`] are in the map.
     #[cfg(target_arch = "x86_64")]
     #[inline(always)]
-    pub fn has_columns<const N: usize>(&self, x: usize) -> bool {
+    pub fn has_columns(&self, x: usize, columns: usize) -> bool {
         let first = (x * self.stride).wrapping_sub(1);
-        first.wrapping_add(N) <= self.side && first < self.side
-    }
-
-    /// From an output pixel's input to the next one's \[px\].
-    #[cfg(target_arch = "x86_64")]
-    #[inline(always)]
-    pub fn stride(&self) -> usize {
-        self.stride
+        first < self.side && first + columns <= self.side
     }
 
     /// Those of the first `pixels` output pixels whose taps lie between the map's left and right

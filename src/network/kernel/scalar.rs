@@ -1,7 +1,7 @@
 //! The kernel in portable Rust: it defines what all kernels compute.
 
 use super::tail::{add, dot, widen};
-use super::{BLOCK, DepthwiseWeights, Kernel, Rows, Scale, Strip, Sum};
+use super::{BLOCK, DepthwiseInput, DepthwiseWeights, Kernel, Scale, Strip, Sum};
 
 #[derive(Clone, Copy)]
 pub(in crate::network) struct Scalar;
@@ -33,12 +33,16 @@ impl Kernel for Scalar {
 
     fn depthwise3x3(
         self,
-        rows: &Rows<'_>,
+        input: DepthwiseInput<'_>,
         weights: &DepthwiseWeights<'_>,
         scale: &Scale<'_>,
         out: &mut [u8],
     ) {
-        for (x, pixel) in out.chunks_exact_mut(rows.channels().max(1)).enumerate() {
+        let pixels = input.rows(out).flat_map(|(rows, out)| {
+            let pixels = out.chunks_exact_mut(rows.channels().max(1)).enumerate();
+            pixels.map(move |(x, pixel)| (rows, x, pixel))
+        });
+        for (rows, x, pixel) in pixels {
             let taps = rows.taps(x);
             let blocks = pixel.as_chunks_mut::<BLOCK>().0.iter_mut();
             for (block, (out, weights)) in blocks.zip(weights.paired).enumerate() {

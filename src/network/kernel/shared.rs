@@ -12,13 +12,13 @@ macro_rules! forwarded {
 
         fn depthwise3x3(
             self,
-            rows: &$crate::network::kernel::Rows<'_>,
+            input: $crate::network::kernel::DepthwiseInput<'_>,
             weights: &$crate::network::kernel::DepthwiseWeights<'_>,
             scale: &$crate::network::kernel::Scale<'_>,
             out: &mut [u8],
         ) {
             // SAFETY: as above.
-            unsafe { depthwise3x3(rows, weights, scale, out) }
+            unsafe { depthwise3x3(input, weights, scale, out) }
         }
 
         fn add(self, sum: &$crate::network::kernel::Sum, other: &[u8], out: &mut [u8]) {

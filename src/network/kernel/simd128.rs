@@ -4,7 +4,7 @@
 //! A module that holds such instructions loads only where they exist, so it is chosen when
 //! compiling, by `-Ctarget-feature=+simd128`.
 
-use super::{BLOCK, DepthwiseWeights, Kernel, Rows, Scale, Strip, Sum, TapWeights, Tile};
+use super::{BLOCK, DepthwiseInput, DepthwiseWeights, Kernel, Scale, Strip, Sum, TapWeights, Tile};
 use super::{conv2d_by_block, forwarded, tail, unrolled};
 use core::arch::wasm32::*;
 
@@ -150,24 +150,25 @@ impl Requantization {
 /// Eight channels of a pixel at a time.
 #[target_feature(enable = "simd128")]
 fn depthwise3x3(
-    rows: &Rows<'_>,
+    input: DepthwiseInput<'_>,
     weights: &DepthwiseWeights<'_>,
     scale: &Scale<'_>,
     out: &mut [u8],
 ) {
-    let weights = weights.paired;
-    let channels = rows.channels().max(1);
-    let blocks = (channels / BLOCK).min(weights.len());
+    let channels = input.channels();
     let requantization = Requantization::new(scale);
-    for (x, out) in out.chunks_exact_mut(channels).enumerate() {
-        let taps = rows.tap_starts(x);
-        for block in 0..blocks {
-            let requantization = requantization.of_block(scale, block);
-            // SAFETY: every tap has all channels, as have the weights and the output.
-            unsafe {
-                let sums = depthwise8(&taps, block * BLOCK, weights.as_ptr().add(block));
-                let out = out.as_mut_ptr().add(block * BLOCK);
-                requantization.store::<true>(sums, out);
+    let blocks = weights.paired.iter().take(channels / BLOCK);
+    for (block, weights) in blocks.enumerate() {
+        let requantization = requantization.of_block(scale, block);
+        for (rows, out) in input.rows(out) {
+            for (x, out) in out.chunks_exact_mut(channels.max(1)).enumerate() {
+                let taps = rows.tap_starts(x);
+                // SAFETY: every tap has all channels, as has the output.
+                unsafe {
+                    let sums = depthwise8(&taps, block * BLOCK, weights);
+                    let out = out.as_mut_ptr().add(block * BLOCK);
+                    requantization.store::<true>(sums, out);
+                }
             }
         }
     }

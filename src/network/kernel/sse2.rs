@@ -1,6 +1,6 @@
 //! The kernel for x86-64: `pmaddwd` multiplies pairs of 16-bit numbers and adds the products.
 
-use super::{BLOCK, DepthwiseWeights, Kernel, Rows, Scale, Strip, Sum, TapWeights, Tile};
+use super::{BLOCK, DepthwiseInput, DepthwiseWeights, Kernel, Scale, Strip, Sum, TapWeights, Tile};
 use super::{forwarded, tail, unrolled};
 use core::arch::x86_64::*;
 use core::mem::MaybeUninit;
@@ -355,35 +355,38 @@ impl Requantization {
 /// Eight channels of all pixels, then the next eight.
 #[target_feature(enable = "sse2")]
 fn depthwise3x3(
-    rows: &Rows<'_>,
+    input: DepthwiseInput<'_>,
     weights: &DepthwiseWeights<'_>,
     scale: &Scale<'_>,
     out: &mut [u8],
 ) {
-    let channels = rows.channels().max(1);
-    let pixels = out.len() / channels;
+    let channels = input.channels();
     let requantization = Requantization::new(scale);
-    let inner = rows.inner(pixels);
     let blocks = weights.paired.iter().take(channels / BLOCK);
     for (block, weights) in blocks.enumerate() {
         let constants = [Constants::new(scale, block)];
         let at = block * BLOCK;
-        let out = out.as_mut_ptr().wrapping_add(at);
-        let store = |sums: [__m128i; 2], x: usize| {
-            // SAFETY: `pixels` pixels have outputs of all channels.
-            unsafe { requantization.store::<true, 1>(&[sums], &constants, out.add(x * channels)) };
-        };
-        for x in (0..inner.start).chain(inner.end..pixels) {
-            let taps = rows.tap_starts(x);
-            // SAFETY: every tap has all channels.
-            store(unsafe { depthwise8(weights, |k| taps[k].add(at)) }, x);
-        }
-        let mut lines = rows.lines(inner.start);
-        for x in inner.clone() {
-            // SAFETY: as above.
-            let sums = unsafe { depthwise8(weights, |k| lines[k / 3].tap(k % 3).add(at)) };
-            store(sums, x);
-            unrolled!(k < 3 => { lines[k].advance() });
+        for (rows, out) in input.rows(out) {
+            let pixels = out.len() / channels.max(1);
+            let out = out.as_mut_ptr().wrapping_add(at);
+            let store = |sums: [__m128i; 2], x: usize| {
+                let out = out.wrapping_add(x * channels);
+                // SAFETY: `pixels` pixels have outputs of all channels.
+                unsafe { requantization.store::<true, 1>(&[sums], &constants, out) };
+            };
+            let inner = rows.inner(pixels);
+            for x in (0..inner.start).chain(inner.end..pixels) {
+                let taps = rows.tap_starts(x);
+                // SAFETY: every tap has all channels.
+                store(unsafe { depthwise8(weights, |k| taps[k].add(at)) }, x);
+            }
+            let mut lines = rows.lines(inner.start);
+            for x in inner {
+                // SAFETY: as above.
+                let sums = unsafe { depthwise8(weights, |k| lines[k / 3].tap(k % 3).add(at)) };
+                store(sums, x);
+                unrolled!(k < 3 => { lines[k].advance() });
+            }
         }
     }
 }

@@ -218,7 +218,7 @@ fn depthwise_convolutions_agree_with_the_scalar_kernel() {
     for round in 0..ROUNDS {
         let n = &mut Numbers::new(round);
         let (blocks, side, stride) = (n.size(5), n.size(9), n.size(2));
-        let (channels, y) = (blocks * BLOCK, stride * (n.size(9) - 1));
+        let channels = blocks * BLOCK;
         let map = n.bytes(side * side * channels);
         let raw = n.weights(9 * channels);
         let mut paired: Blocks<TapWeights> = (0..blocks).map(|_| [[0; _]; _]).collect();
@@ -233,15 +233,15 @@ fn depthwise_convolutions_agree_with_the_scalar_kernel() {
             lateral: false,
             ..constants.scale(n)
         };
-        let before = n.bytes(side.div_ceil(stride) * channels);
-        let Some(rows) = Rows::new(&map, side, channels, y.min(side - 1), stride) else {
-            panic!("rows of a whole map");
+        let before = n.bytes(side.div_ceil(stride) * side.div_ceil(stride) * channels);
+        let Some(input) = DepthwiseInput::new(&map, side, channels, stride) else {
+            panic!("a whole map");
         };
         let mut expected = before.clone();
-        Scalar.depthwise3x3(&rows, &weights, &scale, &mut expected);
+        Scalar.depthwise3x3(input, &weights, &scale, &mut expected);
         each_kernel!(name, kernel => {
             let mut out = before.clone();
-            kernel.depthwise3x3(&rows, &weights, &scale, &mut out);
+            kernel.depthwise3x3(input, &weights, &scale, &mut out);
             assert_eq!(out, expected, "{name:?}, round {round}");
         });
     }

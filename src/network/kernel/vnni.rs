@@ -4,8 +4,10 @@
 //! Values x are multiplied as they are; the bias makes up for it: Σ w·(x − z) = Σ w·x − z·Σ w, where
 //! z is the zero point.
 
-use super::avx::{Requantization, add, conv2d_by_tile, eight, store, sum_of};
-use super::{BLOCK, DepthwiseWeights, Kernel, Rows, Scale, Strip, Tile};
+use super::avx::{
+    Layer, Requantization, add, bytes, conv2d_by_tile, depthwise_by_block, eight, sum_of,
+};
+use super::{BLOCK, DepthwiseInput, DepthwiseWeights, Kernel, Scale, Strip, Tile};
 use super::{forwarded, tail, unrolled};
 use core::arch::x86_64::*;
 
@@ -134,76 +136,7 @@ unsafe fn quads(weights: *const i8) -> __m256i {
     _mm256_shuffle_epi8(halves, _mm256_broadcastsi128_si256(order))
 }
 
-/// Two blocks of channels of all pixels, then the next two.
-#[target_feature(enable = "avx2,avxvnni")]
-fn depthwise3x3(
-    rows: &Rows<'_>,
-    weights: &DepthwiseWeights<'_>,
-    scale: &Scale<'_>,
-    out: &mut [u8],
-) {
-    let channels = rows.channels();
-    let blocks = channels / BLOCK;
-    let weights = weights.raw;
-    if weights.len() < 9 * channels || scale.bias.len() < blocks || scale.multiplier.len() < blocks
-    {
-        return;
-    }
-    for block in (0..blocks).step_by(2) {
-        // SAFETY: there are the weights and the scale of all channels.
-        unsafe {
-            match (block + 1 < blocks, rows.stride()) {
-                (true, 1) => depthwise::<2, 1>(rows, weights, scale, block, out),
-                (true, _) => depthwise::<2, 2>(rows, weights, scale, block, out),
-                (false, 1) => depthwise::<1, 1>(rows, weights, scale, block, out),
-                (false, _) => depthwise::<1, 2>(rows, weights, scale, block, out),
-            }
-        }
-    }
-}
-
-/// The outputs of `B` blocks from `block` on, where output pixels are `STRIDE` input pixels apart.
-/// The lower half of each vector is of one or two pixels, the upper half of the next ones.
-///
-/// # Safety
-/// The rows, the nine weights of each channel and the scale have these blocks.
-#[target_feature(enable = "avx2,avxvnni")]
-#[inline]
-unsafe fn depthwise<const B: usize, const STRIDE: usize>(
-    rows: &Rows<'_>,
-    weights: &[i8],
-    scale: &Scale<'_>,
-    block: usize,
-    out: &mut [u8],
-) {
-    let (channels, at) = (rows.channels(), block * BLOCK);
-    let pixels = out.len() / channels.max(1);
-    let together = 4 / STRIDE;
-    // SAFETY: the caller promises the weights and the scale; every output pixel and every input
-    // column has all channels.
-    unsafe {
-        let weights = Taps::read::<B>(weights.as_ptr().add(at), channels);
-        let layer = Layer::<B>::new(scale, block);
-        let out = out.as_mut_ptr().add(at);
-        for x in (0..pixels).step_by(together) {
-            let sums = if rows.has_columns::<6>(x) {
-                let lines = rows.lines(x);
-                weights.sums::<B, STRIDE>(layer.bias, |row, k| lines[row].tap(k).add(at))
-            } else {
-                let columns = rows.columns::<6>(x);
-                weights.sums::<B, STRIDE>(layer.bias, |row, k| columns[row][k].add(at))
-            };
-            let present = pixels - x;
-            let out = out.add(x * channels);
-            let half = together / 2;
-            layer.store(sums[0], [out, out.add(half * channels)], present > half);
-            if STRIDE == 1 && present > 1 {
-                let next = [out.add(channels), out.add(3 * channels)];
-                layer.store(sums[1], next, present > 3);
-            }
-        }
-    }
-}
+depthwise_by_block!("avx2,avxvnni");
 
 /// Weights of sixteen channels, by row: four channels in each half of a vector, both the same.
 #[derive(Clone, Copy)]
@@ -233,8 +166,14 @@ impl Taps {
         Taps { first, second }
     }
 
-    /// The sums of the pixels whose input columns start at `tap(row, 0)` to `tap(row, 5)`: of the
-    /// first pixel of each half and, where `STRIDE` is 1, of the second.
+    /// Output pixels that are computed together: two for each half of the vectors where they are
+    /// neighbours in the input too, else one.
+    const fn together(stride: usize) -> usize {
+        4 / stride
+    }
+
+    /// The sums of the pixels whose input columns start at `tap(row, 0)` and so on: of the first
+    /// pixel of each half and, where `STRIDE` is 1, of the second.
     ///
     /// # Safety
     /// There are `B` blocks at each.
@@ -290,114 +229,6 @@ unsafe fn quads_of<const B: usize, const STRIDE: usize>(
         _mm256_unpacklo_epi16(high[0], high[1]),
         _mm256_unpackhi_epi16(high[0], high[1]),
     ]
-}
-
-/// Reads the bytes of one or two blocks.
-///
-/// # Safety
-/// They are there.
-#[target_feature(enable = "avx2")]
-#[inline]
-unsafe fn bytes<const B: usize>(from: *const u8) -> __m128i {
-    // SAFETY: as the caller promises.
-    unsafe {
-        match B {
-            1 => _mm_loadl_epi64(from.cast()),
-            _ => _mm_loadu_si128(from.cast()),
-        }
-    }
-}
-
-/// The scale of `B` blocks: four channels in each half of a vector, both the same.
-#[derive(Clone, Copy)]
-struct Layer<const B: usize> {
-    bias: [__m256i; 4],
-    multiplier: [__m256i; 4],
-    pre_shift: __m128i,
-    post_shift: __m128i,
-    half: __m256i,
-}
-
-impl<const B: usize> Layer<B> {
-    /// # Safety
-    /// The scale has the blocks from `block` on.
-    #[target_feature(enable = "avx2")]
-    #[inline]
-    unsafe fn new(scale: &Scale<'_>, block: usize) -> Self {
-        let (pre_shift, post_shift, half) = scale.shifts();
-        let [mut bias, mut multiplier] = [[_mm256_setzero_si256(); 4]; 2];
-        unrolled!(q < 4 => {
-            if q < 2 * B {
-                let [of_bias, of_multiplier] = [scale.bias, scale.multiplier].map(|of| {
-                    let four = of.as_ptr().wrapping_add(block).cast::<__m128i>().wrapping_add(q);
-                    // SAFETY: as the caller promises.
-                    _mm256_broadcastsi128_si256(unsafe { _mm_loadu_si128(four) })
-                });
-                bias[q] = of_bias;
-                // Only the lower 16 bits of each factor are multiplied: the upper ones meet zeros.
-                multiplier[q] = _mm256_and_si256(of_multiplier, _mm256_set1_epi32(0xffff));
-            }
-        });
-        Layer {
-            bias,
-            multiplier,
-            pre_shift: _mm_cvtsi32_si128(pre_shift as i32),
-            post_shift: _mm_cvtsi32_si128(post_shift as i32),
-            half: _mm256_set1_epi32(half),
-        }
-    }
-
-    /// Writes the outputs of the lower halves, and those of the upper halves where they are
-    /// wanted.
-    ///
-    /// # Safety
-    /// What is written to is valid for `B` blocks.
-    #[target_feature(enable = "avx2")]
-    #[inline]
-    unsafe fn store(&self, sums: [__m256i; 4], out: [*mut u8; 2], upper: bool) {
-        let mut scaled = sums;
-        unrolled!(q < 4 => {
-            if q < 2 * B {
-                let kept = _mm256_sra_epi32(sums[q], self.pre_shift);
-                let product = _mm256_madd_epi16(kept, self.multiplier[q]);
-                scaled[q] =
-                    _mm256_sra_epi32(_mm256_add_epi32(product, self.half), self.post_shift);
-            }
-        });
-        // What saturates here is clamped to bytes anyway.
-        let words = [
-            _mm256_packs_epi32(scaled[0], scaled[1]),
-            _mm256_packs_epi32(scaled[2], scaled[3]),
-        ];
-        let bytes = _mm256_packus_epi16(words[0], words[1]);
-        let halves = [
-            _mm256_castsi256_si128(bytes),
-            _mm256_extracti128_si256::<1>(bytes),
-        ];
-        // SAFETY: as the caller promises.
-        unsafe {
-            write::<B>(halves[0], out[0]);
-            if upper {
-                write::<B>(halves[1], out[1]);
-            }
-        }
-    }
-}
-
-/// Writes the bytes of one or two blocks.
-///
-/// # Safety
-/// There is room.
-#[target_feature(enable = "avx2")]
-#[inline]
-unsafe fn write<const B: usize>(bytes: __m128i, out: *mut u8) {
-    // SAFETY: as the caller promises.
-    unsafe {
-        match B {
-            1 => _mm_storel_epi64(out.cast(), bytes),
-            _ => _mm_storeu_si128(out.cast(), bytes),
-        }
-    }
 }
 
 #[target_feature(enable = "avx2,avxvnni")]
