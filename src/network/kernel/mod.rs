@@ -37,6 +37,8 @@ mod vnni;
 
 pub(super) use choice::{Chosen, chosen, dispatch};
 pub use choice::{KernelName, chosen_kernel, select_kernel, set_dotprod};
+#[cfg(target_arch = "x86_64")]
+use operands::Line;
 pub(super) use operands::{
     BLOCK, DepthwiseInput, DepthwiseWeights, MAX_ROWS, STAGING, Scale, Staging, Strip, StripParts,
     TapWeights, Tile,

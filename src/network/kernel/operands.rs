@@ -352,20 +352,20 @@ impl<'a> Rows<'a> {
     }
 
     /// The first bytes of [`Self::taps`].
+    #[cfg(simd_kernel)]
     #[inline(always)]
     pub fn tap_starts(&self, x: usize) -> [*const u8; 2 * TAP_PAIRS] {
-        let mut starts = [OUTSIDE.as_ptr(); 2 * TAP_PAIRS];
-        let first = x * self.stride;
-        for (starts, row) in starts.as_chunks_mut::<3>().0.iter_mut().zip(self.rows) {
-            if row.is_empty() {
-                continue;
-            }
-            for (k, start) in starts.iter_mut().enumerate() {
-                let sx = (first + k).wrapping_sub(1);
-                if sx < self.side {
-                    *start = row.as_ptr().wrapping_add(sx * self.channels);
-                }
-            }
+        let outside = OUTSIDE.as_ptr();
+        let middle = x * self.stride;
+        let (left, right) = (middle > 0, middle + 1 < self.side);
+        let mut starts = [outside; 2 * TAP_PAIRS];
+        let of_rows = starts.as_chunks_mut::<3>().0.iter_mut();
+        for (starts, line) in of_rows.zip(self.lines(x)) {
+            *starts = [
+                if left { line.tap(0) } else { outside },
+                line.tap(1),
+                if right { line.tap(2) } else { outside },
+            ];
         }
         starts
     }
@@ -404,8 +404,8 @@ impl<'a> Rows<'a> {
         1.min(end)..end
     }
 
-    /// The rows of taps at output pixel `x`, one of [`Self::inner`].
-    #[cfg(any(target_arch = "aarch64", target_arch = "x86_64"))]
+    /// The rows of taps at output pixel `x`; only at one of [`Self::inner`] are all in the map.
+    #[cfg(simd_kernel)]
     #[inline(always)]
     pub fn lines(&self, x: usize) -> [Line; 3] {
         let first = (x * self.stride).wrapping_sub(1) * self.channels;
@@ -425,7 +425,7 @@ impl<'a> Rows<'a> {
 }
 
 /// Three neighbouring taps of a row.
-#[cfg(any(target_arch = "aarch64", target_arch = "x86_64"))]
+#[cfg(simd_kernel)]
 #[derive(Clone, Copy)]
 pub(in crate::network) struct Line {
     /// The left tap.
@@ -436,7 +436,7 @@ pub(in crate::network) struct Line {
     pixel: usize,
 }
 
-#[cfg(any(target_arch = "aarch64", target_arch = "x86_64"))]
+#[cfg(simd_kernel)]
 impl Line {
     /// The first byte of a tap, 0 to 2.
     #[inline(always)]
@@ -444,7 +444,18 @@ impl Line {
         self.at.wrapping_add(k * self.column)
     }
 
+    /// The line from another channel on.
+    #[cfg(target_arch = "x86_64")]
+    #[inline(always)]
+    pub fn from_channel(self, channel: usize) -> Self {
+        Line {
+            at: self.at.wrapping_add(channel),
+            ..self
+        }
+    }
+
     /// Goes to the next output pixel.
+    #[cfg(any(target_arch = "aarch64", target_arch = "x86_64"))]
     #[inline(always)]
     pub fn advance(&mut self) {
         self.at = self.at.wrapping_add(self.pixel);

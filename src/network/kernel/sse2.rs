@@ -1,6 +1,8 @@
 //! The kernel for x86-64: `pmaddwd` multiplies pairs of 16-bit numbers and adds the products.
 
-use super::{BLOCK, DepthwiseInput, DepthwiseWeights, Kernel, Scale, Strip, Sum, TapWeights, Tile};
+use super::{
+    BLOCK, DepthwiseInput, DepthwiseWeights, Kernel, Line, Scale, Strip, Sum, TapWeights, Tile,
+};
 use super::{forwarded, tail, unrolled};
 use core::arch::x86_64::*;
 use core::mem::MaybeUninit;
@@ -368,26 +370,56 @@ fn depthwise3x3(
         let at = block * BLOCK;
         for (rows, out) in input.rows(out) {
             let pixels = out.len() / channels.max(1);
-            let out = out.as_mut_ptr().wrapping_add(at);
-            let store = |sums: [__m128i; 2], x: usize| {
-                let out = out.wrapping_add(x * channels);
-                // SAFETY: `pixels` pixels have outputs of all channels.
-                unsafe { requantization.store::<true, 1>(&[sums], &constants, out) };
-            };
             let inner = rows.inner(pixels);
+            let out = out.as_mut_ptr().wrapping_add(at);
             for x in (0..inner.start).chain(inner.end..pixels) {
                 let taps = rows.tap_starts(x);
-                // SAFETY: every tap has all channels.
-                store(unsafe { depthwise8(weights, |k| taps[k].add(at)) }, x);
+                // SAFETY: every tap has all channels, as have the outputs of every pixel.
+                unsafe {
+                    let sums = depthwise8(weights, |k| taps[k].add(at));
+                    requantization.store::<true, 1>(&[sums], &constants, out.add(x * channels));
+                }
             }
-            let mut lines = rows.lines(inner.start);
-            for x in inner {
-                // SAFETY: as above.
-                let sums = unsafe { depthwise8(weights, |k| lines[k / 3].tap(k % 3).add(at)) };
-                store(sums, x);
-                unrolled!(k < 3 => { lines[k].advance() });
-            }
+            let out = out.wrapping_add(inner.start * channels);
+            let lines = rows.lines(inner.start).map(|line| line.from_channel(at));
+            // SAFETY: as above.
+            unsafe {
+                inner_pixels(
+                    lines,
+                    inner.len(),
+                    weights,
+                    &requantization,
+                    &constants,
+                    (out, channels),
+                )
+            };
         }
+    }
+}
+
+/// The outputs of a block at so many neighbouring pixels.
+///
+/// # Safety
+/// There are taps and outputs of the block at each; outputs are so many bytes apart.
+// Not inlined: too few registers would be left for the pointers.
+#[target_feature(enable = "sse2")]
+#[inline(never)]
+unsafe fn inner_pixels(
+    mut lines: [Line; 3],
+    pixels: usize,
+    weights: &TapWeights,
+    requantization: &Requantization,
+    constants: &[Constants; 1],
+    (mut out, channels): (*mut u8, usize),
+) {
+    for _ in 0..pixels {
+        // SAFETY: as the caller promises.
+        unsafe {
+            let sums = depthwise8(weights, |k| lines[k / 3].tap(k % 3));
+            requantization.store::<true, 1>(&[sums], constants, out);
+        }
+        unrolled!(k < 3 => { lines[k].advance() });
+        out = out.wrapping_add(channels);
     }
 }
 
