@@ -142,14 +142,23 @@ fn convolve<K: Kernel>(kernel: K, node: &Node<'_>, work: &mut Activations) {
 
 /// Copies each pixel of a map of half the side to the four pixels of `output` that it covers.
 fn upsample(map: &[u8], side: usize, channels: usize, output: &mut [u8]) {
-    let rows = output.chunks_exact_mut((side * channels).max(1));
-    let halves = map.chunks_exact((side / 2 * channels).max(1));
-    for (half, row) in halves.flat_map(|half| [half, half]).zip(rows) {
-        let pixels = row.chunks_exact_mut((2 * channels).max(1));
+    let row = side * channels;
+    let halves = map.chunks_exact((row / 2).max(1));
+    for (half, rows) in halves.zip(output.chunks_exact_mut((2 * row).max(1))) {
+        let Some((first, second)) = rows.split_at_mut_checked(row) else {
+            return;
+        };
+        let pixels = first.chunks_exact_mut((2 * channels).max(1));
         for (from, to) in half.chunks_exact(channels.max(1)).zip(pixels) {
-            to.chunks_exact_mut(channels.max(1))
-                .for_each(|to| to.copy_from_slice(from));
+            for to in to.chunks_exact_mut(channels.max(1)) {
+                // By block: a call for so few bytes would cost more than they do.
+                let blocks = to.as_chunks_mut::<BLOCK>().0.iter_mut();
+                blocks
+                    .zip(from.as_chunks().0)
+                    .for_each(|(to, from)| *to = *from);
+            }
         }
+        second.copy_from_slice(first);
     }
 }
 

@@ -40,16 +40,16 @@ fn xcr0() -> u64 {
 
 /// `conv2d` by the module's `sums`, which has the same target features.
 macro_rules! conv2d_by_tile {
-    ($features:literal) => {
-        /// Tiles of pixels × blocks that fill twelve of the sixteen registers: 6×2, for three
-        /// blocks that are left 4×3, for one that is left 8×1.
+    ($features:literal, threes: $threes:literal) => {
+        /// Tiles of pixels × blocks that fill twelve of the sixteen registers: 6×2, for one that is
+        /// left 8×1, for three that are left 4×3 where so many weights fit too.
         #[target_feature(enable = $features)]
         fn conv2d(mut strip: Strip<'_>) {
             let mut block = 0;
             while let left @ 1.. = strip.blocks().saturating_sub(block) {
                 block += match left {
                     1 => tiles::<8, 1>(&mut strip, block),
-                    3 => tiles::<4, 3>(&mut strip, block),
+                    3 if $threes => tiles::<4, 3>(&mut strip, block),
                     _ => tiles::<6, 2>(&mut strip, block),
                 };
             }

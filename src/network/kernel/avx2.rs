@@ -42,7 +42,7 @@ fn stage(values: &[u8], zero_point: u8, staged: &mut [u8]) {
     tail::widen(values, zero_point, staged);
 }
 
-conv2d_by_tile!("avx2");
+conv2d_by_tile!("avx2", threes: true);
 
 /// The sums of the `P` pixels of a tile in `B` blocks from `block` on.
 ///

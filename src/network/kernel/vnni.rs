@@ -73,7 +73,7 @@ fn correct(weights: &[i8], zero_point: u8, bias: &mut [[i32; BLOCK]]) {
     }
 }
 
-conv2d_by_tile!("avx2,avxvnni");
+conv2d_by_tile!("avx2,avxvnni", threes: false);
 
 /// The sums of the `P` pixels of a tile in `B` blocks from `block` on.
 ///
