@@ -215,16 +215,9 @@ impl<'a> Inside<'a> {
     fn add_samples(&self, (x, y): (i32, i32), (a, b): (i32, i32), sums: &mut [u16]) {
         let [mut tops, mut bottoms] = [[0u16; CROP_MAX]; 2];
         let pairs = tops.iter_mut().zip(&mut bottoms).take(sums.len());
-        match self.right {
-            1 => {
-                let pair = |at: usize| self.bytes.get(at..).and_then(|bytes| bytes.first_chunk());
-                self.read_pairs((x, y), (a, b), pairs, |at| {
-                    u16::from_le_bytes(pair(at as usize).copied().unwrap_or([0; 2]))
-                });
-            }
-            _ => self.read_pairs((x, y), (a, b), pairs, |at| {
-                u16::from_le_bytes([self.read(at), self.read(at + self.right)])
-            }),
+        match self.near_rows() {
+            Some(rows) => self.read_near_pairs((x, y), (a, b), pairs, rows),
+            None => self.read_pairs((x, y), (a, b), pairs),
         }
         // As [`bilinear`]: nothing overflows 16 bits before the second interpolation.
         let (mut x, mut y) = (x as u32, y as u32);
@@ -239,20 +232,54 @@ impl<'a> Inside<'a> {
         }
     }
 
-    /// Reads the four neighbours of a row of samples: each `pair` has the left one in its lower
-    /// byte.
+    /// Reads the four neighbours of a row of samples: each pair has the left one in its lower byte.
     #[inline(always)]
     fn read_pairs<'p>(
         &self,
         (mut x, mut y): (i32, i32),
         (a, b): (i32, i32),
         pairs: impl Iterator<Item = (&'p mut u16, &'p mut u16)>,
-        pair: impl Fn(isize) -> u16,
     ) {
+        let pair = |at: isize| u16::from_le_bytes([self.read(at), self.read(at + self.right)]);
         for (top, bottom) in pairs {
             let [column, row] = [x, y].map(|v| (v >> FRACTION) as isize);
             let at = self.origin + column * self.right + row * self.below;
             (*top, *bottom) = (pair(at), pair(at + self.below));
+            x = x.wrapping_add(a);
+            y = y.wrapping_add(b);
+        }
+    }
+
+    /// Origin and bytes to the next row of a frame whose pixels are bytes side by side, its rows
+    /// from the top, and whose offsets fit 32 bits: [`Self::read_near_pairs`] reads such a frame.
+    fn near_rows(&self) -> Option<(i32, i32)> {
+        let fits = self.right == 1 && self.below > 0 && i32::try_from(self.bytes.len()).is_ok();
+        let rows = i32::try_from(self.origin)
+            .ok()
+            .zip(i32::try_from(self.below).ok());
+        rows.filter(|_| fits)
+    }
+
+    /// As [`Self::read_pairs`], with one check of bounds for both pairs.
+    #[inline(always)]
+    fn read_near_pairs<'p>(
+        &self,
+        (mut x, mut y): (i32, i32),
+        (a, b): (i32, i32),
+        pairs: impl Iterator<Item = (&'p mut u16, &'p mut u16)>,
+        (origin, below): (i32, i32),
+    ) {
+        let span = below as usize + 2;
+        for (top, bottom) in pairs {
+            let row = (y >> FRACTION).wrapping_mul(below);
+            let at = origin.wrapping_add(x >> FRACTION).wrapping_add(row) as u32 as usize;
+            let read = self.bytes.get(at..at.wrapping_add(span)).and_then(|bytes| {
+                let bottom = bytes.get(below as usize..)?.first_chunk()?;
+                Some((*bytes.first_chunk()?, *bottom))
+            });
+            // One that is not there, which cannot be, reads as 0.
+            let (of_top, of_bottom) = read.unwrap_or_default();
+            (*top, *bottom) = (u16::from_le_bytes(of_top), u16::from_le_bytes(of_bottom));
             x = x.wrapping_add(a);
             y = y.wrapping_add(b);
         }
