@@ -285,6 +285,7 @@ impl Convolution {
                     rows: rows.get(..self.kernel).unwrap_or(&[]),
                     step,
                     columns: self.columns,
+                    filled: self.kernel * self.channels,
                     weights,
                     scale,
                     out: output.get_mut(at..end).unwrap_or(&mut []),

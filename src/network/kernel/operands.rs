@@ -74,7 +74,7 @@ pub(in crate::network) struct Scale<'a> {
 impl Scale<'_> {
     /// Whether nothing is added to the scaled sum: no zero point and no lateral.
     #[inline(always)]
-    #[cfg(all(simd_kernel, not(target_arch = "x86_64")))]
+    #[cfg(simd_kernel)]
     pub fn is_plain(&self) -> bool {
         self.zero_point == 0 && !self.lateral
     }
@@ -95,6 +95,9 @@ pub(in crate::network) struct Strip<'a> {
     rows: &'a [usize],
     step: usize,
     columns: usize,
+    // Most kernels multiply by the padding too.
+    #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+    filled: usize,
     weights: &'a [i8],
     scale: Scale<'a>,
     out: &'a mut [u8],
@@ -126,6 +129,8 @@ pub(in crate::network) struct StripParts<'a> {
     pub step: usize,
     /// Values of a row of a window, an even number.
     pub columns: usize,
+    /// How many of them are not padding.
+    pub filled: usize,
     /// `[block][row][pair of columns][8 channels][2]`.
     pub weights: &'a [i8],
     /// Requantisation of the blocks.
@@ -145,6 +150,7 @@ impl<'a> Strip<'a> {
             rows,
             step,
             columns,
+            filled,
             weights,
             scale,
             out,
@@ -165,6 +171,7 @@ impl<'a> Strip<'a> {
             rows,
             step,
             columns,
+            filled,
             weights,
             scale,
             out,
@@ -202,6 +209,13 @@ impl<'a> Strip<'a> {
     #[inline(always)]
     pub fn columns(&self) -> usize {
         self.columns
+    }
+
+    /// How many columns of a row are not padding: the weights of the others are 0.
+    #[cfg(target_arch = "x86_64")]
+    #[inline(always)]
+    pub fn filled(&self) -> usize {
+        self.filled
     }
 
     /// `[block][row][pair of columns][8 channels][2]`, for all blocks.

@@ -12,6 +12,8 @@ pub(in crate::network) struct Sse2;
 
 /// Columns that are read together.
 const GROUP: usize = 8;
+/// Columns of a group of which the others are padding.
+const NARROW: usize = 6;
 /// Pixels of the largest tile.
 const TILE: usize = 4;
 
@@ -41,8 +43,10 @@ fn conv2d(mut strip: Strip<'_>) {
     let mut block = 0;
     while let left @ 1.. = strip.blocks().saturating_sub(block) {
         block += match left {
-            1 => tiles::<TILE, 1>(&mut strip, block, &mut wide),
-            _ => tiles::<{ TILE / 2 }, 2>(&mut strip, block, &mut wide),
+            // The windows of one channel, whose padding takes a fourth of the work.
+            1 if strip.filled() <= NARROW => tiles::<NARROW, TILE, 1>(&mut strip, block, &mut wide),
+            1 => tiles::<GROUP, TILE, 1>(&mut strip, block, &mut wide),
+            _ => tiles::<GROUP, { TILE / 2 }, 2>(&mut strip, block, &mut wide),
         };
     }
 }
@@ -79,10 +83,11 @@ impl Wide {
     }
 }
 
-/// All pixels of `B` blocks from `block` on, `P` pixels at a time. Returns `B`.
+/// All pixels of `B` blocks from `block` on, `P` pixels at a time. Only the first `C` columns of
+/// each group have weights. Returns `B`.
 #[target_feature(enable = "sse2")]
 #[inline]
-fn tiles<const P: usize, const B: usize>(
+fn tiles<const C: usize, const P: usize, const B: usize>(
     strip: &mut Strip<'_>,
     block: usize,
     wide: &mut Wide,
@@ -113,7 +118,8 @@ fn tiles<const P: usize, const B: usize>(
                 for row in strip.rows() {
                     let window = tile.window.wrapping_add(*row);
                     let groups = strip.columns() / GROUP;
-                    weights = add_products(&mut sums, window, tile.step, weights, groups);
+                    weights =
+                        add_products::<C, P, B>(&mut sums, window, tile.step, weights, groups);
                 }
             } else {
                 add_by_part(&mut sums, strip, tile, block, wide);
@@ -153,7 +159,8 @@ unsafe fn add_by_part<const P: usize, const B: usize>(
             // SAFETY: a block has the weights, and a window the values, of all columns.
             unsafe {
                 wide.fill::<B>(weights, block_weights, part * GROUP / 2);
-                add_products(sums, window, tile.step, wide.0.as_ptr().cast(), part);
+                let weights = wide.0.as_ptr().cast();
+                add_products::<GROUP, P, B>(sums, window, tile.step, weights, part);
             }
             weights = weights.wrapping_add(part * GROUP * BLOCK);
             window = window.wrapping_add(part * GROUP * 2);
@@ -162,14 +169,15 @@ unsafe fn add_by_part<const P: usize, const B: usize>(
 }
 
 /// Multiplies so many groups of values of the windows of `P` pixels, `step` bytes apart, by the
-/// weights of `B` blocks, and adds the products. Returns where the next group's weights are.
+/// weights of `B` blocks, and adds the products of the first `C` columns of each group. Returns
+/// where the next group's weights are.
 ///
 /// # Safety
 /// The windows have these groups, and from `weights` on there are their weights as [`Wide`] has
 /// them.
 #[target_feature(enable = "sse2")]
 #[inline]
-unsafe fn add_products<const P: usize, const B: usize>(
+unsafe fn add_products<const C: usize, const P: usize, const B: usize>(
     sums: &mut [[[__m128i; 2]; B]; P],
     window: *const u8,
     step: usize,
@@ -189,7 +197,10 @@ unsafe fn add_products<const P: usize, const B: usize>(
             weights = multiply::<0b00_00_00_00, P, B>(&mut totals, &values, weights);
             weights = multiply::<0b01_01_01_01, P, B>(&mut totals, &values, weights);
             weights = multiply::<0b10_10_10_10, P, B>(&mut totals, &values, weights);
-            weights = multiply::<0b11_11_11_11, P, B>(&mut totals, &values, weights);
+            weights = match C {
+                NARROW => weights.wrapping_add(2 * B),
+                _ => multiply::<0b11_11_11_11, P, B>(&mut totals, &values, weights),
+            };
         }
     }
     *sums = totals;

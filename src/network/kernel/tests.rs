@@ -117,6 +117,7 @@ struct Case {
     values: Bytes<u8>,
     rows: usize,
     columns: usize,
+    filled: usize,
     stride: usize,
     channels: usize,
     weights: Bytes<i8>,
@@ -129,13 +130,20 @@ impl Case {
         let (rows, stride) = (n.size(5), 8 * n.size(3));
         let columns = 8 * n.size(if rows == 1 { 12 } else { 4 });
         let (pixels, channels) = (n.size(30), (blocks + n.size(3) - 1) * BLOCK);
+        let filled = columns - n.size(8) + 1;
+        let mut weights = n.weights(blocks * rows * columns * BLOCK);
+        let of_rows = weights.chunks_mut(columns * BLOCK);
+        for pair in of_rows.flat_map(|row| row.chunks_mut(2 * BLOCK).skip(filled.div_ceil(2))) {
+            pair.fill(0);
+        }
         Case {
             values: n.bytes(rows * ((pixels - 1) * stride + columns)),
             rows,
             columns,
+            filled,
             stride,
             channels,
-            weights: n.weights(blocks * rows * columns * BLOCK),
+            weights,
             zero_point: n.within(0, 255) as u8,
             out: n.bytes((pixels - 1) * channels + blocks * BLOCK),
         }
@@ -156,6 +164,7 @@ impl Case {
             rows: &rows,
             step: self.stride * K::WIDTH,
             columns: self.columns,
+            filled: self.filled,
             weights: &self.weights,
             scale: Scale {
                 bias: &bias,
