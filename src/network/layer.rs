@@ -260,7 +260,8 @@ impl Convolution {
         let windows = row_bytes.saturating_sub(self.columns * K::WIDTH) / step.max(1) + 1;
         let tiles = (windows / K::TILE * K::TILE).max(windows.min(K::TILE));
         let radius = self.kernel / 2;
-        for first in (0..width).step_by(tiles.max(1)) {
+        let direct = self.run_directly(kernel, input, weights, &scale, output);
+        for first in (direct..width).step_by(tiles.max(1)) {
             let pixels = tiles.min(width - first);
             let mut next = 0;
             for y in 0..height {
@@ -295,6 +296,42 @@ impl Convolution {
                     kernel.conv2d(strip);
                 }
             }
+        }
+    }
+
+    /// Computes whole tiles of a convolution of 1×1 pixels from the input as it is, where the kernel
+    /// takes it so. Returns how many pixels they have.
+    fn run_directly<K: Kernel>(
+        &self,
+        kernel: K,
+        input: &[u8],
+        weights: &[i8],
+        scale: &Scale<'_>,
+        output: &mut [u8],
+    ) -> usize {
+        let [height, width] = self.to;
+        let pixels = width / K::TILE * K::TILE;
+        let parts = StripParts {
+            values: input,
+            rows: &[0],
+            step: self.channels,
+            columns: self.columns,
+            filled: self.channels,
+            weights,
+            scale: *scale,
+            out: output.get_mut(..pixels * self.outputs).unwrap_or(&mut []),
+            channels: self.outputs,
+        };
+        let is_direct = K::DIRECT
+            && (self.kernel, self.stride, height) == (1, 1, 1)
+            && self.columns == self.channels
+            && scale.bias.len() * BLOCK == self.outputs;
+        match Strip::new(parts, K::WIDTH, K::GROUP) {
+            Some(strip) if is_direct && pixels > 0 => {
+                kernel.conv2d(strip);
+                pixels
+            }
+            _ => 0,
         }
     }
 

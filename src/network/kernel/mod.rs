@@ -61,6 +61,9 @@ pub(super) trait Kernel: Copy {
     /// Whether [`Self::depthwise3x3`] reads the weights in pairs of taps.
     const PAIRED: bool = true;
 
+    /// Whether staged values are the input's bytes, so that [`Self::conv2d`] takes it as it is.
+    const DIRECT: bool = false;
+
     /// Stages input values for [`Self::conv2d`]: [`Self::WIDTH`] bytes for each, which stand for
     /// the value minus `zero_point`.
     fn stage(self, values: &[u8], zero_point: u8, staged: &mut [u8]);

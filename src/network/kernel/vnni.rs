@@ -32,6 +32,7 @@ impl Kernel for Vnni {
     const GROUP: usize = GROUP;
     const TILE: usize = 6;
     const PAIRED: bool = false;
+    const DIRECT: bool = true;
 
     fn stage(self, values: &[u8], _zero_point: u8, staged: &mut [u8]) {
         if let Some(staged) = staged.get_mut(..values.len()) {
