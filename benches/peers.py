@@ -52,6 +52,11 @@ ROOT = Path(__file__).resolve().parent.parent
 # Smallest face that detectors look for, as posewise's default [px].
 MIN_FACE = 60
 
+# From this score on a detection of pico counts.
+PICO_SCORE = 5
+
+# Left, top, width and height [px].
+Box = tuple[float, float, float, float]
 # Takes a grey frame and the box of the face (left, top, width, height [px]), which systems without
 # a detector of their own are given; returns whether there is a face.
 Step = Callable[[np.ndarray, "tuple[int, int, int, int] | None"], bool]
@@ -182,7 +187,8 @@ def openseeface(arguments: argparse.Namespace) -> Step:
     return step
 
 
-def pico(arguments: argparse.Namespace) -> Step:
+def pico_detector(arguments: argparse.Namespace) -> Callable[[np.ndarray], list[Box]]:
+    """pico's detector of faces from MIN_FACE on, as in its own samples: boxes of raw detections."""
     runtime = given(arguments.pico, "--pico FOLDER") / "rnt"
     library = Path(tempfile.mkdtemp()) / "pico.so"
     compiler = os.environ.get("CC", "cc")
@@ -197,14 +203,21 @@ def pico(arguments: argparse.Namespace) -> Step:
     found = (ctypes.c_float * (4 * 1024))()
     real = ctypes.c_float
 
-    def step(grey: np.ndarray, _box: object) -> bool:
+    def detect(grey: np.ndarray) -> list[Box]:
         height, width = grey.shape
         pixels = grey.ctypes.data_as(ctypes.c_void_p)
         sizes = (real(1.1), real(0.1), real(MIN_FACE), real(1000))
         count = find(found, 1024, cascade, real(0), pixels, height, width, grey.strides[0], *sizes)
-        return any(found[4 * i + 3] > 5 for i in range(count))
+        # Row, column, diameter and score of each.
+        of_all = [found[4 * i : 4 * i + 4] for i in range(count)]
+        return [(x - d / 2, y - d / 2, d, d) for y, x, d, score in of_all if score > PICO_SCORE]
 
-    return step
+    return detect
+
+
+def pico(arguments: argparse.Namespace) -> Step:
+    detect = pico_detector(arguments)
+    return lambda grey, _box: len(detect(grey)) > 0
 
 
 PEERS: dict[str, Callable[[argparse.Namespace], Step]] = {
