@@ -7,6 +7,8 @@
 //! model defines the layers; [`Network::read`] checks them once, after which a run cannot fail or
 //! access memory outside its [`Activations`].
 
+mod activations;
+mod convolution;
 mod kernel;
 mod layer;
 mod plan;
@@ -14,9 +16,9 @@ mod plan;
 /// Capacity: channels of a map whose values are the features of a landmark.
 pub const MAX_FEATURES: usize = 48;
 
+pub use activations::Activations;
 pub(crate) use kernel::dot;
 pub use kernel::{KernelName, chosen_kernel, select_kernel, set_dotprod};
-pub use layer::Activations;
 pub use plan::{
     ARENA, MAX_CHANNELS, MAX_NODES, Map, Network, OP_ADD, OP_CONV, OP_DEPTHWISE, OP_INPUT,
     OP_LATERAL, OP_LINEAR,

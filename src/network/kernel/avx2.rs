@@ -3,9 +3,8 @@
 //!
 //! `vpmaddubsw`, which multiplies bytes, saturates on 8–35 % of the weight pairs of our models.
 
-use super::avx::{
-    Layer, Requantization, add, bytes, conv2d_by_tile, depthwise_by_block, eight, sum_of,
-};
+use super::avx::{Requantization, add, conv2d_by_tile, eight, sum_of};
+use super::avx_depthwise::{Layer, bytes, depthwise_by_block};
 use super::{BLOCK, DepthwiseInput, DepthwiseWeights, Kernel, Scale, Strip, Tile};
 use super::{forwarded, tail, unrolled};
 use core::arch::x86_64::*;

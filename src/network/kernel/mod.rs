@@ -13,7 +13,10 @@ mod aarch64;
 mod avx;
 #[cfg(target_arch = "x86_64")]
 mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx_depthwise;
 mod choice;
+mod depthwise_input;
 #[cfg(target_arch = "aarch64")]
 mod dotprod;
 #[cfg(target_arch = "aarch64")]
@@ -37,11 +40,11 @@ mod vnni;
 
 pub(super) use choice::{Chosen, chosen, dispatch};
 pub use choice::{KernelName, chosen_kernel, select_kernel, set_dotprod};
+pub(super) use depthwise_input::DepthwiseInput;
 #[cfg(target_arch = "x86_64")]
-use operands::Line;
+use depthwise_input::Line;
 pub(super) use operands::{
-    BLOCK, DepthwiseInput, DepthwiseWeights, MAX_ROWS, STAGING, Scale, Staging, Strip, StripParts,
-    TapWeights, Tile,
+    BLOCK, DepthwiseWeights, MAX_ROWS, STAGING, Scale, Staging, Strip, StripParts, TapWeights, Tile,
 };
 #[cfg(all(simd_kernel, not(target_arch = "x86_64")))]
 use shared::conv2d_by_block;

@@ -392,7 +392,7 @@ fn depthwise3x3(
                 }
             }
             let out = out.wrapping_add(inner.start * channels);
-            let lines = rows.lines(inner.start).map(|line| line.from_channel(at));
+            let lines = rows.lines(inner.start).map(|line| line.at_channel(at));
             // SAFETY: as above.
             unsafe {
                 inner_pixels(

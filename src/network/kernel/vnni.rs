@@ -1,12 +1,11 @@
-//! The kernel for x86-64 with AVX-VNNI: `vpdpbusd` adds four products of a byte and a signed byte to
-//! each of eight sums.
+//! The kernel for x86-64 with AVX-VNNI: `vpdpbusd` adds four products of a byte and a signed byte
+//! to each of eight sums.
 //!
-//! Values x are multiplied as they are; the bias makes up for it: Σ w·(x − z) = Σ w·x − z·Σ w, where
-//! z is the zero point.
+//! Values x are multiplied as they are; the bias makes up for it: Σ w·(x − z) = Σ w·x − z·Σ w,
+//! where z is the zero point.
 
-use super::avx::{
-    Layer, Requantization, add, bytes, conv2d_by_tile, depthwise_by_block, eight, sum_of,
-};
+use super::avx::{Requantization, add, conv2d_by_tile, eight, sum_of};
+use super::avx_depthwise::{Layer, bytes, depthwise_by_block};
 use super::{BLOCK, DepthwiseInput, DepthwiseWeights, Kernel, Scale, Strip, Tile};
 use super::{forwarded, tail, unrolled};
 use core::arch::x86_64::*;
