@@ -49,26 +49,10 @@ impl<'a> DepthwiseInput<'a> {
     pub fn rows<'o>(self, out: &'o mut [u8]) -> impl Iterator<Item = (Rows<'a>, &'o mut [u8])> {
         let row = self.side.div_ceil(self.stride.max(1)) * self.channels;
         let rows = out.chunks_exact_mut(row.max(1)).enumerate();
-        rows.map(move |(y, out)| (self.around(y * self.stride), out))
-    }
-
-    /// The rows around row `y` of the input.
-    #[inline(always)]
-    fn around(&self, y: usize) -> Rows<'a> {
-        let row = self.side * self.channels;
-        let mut rows: [&[u8]; 3] = [&[]; 3];
-        for (k, input) in rows.iter_mut().enumerate() {
-            let sy = (y + k).wrapping_sub(1);
-            if sy < self.side {
-                *input = self.map.get(sy * row..(sy + 1) * row).unwrap_or(&[]);
-            }
-        }
-        Rows {
-            rows,
-            side: self.side,
-            stride: self.stride,
-            channels: self.channels,
-        }
+        rows.map(move |(y, out)| {
+            let top = (y * self.stride).wrapping_sub(1);
+            (Rows { input: self, top }, out)
+        })
     }
 }
 
@@ -78,29 +62,36 @@ static OUTSIDE: [u8; MAX_CHANNELS] = [0; _];
 /// The input rows of one output row of a 3×3 depthwise convolution.
 #[derive(Clone, Copy)]
 pub(in crate::network) struct Rows<'a> {
-    rows: [&'a [u8]; 3],
-    side: usize,
-    stride: usize,
-    channels: usize,
+    input: DepthwiseInput<'a>,
+    /// The first of the three; it may be outside of the map.
+    top: usize,
 }
 
 impl<'a> Rows<'a> {
     /// Channels of every pixel, a multiple of [`BLOCK`].
     #[inline(always)]
     pub fn channels(&self) -> usize {
-        self.channels
+        self.input.channels
+    }
+
+    /// Number `k` of the rows, `None` where it is outside of the map.
+    #[inline(always)]
+    fn row(&self, k: usize) -> Option<usize> {
+        let row = self.top.wrapping_add(k);
+        (row < self.input.side).then_some(row)
     }
 
     /// The nine taps of output pixel `x`, each of [`Self::channels`] bytes, and a tenth of zeros.
     #[inline]
     pub fn taps(&self, x: usize) -> [&'a [u8]; 2 * TAP_PAIRS] {
-        let outside = OUTSIDE.get(..self.channels).unwrap_or(&[]);
+        let input = &self.input;
+        let outside = OUTSIDE.get(..input.channels).unwrap_or(&[]);
         let mut taps = [outside; 2 * TAP_PAIRS];
         for (k, tap) in taps.iter_mut().take(9).enumerate() {
-            let sx = (x * self.stride + k % 3).wrapping_sub(1);
-            let row: &[u8] = self.rows.get(k / 3).copied().unwrap_or(&[]);
-            if sx < self.side {
-                let values = row.get(sx * self.channels..(sx + 1) * self.channels);
+            let sx = (x * input.stride + k % 3).wrapping_sub(1);
+            if let Some(row) = self.row(k / 3).filter(|_| sx < input.side) {
+                let at = (row * input.side + sx) * input.channels;
+                let values = input.map.get(at..at + input.channels);
                 *tap = values.unwrap_or(outside);
             }
         }
@@ -112,8 +103,8 @@ impl<'a> Rows<'a> {
     #[inline(always)]
     pub fn tap_starts(&self, x: usize) -> [*const u8; 2 * TAP_PAIRS] {
         let outside = OUTSIDE.as_ptr();
-        let middle = x * self.stride;
-        let (left, right) = (middle > 0, middle + 1 < self.side);
+        let middle = x * self.input.stride;
+        let (left, right) = (middle > 0, middle + 1 < self.input.side);
         let mut starts = [outside; 2 * TAP_PAIRS];
         let of_rows = starts.as_chunks_mut::<3>().0.iter_mut();
         for (starts, line) in of_rows.zip(self.lines(x)) {
@@ -130,14 +121,17 @@ impl<'a> Rows<'a> {
     #[cfg(target_arch = "x86_64")]
     #[inline(always)]
     pub fn columns<const N: usize>(&self, x: usize) -> [[*const u8; N]; 3] {
-        let first = (x * self.stride).wrapping_sub(1);
-        self.rows.map(|row| {
+        let input = &self.input;
+        let first = (x * input.stride).wrapping_sub(1);
+        core::array::from_fn(|row| {
+            let row = self.row(row).map(|row| row * input.side);
             core::array::from_fn(|k| {
-                let sx = first.wrapping_add(k);
-                match row.is_empty() || sx >= self.side {
-                    true => OUTSIDE.as_ptr(),
-                    false => row.as_ptr().wrapping_add(sx * self.channels),
-                }
+                let column = first.wrapping_add(k);
+                let inside = row.filter(|_| column < input.side);
+                inside.map_or(OUTSIDE.as_ptr(), |row| {
+                    let at = (row + column) * input.channels;
+                    input.map.as_ptr().wrapping_add(at)
+                })
             })
         })
     }
@@ -146,8 +140,8 @@ impl<'a> Rows<'a> {
     #[cfg(target_arch = "x86_64")]
     #[inline(always)]
     pub fn has_columns(&self, x: usize, columns: usize) -> bool {
-        let first = (x * self.stride).wrapping_sub(1);
-        first < self.side && first + columns <= self.side
+        let first = (x * self.input.stride).wrapping_sub(1);
+        first < self.input.side && first + columns <= self.input.side
     }
 
     /// Those of the first `pixels` output pixels whose taps lie between the map's left and right
@@ -155,8 +149,8 @@ impl<'a> Rows<'a> {
     #[cfg(any(target_arch = "aarch64", target_arch = "x86_64"))]
     #[inline(always)]
     pub fn inner(&self, pixels: usize) -> core::ops::Range<usize> {
-        let stride = self.stride.max(1);
-        let end = (self.side.saturating_sub(1).div_ceil(stride)).min(pixels);
+        let stride = self.input.stride.max(1);
+        let end = (self.input.side.saturating_sub(1).div_ceil(stride)).min(pixels);
         1.min(end)..end
     }
 
@@ -164,17 +158,22 @@ impl<'a> Rows<'a> {
     #[cfg(simd_kernel)]
     #[inline(always)]
     pub fn lines(&self, x: usize) -> [Line; 3] {
-        let first = (x * self.stride).wrapping_sub(1) * self.channels;
-        self.rows.map(|row| match row.is_empty() {
-            true => Line {
+        let input = &self.input;
+        let row = input.side * input.channels;
+        let first = (x * input.stride).wrapping_sub(1);
+        let at = self.top.wrapping_mul(row);
+        let at = at.wrapping_add(first.wrapping_mul(input.channels));
+        let at = input.map.as_ptr().wrapping_add(at);
+        core::array::from_fn(|k| match self.row(k) {
+            None => Line {
                 at: OUTSIDE.as_ptr(),
                 column: 0,
                 pixel: 0,
             },
-            false => Line {
-                at: row.as_ptr().wrapping_add(first),
-                column: self.channels,
-                pixel: self.stride * self.channels,
+            Some(_) => Line {
+                at: at.wrapping_add(k * row),
+                column: input.channels,
+                pixel: input.stride * input.channels,
             },
         })
     }
