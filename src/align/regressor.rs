@@ -243,12 +243,12 @@ impl<'m> Head<'m> {
         for (p, o) in points.iter_mut().zip(self.offset.as_chunks::<2>().0) {
             *p = [p[0] + o[0], p[1] + o[1]];
         }
-        let project = self.project.chunks_exact(self.inputs.max(1));
+        let mut sums = [0; MAX_RANK];
+        crate::network::dots(features, self.project, &mut sums);
         let expand = self.expand.chunks_exact(self.offset.len().max(1));
         let constants = self.scale.iter().zip(self.bias).zip(self.expand_scale);
-        for ((weights, row), ((scale, bias), expand_scale)) in project.zip(expand).zip(constants) {
-            let sum: i32 = crate::network::dot(features, weights);
-            let coefficient = (sum as f32 * scale + bias) * expand_scale;
+        for ((sum, row), ((scale, bias), expand_scale)) in sums.iter().zip(expand).zip(constants) {
+            let coefficient = (*sum as f32 * scale + bias) * expand_scale;
             for (p, [x, y]) in points.iter_mut().zip(row.as_chunks::<2>().0) {
                 p[0] += coefficient * *x as f32;
                 p[1] += coefficient * *y as f32;

@@ -17,7 +17,7 @@ mod plan;
 pub const MAX_FEATURES: usize = 48;
 
 pub use activations::Activations;
-pub(crate) use kernel::dot;
+pub(crate) use kernel::dots;
 pub use kernel::{KernelName, chosen_kernel, select_kernel, set_dotprod};
 pub use plan::{
     ARENA, MAX_CHANNELS, MAX_NODES, Map, Network, OP_ADD, OP_CONV, OP_DEPTHWISE, OP_INPUT,

@@ -96,6 +96,15 @@ pub(super) trait Kernel: Copy {
 
     /// `Σ feature·weight`.
     fn dot(self, features: &[u8], weights: &[i8]) -> i32;
+
+    /// [`Self::dot`] with each row of the weights.
+    #[inline(always)]
+    fn dots(self, features: &[u8], rows: &[i8], sums: &mut [i32]) {
+        let rows = rows.chunks_exact(features.len().max(1));
+        for (sum, weights) in sums.iter_mut().zip(rows) {
+            *sum = self.dot(features, weights);
+        }
+    }
 }
 
 /// The weighted sum of two maps: `((a·factors[0] + b·factors[1]) >> pre_shift`, rounded,
@@ -117,7 +126,7 @@ impl Sum {
     }
 }
 
-/// `Σ feature·weight`.
-pub(crate) fn dot(features: &[u8], weights: &[i8]) -> i32 {
-    dispatch!(kernel => kernel.dot(features, weights))
+/// `Σ feature·weight` with each row of the weights.
+pub(crate) fn dots(features: &[u8], rows: &[i8], sums: &mut [i32]) {
+    dispatch!(kernel => kernel.dots(features, rows, sums))
 }

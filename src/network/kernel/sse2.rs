@@ -26,6 +26,11 @@ impl Kernel for Sse2 {
         stage(values, zero_point, staged);
     }
 
+    fn dots(self, features: &[u8], rows: &[i8], sums: &mut [i32]) {
+        // SAFETY: every x86-64 processor has SSE2.
+        unsafe { dots(features, rows, sums) }
+    }
+
     forwarded!();
 }
 
@@ -495,23 +500,52 @@ fn add(sum: &Sum, other: &[u8], out: &mut [u8]) {
 
 #[target_feature(enable = "sse2")]
 fn dot(features: &[u8], weights: &[i8]) -> i32 {
+    let [sum, _] = dot_with_two(features, [weights; 2]);
+    sum
+}
+
+/// The products with two rows of weights, for which the features are widened once.
+#[target_feature(enable = "sse2")]
+#[inline]
+fn dot_with_two(features: &[u8], rows: [&[i8]; 2]) -> [i32; 2] {
     let (vectors, rest) = features.as_chunks::<16>();
-    let (rows, rest_of_row) = weights.as_chunks::<16>();
-    let mut sums = [_mm_setzero_si128(); 2];
-    for (features, weights) in vectors.iter().zip(rows) {
-        // SAFETY: both are sixteen bytes.
-        let (features, weights) = unsafe {
-            (
-                unsigned(_mm_loadu_si128(features.as_ptr().cast())),
-                signed(_mm_loadu_si128(weights.as_ptr().cast())),
-            )
+    let [(first, rest_of_first), (second, rest_of_second)] = rows.map(|row| row.as_chunks::<16>());
+    let mut sums = [[_mm_setzero_si128(); 2]; 2];
+    for ((features, first), second) in vectors.iter().zip(first).zip(second) {
+        // SAFETY: all are sixteen bytes.
+        let (features, rows) = unsafe {
+            let rows = [first, second].map(|w| signed(_mm_loadu_si128(w.as_ptr().cast())));
+            (unsigned(_mm_loadu_si128(features.as_ptr().cast())), rows)
         };
-        for ((sum, features), weights) in sums.iter_mut().zip(features).zip(weights) {
-            *sum = _mm_add_epi32(*sum, _mm_madd_epi16(features, weights));
-        }
+        unrolled!(r < 2 => {
+            unrolled!(h < 2 => {
+                let products = _mm_madd_epi16(features[h], rows[r][h]);
+                sums[r][h] = _mm_add_epi32(sums[r][h], products);
+            });
+        });
     }
-    let sums = _mm_add_epi32(sums[0], sums[1]);
-    let sums = _mm_add_epi32(sums, _mm_shuffle_epi32::<0b1110>(sums));
-    let sum = _mm_cvtsi128_si32(_mm_add_epi32(sums, _mm_shuffle_epi32::<0b01>(sums)));
-    sum.wrapping_add(tail::dot(rest, rest_of_row))
+    let [first, second] = sums.map(|[low, high]| {
+        let sums = _mm_add_epi32(low, high);
+        let sums = _mm_add_epi32(sums, _mm_shuffle_epi32::<0b1110>(sums));
+        _mm_cvtsi128_si32(_mm_add_epi32(sums, _mm_shuffle_epi32::<0b01>(sums)))
+    });
+    [
+        first.wrapping_add(tail::dot(rest, rest_of_first)),
+        second.wrapping_add(tail::dot(rest, rest_of_second)),
+    ]
+}
+
+#[target_feature(enable = "sse2")]
+fn dots(features: &[u8], rows: &[i8], sums: &mut [i32]) {
+    let mut rows = rows.chunks_exact(features.len().max(1));
+    for sums in sums.chunks_mut(2) {
+        let Some(first) = rows.next() else {
+            return;
+        };
+        let second = rows.next();
+        let both = dot_with_two(features, [first, second.unwrap_or(first)]);
+        let present = 1 + usize::from(second.is_some());
+        let of_rows = sums.iter_mut().zip(both).take(present);
+        of_rows.for_each(|(sum, of_row)| *sum = of_row);
+    }
 }

@@ -285,13 +285,37 @@ fn dot_products_are_sums_of_products() {
         let count = n.size(80);
         // Those of heads may be −128.
         let weight = |_| n.within(-128, 127) as i8;
-        let weights: Bytes<i8> = (0..count).map(weight).collect();
+        let weights: Bytes<i8> = (0..3 * count).map(weight).collect();
         let features = n.bytes(count);
-        let pairs = features.iter().zip(&weights);
-        let sum: i32 = pairs.map(|(f, w)| i32::from(*f) * i32::from(*w)).sum();
-        assert_eq!(Scalar.dot(&features, &weights), sum, "round {round}");
+        let sum = |weights: &[i8]| {
+            let pairs = features.iter().zip(weights);
+            pairs
+                .map(|(f, w)| i32::from(*f) * i32::from(*w))
+                .sum::<i32>()
+        };
+        // A fourth row is not there.
+        let expected: [i32; 4] = core::array::from_fn(|row| match row {
+            3 => 0,
+            _ => sum(&weights[row * count..(row + 1) * count]),
+        });
+        let check = |kernel: KernelName, dot: i32, dots: [i32; 4]| {
+            assert_eq!(
+                (dot, dots),
+                (expected[0], expected),
+                "{kernel:?}, round {round}"
+            );
+        };
+        let mut dots = [0; 4];
+        Scalar.dots(&features, &weights, &mut dots);
+        check(
+            KernelName::Scalar,
+            Scalar.dot(&features, &weights[..count]),
+            dots,
+        );
         each_kernel!(name, kernel => {
-            assert_eq!(kernel.dot(&features, &weights), sum, "{name:?}, round {round}");
+            let mut dots = [0; 4];
+            kernel.dots(&features, &weights, &mut dots);
+            check(name, kernel.dot(&features, &weights[..count]), dots);
         });
     }
 }
