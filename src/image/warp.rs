@@ -150,25 +150,13 @@ impl<'a> Inside<'a> {
     /// bits.
     #[inline(always)]
     fn fill_coarse(&self, samples: &Samples, x: i64, y: i64, row: &mut [u8]) {
-        let [(a, b), (sub_a, sub_b)] = samples.steps_32();
-        let (mut x, mut y) = (x as i32, y as i32);
-        let area = (TAPS_MAX * TAPS_MAX) as u32;
-        for pixel in row {
-            let mut sum = 0;
-            let (mut line_x, mut line_y) = (x, y);
-            for _ in 0..TAPS_MAX {
-                let (mut sx, mut sy) = (line_x, line_y);
-                for _ in 0..TAPS_MAX {
-                    sum += self.nearest(sx, sy);
-                    sx = sx.wrapping_add(sub_a);
-                    sy = sy.wrapping_add(sub_b);
-                }
-                line_x = line_x.wrapping_sub(sub_b);
-                line_y = line_y.wrapping_add(sub_a);
-            }
-            *pixel = ((sum + area / 2) / area) as u8;
-            x = x.wrapping_add(a);
-            y = y.wrapping_add(b);
+        match self.near_rows() {
+            Some((origin, below)) => fill_coarse(samples, x, y, row, |x, y| {
+                let [x, y] = [x, y].map(|v| (v + (1 << (FRACTION - 1))) >> FRACTION);
+                let at = origin.wrapping_add(x).wrapping_add(y.wrapping_mul(below));
+                self.read(at as u32 as isize).into()
+            }),
+            None => fill_coarse(samples, x, y, row, |x, y| self.nearest(x, y)),
         }
     }
 
@@ -283,6 +271,37 @@ impl<'a> Inside<'a> {
             x = x.wrapping_add(a);
             y = y.wrapping_add(b);
         }
+    }
+}
+
+/// Fills a row of crop pixels with means of [`TAPS_MAX`]² samples each.
+#[inline(always)]
+fn fill_coarse(
+    samples: &Samples,
+    x: i64,
+    y: i64,
+    row: &mut [u8],
+    sample: impl Fn(i32, i32) -> u32,
+) {
+    let [(a, b), (sub_a, sub_b)] = samples.steps_32();
+    let (mut x, mut y) = (x as i32, y as i32);
+    let area = (TAPS_MAX * TAPS_MAX) as u32;
+    for pixel in row {
+        let mut sum = 0;
+        let (mut line_x, mut line_y) = (x, y);
+        for _ in 0..TAPS_MAX {
+            let (mut sx, mut sy) = (line_x, line_y);
+            for _ in 0..TAPS_MAX {
+                sum += sample(sx, sy);
+                sx = sx.wrapping_add(sub_a);
+                sy = sy.wrapping_add(sub_b);
+            }
+            line_x = line_x.wrapping_sub(sub_b);
+            line_y = line_y.wrapping_add(sub_a);
+        }
+        *pixel = ((sum + area / 2) / area) as u8;
+        x = x.wrapping_add(a);
+        y = y.wrapping_add(b);
     }
 }
 
