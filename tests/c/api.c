@@ -148,7 +148,7 @@ static void test_config(void) {
     c = zero, c.struct_size = sizeof c + 8, config_rejected(&c);
     config_rejected((const posewise_config *)(const void *)((const char *)pair + 2));
     c = zero, c.flags = 1, config_rejected(&c);
-    c = zero, c.gaze = 2, config_rejected(&c);
+    c = zero, c.gaze = 3, config_rejected(&c);
     c = zero, c.min_face_px = 23, config_rejected(&c);
     c = zero, c.min_face_px = 4097, config_rejected(&c);
     c = zero, c.scan_budget = 99, config_rejected(&c);
