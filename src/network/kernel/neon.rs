@@ -4,7 +4,7 @@
 use super::aarch64::{
     Requantization, SIGN, add, depthwise3x3, halves, signed_bytes, smlal2_bytes, smull2_bytes,
 };
-use super::{BLOCK, DepthwiseWeights, Kernel, Scale, Strip, Sum, Tile};
+use super::{BLOCK, Kernel, Strip, Tile};
 use super::{forwarded, tail, unrolled};
 use core::arch::aarch64::*;
 
