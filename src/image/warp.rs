@@ -15,6 +15,9 @@ const TAPS_MAX: i32 = 4;
 /// interpolated samples at most take as many reads.
 const COARSE_SCALE: f32 = 2.5;
 
+/// Crop pixels of a row that are filled together where not all of the row is inside of the frame.
+const PIECE: usize = 16;
+
 /// Width of a frame's box filter \[frame px\].
 const BOX_PX: f32 = 3.0;
 
@@ -53,13 +56,24 @@ pub fn warp(frame: &Frame<'_>, to_frame: &Similarity, side: usize, crop: &mut Cr
         // Crop (u, v) → frame (a·u − b·v + tx, b·u + a·v + ty).
         let x = tx - b * v as i64 + first(a) - first(b);
         let y = ty + a * v as i64 + first(b) + first(a);
-        match &inside {
-            Some(inside) if samples.are_inside(frame, x, y, side) => match (samples.coarse, taps) {
-                (true, _) => inside.fill_coarse(&samples, x, y, row),
-                (_, 1) => inside.fill_fine::<1>(&samples, x, y, row),
-                _ => inside.fill_fine::<2>(&samples, x, y, row),
-            },
-            _ => samples.fill(frame, x, y, row),
+        // A row that is not all inside is so for the most part.
+        let piece = match samples.are_inside(frame, x, y, side) {
+            true => side,
+            false => PIECE,
+        };
+        for (k, row) in row.chunks_mut(piece.max(1)).enumerate() {
+            let first = (k * piece) as i64;
+            let (x, y) = (x + a * first, y + b * first);
+            match &inside {
+                Some(inside) if samples.are_inside(frame, x, y, row.len()) => {
+                    match (samples.coarse, taps) {
+                        (true, _) => inside.fill_coarse(&samples, x, y, row),
+                        (_, 1) => inside.fill_fine::<1>(&samples, x, y, row),
+                        _ => inside.fill_fine::<2>(&samples, x, y, row),
+                    }
+                }
+                _ => samples.fill(frame, x, y, row),
+            }
         }
     }
     if frame.is_box_filtered() {
