@@ -57,15 +57,13 @@ pub fn warp(frame: &Frame<'_>, to_frame: &Similarity, side: usize, crop: &mut Cr
         let x = tx - b * v as i64 + first(a) - first(b);
         let y = ty + a * v as i64 + first(b) + first(a);
         // A row that is not all inside is so for the most part.
-        let piece = match samples.are_inside(frame, x, y, side) {
-            true => side,
-            false => PIECE,
-        };
+        let is_inside = samples.are_inside(frame, x, y, side);
+        let piece = if is_inside { side } else { PIECE };
         for (k, row) in row.chunks_mut(piece.max(1)).enumerate() {
             let first = (k * piece) as i64;
             let (x, y) = (x + a * first, y + b * first);
             match &inside {
-                Some(inside) if samples.are_inside(frame, x, y, row.len()) => {
+                Some(inside) if is_inside || samples.are_inside(frame, x, y, row.len()) => {
                     match (samples.coarse, taps) {
                         (true, _) => inside.fill_coarse(&samples, x, y, row),
                         (_, 1) => inside.fill_fine::<1>(&samples, x, y, row),
