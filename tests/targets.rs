@@ -51,6 +51,18 @@ fn replay(target: Option<&str>, cpu: u32) -> Replay {
     replay
 }
 
+/// Minutes of the simulated drive.
+const MINUTES: usize = 60;
+
+/// Builds and runs tests/c/drive.c on a machine.
+fn drive(target: Option<&str>) -> String {
+    let output = xtask::run_c(&built_for(target), "drive", &[MINUTES.to_string()]);
+    let output = output.unwrap_or_else(|error| panic!("{error:#}"));
+    let line = String::from_utf8_lossy(&output.stdout).replace("\r\n", "\n");
+    print!("{}: {line}", target.unwrap_or("this machine"));
+    line
+}
+
 /// Whether a library can be built for a machine, and programs compiled and run.
 fn possible(target: &str, programs: &[&str]) -> bool {
     if !programs.iter().all(|program| require(program)) {
@@ -91,6 +103,11 @@ fn check_target(target: &str, machine: &str, cpu: u32, programs: &[&str]) {
         let replay = replay(Some(target), cpu);
         assert_eq!(replay.line, expected(), "this machine at the right");
         check_stack(&replay, machine);
+        assert_eq!(
+            drive(Some(target)),
+            drive(None),
+            "this machine at the right"
+        );
     }
 }
 

@@ -1,5 +1,5 @@
 //! A network that sees one eye at a time (section `EYES`): whether it is open, where the middle of
-//! its iris is, where it looks, and whether the person wears glasses.
+//! its iris is, where it looks, whether something hides it, and whether the person wears glasses.
 //!
 //! An eye is seen by a virtual camera that looks straight at it, rolled so that the head's vertical
 //! axis is vertical, at a fixed number of pixels per millimetre; the person's left eye is mirrored.
@@ -18,11 +18,11 @@ use posewise_format::{Blob, ModelError, Section};
 
 /// Name of the section.
 pub const EYES_TAG: [u8; 4] = *b"EYES";
-/// Pairs of numbers that the network gives: iris, gaze, lids, glasses.
+/// Pairs of numbers that the network gives: iris, gaze, lids and visibility, glasses.
 pub const EYE_OUTPUTS: usize = 4;
 
-/// Classes of an eye: open, glasses, dark glasses.
-const CLASSES: usize = 3;
+/// Classes of an eye: open, glasses, dark glasses, visible.
+const CLASSES: usize = 4;
 /// Numbers of a coordinate of the gaze: by the network, by the iris \[mm\], by the nose's x and y,
 /// constant.
 const GAZE: usize = 5;
@@ -77,6 +77,8 @@ pub struct SeenEye {
     pub glasses: f32,
     /// Probability that they are dark.
     pub dark: f32,
+    /// Probability that nothing hides it: no hand, rim or reflection.
+    pub visible: f32,
     /// Middle of the iris \[frame px\].
     pub iris: [f32; 2],
     /// Unit gaze, camera axes.
@@ -133,7 +135,7 @@ impl EyePlace {
 }
 
 impl<'m> EyeModel<'m> {
-    /// Reads and checks the section: `classes: f32[6], gaze: f32[10], sigma: f32[4]`, and a
+    /// Reads and checks the section: `classes: f32[8], gaze: f32[10], sigma: f32[4]`, and a
     /// regressor of [`EYE_OUTPUTS`] points whose `zoom` is in crop px per mm.
     ///
     /// # Errors
@@ -204,7 +206,7 @@ impl<'m> EyeModel<'m> {
         let glare = bright as f32 / crop.luma().len().max(1) as f32;
         let mut outputs = [[0.0f32; 2]; EYE_OUTPUTS];
         regressor.run(crop, &mut outputs, memory);
-        let [iris, gaze, [open, _], [glasses, dark]] = outputs;
+        let [iris, gaze, [open, visible], [glasses, dark]] = outputs;
         let sign = if mirror { -1.0 } else { 1.0 };
         let class = |k: usize, value: f32| {
             let slope = numbers.classes.get(2 * k).copied().unwrap_or(0.0);
@@ -217,6 +219,7 @@ impl<'m> EyeModel<'m> {
             open,
             glasses: class(1, glasses),
             dark: class(2, dark),
+            visible: class(3, visible),
             iris: to_frame.apply([sign * iris[0], iris[1]]),
             gaze,
             sigma_rad,

@@ -55,13 +55,27 @@ const MOUTH: core::ops::Range<usize> = 48..68;
 /// hides more than half of them.
 const MOUTH_VISIBILITY: f32 = 0.5;
 
-/// Openness of an eye that is open for sure, at least: outside of the thresholds of a closure.
-const OPEN_AT_LEAST: f32 = 0.5;
-/// By how much the distance of the lids is shortened where the eye is shut for sure, and how sure
-/// that is where it begins and where it is whole. The network takes eyes for shut from about 0.5 of
-/// the way on, so it does not say how far they are.
-const SHORTER: f32 = 0.6;
-const SHUT_SURE: (f32, f32) = (0.5, 0.85);
+/// Openness of an eye by the logarithm of the odds that it is open, as the network has them:
+/// medians on rendered clips. Half-shut lids are in between.
+const BY_ODDS: [(f32, f32); 8] = [
+    (-3.3, 0.0),
+    (-2.9, 0.13),
+    (-1.35, 0.25),
+    (-0.4, 0.35),
+    (1.0, 0.45),
+    (2.1, 0.55),
+    (3.75, 0.72),
+    (4.2, 1.0),
+];
+/// Share of the network in the openness of an eye; the rest is that of the lids.
+const NETWORK_SHARE: f32 = 0.5;
+/// Where the network is less sure than these odds, and the lids are so far from what it says, the
+/// eye is unknown.
+const UNSURE_ODDS: f32 = 1.1;
+const APART: f32 = 0.25;
+/// An eye that is known alone needs better odds than these, and nearer lids if they are known.
+const ALONE_ODDS: f32 = 2.0;
+const ALONE_APART: f32 = 0.2;
 
 /// Below this reading of the lids their distance falls steeply to 0 \[per reading\]: a reading of 0
 /// is that of any distance that is shorter than [`SHUT`].
@@ -73,33 +87,61 @@ fn distance(lids: f32) -> f32 {
     (SHUT + (1.0 - SHUT) * lids).min(STEEP * lids)
 }
 
-/// Openness of an eye by its lids and by the network that sees it: lids that look down or are badly
-/// placed do not shut an eye that is open for sure, and the other way round. Where the network
-/// cannot tell, and behind dark glasses and reflections, it is unknown, −1: what covers an eye
-/// moves its lids anywhere.
-pub fn fused_openness(lids: f32, eye: &Eye) -> f32 {
+/// Openness by the probability that an eye is open, and the logarithm of its odds.
+fn by_network(open: f32) -> (f32, f32) {
+    let p = open.clamp(1e-3, 1.0 - 1e-3);
+    let odds = libm::logf(p / (1.0 - p));
+    let [(first, mut openness), ..] = BY_ODDS;
+    let mut from = first;
+    for (to, next) in BY_ODDS {
+        let share = ((odds - from) / (to - from).max(1e-3)).clamp(0.0, 1.0);
+        openness += share * (next - openness);
+        from = to;
+    }
+    (openness, odds)
+}
+
+/// Openness of an eye by its lids and by the network that sees it, and whether that is doubtful.
+fn openness(lids: f32, eye: &Eye) -> (f32, bool) {
     let lids = if lids > 0.0 { distance(lids) } else { lids };
     match eye.unknown {
-        EyeUnknown::DarkGlasses | EyeUnknown::Glare | EyeUnknown::Uncertain => -1.0,
-        EyeUnknown::Known if lids >= 0.0 => {
-            // −1 shut for sure, 1 open for sure.
-            let sure = 2.0 * eye.open - 1.0;
-            match sure >= 0.0 {
-                true => lids.max(sure * OPEN_AT_LEAST),
-                false => {
-                    let (some, whole) = SHUT_SURE;
-                    let share = ((-sure - some) / (whole - some)).clamp(0.0, 1.0);
-                    lids * (1.0 - SHORTER * share)
-                }
-            }
+        EyeUnknown::DarkGlasses | EyeUnknown::Glare | EyeUnknown::Hidden => (-1.0, false),
+        EyeUnknown::Known => {
+            let (network, odds) = by_network(eye.open);
+            let (has_lids, apart) = (lids >= 0.0, (network - lids).abs());
+            let is_doubtful = odds.abs() < ALONE_ODDS || has_lids && apart > ALONE_APART;
+            let openness = match has_lids {
+                true if odds.abs() < UNSURE_ODDS && apart > APART => -1.0,
+                true => NETWORK_SHARE * network + (1.0 - NETWORK_SHARE) * lids,
+                false if is_doubtful => -1.0,
+                false => network,
+            };
+            (openness, is_doubtful)
         }
-        _ => lids,
+        _ => (lids, false),
     }
+}
+
+/// Openness of the left and the right eye by their lids and by the network that sees them. Behind
+/// dark glasses and reflections and where something covers it, an eye is unknown, −1, as it is
+/// where the network is not sure and contradicts the lids; one that is known alone sooner than two.
+pub fn fused_openness(lids: [f32; 2], eyes: &[Eye; 2]) -> [f32; 2] {
+    let [left, right] = lids;
+    let [left_eye, right_eye] = eyes;
+    let (left, right) = (openness(left, left_eye), openness(right, right_eye));
+    let alone = |(openness, is_doubtful): (f32, bool), other: (f32, bool)| {
+        let is_alone = other.0 < 0.0;
+        if is_alone && is_doubtful {
+            -1.0
+        } else {
+            openness
+        }
+    };
+    [alone(left, right), alone(right, left)]
 }
 
 impl From<&TrackResult> for Observation {
     fn from(result: &TrackResult) -> Self {
-        let ([left, right], [left_eye, right_eye]) = (&result.eye_open, &result.eyes.each);
         let mouth = result.landmarks.get(MOUTH).unwrap_or_default();
         let visibility: f32 = mouth.iter().map(|landmark| landmark.visibility).sum();
         let is_visible = visibility >= MOUTH_VISIBILITY * MOUTH.len() as f32;
@@ -111,10 +153,7 @@ impl From<&TrackResult> for Observation {
             pitch_deg: result.pitch_deg,
             translation_mm: result.translation_mm,
             rotation_sigma_deg: result.rotation_sigma_deg,
-            eye_open: [
-                fused_openness(*left, left_eye),
-                fused_openness(*right, right_eye),
-            ],
+            eye_open: fused_openness(result.eye_open, &result.eyes.each),
             jaw_open: jaw_open.copied().unwrap_or(-1.0),
         }
     }
@@ -136,19 +175,35 @@ mod tests {
             open,
             ..Eye::EMPTY
         };
-        let near = |a: f32, b: f32| assert!((a - b).abs() < 1e-6, "{a} {b}");
-        near(fused_openness(0.4, &eye(EyeUnknown::NotSeen, 0.0)), 0.496);
-        near(fused_openness(0.04, &eye(EyeUnknown::NotSeen, 0.0)), 0.16);
-        assert_eq!(fused_openness(0.0, &eye(EyeUnknown::NotSeen, 0.0)), 0.0);
-        assert_eq!(
-            fused_openness(0.1, &eye(EyeUnknown::DarkGlasses, -1.0)),
-            -1.0
-        );
-        assert_eq!(fused_openness(0.1, &eye(EyeUnknown::Known, 1.0)), 0.5);
-        assert_eq!(fused_openness(0.4, &eye(EyeUnknown::Uncertain, 0.5)), -1.0);
-        near(fused_openness(0.4, &eye(EyeUnknown::Known, 0.0)), 0.1984);
-        near(fused_openness(0.4, &eye(EyeUnknown::Known, 0.25)), 0.496);
-        assert_eq!(fused_openness(-1.0, &eye(EyeUnknown::Known, 1.0)), -1.0);
+        let near = |a: f32, b: f32| assert!((a - b).abs() < 1e-5, "{a} {b}");
+        let both = |lids: f32, eye: Eye| fused_openness([lids; 2], &[eye; 2])[0];
+        near(both(0.4, eye(EyeUnknown::NotSeen, 0.0)), 0.496);
+        near(both(0.04, eye(EyeUnknown::NotSeen, 0.0)), 0.16);
+        assert_eq!(both(0.0, eye(EyeUnknown::NotSeen, 0.0)), 0.0);
+        for hides in [
+            EyeUnknown::DarkGlasses,
+            EyeUnknown::Glare,
+            EyeUnknown::Hidden,
+        ] {
+            assert_eq!(both(0.1, eye(hides, 0.0)), -1.0);
+        }
+        near(both(0.0, eye(EyeUnknown::Known, 0.0)), 0.0);
+        near(both(1.0, eye(EyeUnknown::Known, 1.0)), 1.0);
+        near(both(0.0, eye(EyeUnknown::Known, 1.0)), 0.5);
+        // Odds of 1: half shut.
+        assert_eq!(both(1.0, eye(EyeUnknown::Known, 0.5)), -1.0);
+        let half = both(0.4, eye(EyeUnknown::Known, 0.5));
+        assert!((0.4..0.5).contains(&half), "{half}");
+        // Hidden landmarks: the network alone, if it is sure.
+        near(both(-1.0, eye(EyeUnknown::Known, 1.0)), 1.0);
+        assert_eq!(both(-1.0, eye(EyeUnknown::Known, 0.6)), -1.0);
+        let one = |lids: f32, open: f32| {
+            let eyes = [eye(EyeUnknown::Known, open), eye(EyeUnknown::Hidden, 0.0)];
+            fused_openness([lids, -1.0], &eyes)
+        };
+        near(one(0.0, 0.01)[0], 0.0);
+        assert_eq!(one(0.4, 0.5), [-1.0; 2]);
+        assert_eq!(one(0.4, 0.01), [-1.0; 2]);
     }
 
     #[test]

@@ -3,9 +3,9 @@
 use super::eye::{EYE_LOOKS, Eye, EyeUnknown, Eyes, Gaze};
 use super::geometry::{gaze_angles, length};
 use super::policy::{
-    EYE_DARK, EYE_LOOK_RAD, EYE_MAX_BLUR, EYE_MAX_GLARE, EYE_MIN_FACING_Z, EYE_MIN_PX_PER_MM,
-    EYE_MIN_VISIBILITY, EYE_UNSURE, GAZE_MAX_SIGMA_DEG, GAZE_MIN_OPEN, GAZE_SHARED,
-    NATURAL_GAZE_FACING_Z,
+    EYE_DARK, EYE_GLASSES, EYE_LOOK_RAD, EYE_MAX_BLUR, EYE_MAX_GLARE, EYE_MIN_FACING_Z,
+    EYE_MIN_PX_PER_MM, EYE_MIN_VISIBILITY, EYE_VISIBLE, EYE_VISIBLE_AFTER_ALL, GAZE_MAX_SIGMA_DEG,
+    GAZE_MIN_OPEN, GAZE_SHARED, NATURAL_GAZE_FACING_Z,
 };
 use super::step::Step;
 use super::{State, Tracker};
@@ -24,6 +24,7 @@ struct Look<'a> {
     frame: &'a Frame<'a>,
     camera: Intrinsics,
     rotation: Mat3,
+    now_us: i64,
 }
 
 impl Tracker {
@@ -48,6 +49,7 @@ impl Tracker {
             frame: step.frame,
             camera: step.camera(&self.config),
             rotation: rotation_from_quaternion(self.result.rotation),
+            now_us: step.now_us,
         };
         let mut glasses = [0.0f32; 3];
         for ((eye, first), mirror) in eyes.each.iter_mut().zip(FIRST).zip([true, false]) {
@@ -108,8 +110,7 @@ impl Tracker {
         if look.rotation.z_axis.z < EYE_MIN_FACING_Z {
             return unseen(EyeUnknown::Turned);
         }
-        let is_inside = inside(at[0], look.frame.width()) && inside(at[1], look.frame.height());
-        if visibility < EYE_MIN_VISIBILITY || !is_inside {
+        if !inside(at[0], look.frame.width()) || !inside(at[1], look.frame.height()) {
             return unseen(EyeUnknown::Hidden);
         }
         if look.camera.fx / distance_mm < EYE_MIN_PX_PER_MM {
@@ -133,8 +134,21 @@ impl Tracker {
         if seen.dark >= EYE_DARK {
             return unseen(EyeUnknown::DarkGlasses);
         }
-        match seen.glare > EYE_MAX_GLARE {
-            true => unseen(EyeUnknown::Glare),
+        let is_hidden = match visibility < EYE_MIN_VISIBILITY {
+            true => {
+                seen.glasses.min(seen.visible) < EYE_VISIBLE_AFTER_ALL
+                    || !self.target.glasses.are_worn()
+            }
+            false => {
+                self.target.glasses.see(seen.glasses, look.now_us);
+                seen.visible < EYE_VISIBLE
+            }
+        };
+        if seen.glare > EYE_MAX_GLARE || is_hidden && seen.glasses > EYE_GLASSES {
+            return unseen(EyeUnknown::Glare);
+        }
+        match is_hidden {
+            true => unseen(EyeUnknown::Hidden),
             false => eye_of(&seen),
         }
     }
@@ -170,10 +184,7 @@ fn eye_of(seen: &SeenEye) -> Eye {
         },
     };
     Eye {
-        unknown: match (EYE_UNSURE..=1.0 - EYE_UNSURE).contains(&seen.open) {
-            true => EyeUnknown::Uncertain,
-            false => EyeUnknown::Known,
-        },
+        unknown: EyeUnknown::Known,
         open: seen.open,
         iris: seen.iris,
         gaze,

@@ -27,6 +27,7 @@ mod excluded;
 mod eye;
 mod eyes;
 mod geometry;
+mod glasses;
 mod hint;
 mod model;
 mod motion;

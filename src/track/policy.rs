@@ -372,15 +372,33 @@ pub(super) const EYE_MIN_PX_PER_MM: f32 = 0.3;
 /// Source: chosen.
 pub(super) const EYE_DARK: f32 = 0.5;
 
+/// Eyes that are visible with a smaller probability are unknown.
+///
+/// Source: chosen.
+pub(super) const EYE_VISIBLE: f32 = 0.5;
+
+/// Eyes whose landmarks are hidden are visible after all where a person wears glasses, with this
+/// probability of glasses and of a visible eye: the visibilities take lids behind glasses for hidden.
+///
+/// Source: rendered clips (*Spectacles as they are*).
+pub(super) const EYE_VISIBLE_AFTER_ALL: f32 = 0.8;
+
+/// Probability of glasses from which what hides an eye is taken for a reflection, and from whose
+/// mean a person wears glasses.
+///
+/// Source: chosen.
+pub(super) const EYE_GLASSES: f32 = 0.5;
+
+/// Seconds over which the mean goes, and most of a step.
+///
+/// Source: chosen.
+pub(super) const GLASSES_S: f32 = 1.3;
+pub(super) const GLASSES_STEP_S: f32 = 0.2;
+
 /// Lids and gaze are unknown where a larger share of the eye's crop is overexposed.
 ///
 /// Source: chosen.
 pub(super) const EYE_MAX_GLARE: f32 = 0.3;
-
-/// Lids are unknown where the probability of an open eye is from this to one less this.
-///
-/// Source: chosen.
-pub(super) const EYE_UNSURE: f32 = 0.25;
 
 /// A gaze is unknown where the probability of an open eye is less.
 ///

@@ -2,6 +2,7 @@
 
 use super::anchor::Anchor;
 use super::appearance::Appearance;
+use super::glasses::Glasses;
 use super::motion::{Motion, damped};
 use super::natural_gaze::NaturalGaze;
 use super::policy::{
@@ -52,6 +53,7 @@ pub(super) struct Target {
     /// When it last had high confidence or was recognised \[µs\].
     confirmed_us: i64,
     pub(super) natural_gaze: NaturalGaze,
+    pub(super) glasses: Glasses,
 }
 
 impl Target {
@@ -70,6 +72,7 @@ impl Target {
         trusted_frames: 0,
         confirmed_us: 0,
         natural_gaze: NaturalGaze::UNKNOWN,
+        glasses: Glasses::NONE,
     };
 
     pub(super) fn is_trusted(&self) -> bool {
@@ -125,6 +128,7 @@ impl Target {
         self.identity = IdentityEstimator::new();
         self.appearance = Appearance::EMPTY;
         self.natural_gaze = NaturalGaze::UNKNOWN;
+        self.glasses = Glasses::NONE;
         self.anchor.clear();
         self.trusted_frames = 0;
         self.is_trusted = false;
@@ -135,6 +139,7 @@ impl Target {
         self.identity = IdentityEstimator::new();
         self.appearance = Appearance::EMPTY;
         self.natural_gaze = NaturalGaze::UNKNOWN;
+        self.glasses = Glasses::NONE;
         self.face.identity = [0.0; MAX_IDENTITIES];
     }
 

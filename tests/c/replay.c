@@ -1,5 +1,5 @@
 /* replay.c VIDEO.y4m FRAMES [CPU] - prints a hash of all bytes of all results for the video's first
- * frames. The line is the same on every machine. Standard error gets the sizes of model and tracker
+ * frames, gaze and driver monitor included. The line is the same on every machine. Standard error gets the sizes of model and tracker
  * and the peak stacks of posewise_init, _step, _step_at and _detect [bytes].
  * C99 with GCC's attributes; reads 8-bit mono y4m. */
 #include "posewise.h"
@@ -24,6 +24,7 @@ static uint8_t memory[POSEWISE_MEMORY_SIZE + POSEWISE_ALIGN];
 static uint8_t pixels[640 * 480], last[640 * 480];
 static posewise_landmark landmarks[POSEWISE_LANDMARKS];
 static float animation[POSEWISE_ANIMATIONS];
+static uint8_t monitor_memory[POSEWISE_MONITOR_SIZE + POSEWISE_ALIGN];
 
 static int fail(const char *what) {
     fprintf(stderr, "replay: %s\n", what);
@@ -94,8 +95,26 @@ static posewise_status detect(posewise_tracker *tracker, posewise_frame *frame,
     return status;
 }
 
+/* Shows the monitor what the tracker saw, and hashes what it knows then. */
+static posewise_status watch(const posewise_tracker *tracker, posewise_monitor *monitor,
+                             int64_t timestamp_us) {
+    posewise_observation seen = POSEWISE_OBSERVATION_INIT;
+    posewise_monitor_state state = POSEWISE_MONITOR_STATE_INIT;
+    posewise_status status = posewise_observe(tracker, &seen);
+    if (status == POSEWISE_OK)
+        status = posewise_monitor_update(monitor, &seen, timestamp_us);
+    if (status == POSEWISE_OK)
+        status = posewise_monitor_get_state(monitor, &state);
+    hash_bytes(&seen, sizeof seen);
+    hash_bytes(&state, sizeof state);
+    return status;
+}
+
 int main(int argc, char **argv) {
     uint8_t *aligned = memory + (POSEWISE_ALIGN - (uintptr_t)memory % POSEWISE_ALIGN);
+    uint8_t *driver = monitor_memory + (POSEWISE_ALIGN - (uintptr_t)monitor_memory % POSEWISE_ALIGN);
+    posewise_config config = POSEWISE_CONFIG_INIT;
+    posewise_monitor *monitor;
     posewise_frame frame = POSEWISE_FRAME_INIT;
     posewise_result result = POSEWISE_RESULT_INIT;
     posewise_hint hint = POSEWISE_HINT_INIT;
@@ -117,9 +136,12 @@ int main(int argc, char **argv) {
         sscanf(line, "YUV4MPEG2 W%u H%u", &width, &height) != 2 ||
         (len = (size_t)width * height) > sizeof pixels)
         return fail("the video is not y4m, or too large");
+    config.gaze = 1;
     stack_walk(1);
-    status = posewise_init(&tracker, aligned, POSEWISE_MEMORY_SIZE, model, model_len, NULL);
+    status = posewise_init(&tracker, aligned, POSEWISE_MEMORY_SIZE, model, model_len, &config);
     init_stack = stack_walk(0);
+    if (status == POSEWISE_OK)
+        status = posewise_monitor_init(&monitor, driver, POSEWISE_MONITOR_SIZE, NULL);
     if (status != POSEWISE_OK)
         return fail(posewise_strerror(status));
     frame.format = POSEWISE_FMT_GREY;
@@ -137,6 +159,8 @@ int main(int argc, char **argv) {
             status = posewise_landmarks(tracker, landmarks, POSEWISE_LANDMARKS);
         if (status == POSEWISE_OK)
             status = posewise_animation(tracker, animation, POSEWISE_ANIMATIONS);
+        if (status == POSEWISE_OK)
+            status = watch(tracker, monitor, frame.timestamp_us);
         if (status != POSEWISE_OK)
             return fail(posewise_strerror(status));
         hash_bytes(&result, sizeof result);

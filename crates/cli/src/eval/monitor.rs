@@ -136,17 +136,17 @@ impl Columns {
         for (to, column) in seen.rotation_sigma_deg.iter_mut().zip(self.sigma) {
             *to = number(column)?;
         }
-        let eyes = self.eyes.iter().zip(self.network);
-        for (to, (lids, network)) in seen.eye_open.iter_mut().zip(eyes) {
-            let mut eye = Eye::EMPTY;
+        let (mut lids, mut eyes) = ([-1.0; 2], [Eye::EMPTY; 2]);
+        for (k, (column, network)) in self.eyes.iter().zip(self.network).enumerate() {
+            lids[k] = number(*column)?;
             if let Some([unknown, open]) = network {
                 let word = csv.text(row, unknown);
                 let reason = EyeUnknown::ALL.into_iter().find(|u| u.name() == word);
-                eye.unknown = reason.unwrap_or_default();
-                eye.open = number(open)?;
+                eyes[k].unknown = reason.unwrap_or_default();
+                eyes[k].open = number(open)?;
             }
-            *to = fused_openness(number(*lids)?, &eye);
         }
+        seen.eye_open = fused_openness(lids, &eyes);
         let mut visibility = 0.0;
         for column in &self.mouth {
             visibility += number(*column)?;

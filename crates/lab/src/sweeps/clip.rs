@@ -13,7 +13,7 @@ use glam::{Mat3, Vec3};
 use image::GrayImage;
 use posewise::math::head_rotation;
 use posewise_train::head::Head;
-use posewise_train::render::draw::{Drawn, Eyes, HIDES, Posed, Prop, Scene, View, draw};
+use posewise_train::render::draw::{Drawn, Eyes, Posed, Prop, Scene, View, draw};
 use posewise_train::render::effects::Camera;
 use posewise_train::render::expression::{Expression, gaze_directions};
 use posewise_train::render::light::Lights;
@@ -366,15 +366,12 @@ impl<'a> Set<'a> {
             head: Some(&figure.posed),
             props: &figure.own,
         };
-        // What is behind clear lenses is seen.
-        let hides = |prop: &&Prop| prop.opacity > HIDES;
-        let opaque: Vec<Prop> = figure.over.iter().filter(hides).cloned().collect();
         Landmarks::new(
             &self.view,
             self.mesh(),
             &bare,
             &head,
-            &opaque,
+            &figure.over,
             &figure.covers,
         )
     }

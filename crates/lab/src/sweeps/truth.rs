@@ -5,8 +5,9 @@ use anyhow::Result;
 use glam::{Mat3, Vec2, Vec3};
 use posewise::shape::{Intrinsics, JAW, LANDMARKS};
 use posewise_train::render::contour::is_drawn;
-use posewise_train::render::draw::{Posed, Prop, SUPER, View};
+use posewise_train::render::draw::{HIDES, Posed, Prop, SUPER, View};
 use posewise_train::render::mesh::Mesh;
+use posewise_train::render::mirror::{self, GLARE};
 use posewise_train::render::raster::{Cull, Projected, Target};
 use std::fmt::Write as _;
 
@@ -62,7 +63,8 @@ pub struct Landmarks {
 
 impl Landmarks {
     /// Of a `bare` head (without the volume of its hair); `own` is what is drawn of the body,
-    /// `over` what is worn or held, `covers` what of it is the cover of the clip's script.
+    /// `over` what is worn or held, `covers` what of it is the cover of the clip's script. What lets
+    /// light pass covers eyes where it mirrors more than [`GLARE`].
     pub fn new(
         view: &View,
         mesh: &Mesh,
@@ -85,6 +87,11 @@ impl Landmarks {
                 props,
             }),
         };
+        let (opaque, clear): (Vec<_>, Vec<_>) =
+            over.iter().cloned().partition(|prop| prop.opacity > HIDES);
+        let glare = mirror::before(&solid, &clear, view);
+        let is_blinded = |i: usize| (36..48).contains(&i) && glare[i] > GLARE;
+        let by_props = hides(&opaque);
         let by_head = hidden_by(own);
         let faces = |i: usize| {
             let along = bare.normals[mesh.landmarks[i] as usize].dot(solid[i].normalize());
@@ -105,7 +112,7 @@ impl Landmarks {
             points,
             solid,
             seen: std::array::from_fn(|i| faces(i) && !by_head[i]),
-            covered: hides(over),
+            covered: std::array::from_fn(|i| by_props[i] || is_blinded(i)),
             occluder: hides(covers).contains(&true),
         }
     }

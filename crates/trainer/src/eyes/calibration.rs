@@ -1,6 +1,6 @@
 //! Calibrates the outputs of a network of single eyes, and measures it.
 
-use super::samples::{DARK, GAZE_UNIT, is_looking, is_open, place_of};
+use super::samples::{DARK, GAZE_UNIT, is_looking, is_open, is_visible, place_of};
 use super::single::SingleEye;
 use crate::render::eye_cache::Eye;
 use crate::verifier::platt;
@@ -21,7 +21,7 @@ const GAZE_INPUTS: usize = 5;
 /// What the section holds before the network.
 #[derive(Clone, Debug)]
 pub struct Numbers {
-    classes: [f32; 6],
+    classes: [f32; 8],
     gaze: [[f32; GAZE_INPUTS]; 2],
     sigma: [f32; 4],
 }
@@ -30,7 +30,7 @@ impl Numbers {
     /// Those by which outputs come out as they are.
     pub fn first(by_nose: f32) -> Numbers {
         Numbers {
-            classes: [1.0, 0.0, 1.0, 0.0, 1.0, 0.0],
+            classes: [1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0],
             gaze: [
                 [1.0 / GAZE_UNIT, 0.0, by_nose, 0.0, 0.0],
                 [1.0 / GAZE_UNIT, 0.0, 0.0, by_nose, 0.0],
@@ -129,10 +129,11 @@ pub fn calibrate(first: &SectionWriter, eyes: &[Eye], by_nose: f32) -> Result<Nu
         let glasses = class(&looked, |l| Some((l.seen.glasses, l.eye.truth.lens > 0.0)));
         let dark = class(&looked, |l| Some((l.seen.dark, l.eye.truth.lens > DARK)));
         let mut numbers = Numbers::first(by_nose);
-        numbers.classes = [open, glasses, dark]
+        let visible = class(&looked, |l| Some((l.seen.visible, is_visible(l.eye)?)));
+        numbers.classes = [open, glasses, dark, visible]
             .concat()
             .try_into()
-            .expect("six numbers");
+            .expect("eight numbers");
         looked.retain(Looked::looks);
         for (k, numbers) in numbers.gaze.iter_mut().enumerate() {
             let in_crop = |l: &Looked<'_>, v: glam::Vec3| {
@@ -187,8 +188,8 @@ pub struct Figures {
     pub both_deg: f32,
     /// Mean distance of the iris there \[mm\].
     pub iris_mm: f32,
-    /// Area under the ROC of the lids, of glasses and of dark glasses.
-    pub auc: [Option<f64>; 3],
+    /// Area under the ROC of the lids, of glasses, of dark glasses and of visible eyes.
+    pub auc: [Option<f64>; 4],
     /// The same of photographs of single eyes, and the share that is right at 0.5.
     pub single_auc: Option<f64>,
     pub single_right: Option<f32>,
@@ -258,6 +259,7 @@ pub fn figures(section: &SectionWriter, eyes: &[Eye], single: &[SingleEye]) -> R
                 area(&|l| Some((l.seen.open, is_open(l.eye)?))),
                 area(&|l| Some((l.seen.glasses, l.eye.truth.lens > 0.0))),
                 area(&|l| Some((l.seen.dark, l.eye.truth.lens > DARK))),
+                area(&|l| Some((l.seen.visible, is_visible(l.eye)?))),
             ],
             single_auc: auc(&opened),
             single_right: (!single.is_empty()).then(|| right as f32 / single.len() as f32),

@@ -2,6 +2,7 @@
 //! be without photographs, on photographs of single eyes.
 
 mod calibration;
+mod cover;
 mod crop;
 mod lens;
 mod samples;

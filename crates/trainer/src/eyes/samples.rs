@@ -1,12 +1,14 @@
 //! Samples for the network of single eyes: crops as the tracker cuts them, disturbed, and what the
 //! network is to say of them.
 
+use super::cover;
 use super::crop::{ROLL, crop_of, turned};
 use super::lens;
 use super::single::SingleEye;
 use crate::align::{Augment, Sample, Sizes, Source, disturb, normal, standardise};
 use crate::head::marks_px;
 use crate::render::eye_cache::{Eye, FIRST};
+use crate::render::mirror::GLARE;
 use glam::{EulerRot, Mat3};
 use posewise::align::{EYE_OUTPUTS, EyePlace};
 use rand::Rng;
@@ -27,16 +29,19 @@ const TURN: f32 = 0.05;
 const SEEN: f32 = 0.35;
 /// Opacity from which a lens is dark.
 pub const DARK: f32 = 0.5;
+/// Mirrored light in which nothing is seen of an eye.
+const BLINDING: f32 = 2.0 * GLARE;
 /// Weights of the lids from which an eye is shut, and to which it is open.
 const SHUT: f32 = 0.85;
 const OPEN: f32 = 0.35;
-/// Least number of visible landmarks for labels of the lids.
-const VISIBLE: usize = 3;
-/// Weight of the lids from which they are drooping, and how much such lids count: there are half as
-/// many as open ones. How much lids count of which nothing is seen.
-const DROOPING: f32 = 0.2;
-const DROOPING_WEIGHT: f32 = 2.0;
-const UNSEEN_WEIGHT: f32 = 0.3;
+/// Least share of an eye that is not hidden, for labels of the lids; and that from which nothing
+/// hides it.
+const VISIBLE: f32 = 0.5;
+const WHOLE: f32 = 0.95;
+/// How much the lids of photographs count.
+const SINGLE_WEIGHT: f32 = 1.5;
+/// How much lids count of which nothing is seen.
+const UNSEEN_WEIGHT: f32 = 0.6;
 
 /// What the network is trained on.
 pub struct Eyes<'a> {
@@ -78,15 +83,27 @@ fn marked(eye: &Eye) -> [[f32; 2]; 6] {
     std::array::from_fn(|i| (eye.landmarks[i] + marks[i]).to_array())
 }
 
+/// How much of an eye is left to be seen by what a lens mirrors before it, 0..1.
+fn seen_through(eye: &Eye) -> f32 {
+    (1.0 - eye.truth.glare / BLINDING).max(0.0)
+}
+
 /// Whether iris and gaze of a render are labels.
 pub fn is_looking(eye: &Eye) -> bool {
-    eye.truth.seen >= SEEN && eye.truth.lens < DARK
+    eye.truth.seen >= SEEN && eye.truth.lens < DARK && eye.truth.glare < GLARE
+}
+
+/// Share of a render's eye that nothing solid and no dark lens hides.
+fn visible_share(eye: &Eye) -> f32 {
+    match eye.truth.lens < DARK {
+        true => 1.0 - eye.truth.hidden,
+        false => 0.0,
+    }
 }
 
 /// Whether a render's lids are seen.
 fn has_lids(eye: &Eye) -> bool {
-    let visible = eye.visible.iter().filter(|v| **v).count();
-    visible >= VISIBLE && eye.truth.lens < DARK
+    visible_share(eye) >= VISIBLE && eye.truth.glare < BLINDING
 }
 
 /// Whether a render's lids are open or shut; `None` in between and where they are hidden.
@@ -98,6 +115,14 @@ pub fn is_open(eye: &Eye) -> Option<bool> {
     }
 }
 
+/// Whether nothing hides a render's eye; `None` where something hides a part.
+pub fn is_visible(eye: &Eye) -> Option<bool> {
+    match has_lids(eye) {
+        false => Some(false),
+        true => (visible_share(eye) >= WHOLE && eye.truth.glare < 0.5 * GLARE).then_some(true),
+    }
+}
+
 /// What the network is to say of a render's lids, of which a lens leaves this share to be seen, and
 /// how much that counts: their opening, from the value of a shut eye's class to that of an open
 /// one, so that half-shut lids are in between, and the middle where nothing is seen of them.
@@ -106,12 +131,7 @@ fn lids(eye: &Eye, seen: f32) -> (f32, f32) {
         return (0.0, UNSEEN_WEIGHT);
     }
     let opening = CLASS_UNIT * (1.0 - 2.0 * eye.blink.clamp(0.0, 1.0));
-    let weight = if eye.blink > DROOPING {
-        DROOPING_WEIGHT
-    } else {
-        1.0
-    };
-    (opening, weight * (2.0 * seen).min(1.0))
+    (opening, (2.0 * seen).min(1.0))
 }
 
 fn class(is: bool) -> f32 {
@@ -133,12 +153,15 @@ impl Eyes<'_> {
             true => None,
             false => lens::draw(&mut crop, self.sizes.side, self.sizes.zoom, rng),
         };
-        let seen = match drawn {
-            None => 1.0,
-            Some(lens) if lens.dark => 0.0,
-            Some(lens) => 1.0 - lens.opacity,
-        };
+        let covered = cover::draw(&mut crop, self.sizes.side, self.sizes.zoom, rng);
+        let seen = (1.0 - covered)
+            * match drawn {
+                None => seen_through(eye),
+                Some(lens) if lens.dark => 0.0,
+                Some(lens) => 1.0 - lens.opacity,
+            };
         let (lids, lids_weight) = lids(eye, seen);
+        let visible = visible_share(eye) * seen;
         let looking = f32::from(is_looking(eye)) * eye.truth.seen * seen;
         let glasses = [
             class(drawn.is_some() || eye.truth.lens > 0.0),
@@ -150,7 +173,7 @@ impl Eyes<'_> {
             truth: vec![
                 [sign * x, y],
                 [GAZE_UNIT * sign * sine.x, GAZE_UNIT * sine.y],
-                [lids, 0.0],
+                [lids, CLASS_UNIT * (2.0 * visible - 1.0)],
                 glasses,
             ],
             weights: vec![looking, 2.0 * looking, lids_weight, 0.5],
@@ -159,11 +182,24 @@ impl Eyes<'_> {
 
     fn single(&self, rng: &mut ChaCha8Rng) -> Sample {
         let eye = &self.single[rng.random_range(0..self.single.len())];
+        let mut crop = eye.crop(self.sizes, rng);
+        let covered = cover::draw(&mut crop, self.sizes.side, self.sizes.zoom, rng);
+        let seen = 1.0 - covered;
+        let weight = match seen > 0.0 {
+            true => (2.0 * seen).min(1.0),
+            false => UNSEEN_WEIGHT,
+        };
+        let lids = if seen > 0.0 { class(eye.open) } else { 0.0 };
         Sample {
-            crop: eye.crop(self.sizes, rng),
+            crop,
             start: vec![[0.0; 2]; EYE_OUTPUTS],
-            truth: vec![[0.0; 2], [0.0; 2], [class(eye.open), 0.0], [0.0; 2]],
-            weights: vec![0.0, 0.0, 1.5, 0.0],
+            truth: vec![
+                [0.0; 2],
+                [0.0; 2],
+                [lids, CLASS_UNIT * (2.0 * seen - 1.0)],
+                [0.0; 2],
+            ],
+            weights: vec![0.0, 0.0, SINGLE_WEIGHT * weight, 0.0],
         }
     }
 }

@@ -29,10 +29,10 @@ pub struct Args {
     #[arg(long, default_value_t = 9_000)]
     pub near_renders: u64,
     /// Renders whose eyes look around, for the network of single eyes.
-    #[arg(long, default_value_t = 8_000)]
+    #[arg(long, default_value_t = 32_000)]
     pub eye_renders: u64,
     /// Batches that the network of single eyes is trained on.
-    #[arg(long, default_value_t = 14_000)]
+    #[arg(long, default_value_t = 48_000)]
     pub eye_steps: usize,
     /// Batches that each network of the global stage is trained on; a refiner is trained on half of
     /// them.

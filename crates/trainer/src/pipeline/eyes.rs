@@ -41,13 +41,13 @@ pub fn make(context: &Context<'_>) -> Result<Output> {
     let rendered = renders::make(context.store, &render, None)?;
     let calibration = renders::make(context.store, &others, None)?;
     let read = |output: &Output| eye_cache::read(&output.path(renders::FILE), usize::MAX);
-    let stage = Stage::new("eyes-network", 2)
+    let stage = Stage::new("eyes-network", 3)
         .options(&(&options.network, options.by_nose, MARKS_VERSION))?
         .input("renders-eyes", rendered.hash(renders::FILE)?);
     let network = context.store.make(&stage, &[NETWORK], |folder| {
         eyes::train_rendered(&read(&rendered)?, &options, &folder.join(NETWORK))
     })?;
-    let stage = Stage::new("eyes", 3)
+    let stage = Stage::new("eyes", 5)
         .options(&options)?
         .input("eyes-network", network.hash(NETWORK)?)
         .input("renders-eyes", rendered.hash(renders::FILE)?)
@@ -134,9 +134,9 @@ fn about(args: &Args, figures: &serde_json::Value) -> String {
 added by `cargo run --release -p posewise-train -- add-eyes{clean} --seed {seed}
 --eye-renders {renders} --eye-steps {steps}`. Trained on {renders} rendered faces of that head with
 procedural eyes; {photographs}.
-On {CALIBRATION} renders of other heads, which also set its twenty numbers of calibration:
+On {CALIBRATION} renders of other heads, which also set its 22 numbers of calibration:
 gaze of both eyes within 30 degrees of yaw {gaze:.1} degrees; areas under the ROC of lids {lids:.3},
-glasses {glasses:.3}, dark glasses {dark:.3}.
+glasses {glasses:.3}, dark glasses {dark:.3}, visible eyes {visible:.3}.
 ",
         seed = args.seed,
         renders = args.eye_renders,
@@ -145,5 +145,6 @@ glasses {glasses:.3}, dark glasses {dark:.3}.
         lids = number(&figures["auc"][0]),
         glasses = number(&figures["auc"][1]),
         dark = number(&figures["auc"][2]),
+        visible = number(&figures["auc"][3]),
     )
 }

@@ -45,7 +45,7 @@ pub fn make(store: &Store, args: &Args, fits: Option<&Output>) -> Result<Output>
         pictures: args.kind.pictures(),
     };
     let data = |name: &str| store.data(&args.data.join(name));
-    let mut stage = Stage::new(name, 2)
+    let mut stage = Stage::new(name, 4)
         .options(&options)?
         .input("facekit.npz", data("facekit.npz")?);
     if let Some(fits) = fits {

@@ -2,6 +2,7 @@
 
 use super::draw::Prop;
 use super::mesh::{Material, Mesh};
+use super::mirror::Mirror;
 use super::noise::fractal;
 use glam::{Mat3, Vec2, Vec3};
 use rand::Rng;
@@ -11,8 +12,23 @@ use std::collections::BTreeMap;
 /// How far spectacles bend back towards the temples \[mm per mm² from the middle\].
 const BEND: f32 = 0.0022;
 
-/// Spectacles for a head whose pupils are at the given places (head axes); frames and lenses.
-pub fn glasses(rng: &mut ChaCha8Rng, bridge: Vec3, eyes: [Vec3; 2], ears: [Vec3; 2]) -> Vec<Prop> {
+/// Radius of a lens' front \[mm\].
+const CURVED_MM: f32 = 130.0;
+/// Rings of a lens, in that of its rim.
+const RINGS: [f32; 3] = [1.0, 0.7, 0.35];
+/// Lids and lashes, this far around the middle of an eye, are this far behind a lens \[mm\].
+const LIDS_MM: Vec2 = Vec2::new(17.0, 11.0);
+const CLEAR_MM: f32 = 3.5;
+
+/// Spectacles for a head of these vertices whose pupils are at the given places (head axes); frames
+/// and lenses.
+pub fn glasses(
+    rng: &mut ChaCha8Rng,
+    bridge: Vec3,
+    eyes: [Vec3; 2],
+    ears: [Vec3; 2],
+    head: &[Vec3],
+) -> Vec<Prop> {
     let half = Vec2::new(rng.random_range(23.0..30.0), rng.random_range(13.0..25.0));
     let power = rng.random_range(2.0..4.5f32);
     let thick = rng.random_range(0.5..2.4f32);
@@ -22,7 +38,7 @@ pub fn glasses(rng: &mut ChaCha8Rng, bridge: Vec3, eyes: [Vec3; 2], ears: [Vec3;
         rng.random_range(0.05..0.6)
     };
     let dark = rng.random_bool(0.35);
-    let front = bridge.z - rng.random_range(-2.0..4.0);
+    let front = (bridge.z - rng.random_range(-2.0..4.0)).min(before_lids(eyes, head));
     let down = rng.random_range(0.0..6.0);
     let mut frame = Prop::opaque(0.5);
     let mut lens = Prop {
@@ -34,7 +50,7 @@ pub fn glasses(rng: &mut ChaCha8Rng, bridge: Vec3, eyes: [Vec3; 2], ears: [Vec3;
         },
         ..Prop::default()
     };
-    let mut inner = [Vec3::ZERO; 2];
+    let (mut inner, mut centres) = ([Vec3::ZERO; 2], [Vec3::ZERO; 2]);
     for k in 0..2 {
         let side = if k == 0 { -1.0 } else { 1.0 };
         let centre = Vec3::new(
@@ -45,8 +61,12 @@ pub fn glasses(rng: &mut ChaCha8Rng, bridge: Vec3, eyes: [Vec3; 2], ears: [Vec3;
         let rim = rim(centre, half, power);
         let ring: Vec<(Vec3, f32)> = rim.iter().map(|p| (*p, thick)).collect();
         frame.tube(&ring, colour, true);
-        let hub = vec![centre + Vec3::new(0.0, 0.0, BEND * centre.x * centre.x); rim.len()];
-        lens.skin(&[rim, hub], if dark { 0.015 } else { 0.3 }, false);
+        let rings = RINGS.map(|share| curved(centre, &rim, share));
+        lens.skin(&rings, if dark { 0.015 } else { 0.3 }, false);
+        let hub = curved(centre, &rim, 0.0)[0];
+        lens.fill(rim.len(), hub);
+        let out = Vec3::new(2.0 * BEND * centre.x, 0.0, -1.0).normalize();
+        centres[k] = hub - CURVED_MM * out;
         let x_out = centre.x + side * half.x;
         let hinge = Vec3::new(x_out, centre.y - 0.4 * half.y, front + BEND * x_out * x_out);
         let ear = ears[k] + Vec3::new(side * 3.0, -6.0, 0.0);
@@ -67,7 +87,35 @@ pub fn glasses(rng: &mut ChaCha8Rng, bridge: Vec3, eyes: [Vec3; 2], ears: [Vec3;
         colour,
         false,
     );
+    lens.mirror = Mirror::random(rng, centres);
     vec![frame, lens]
+}
+
+/// How far to the front lenses are that clear the lids.
+fn before_lids(eyes: [Vec3; 2], head: &[Vec3]) -> f32 {
+    let is_near = |v: &&Vec3| {
+        let near = |eye: &Vec3| (**v - *eye).truncate().abs().cmplt(LIDS_MM).all();
+        v.z < eyes[0].z.max(eyes[1].z) + LIDS_MM.x && eyes.iter().any(near)
+    };
+    let flat = |v: &Vec3| v.z - BEND * v.x * v.x;
+    let nearest = head
+        .iter()
+        .filter(is_near)
+        .map(flat)
+        .fold(f32::MAX, f32::min);
+    nearest - CLEAR_MM
+}
+
+/// A ring of a lens' surface, whose size is this share of the rim's.
+fn curved(centre: Vec3, rim: &[Vec3], share: f32) -> Vec<Vec3> {
+    let sag = |r: Vec2| r.length_squared() / (2.0 * CURVED_MM);
+    let hub = centre + Vec3::new(0.0, 0.0, BEND * centre.x * centre.x);
+    let point = |p: &Vec3| {
+        let out = (*p - hub).truncate();
+        let bulge = sag(out) - sag(share * out);
+        hub + share * (*p - hub) - Vec3::Z * bulge
+    };
+    rim.iter().map(point).collect()
 }
 
 /// The rim round a lens: a superellipse.

@@ -2,6 +2,7 @@
 
 use super::light::{Lights, Reach};
 use super::mesh::{Material, Mesh};
+use super::mirror::Mirror;
 use super::raster::{Cull, EMPTY, Projected, Target, weights};
 use super::skin::Painted;
 use glam::{Mat3, Vec2, Vec3};
@@ -118,6 +119,8 @@ pub struct Prop {
     pub gloss: f32,
     /// Below 1 for lenses. What is behind counts as visible up to [`HIDES`].
     pub opacity: f32,
+    /// What its halves mirror, if they do.
+    pub mirror: Option<Mirror>,
 }
 
 impl Prop {
@@ -239,18 +242,15 @@ struct DrawnProp {
 
 impl DrawnProp {
     fn new(prop: &Prop, view: &View, lights: &Lights) -> DrawnProp {
-        let lit = |(n, v): (Vec3, &Vec3)| {
-            let (diffuse, sheen) = lights.reflect(n, (-*v).normalize_or_zero(), 1.0, 1.0);
+        let lit = |(n, v): (&Vec3, &Vec3)| {
+            let (diffuse, sheen) = lights.reflect(*n, (-*v).normalize_or_zero(), 1.0, 1.0);
+            // What lets light pass returns so much less of it.
+            let diffuse = diffuse * prop.opacity;
             (diffuse, sheen * prop.gloss / lights.sheen.max(1e-3))
         };
         DrawnProp {
             seen: prop.vertices.iter().map(|v| view.to_samples(*v)).collect(),
-            lit: prop
-                .normals()
-                .into_iter()
-                .zip(&prop.vertices)
-                .map(lit)
-                .collect(),
+            lit: prop.normals().iter().zip(&prop.vertices).map(lit).collect(),
         }
     }
 
@@ -263,6 +263,9 @@ impl DrawnProp {
             let (diffuse, sheen) = self.lit[i];
             light += w * (prop.albedo[i] * diffuse + sheen);
             inv_z += w * self.seen[i].inv_z;
+        }
+        if let Some(mirror) = &prop.mirror {
+            light += mirror.light_of(prop, t, w);
         }
         (light, inv_z)
     }

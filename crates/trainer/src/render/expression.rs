@@ -141,7 +141,7 @@ impl Expression {
         self.pair(["eyeBlinkLeft", "eyeBlinkRight"], blink, 0.0);
     }
 
-    /// Looks somewhere within what eyes reach, with lids that follow and mostly stay open.
+    /// Looks somewhere within what eyes reach, with lids that follow: open, drooping or shut.
     pub fn look(&mut self, rng: &mut ChaCha8Rng) {
         self.named.retain(|(name, _)| !name.starts_with("eye"));
         let wide = if rng.random_bool(0.6) { 1.0 } else { 0.4 };
@@ -150,8 +150,8 @@ impl Expression {
             wide * rng.random_range(-0.35..0.45f32),
         );
         let blink = match rng.random_range(0..20) {
-            0..13 => rng.random_range(0.0..0.15f32),
-            13..16 => rng.random_range(0.15..0.9),
+            0..9 => rng.random_range(0.0..0.15f32),
+            9..15 => rng.random_range(0.15..0.95),
             _ => 1.0,
         };
         self.pair(["eyeBlinkLeft", "eyeBlinkRight"], blink, 0.0);

@@ -22,7 +22,7 @@ use std::sync::Arc;
 /// First landmark of the image left's and of the image right's eye.
 pub const FIRST: [usize; 2] = [36, 42];
 /// Floats of an eye, and of a record.
-const EYE: usize = 12 + 6 + 3 + 3 + 2 + 3;
+const EYE: usize = 12 + 3 + 3 + 2 + 5;
 const FLOATS: usize = 2 * EYE + 9 + 3 + 4;
 /// Samples drawn between writes.
 const BATCH: u64 = 128;
@@ -36,8 +36,6 @@ pub struct Eye {
     pub side: usize,
     /// Its six landmarks \[px\].
     pub landmarks: [Vec2; 6],
-    /// Whether each is seen.
-    pub visible: [bool; 6],
     /// Where it looks.
     pub truth: EyeTruth,
     /// Weight with which its lids are shut.
@@ -60,12 +58,10 @@ fn floats(sample: &Sample, truth: &[EyeTruth; 2]) -> Vec<f32> {
     for ((first, eye), blink) in FIRST.iter().zip(truth).zip(blinks) {
         let points = &sample.landmarks[*first..first + 6];
         out.extend(points.iter().flat_map(|p| p.to_array()));
-        let visible = &sample.visible[*first..first + 6];
-        out.extend(visible.iter().map(|v| f32::from(*v)));
         out.extend(eye.centre.to_array());
         out.extend(eye.gaze.to_array());
         out.extend(eye.iris.to_array());
-        out.extend([eye.seen, eye.lens, blink]);
+        out.extend([eye.seen, eye.lens, eye.glare, eye.hidden, blink]);
     }
     out.extend(head_rotation(sample.angles).to_cols_array());
     out.extend(sample.position.to_array());
@@ -111,15 +107,16 @@ fn decode(body: &[u8]) -> Result<[Eye; 2]> {
             picture: picture.clone(),
             side,
             landmarks: std::array::from_fn(|i| Vec2::from_slice(&own[2 * i..])),
-            visible: std::array::from_fn(|i| own[12 + i] != 0.0),
             truth: EyeTruth {
-                centre: Vec3::from_slice(&own[18..]),
-                gaze: Vec3::from_slice(&own[21..]),
-                iris: Vec2::from_slice(&own[24..]),
-                seen: own[26],
-                lens: own[27],
+                centre: Vec3::from_slice(&own[12..]),
+                gaze: Vec3::from_slice(&own[15..]),
+                iris: Vec2::from_slice(&own[18..]),
+                seen: own[20],
+                lens: own[21],
+                glare: own[22],
+                hidden: own[23],
             },
-            blink: own[28],
+            blink: own[24],
             rotation: Mat3::from_cols_slice(common),
             position: Vec3::from_slice(&common[9..]),
             camera: Intrinsics::new(common[12], common[13], common[14], common[15]),

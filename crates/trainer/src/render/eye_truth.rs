@@ -3,6 +3,7 @@
 use super::contour::is_drawn;
 use super::draw::{Drawn, IRIS_RAD, Scene, View, eye_centre};
 use super::mesh::Material;
+use super::mirror;
 use glam::{Vec2, Vec3};
 
 /// The truth of one eye.
@@ -18,6 +19,10 @@ pub struct EyeTruth {
     pub seen: f32,
     /// Opacity of the lens before the eye; 0 without glasses.
     pub lens: f32,
+    /// Mean light that a lens mirrors before the iris, where lit white paper returns about 1.
+    pub glare: f32,
+    /// Share of the iris before which is something else than lids, 0..1.
+    pub hidden: f32,
 }
 
 /// The truth of the image left's (0) or the image right's eye (1).
@@ -26,8 +31,13 @@ pub fn eye_truth(eye: usize, scene: &Scene<'_>, view: &View, drawn: &Drawn) -> E
     let gaze = scene.head.rotation * scene.eyes.gaze[eye];
     let surface = Surface::new(eye, scene, centre, gaze);
     let (mut seen, mut all) = (0.0f32, 0.0f32);
-    for direction in disc(gaze) {
-        let p = centre + direction * surface.radius;
+    let points: Vec<Vec3> = disc(gaze).map(|d| centre + d * surface.radius).collect();
+    let glare = mirror::before(&points, scene.props, view);
+    let hidden = points
+        .iter()
+        .filter(|p| !is_drawn(**p, view, &drawn.target))
+        .count();
+    for (direction, p) in disc(gaze).zip(points) {
         // Where the eyeball is seen from the side its iris covers less of the picture.
         let weight = -direction.dot(p.normalize());
         if weight > 0.0 {
@@ -43,6 +53,8 @@ pub fn eye_truth(eye: usize, scene: &Scene<'_>, view: &View, drawn: &Drawn) -> E
         lens: (scene.props.iter().map(|prop| prop.opacity))
             .filter(|opacity| *opacity < 1.0)
             .fold(0.0, f32::max),
+        glare: glare.iter().sum::<f32>() / glare.len() as f32,
+        hidden: hidden as f32 / glare.len() as f32,
     }
 }
 

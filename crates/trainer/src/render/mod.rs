@@ -22,6 +22,7 @@ pub mod eye_truth;
 pub mod lids;
 pub mod light;
 pub mod mesh;
+pub mod mirror;
 pub mod noise;
 pub mod people;
 pub mod person;

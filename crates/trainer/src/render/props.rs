@@ -35,6 +35,16 @@ impl Prop {
         }
     }
 
+    /// Closes the last ring of so many vertices with a fan around a middle.
+    pub fn fill(&mut self, ring: usize, middle: Vec3) {
+        let (hub, n) = (self.vertices.len() as u32, ring as u32);
+        self.vertices.push(middle);
+        self.albedo.extend(self.albedo.last().copied());
+        let first = hub - n;
+        let fan = (0..n).map(|i| [first + i, hub, first + (i + 1) % n]);
+        self.triangles.extend(fan);
+    }
+
     /// Joins rows of equally many vertices into an open sheet.
     pub fn sheet(&mut self, rows: &[Vec<Vec3>], albedo: f32) {
         let n = rows.first().map_or(0, Vec::len) as u32;
@@ -76,9 +86,9 @@ impl Prop {
 
     /// Turns the vertices about the origin and moves them.
     pub fn transform(&mut self, rotation: Mat3, at: Vec3) {
-        self.vertices
-            .iter_mut()
-            .for_each(|v| *v = rotation * *v + at);
+        let place = |v: &mut Vec3| *v = rotation * *v + at;
+        let centres = self.mirror.iter_mut().flat_map(|m| &mut m.centres);
+        self.vertices.iter_mut().chain(centres).for_each(place);
     }
 }
 

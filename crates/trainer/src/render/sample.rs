@@ -300,7 +300,7 @@ impl Renderer {
         let eyes = [at(36).lerp(at(39), 0.5), at(42).lerp(at(45), 0.5)];
         // The temples of spectacles reach back to the ears.
         let ears = [at(0), at(16)].map(|p| p + Vec3::new(p.x.signum() * 2.0, 2.0, 42.0));
-        accessories::glasses(rng, at(27), eyes, ears)
+        accessories::glasses(rng, at(27), eyes, ears, head)
     }
 }
 

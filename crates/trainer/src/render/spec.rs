@@ -129,15 +129,15 @@ impl SampleSpec {
             inner_share: 0.8,
             pitch_deg: 30.0,
             roll_deg: 25.0,
-            occluders: 0.08,
-            glasses: 0.3,
+            occluders: 0.2,
+            glasses: 0.45,
             long_hair: 0.1,
             caps: 0.03,
             closing: 0.0,
             looking: 1.0,
             shutting: true,
             odd_eyes: 0.03,
-            infrared: 0.25,
+            infrared: 0.35,
             defects: 0.6,
             ..SampleSpec::default()
         }

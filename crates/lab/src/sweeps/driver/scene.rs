@@ -19,7 +19,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 /// Raised when clips of the same plan would come out otherwise.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 /// Distance of a driver's face from the camera \[mm\].
 const FAR_MM: std::ops::Range<f32> = 520.0..780.0;
 /// How far below the eyes the wheel is seen in front of the face \[mm\].
@@ -108,7 +108,7 @@ fn clear_glasses(set: &mut Set) -> Vec<Prop> {
     let eyes = [at(36).lerp(at(39), 0.5), at(42).lerp(at(45), 0.5)];
     let ears = [at(0), at(16)].map(|p| p + Vec3::new(p.x.signum() * 2.0, 2.0, 42.0));
     loop {
-        let glasses = accessories::glasses(&mut set.rng, at(27), eyes, ears);
+        let glasses = accessories::glasses(&mut set.rng, at(27), eyes, ears, &head);
         let is_clear = |part: &Prop| part.opacity < CLEAR.0 && part.gloss < CLEAR.1;
         if glasses.iter().any(is_clear) {
             return glasses;
