@@ -6,8 +6,8 @@ use glam::{Mat3, Vec2, Vec3};
 use posewise::shape::{Intrinsics, JAW, LANDMARKS};
 use posewise_train::render::contour::is_drawn;
 use posewise_train::render::draw::{HIDES, Posed, Prop, SUPER, View};
+use posewise_train::render::glare::{self, GLARE};
 use posewise_train::render::mesh::Mesh;
-use posewise_train::render::mirror::{self, GLARE};
 use posewise_train::render::raster::{Cull, Projected, Target};
 use std::fmt::Write as _;
 
@@ -89,7 +89,7 @@ impl Landmarks {
         };
         let (opaque, clear): (Vec<_>, Vec<_>) =
             over.iter().cloned().partition(|prop| prop.opacity > HIDES);
-        let glare = mirror::before(&solid, &clear, view);
+        let glare = glare::before(&solid, &clear, view);
         let is_blinded = |i: usize| (36..48).contains(&i) && glare[i] > GLARE;
         let by_props = hides(&opaque);
         let by_head = hidden_by(own);

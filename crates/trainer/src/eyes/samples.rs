@@ -8,7 +8,7 @@ use super::single::SingleEye;
 use crate::align::{Augment, Sample, Sizes, Source, disturb, normal, standardise};
 use crate::head::marks_px;
 use crate::render::eye_cache::{Eye, FIRST};
-use crate::render::mirror::GLARE;
+use crate::render::glare::GLARE;
 use glam::{EulerRot, Mat3};
 use posewise::align::{EYE_OUTPUTS, EyePlace};
 use rand::Rng;

@@ -124,6 +124,17 @@ pub struct Prop {
 }
 
 impl Prop {
+    /// Light that it mirrors at a point of a triangle, with the weights of its corners.
+    pub fn mirrored(&self, corners: [usize; 3], weights: [f32; 3]) -> f32 {
+        let Some(mirror) = &self.mirror else {
+            return 0.0;
+        };
+        let lens = usize::from(corners[0] >= self.vertices.len() / 2);
+        let corners = corners.map(|i| self.vertices[i]);
+        let point = weights.iter().zip(corners).map(|(w, v)| *w * v).sum();
+        mirror.light(lens, point)
+    }
+
     fn normals(&self) -> Vec<Vec3> {
         let mut sums = vec![Vec3::ZERO; self.vertices.len()];
         for t in &self.triangles {
@@ -264,9 +275,7 @@ impl DrawnProp {
             light += w * (prop.albedo[i] * diffuse + sheen);
             inv_z += w * self.seen[i].inv_z;
         }
-        if let Some(mirror) = &prop.mirror {
-            light += mirror.light_of(prop, t, w);
-        }
+        light += prop.mirrored(t, w);
         (light, inv_z)
     }
 

@@ -2,8 +2,8 @@
 
 use super::contour::is_drawn;
 use super::draw::{Drawn, IRIS_RAD, Scene, View, eye_centre};
+use super::glare;
 use super::mesh::Material;
-use super::mirror;
 use glam::{Vec2, Vec3};
 
 /// The truth of one eye.
@@ -32,7 +32,7 @@ pub fn eye_truth(eye: usize, scene: &Scene<'_>, view: &View, drawn: &Drawn) -> E
     let surface = Surface::new(eye, scene, centre, gaze);
     let (mut seen, mut all) = (0.0f32, 0.0f32);
     let points: Vec<Vec3> = disc(gaze).map(|d| centre + d * surface.radius).collect();
-    let glare = mirror::before(&points, scene.props, view);
+    let glare = glare::before(&points, scene.props, view);
     let hidden = points
         .iter()
         .filter(|p| !is_drawn(**p, view, &drawn.target))

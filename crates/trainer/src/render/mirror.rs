@@ -1,8 +1,6 @@
 //! Windows and lamps that lenses mirror.
 
-use super::draw::{Prop, SUPER, View};
 use super::noise::smoothstep;
-use super::raster::{Cull, EMPTY, Target, weights};
 use glam::{Mat3, Vec2, Vec3};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
@@ -21,10 +19,6 @@ const HALF: [std::ops::Range<f32>; 2] = [0.04..0.6, 0.04..0.4];
 const LIGHT: std::ops::Range<f32> = 0.03..0.9;
 /// Share of its half width over which its edge is soft.
 const SOFT: f32 = 0.1;
-
-/// Mirrored light that hides what is behind a lens, where lit white paper returns about 1 and skin
-/// about 0.3.
-pub const GLARE: f32 = 0.25;
 
 /// A bright rectangle far away.
 #[derive(Clone, Debug)]
@@ -79,45 +73,13 @@ impl Mirror {
         (count > 0).then_some(Mirror { panes, centres })
     }
 
-    /// Light that a prop mirrors at a point of a triangle, with the weights of its corners.
-    pub fn light_of(&self, prop: &Prop, corners: [usize; 3], weights: [f32; 3]) -> f32 {
-        let lens = usize::from(corners[0] >= prop.vertices.len() / 2);
-        let corners = corners.map(|i| prop.vertices[i]);
-        let point = weights.iter().zip(corners).map(|(w, v)| *w * v).sum();
-        self.light(lens, point)
-    }
-
     /// Light that a lens mirrors at a point of its surface (camera axes).
-    fn light(&self, lens: usize, point: Vec3) -> f32 {
+    pub fn light(&self, lens: usize, point: Vec3) -> f32 {
         let normal = (point - self.centres[lens]).normalize_or_zero();
         let view = point.normalize_or_zero();
         let direction = view - 2.0 * view.dot(normal) * normal;
         self.panes.iter().map(|pane| pane.light(direction)).sum()
     }
-}
-
-/// Light that lenses mirror before points (camera axes), as the camera sees them.
-pub fn before(points: &[Vec3], props: &[Prop], view: &View) -> Vec<f32> {
-    let mut light = vec![0.0; points.len()];
-    for prop in props {
-        let Some(mirror) = &prop.mirror else { continue };
-        let mut target = Target::new(view.width * SUPER, view.height * SUPER);
-        let seen: Vec<_> = prop.vertices.iter().map(|v| view.to_samples(*v)).collect();
-        target.draw(&seen, &prop.triangles, 0, Cull::None);
-        for (point, light) in points.iter().zip(&mut light) {
-            let at = view.to_samples(*point);
-            let (x, y) = (at.x.round(), at.y.round());
-            let inside = x >= 0.0 && y >= 0.0 && x < target.width as f32;
-            let index = y as usize * target.width + x as usize;
-            let id = target.id.get(index).filter(|id| inside && **id != EMPTY);
-            if let Some(id) = id.filter(|_| target.inv_z[index] >= at.inv_z) {
-                let t = prop.triangles[*id as usize].map(|i| i as usize);
-                let w = weights(t.map(|i| seen[i]), x, y).to_array();
-                *light += mirror.light_of(prop, t, w);
-            }
-        }
-    }
-    light
 }
 
 #[cfg(test)]
