@@ -378,7 +378,7 @@ pub(super) const EYE_DARK: f32 = 0.5;
 pub(super) const EYE_VISIBLE: f32 = 0.5;
 
 /// Eyes whose landmarks are hidden are visible after all where a person wears glasses, with this
-/// probability of glasses and of a visible eye: the visibilities take lids behind glasses for hidden.
+/// probability of glasses and of a visible eye: visibilities take lids behind glasses for hidden.
 ///
 /// Source: rendered clips (*Spectacles as they are*).
 pub(super) const EYE_VISIBLE_AFTER_ALL: f32 = 0.8;

@@ -1,7 +1,7 @@
 /* replay.c VIDEO.y4m FRAMES [CPU] - prints a hash of all bytes of all results for the video's first
- * frames, gaze and driver monitor included. The line is the same on every machine. Standard error gets the sizes of model and tracker
- * and the peak stacks of posewise_init, _step, _step_at and _detect [bytes].
- * C99 with GCC's attributes; reads 8-bit mono y4m. */
+ * frames, gaze and driver monitor included. The line is the same on every machine. Standard error
+ * gets the sizes of model and tracker and the peak stacks of posewise_init, _step, _step_at and
+ * _detect [bytes]. C99 with GCC's attributes; reads 8-bit mono y4m. */
 #include "posewise.h"
 #include "float_env.h"
 #include "stack.h"
@@ -112,7 +112,8 @@ static posewise_status watch(const posewise_tracker *tracker, posewise_monitor *
 
 int main(int argc, char **argv) {
     uint8_t *aligned = memory + (POSEWISE_ALIGN - (uintptr_t)memory % POSEWISE_ALIGN);
-    uint8_t *driver = monitor_memory + (POSEWISE_ALIGN - (uintptr_t)monitor_memory % POSEWISE_ALIGN);
+    uint8_t *watching =
+        monitor_memory + (POSEWISE_ALIGN - (uintptr_t)monitor_memory % POSEWISE_ALIGN);
     posewise_config config = POSEWISE_CONFIG_INIT;
     posewise_monitor *monitor;
     posewise_frame frame = POSEWISE_FRAME_INIT;
@@ -141,7 +142,7 @@ int main(int argc, char **argv) {
     status = posewise_init(&tracker, aligned, POSEWISE_MEMORY_SIZE, model, model_len, &config);
     init_stack = stack_walk(0);
     if (status == POSEWISE_OK)
-        status = posewise_monitor_init(&monitor, driver, POSEWISE_MONITOR_SIZE, NULL);
+        status = posewise_monitor_init(&monitor, watching, POSEWISE_MONITOR_SIZE, NULL);
     if (status != POSEWISE_OK)
         return fail(posewise_strerror(status));
     frame.format = POSEWISE_FMT_GREY;

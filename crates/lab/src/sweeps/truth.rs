@@ -63,8 +63,8 @@ pub struct Landmarks {
 
 impl Landmarks {
     /// Of a `bare` head (without the volume of its hair); `own` is what is drawn of the body,
-    /// `over` what is worn or held, `covers` what of it is the cover of the clip's script. What lets
-    /// light pass covers eyes where it mirrors more than [`GLARE`].
+    /// `over` what is worn or held, `covers` what of it is the cover of the clip's script. What
+    /// lets light pass covers eyes where it mirrors more than [`GLARE`].
     pub fn new(
         view: &View,
         mesh: &Mesh,
