@@ -502,6 +502,19 @@ fn nods_need_closed_eyes_and_a_return() {
     assert_eq!(count(0.9, 16.0, 0.8, true), 0, "open eyes");
     assert_eq!(count(0.05, 8.0, 0.8, true), 0, "not deep");
     assert_eq!(count(0.05, 16.0, 5.0, true), 0, "too long");
+    // A glance at the lap, with a blink.
+    let mut show = Show::new(&fixed(), 30);
+    let looks = |openness: f32, pitch_deg: f32| {
+        let mut seen = face(Some(openness), 0.0);
+        seen.pitch_deg = pitch_deg;
+        seen
+    };
+    show.show(2.0, &looks(0.9, 0.0));
+    show.show(1.0, &looks(0.7, -20.0));
+    show.show(0.2, &looks(0.05, -20.0));
+    show.show(1.0, &looks(0.7, -20.0));
+    show.show(1.0, &looks(0.9, 0.0));
+    assert_eq!(show.monitor.state().nods, 0, "a blink");
 }
 
 #[test]

@@ -127,8 +127,8 @@ pub struct posewise_monitor_config {
     /// Defaults 50 and 40, chosen: beyond, lids are seen too much from the side.
     pub eye_yaw_deg: f32,
     pub eye_pitch_deg: f32,
-    /// Eyes close below the first openness and open above the second, 0.05..0.95. Defaults 0.3 (70
-    /// % closed, as P70) and 0.45, chosen.
+    /// Eyes close below the first openness and open above the second, 0.05..0.95. Defaults 0.35 and
+    /// 0.45, chosen on rendered clips.
     pub closed_below: f32,
     pub open_above: f32,
     /// Shorter closures are no events \[us\]. Default 50000, chosen: a blink takes 100 to 400 ms.

@@ -10,8 +10,10 @@ const BINS: usize = 10;
 /// The head is up again within this share of the drop from where it was. Chosen: half, because
 /// sleepy heads come up slowly.
 const UP_SHARE: f32 = 0.5;
-/// Least time of closed eyes during a nod \[µs\], as for a blink that is not missed at 10 fps.
+/// Least time of closed eyes during a nod \[µs\], as for a blink that is not missed at 10 fps, and
+/// its least share of the nod: a blink during a glance at the lap is no nod.
 const CLOSED_US: u32 = 100_000;
+const CLOSED_SHARE: f32 = 0.25;
 /// No pitch is lower \[deg\].
 const LOWEST_DEG: f32 = -360.0;
 
@@ -108,7 +110,8 @@ impl Nods {
                 down.lowest_deg = down.lowest_deg.min(pitch_deg);
                 let drop_deg = down.from_deg - down.lowest_deg;
                 if pitch_deg >= down.from_deg - UP_SHARE * drop_deg {
-                    if down.closed_us >= CLOSED_US {
+                    let least_us = CLOSED_SHARE * down.time_us as f32;
+                    if down.closed_us >= CLOSED_US && down.closed_us as f32 >= least_us {
                         self.count = self.count.saturating_add(1);
                         log.push(MonitorEvent {
                             timestamp_us: now_us,

@@ -76,6 +76,11 @@ const APART: f32 = 0.25;
 /// An eye that is known alone needs better odds than these, and nearer lids if they are known.
 const ALONE_ODDS: f32 = 2.0;
 const ALONE_APART: f32 = 0.2;
+/// Where a lens hides the other eye, the network is sure from these odds on, whatever the lids
+/// are: landmarks err behind glasses.
+const LENS_ODDS: f32 = 2.5;
+/// There, lids and network that are both below this are shut.
+const LENS_SHUT: f32 = 0.35;
 
 /// Below this reading of the lids their distance falls steeply to 0 \[per reading\]: a reading of 0
 /// is that of any distance that is shorter than [`SHUT`].
@@ -101,43 +106,84 @@ fn by_network(open: f32) -> (f32, f32) {
     (openness, odds)
 }
 
-/// Openness of an eye by its lids and by the network that sees it, and whether that is doubtful.
-fn openness(lids: f32, eye: &Eye) -> (f32, bool) {
-    let lids = if lids > 0.0 { distance(lids) } else { lids };
-    match eye.unknown {
-        EyeUnknown::DarkGlasses | EyeUnknown::Glare | EyeUnknown::Hidden => (-1.0, false),
-        EyeUnknown::Known => {
-            let (network, odds) = by_network(eye.open);
-            let (has_lids, apart) = (lids >= 0.0, (network - lids).abs());
-            let is_doubtful = odds.abs() < ALONE_ODDS || has_lids && apart > ALONE_APART;
-            let openness = match has_lids {
-                true if odds.abs() < UNSURE_ODDS && apart > APART => -1.0,
-                true => NETWORK_SHARE * network + (1.0 - NETWORK_SHARE) * lids,
-                false if is_doubtful => -1.0,
-                false => network,
-            };
-            (openness, is_doubtful)
+/// Openness of an eye, below 0 unknown, by what is known of the other eye.
+#[derive(Clone, Copy)]
+struct Openness {
+    /// Where the other is known too.
+    with_other: f32,
+    /// Where the other is unknown.
+    alone: f32,
+    /// Where a lens hides the other: dark glasses or a reflection.
+    beside_lens: f32,
+}
+
+impl Openness {
+    /// The same whatever is known of the other.
+    const fn always(openness: f32) -> Openness {
+        Openness {
+            with_other: openness,
+            alone: openness,
+            beside_lens: openness,
         }
-        _ => (lids, false),
+    }
+
+    /// By the lids and the network.
+    fn new(lids: f32, eye: &Eye) -> Openness {
+        let lids = if lids > 0.0 { distance(lids) } else { lids };
+        match eye.unknown {
+            EyeUnknown::Known => Openness::of_seen(lids, eye.open),
+            EyeUnknown::DarkGlasses
+            | EyeUnknown::Glare
+            | EyeUnknown::Hidden
+            | EyeUnknown::Uncertain => Openness::always(-1.0),
+            _ => Openness::always(lids),
+        }
+    }
+
+    /// Of an eye that the network sees, by the distance of the lids and the probability that it is
+    /// open.
+    fn of_seen(lids: f32, open: f32) -> Openness {
+        let (network, odds) = by_network(open);
+        let sure_from = |least: f32| odds.abs() >= least;
+        let only_if = |is: bool, openness: f32| if is { openness } else { -1.0 };
+        if lids < 0.0 {
+            return Openness::always(only_if(sure_from(ALONE_ODDS), network));
+        }
+        let apart = (network - lids).abs();
+        let mean = NETWORK_SHARE * network + (1.0 - NETWORK_SHARE) * lids;
+        let with_other = only_if(sure_from(UNSURE_ODDS) || apart <= APART, mean);
+        let alone = only_if(sure_from(ALONE_ODDS) && apart <= ALONE_APART, mean);
+        let are_shut = sure_from(UNSURE_ODDS) && network.max(lids) < LENS_SHUT;
+        let beside_lens = match alone < 0.0 && sure_from(LENS_ODDS) {
+            true => network,
+            false if are_shut => mean,
+            false => alone,
+        };
+        Openness {
+            with_other,
+            alone,
+            beside_lens,
+        }
     }
 }
 
 /// Openness of the left and the right eye by their lids and by the network that sees them. Behind
 /// dark glasses and reflections and where something covers it, an eye is unknown, −1, as it is
-/// where the network is not sure and contradicts the lids; one that is known alone sooner than two.
+/// where the network is not sure and contradicts the lids; one that is known alone sooner than two,
+/// unless it is a lens that hides the other.
 pub fn fused_openness(lids: [f32; 2], eyes: &[Eye; 2]) -> [f32; 2] {
-    let [left, right] = lids;
-    let [left_eye, right_eye] = eyes;
-    let (left, right) = (openness(left, left_eye), openness(right, right_eye));
-    let alone = |(openness, is_doubtful): (f32, bool), other: (f32, bool)| {
-        let is_alone = other.0 < 0.0;
-        if is_alone && is_doubtful {
-            -1.0
-        } else {
-            openness
-        }
+    let ([left_lids, right_lids], [left_eye, right_eye]) = (lids, eyes);
+    let left = Openness::new(left_lids, left_eye);
+    let right = Openness::new(right_lids, right_eye);
+    let beside = |this: Openness, other: Openness, other_eye: &Eye| match other_eye.unknown {
+        _ if other.with_other >= 0.0 => this.with_other,
+        EyeUnknown::DarkGlasses | EyeUnknown::Glare => this.beside_lens,
+        _ => this.alone,
     };
-    [alone(left, right), alone(right, left)]
+    [
+        beside(left, right, right_eye),
+        beside(right, left, left_eye),
+    ]
 }
 
 impl From<&TrackResult> for Observation {
@@ -184,6 +230,7 @@ mod tests {
             EyeUnknown::DarkGlasses,
             EyeUnknown::Glare,
             EyeUnknown::Hidden,
+            EyeUnknown::Uncertain,
         ] {
             assert_eq!(both(0.1, eye(hides, 0.0)), -1.0);
         }
@@ -204,6 +251,13 @@ mod tests {
         near(one(0.0, 0.01)[0], 0.0);
         assert_eq!(one(0.4, 0.5), [-1.0; 2]);
         assert_eq!(one(0.4, 0.01), [-1.0; 2]);
+        let beside_lens = |lids: f32, open: f32| {
+            let eyes = [eye(EyeUnknown::Known, open), eye(EyeUnknown::Glare, 0.0)];
+            fused_openness([lids, -1.0], &eyes)
+        };
+        near(beside_lens(0.4, 0.01)[0], 0.0);
+        near(beside_lens(0.0, 0.15)[0], 0.105);
+        assert_eq!(beside_lens(0.4, 0.2), [-1.0; 2]);
     }
 
     #[test]

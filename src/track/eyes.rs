@@ -2,10 +2,11 @@
 
 use super::eye::{EYE_LOOKS, Eye, EyeUnknown, Eyes, Gaze};
 use super::geometry::{gaze_angles, length};
+use super::glasses::Lenses;
 use super::policy::{
-    EYE_DARK, EYE_GLASSES, EYE_LOOK_RAD, EYE_MAX_BLUR, EYE_MAX_GLARE, EYE_MIN_FACING_Z,
-    EYE_MIN_PX_PER_MM, EYE_MIN_VISIBILITY, EYE_VISIBLE, EYE_VISIBLE_AFTER_ALL, GAZE_MAX_SIGMA_DEG,
-    GAZE_MIN_OPEN, GAZE_SHARED, NATURAL_GAZE_FACING_Z,
+    EYE_DARK, EYE_LOOK_RAD, EYE_MAX_BLUR, EYE_MAX_GLARE, EYE_MIN_FACING_Z, EYE_MIN_PX_PER_MM,
+    EYE_MIN_VISIBILITY, EYE_VISIBLE, EYE_VISIBLE_AFTER_ALL, GAZE_MAX_SIGMA_DEG, GAZE_MIN_OPEN,
+    GAZE_SHARED, NATURAL_GAZE_FACING_Z,
 };
 use super::step::Step;
 use super::{State, Tracker};
@@ -51,17 +52,16 @@ impl Tracker {
             rotation: rotation_from_quaternion(self.result.rotation),
             now_us: step.now_us,
         };
-        let mut glasses = [0.0f32; 3];
+        let mut lenses = Lenses::default();
         for ((eye, first), mirror) in eyes.each.iter_mut().zip(FIRST).zip([true, false]) {
-            *eye = self.eye(&look, (first, mirror), &mut glasses);
+            *eye = self.eye(&look, (first, mirror), &mut lenses);
             let camera = Vec3::from(eye.gaze.camera);
             eye.gaze.head = (look.rotation.transpose() * camera).to_array();
         }
-        let [glasses, dark, count] = glasses;
-        [eyes.glasses, eyes.dark_glasses] = match count > 0.0 {
-            true => [glasses / count, dark / count],
-            false => [-1.0; 2],
-        };
+        [eyes.glasses, eyes.dark_glasses] = lenses.mean().unwrap_or([-1.0; 2]);
+        if let Some(glasses) = lenses.before_visible() {
+            self.target.glasses.see(glasses, look.now_us);
+        }
         eyes.gaze = both(&eyes.each, &look.rotation);
         if self.config.natural_gaze {
             self.correct_gaze(&mut eyes, &look.rotation, step.now_us);
@@ -88,12 +88,7 @@ impl Tracker {
 
     /// Looks at the eye whose first landmark is given, and adds what it says of glasses.
     #[inline(never)]
-    fn eye(
-        &mut self,
-        look: &Look<'_>,
-        (first, mirror): (usize, bool),
-        glasses: &mut [f32; 3],
-    ) -> Eye {
+    fn eye(&mut self, look: &Look<'_>, (first, mirror): (usize, bool), lenses: &mut Lenses) -> Eye {
         let six = self.result.landmarks.get(first..first + 6);
         let points_mm = self.result.points_mm.get(first..first + 6);
         let Some((six, points_mm)) = six.and_then(|s| s.as_array::<6>()).zip(points_mm) else {
@@ -126,25 +121,17 @@ impl Tracker {
         let Some(seen) = seen else {
             return unseen(EyeUnknown::Uncertain);
         };
-        *glasses = [
-            glasses[0] + seen.glasses,
-            glasses[1] + seen.dark,
-            glasses[2] + 1.0,
-        ];
+        let has_landmarks = visibility >= EYE_MIN_VISIBILITY;
+        lenses.add(&seen, has_landmarks);
         if seen.dark >= EYE_DARK {
             return unseen(EyeUnknown::DarkGlasses);
         }
-        let is_hidden = match visibility < EYE_MIN_VISIBILITY {
-            true => {
-                seen.glasses.min(seen.visible) < EYE_VISIBLE_AFTER_ALL
-                    || !self.target.glasses.are_worn()
-            }
-            false => {
-                self.target.glasses.see(seen.glasses, look.now_us);
-                seen.visible < EYE_VISIBLE
-            }
+        let wears_glasses = self.target.glasses.are_worn();
+        let is_hidden = match has_landmarks {
+            true => seen.visible < EYE_VISIBLE,
+            false => !wears_glasses || seen.glasses.min(seen.visible) < EYE_VISIBLE_AFTER_ALL,
         };
-        if seen.glare > EYE_MAX_GLARE || is_hidden && seen.glasses > EYE_GLASSES {
+        if seen.glare > EYE_MAX_GLARE || is_hidden && wears_glasses {
             return unseen(EyeUnknown::Glare);
         }
         match is_hidden {

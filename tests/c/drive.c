@@ -1,20 +1,12 @@
 /* drive.c MINUTES - shows a driver monitor a simulated drive of so many minutes, and prints a hash
  * of all its states and events. The line is the same on every machine. C99. */
 #include "posewise.h"
+#include "hash.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 
 static uint8_t memory[POSEWISE_MONITOR_SIZE + POSEWISE_ALIGN];
-
-/* FNV-1a, 64 bits. */
-static uint64_t hash = 0xCBF29CE484222325u;
-
-static void hash_bytes(const void *bytes, size_t len) {
-    const uint8_t *at = bytes;
-    while (len-- > 0)
-        hash = (hash ^ *at++) * 0x100000001B3u;
-}
 
 /* Xorshift; no floating point, so that each machine draws the same. */
 static uint32_t random_state = 2463534242u;
@@ -103,8 +95,7 @@ int main(int argc, char **argv) {
         fprintf(stderr, "drive: %s\n", posewise_strerror(status));
         return 1;
     }
-    /* In halves, because the smallest C libraries do not print 64 bits. */
-    printf("%08lx%08lx %lu observations, %lu events\n", (unsigned long)(hash >> 32),
-           (unsigned long)(hash & 0xFFFFFFFFu), steps, noticed);
+    print_hash();
+    printf(" %lu observations, %lu events\n", steps, noticed);
     return 0;
 }

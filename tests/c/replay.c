@@ -4,20 +4,12 @@
  * _detect [bytes]. C99 with GCC's attributes; reads 8-bit mono y4m. */
 #include "posewise.h"
 #include "float_env.h"
+#include "hash.h"
 #include "stack.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* FNV-1a, 64 bits. */
-static uint64_t hash = 0xCBF29CE484222325u;
-
-static void hash_bytes(const void *bytes, size_t len) {
-    const uint8_t *at = bytes;
-    while (len-- > 0)
-        hash = (hash ^ *at++) * 0x100000001B3u;
-}
 
 /* Static memory, small enough for a microcontroller board: the frames are the largest. */
 static uint8_t memory[POSEWISE_MEMORY_SIZE + POSEWISE_ALIGN];
@@ -198,8 +190,7 @@ int main(int argc, char **argv) {
             (unsigned long)init_stack, (unsigned long)step_stack);
     fprintf(stderr, "stack of posewise_step_at: %lu bytes\nstack of posewise_detect: %lu bytes\n",
             (unsigned long)step_at_stack, (unsigned long)detect_stack);
-    /* In halves, because the smallest C libraries do not print 64 bits. */
-    printf("%08lx%08lx %ld frames, %ld tracked\n", (unsigned long)(hash >> 32),
-           (unsigned long)(hash & 0xFFFFFFFFu), count, tracked);
+    print_hash();
+    printf(" %ld frames, %ld tracked\n", count, tracked);
     return 0;
 }

@@ -9,7 +9,7 @@ use anyhow::{Result, bail};
 use glam::DVec3;
 use posewise::monitor::fused_openness;
 use posewise::track::{Eye, EyeUnknown};
-use posewise::{MonitorEvent, MonitorEventKind, MonitorState, Observation, State};
+use posewise::{MonitorEvent, MonitorEventKind as Kind, MonitorState, Observation, State};
 use serde_json::json;
 
 use super::clips::clips_of;
@@ -189,31 +189,34 @@ fn replay(args: &MonitorArgs, csv: &Table) -> Result<Found> {
         bail!("no frame is left");
     }
     let start_s = csv.number(0, columns.timestamp)?;
+    let events = |begins: &[Kind], ends: &[Kind]| spans(&watch.events, start_s, begins, ends);
+    let levels = [
+        Kind::LongClosure,
+        Kind::Microsleep,
+        Kind::Sleep,
+        Kind::Unresponsive,
+    ];
     Ok(Found {
-        closures: spans(&watch.events, start_s, |kind| {
-            matches!(kind, MonitorEventKind::Blink | MonitorEventKind::ClosureEnd)
-        }),
-        yawns: spans(&watch.events, start_s, |kind| {
-            kind == MonitorEventKind::YawnEnd
-        }),
-        nods: spans(&watch.events, start_s, |kind| kind == MonitorEventKind::Nod),
+        closures: events(&levels, &[Kind::Blink, Kind::ClosureEnd]),
+        yawns: events(&[Kind::Yawn], &[Kind::YawnEnd]),
+        nods: events(&[], &[Kind::Nod]),
         states,
         gazes: columns.gaze.map(|_| gazes),
     })
 }
 
-/// When the events of some kinds were, from the first frame on.
-fn spans(
-    events: &[MonitorEvent],
-    start_s: f64,
-    is_wanted: impl Fn(MonitorEventKind) -> bool,
-) -> Vec<Span> {
-    let wanted = events.iter().filter(|event| is_wanted(event.kind));
+/// When events were that end with these kinds, from the first frame on; the last one too that began
+/// and has not ended, with its length so far.
+fn spans(events: &[MonitorEvent], start_s: f64, begins: &[Kind], ends: &[Kind]) -> Vec<Span> {
     let span = |event: &MonitorEvent| Span {
         start_s: event.start_us as f64 / 1e6 - start_s,
         length_s: f64::from(event.duration_us) / 1e6,
     };
-    wanted.map(span).collect()
+    let begin = |event: &&MonitorEvent| begins.contains(&event.kind);
+    let end = |event: &&MonitorEvent| ends.contains(&event.kind);
+    let last = (events.iter().rev()).find(|event| begin(event) || end(event));
+    let ended = events.iter().filter(end);
+    ended.chain(last.filter(begin)).map(span).collect()
 }
 
 /// Reads the truth of a clip.

@@ -123,15 +123,14 @@ pub fn is_visible(eye: &Eye) -> Option<bool> {
     }
 }
 
-/// What the network is to say of a render's lids, of which a lens leaves this share to be seen, and
-/// how much that counts: their opening, from the value of a shut eye's class to that of an open
-/// one, so that half-shut lids are in between, and the middle where nothing is seen of them.
-fn lids(eye: &Eye, seen: f32) -> (f32, f32) {
-    if !has_lids(eye) || seen <= 0.0 {
-        return (0.0, UNSEEN_WEIGHT);
+/// What the network is to say of lids of which this share is seen, and how much that counts: their
+/// opening, from the value of a shut eye's class to that of an open one, so that half-shut lids are
+/// in between, and the middle where nothing is seen of them.
+fn lids(opening: f32, seen: f32) -> (f32, f32) {
+    match seen > 0.0 {
+        true => (opening, (2.0 * seen).min(1.0)),
+        false => (0.0, UNSEEN_WEIGHT),
     }
-    let opening = CLASS_UNIT * (1.0 - 2.0 * eye.blink.clamp(0.0, 1.0));
-    (opening, (2.0 * seen).min(1.0))
 }
 
 fn class(is: bool) -> f32 {
@@ -160,7 +159,8 @@ impl Eyes<'_> {
                 Some(lens) if lens.dark => 0.0,
                 Some(lens) => 1.0 - lens.opacity,
             };
-        let (lids, lids_weight) = lids(eye, seen);
+        let opening = CLASS_UNIT * (1.0 - 2.0 * eye.blink.clamp(0.0, 1.0));
+        let (lids, lids_weight) = lids(opening, if has_lids(eye) { seen } else { 0.0 });
         let visible = visible_share(eye) * seen;
         let looking = f32::from(is_looking(eye)) * eye.truth.seen * seen;
         let glasses = [
@@ -185,11 +185,7 @@ impl Eyes<'_> {
         let mut crop = eye.crop(self.sizes, rng);
         let covered = cover::draw(&mut crop, self.sizes.side, self.sizes.zoom, rng);
         let seen = 1.0 - covered;
-        let weight = match seen > 0.0 {
-            true => (2.0 * seen).min(1.0),
-            false => UNSEEN_WEIGHT,
-        };
-        let lids = if seen > 0.0 { class(eye.open) } else { 0.0 };
+        let (lids, weight) = lids(class(eye.open), seen);
         Sample {
             crop,
             start: vec![[0.0; 2]; EYE_OUTPUTS],

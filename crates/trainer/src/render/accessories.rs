@@ -20,15 +20,13 @@ const RINGS: [f32; 3] = [1.0, 0.7, 0.35];
 const LIDS_MM: Vec2 = Vec2::new(17.0, 11.0);
 const CLEAR_MM: f32 = 3.5;
 
-/// Spectacles for a head of these vertices whose pupils are at the given places (head axes); frames
-/// and lenses.
-pub fn glasses(
-    rng: &mut ChaCha8Rng,
-    bridge: Vec3,
-    eyes: [Vec3; 2],
-    ears: [Vec3; 2],
-    head: &[Vec3],
-) -> Vec<Prop> {
+/// Spectacles that sit on a head of these vertices (head axes); frames and lenses.
+pub fn glasses(rng: &mut ChaCha8Rng, mesh: &Mesh, head: &[Vec3]) -> Vec<Prop> {
+    let at = |i: usize| head[mesh.landmarks[i] as usize];
+    let eyes = [at(36).lerp(at(39), 0.5), at(42).lerp(at(45), 0.5)];
+    // Their temples reach back to the ears.
+    let ears = [at(0), at(16)].map(|p| p + Vec3::new(p.x.signum() * 2.0, 2.0, 42.0));
+    let bridge = at(27);
     let half = Vec2::new(rng.random_range(23.0..30.0), rng.random_range(13.0..25.0));
     let power = rng.random_range(2.0..4.5f32);
     let thick = rng.random_range(0.5..2.4f32);

@@ -248,7 +248,7 @@ impl Renderer {
             rng.random(),
         )];
         if rng.random_bool(spec.glasses) {
-            let mut worn = self.glasses(rng, head);
+            let mut worn = accessories::glasses(rng, &self.mesh, head);
             accessories::wear(&mut worn, pose.rotation, pose.at);
             all.extend(worn);
         }
@@ -292,15 +292,6 @@ impl Renderer {
             all.push(accessories::mask(rng, &self.mesh, head));
         }
         all
-    }
-
-    /// Spectacles that sit on a head (head axes).
-    pub fn glasses(&self, rng: &mut ChaCha8Rng, head: &[Vec3]) -> Vec<Prop> {
-        let at = |i: usize| head[self.mesh.landmarks[i] as usize];
-        let eyes = [at(36).lerp(at(39), 0.5), at(42).lerp(at(45), 0.5)];
-        // The temples of spectacles reach back to the ears.
-        let ears = [at(0), at(16)].map(|p| p + Vec3::new(p.x.signum() * 2.0, 2.0, 42.0));
-        accessories::glasses(rng, at(27), eyes, ears, head)
     }
 }
 

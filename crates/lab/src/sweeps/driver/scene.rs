@@ -104,11 +104,8 @@ fn dress(set: &mut Set, clip: &Clip) {
 /// Spectacles with clear lenses, in head axes.
 fn clear_glasses(set: &mut Set) -> Vec<Prop> {
     let (mesh, head) = (set.mesh(), set.neutral());
-    let at = |i: usize| head[mesh.landmarks[i] as usize];
-    let eyes = [at(36).lerp(at(39), 0.5), at(42).lerp(at(45), 0.5)];
-    let ears = [at(0), at(16)].map(|p| p + Vec3::new(p.x.signum() * 2.0, 2.0, 42.0));
     loop {
-        let glasses = accessories::glasses(&mut set.rng, at(27), eyes, ears, &head);
+        let glasses = accessories::glasses(&mut set.rng, mesh, &head);
         let is_clear = |part: &Prop| part.opacity < CLEAR.0 && part.gloss < CLEAR.1;
         if glasses.iter().any(is_clear) {
             return glasses;
