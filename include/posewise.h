@@ -466,8 +466,8 @@ typedef struct posewise_monitor_config {
     // Defaults 50 and 40, chosen: beyond, lids are seen too much from the side.
     float eye_yaw_deg;
     float eye_pitch_deg;
-    // Eyes close below the first openness and open above the second, 0.05..0.95. Defaults 0.3 (70
-    // % closed, as P70) and 0.45, chosen.
+    // Eyes close below the first openness and open above the second, 0.05..0.95. Defaults 0.35 and
+    // 0.45, chosen on rendered clips.
     float closed_below;
     float open_above;
     // Shorter closures are no events [us]. Default 50000, chosen: a blink takes 100 to 400 ms.
