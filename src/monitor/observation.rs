@@ -256,7 +256,7 @@ mod tests {
             fused_openness([lids, -1.0], &eyes)
         };
         near(beside_lens(0.4, 0.01)[0], 0.0);
-        near(beside_lens(0.0, 0.15)[0], 0.105);
+        near(beside_lens(0.0, 0.15)[0], 0.11011);
         assert_eq!(beside_lens(0.4, 0.2), [-1.0; 2]);
     }
 
