@@ -1,5 +1,5 @@
-//! Whether a person wears glasses: what the network of single eyes says in a step, and its mean over
-//! seconds, because glasses do not come and go as what is taken for them does.
+//! Whether a person wears glasses: what the network of single eyes says in a step, and its mean
+//! over seconds, because glasses do not come and go as what is taken for them does.
 
 use super::policy::{EYE_GLASSES, GLASSES_S, GLASSES_STEP_S};
 use crate::align::SeenEye;

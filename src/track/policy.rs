@@ -383,8 +383,8 @@ pub(super) const EYE_VISIBLE: f32 = 0.5;
 /// Source: rendered clips (*Spectacles as they are*).
 pub(super) const EYE_VISIBLE_AFTER_ALL: f32 = 0.8;
 
-/// Mean probability of glasses from which a person wears them; what hides an eye then is taken for a
-/// reflection.
+/// Mean probability of glasses from which a person wears them; what hides an eye then is taken for
+/// a reflection.
 ///
 /// Source: chosen.
 pub(super) const EYE_GLASSES: f32 = 0.5;
