@@ -428,9 +428,9 @@ export const ROI = {
  * @property {number} eyePitchDeg Largest angles from the camera's axis at which eyes and mouth are
  *   known [deg], 10..90. Defaults 50 and 40, chosen: beyond, lids are seen too much from the side.
  * @property {number} closedBelow Eyes close below the first openness and open above the second,
- *   0.05..0.95. Defaults 0.3 (70 % closed, as P70) and 0.45, chosen.
+ *   0.05..0.95. Defaults 0.35 and 0.45, chosen on rendered clips.
  * @property {number} openAbove Eyes close below the first openness and open above the second,
- *   0.05..0.95. Defaults 0.3 (70 % closed, as P70) and 0.45, chosen.
+ *   0.05..0.95. Defaults 0.35 and 0.45, chosen on rendered clips.
  * @property {number} blinkUs Shorter closures are no events [us]. Default 50000, chosen: a blink
  *   takes 100 to 400 ms.
  * @property {number} longClosureUs A longer closure is no blink [us]. Default 500000, as in studies
