@@ -1696,12 +1696,12 @@ export type Monitor_config = {
     eyePitchDeg: number;
     /**
      * Eyes close below the first openness and open above the second,
-     * 0.05..0.95. Defaults 0.3 (70 % closed, as P70) and 0.45, chosen.
+     * 0.05..0.95. Defaults 0.35 and 0.45, chosen on rendered clips.
      */
     closedBelow: number;
     /**
      * Eyes close below the first openness and open above the second,
-     * 0.05..0.95. Defaults 0.3 (70 % closed, as P70) and 0.45, chosen.
+     * 0.05..0.95. Defaults 0.35 and 0.45, chosen on rendered clips.
      */
     openAbove: number;
     /**
