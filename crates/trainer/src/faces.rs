@@ -2,6 +2,7 @@
 
 use crate::head::marks_px;
 use crate::labels::{self, Label};
+use crate::photographs::{MANUAL, Set};
 pub use crate::picture::Picture;
 use crate::render::{Sample, cache};
 use anyhow::Result;
@@ -38,6 +39,11 @@ pub struct Face {
     pub share: f32,
     /// Landmarks that are seen, as far as it is known.
     pub visible: [bool; LANDMARKS],
+    /// Landmarks that have a label; the others have an estimate, which no error is measured
+    /// against.
+    pub known: [bool; LANDMARKS],
+    /// Whether it is the picture of a single eye.
+    pub is_single_eye: bool,
 }
 
 impl Face {
@@ -55,6 +61,7 @@ impl Face {
             yaw_deg: self.yaw_deg.map(|yaw| -yaw),
             rotation: self.rotation.map(|r| MIRRORED * r * MIRRORED),
             visible: MIRROR.map(|from| self.visible[from]),
+            known: MIRROR.map(|from| self.known[from]),
             ..self.clone()
         }
     }
@@ -122,38 +129,40 @@ pub fn ratio(p: &Shape, ends: [usize; 2], gaps: &[[usize; 2]]) -> f32 {
     gap / gaps.len() as f32 / distance(ends[0], ends[1]).max(1.0)
 }
 
-/// Spread of several annotators at which a label counts half \[outer-eye distances\]. Chosen: about
-/// the median of the labels.
-const HALF_WEIGHT_SPREAD: f32 = 0.02;
-
-/// Reads a table of labels ([`labels`]) and its pictures.
+/// Reads a table of labels and its pictures, which no set of this crate holds.
 pub fn photographs(csv_path: &Path, images: &Path) -> Result<Vec<Face>> {
-    labelled(&labels::read(csv_path)?, images, 1.0)
+    let set = Set {
+        share: 1.0,
+        ..MANUAL
+    };
+    labelled(&labels::read(csv_path)?, images, &set)
 }
 
-/// Faces of labels whose pictures are in a folder.
-pub fn labelled(labels: &[Label], images: &Path, share: f32) -> Result<Vec<Face>> {
+/// Faces of the labels of a set, whose pictures are below the data folder.
+pub fn labelled(labels: &[Label], data: &Path, set: &Set) -> Result<Vec<Face>> {
     labels
         .par_iter()
         .map(|label| {
             Ok(Face {
-                picture: Arc::new(Picture::read(&images.join(&label.image))?),
+                picture: Arc::new(Picture::read(&data.join(&label.image))?),
                 landmarks: label.points,
-                person: number(labels::person(&label.image)),
+                person: number(&set.person_in(&label.image)),
                 yaw_deg: None,
                 rotation: None,
                 px_per_mm: None,
-                weight: label_weight(label.spread),
-                share,
+                weight: label_weight(label.spread, set.half_weight_spread),
+                share: set.share,
                 visible: [true; LANDMARKS],
+                known: label.known,
+                is_single_eye: false,
             })
         })
         .collect()
 }
 
 /// 1 where one annotator set a label, less the less several agree.
-fn label_weight(spread: Option<f32>) -> f32 {
-    let spread = spread.unwrap_or(0.0) / HALF_WEIGHT_SPREAD;
+fn label_weight(spread: Option<f32>, half_weight_spread: f32) -> f32 {
+    let spread = spread.unwrap_or(0.0) / half_weight_spread;
     1.0 / (1.0 + spread * spread)
 }
 
@@ -182,6 +191,8 @@ pub fn rendered(path: &Path, count: usize) -> Result<Vec<Face>> {
             person: sample.person,
             yaw_deg: Some(sample.angles.yaw_deg),
             visible: sample.visible,
+            known: [true; LANDMARKS],
+            is_single_eye: false,
         })
         .collect())
 }
@@ -214,8 +225,8 @@ mod tests {
 
     #[test]
     fn labels_weigh_less_where_annotators_differ() {
-        assert_eq!(label_weight(None), 1.0);
-        assert_eq!(label_weight(Some(HALF_WEIGHT_SPREAD)), 0.5);
+        assert_eq!(label_weight(None, 0.02), 1.0);
+        assert_eq!(label_weight(Some(0.02), 0.02), 0.5);
     }
 
     #[test]

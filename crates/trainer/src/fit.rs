@@ -7,7 +7,8 @@
 
 use crate::face_section::{face_section, head_identity, identity_directions, open, point_vertices};
 use crate::head::Head;
-use crate::labels::{self, Label};
+use crate::labels::Label;
+use crate::photographs::Set;
 use anyhow::{Context, Result, ensure};
 use indicatif::{ParallelProgressIterator, ProgressBar, ProgressStyle};
 use posewise::shape::{self, FaceFit, FaceModel, FitOptions, Identity, IdentityEstimator};
@@ -113,7 +114,8 @@ impl PhotoFit {
     }
 }
 
-fn camera([width, height]: [u32; 2], focal_px: f32) -> Intrinsics {
+/// The camera that is assumed of a photograph.
+pub fn camera([width, height]: [u32; 2], focal_px: f32) -> Intrinsics {
     let centre = |side: u32| (side as f32 - 1.0) / 2.0;
     Intrinsics::new(focal_px, focal_px, centre(width), centre(height))
 }
@@ -121,6 +123,7 @@ fn camera([width, height]: [u32; 2], focal_px: f32) -> Intrinsics {
 /// One picture while it is being fitted.
 struct Photo {
     label: Label,
+    person: String,
     size: [u32; 2],
     camera: Intrinsics,
     identity: Identity,
@@ -128,13 +131,14 @@ struct Photo {
 }
 
 impl Photo {
-    fn open(label: Label, data: &Path, settings: &FitSettings) -> Result<Photo> {
+    fn open(label: Label, set: &Set, data: &Path, settings: &FitSettings) -> Result<Photo> {
         let path = data.join(&label.image);
         let (w, h) = image::image_dimensions(&path)
             .with_context(|| format!("cannot read {}", path.display()))?;
         Ok(Photo {
             camera: camera([w, h], settings.focal_per_side * w.max(h) as f32),
             size: [w, h],
+            person: set.person_in(&label.image),
             label,
             identity: [0.0; MAX_IDENTITIES],
             fit: None,
@@ -163,18 +167,22 @@ impl Photo {
     }
 }
 
-/// Fits all labelled pictures, whose names are relative to the data folder. Deterministic.
+/// Fits all pictures of some sets, whose names are relative to the data folder. Deterministic.
 pub fn fit_photographs(
     head: &Head,
-    labels: Vec<Label>,
+    sets: &[Set],
     data: &Path,
     settings: &FitSettings,
 ) -> Result<Fits> {
-    ensure!(!labels.is_empty(), "no labels");
-    let mut photos = labels
-        .into_par_iter()
-        .map(|label| Photo::open(label, data, settings))
-        .collect::<Result<Vec<_>>>()?;
+    let mut photos = vec![];
+    for set in sets {
+        let opened = set
+            .labels(data)?
+            .into_par_iter()
+            .map(|label| Photo::open(label, set, data, settings));
+        photos.extend(opened.collect::<Result<Vec<_>>>()?);
+    }
+    ensure!(!photos.is_empty(), "no labels");
     let mut offsets = vec![[0.0f32; 3]; LANDMARKS];
     for round in 0..settings.rounds.max(1) {
         let bytes = blob(&[face_section(head, Some(&offsets))?]);
@@ -218,7 +226,7 @@ fn estimate_identities(face: &FaceModel<'_>, photos: &mut [Photo], settings: &Fi
     let mut people: BTreeMap<String, Vec<usize>> = BTreeMap::new();
     for (i, photo) in photos.iter().enumerate() {
         let key = if settings.shared_identity {
-            labels::person(&photo.label.image)
+            &photo.person
         } else {
             &photo.label.image
         };
@@ -305,7 +313,6 @@ fn collect(
             *sum += ((a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2)) / (2.0 * scale * scale);
         }
         fits.push(PhotoFit {
-            person: labels::person(&photo.label.image).to_owned(),
             size: photo.size,
             focal_px: photo.camera.fx,
             rotation: fit.state.pose.rotation.transpose().to_cols_array_2d(),
@@ -316,6 +323,7 @@ fn collect(
             fitted: fit.image_px.to_vec(),
             contour: fit.contour.iter().map(|p| vertices[*p as usize]).collect(),
             error: photo.error(&fit),
+            person: photo.person,
             image: photo.label.image,
         });
     }

@@ -1,7 +1,9 @@
 //! Trains the models of posewise from photographs and rendered faces.
 
 pub mod align;
+pub mod completion;
 pub mod demo_clip;
+mod dequantized;
 pub mod detect;
 pub mod eyes;
 pub mod face_section;
@@ -17,4 +19,5 @@ mod quantized_layer;
 pub mod render;
 pub mod ridge;
 pub mod single_eyes;
+pub mod sources;
 pub mod verifier;

@@ -1,8 +1,8 @@
 //! The photographs that models train on and are measured on: tables of labels with their pictures.
 //!
 //! All labels are in the convention of the 300-W challenge (Sagonas et al., 2013). Those of
-//! [`MANUAL`] were made by people; those of the other sets are means of three public networks that
-//! were mapped to the convention, with the spread of the three.
+//! [`MANUAL`], [`MANUAL_MORE`] and [`PROFILES`] were made by people, the others by networks that
+//! were mapped to the convention, with a spread.
 
 use crate::faces::{self, Face};
 use crate::labels::{self, Label};
@@ -18,13 +18,44 @@ pub struct Set {
     pub images: &'static str,
     /// How often a picture is drawn, against one of another set.
     pub share: f32,
+    /// What its pictures show around the face.
+    pub framing: Framing,
+    /// Spread of the annotators at which a label counts half \[outer-eye distances\].
+    pub half_weight_spread: f32,
+    /// Which part of a file name tells the person.
+    pub person: fn(&str) -> &str,
 }
+
+/// What a photograph shows around its face.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Framing {
+    /// The head with its surroundings: the detector and the rendered skins need that.
+    Whole,
+    /// The head, with little around it.
+    Tight,
+    /// As [`Framing::Tight`]; only one half of the face is labelled.
+    Half,
+}
+
+/// About the median spread of three networks. Chosen.
+const NETWORKS_SPREAD: f32 = 0.02;
 
 /// HELEN and AFW: 999 pictures with landmarks that people set.
 pub const MANUAL: Set = Set {
     table: "faces300w/train.csv",
     images: "faces300w/train",
     share: 8.0,
+    framing: Framing::Whole,
+    half_weight_spread: NETWORKS_SPREAD,
+    person: before_number,
+};
+
+/// The train set of LFPW: 805 pictures with landmarks that people set.
+pub const MANUAL_MORE: Set = Set {
+    table: "faces300w/lfpw.csv",
+    images: "faces300w/lfpw",
+    person: whole_name,
+    ..MANUAL
 };
 
 /// Video frames of 245 people: 2,979 pictures, of which the same person's are much alike.
@@ -32,6 +63,7 @@ pub const VIDEO: Set = Set {
     table: "faces68/train-teacher.csv",
     images: "faces68/train",
     share: 2.0,
+    ..MANUAL
 };
 
 /// Tight crops of some 11,000 people: 17,060 pictures.
@@ -39,20 +71,38 @@ pub const CROPS: Set = Set {
     table: "faces-many/labels.csv",
     images: "faces-many",
     share: 1.0,
+    framing: Framing::Tight,
+    ..MANUAL
 };
 
-/// All sets to train on.
-pub const TRAINING: [Set; 3] = [MANUAL, VIDEO, CROPS];
+/// Celebrities (CFP): 824 profiles and 412 frontal faces of 204 people, of which people marked one
+/// half.
+pub const PROFILES: Set = Set {
+    table: "profiles/train.csv",
+    images: "profiles/train",
+    share: 4.0,
+    framing: Framing::Half,
+    person: between_underscores,
+    ..MANUAL
+};
 
-/// Sets whose pictures show the face with what is around it: the detector and the rendered skins
-/// need that.
-pub const UNCROPPED: [Set; 2] = [MANUAL, VIDEO];
+/// Portraits in the public domain: 3,490 pictures of some 3,000 people. Their spread is the distance
+/// of another network from the one that labelled them: a bound that is three times as wide.
+pub const PORTRAITS: Set = Set {
+    table: "free/portraits.csv",
+    images: "free/portraits",
+    share: 3.0,
+    half_weight_spread: 0.06,
+    person: after_prefix,
+    ..MANUAL
+};
 
 /// Pictures with manual landmarks that no training sees.
 pub const DEV: Set = Set {
     table: "faces300w/dev.csv",
     images: "faces300w/dev",
     share: 1.0,
+    ..MANUAL
 };
 
 impl Set {
@@ -64,19 +114,66 @@ impl Set {
         }
         Ok(labels)
     }
-}
 
-/// The labels of several sets.
-pub fn labels(data: &Path, sets: &[Set]) -> Result<Vec<Label>> {
-    let all: Result<Vec<_>> = sets.iter().map(|set| set.labels(data)).collect();
-    Ok(all?.concat())
-}
-
-/// The faces of several sets.
-pub fn load(data: &Path, sets: &[Set]) -> Result<Vec<Face>> {
-    let mut faces = Vec::new();
-    for set in sets {
-        faces.extend(faces::labelled(&set.labels(data)?, data, set.share)?);
+    /// The person in a picture, as a name that is unlike that of any other set.
+    pub fn person_in(&self, image: &str) -> String {
+        let name = image.rsplit_once('/').map_or(image, |(_, name)| name);
+        format!("{}/{}", self.images, (self.person)(name))
     }
-    Ok(faces)
+
+    /// Its faces; those of a set whose landmarks are labelled in part need
+    /// [`crate::completion`].
+    pub fn faces(&self, data: &Path) -> Result<Vec<Face>> {
+        faces::labelled(&self.labels(data)?, data, self)
+    }
+}
+
+/// Without its last number (`a_Jane_Roe_03.jpg`) and the leading letter.
+fn before_number(name: &str) -> &str {
+    let stem = name.rsplit_once('_').map_or(name, |(stem, _)| stem);
+    match stem.split_once('_') {
+        Some((prefix, rest)) if prefix.len() == 1 => rest,
+        _ => stem,
+    }
+}
+
+/// Each picture shows another person.
+fn whole_name(name: &str) -> &str {
+    name
+}
+
+/// `profile_017_02.jpg`: person 017.
+fn between_underscores(name: &str) -> &str {
+    name.split('_').nth(1).unwrap_or(name)
+}
+
+/// `new_A000022.jpg`: person A000022.
+fn after_prefix(name: &str) -> &str {
+    name.split_once('_').map_or(name, |(_, rest)| rest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_people() {
+        let person =
+            |set: &Set, image: &str| set.person_in(image).rsplit_once('/').unwrap().1.to_owned();
+        assert_eq!(person(&VIDEO, "a_Jane_Roe_03.jpg"), "Jane_Roe");
+        assert_eq!(
+            person(&CROPS, "faces-many/mux/Jane_Roe_0001.jpg"),
+            "Jane_Roe"
+        );
+        assert_eq!(
+            person(&PROFILES, "profiles/train/frontal_017_02.jpg"),
+            "017"
+        );
+        assert_eq!(
+            person(&PORTRAITS, "free/portraits/new_A000022.jpg"),
+            "A000022.jpg"
+        );
+        let lfpw = ["1", "2"].map(|k| person(&MANUAL_MORE, &format!("lfpw_image_{k}.jpg")));
+        assert_ne!(lfpw[0], lfpw[1]);
+    }
 }

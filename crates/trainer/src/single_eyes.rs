@@ -62,11 +62,6 @@ pub struct Single {
     pub found: Shape,
 }
 
-/// Whether only the person's right eye is known of a face.
-pub fn is_single(face: &Face) -> bool {
-    face.yaw_deg.is_none() && !face.visible[42]
-}
-
 /// The pictures to train on and their mirror images, those in which this model finds the eye.
 pub fn for_training(model: &AlignModel<'_>, folder: &Path) -> Result<Vec<Single>> {
     let mut all = vec![];
@@ -88,6 +83,8 @@ pub fn for_training(model: &AlignModel<'_>, folder: &Path) -> Result<Vec<Single>
                     weight: 1.0,
                     share: 1.0,
                     visible,
+                    known: visible,
+                    is_single_eye: true,
                 },
                 found,
             }

@@ -180,6 +180,8 @@ mod tests {
             weight: 1.0,
             share: 1.0,
             visible: [true; LANDMARKS],
+            known: [true; LANDMARKS],
+            is_single_eye: false,
         };
         let mut rng = ChaCha8Rng::seed_from_u64(3);
         for _ in 0..50 {

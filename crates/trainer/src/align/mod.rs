@@ -3,6 +3,7 @@
 mod adam;
 pub mod cover;
 pub mod evaluate;
+mod finished;
 pub mod global;
 mod graph;
 mod head;

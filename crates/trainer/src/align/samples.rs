@@ -7,7 +7,7 @@ use crate::faces::Face;
 use posewise::align::{Shape, mirror};
 use posewise::image::{Crop, warp};
 use posewise::math::Similarity;
-use posewise::shape::LANDMARKS;
+use posewise::shape::{LANDMARKS, MIRROR};
 use posewise_metrics::BoxJitter;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
@@ -142,15 +142,18 @@ pub fn cut(
     let mut crop = cut_at(face, &to_frame, side);
     let back = to_frame.inverse().expect("a face has extent");
     let mut truth = face.landmarks.map(|p| back.apply(p));
+    let mut known = face.known;
     if mirrored {
         crop.chunks_exact_mut(side).for_each(<[f32]>::reverse);
         truth = mirror(&truth);
+        known = MIRROR.map(|from| face.known[from]);
     }
+    let weight = |known| if known { face.weight } else { 0.0 };
     Sample {
         crop,
         start: vec![[0.0; 2]; LANDMARKS],
         truth: truth.to_vec(),
-        weights: vec![face.weight; LANDMARKS],
+        weights: known.map(weight).to_vec(),
     }
 }
 

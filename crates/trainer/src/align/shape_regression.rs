@@ -75,7 +75,9 @@ impl Row {
         let back = to_frame.inverse()?;
         let correction = std::array::from_fn(|i| {
             let [label, at] = [label[i], end[i]].map(|p| back.apply(p));
-            [label[0] - at[0], label[1] - at[1]]
+            // Without a label nothing is known to be wrong.
+            let known = if face.known[i] { 1.0 } else { 0.0 };
+            [known * (label[0] - at[0]), known * (label[1] - at[1])]
         });
         let weight = f64::from(face.weight);
         Some(Row {

@@ -1,14 +1,11 @@
 //! Faces with their boxes: photographs and renders with 68 landmarks.
 
-use std::path::Path;
 use std::sync::Arc;
 
-use anyhow::Result;
 use posewise::detect::Detection;
 use posewise::shape::MIRROR;
 
 use crate::align::{self, StartShapes};
-use crate::photographs::{self, Set};
 use crate::picture::Picture;
 
 /// A picture with one labelled face.
@@ -22,19 +19,29 @@ pub struct Face {
 /// Photographs whose labels differ by more between annotators are left out: their weight is below
 /// this.
 const LEAST_WEIGHT: f32 = 0.2;
+/// Turn (-1 … 1) from which on a photographed face counts as one in profile.
+const PROFILE_TURN: f32 = 0.6;
 
-/// The photographs of a set.
-///
-/// # Errors
-/// When a file is missing or not as documented.
-pub fn load(data: &Path, set: Set) -> Result<Vec<Face>> {
-    let mut faces = photographs::load(data, &[set])?;
+/// Photographs as faces with boxes.
+pub fn of_photographs(mut faces: Vec<crate::faces::Face>) -> Vec<Face> {
     faces.retain(|face| face.weight >= LEAST_WEIGHT);
-    let face = |face: crate::faces::Face| Face {
-        truth: face_box(&face.landmarks, None, None),
-        picture: Arc::unwrap_or_clone(face.picture),
+    let starts = (!faces.is_empty()).then(|| {
+        let turns = align::Options::default().turns;
+        StartShapes::fit(&faces, &align::mean_shape(&faces), &turns)
+    });
+    let face = |face: crate::faces::Face| {
+        // The eye line of a face in profile has no length.
+        let starts = starts.as_ref().filter(|_| face.turn().abs() > PROFILE_TURN);
+        let roll = starts
+            .and_then(|s| s.views().of(&face.landmarks))
+            .map(|of| of.roll);
+        let yaw = roll.map(|_| face.turn() * std::f32::consts::FRAC_PI_2);
+        Face {
+            truth: face_box(&face.landmarks, roll, yaw),
+            picture: Arc::unwrap_or_clone(face.picture),
+        }
     };
-    Ok(faces.into_iter().map(face).collect())
+    faces.into_iter().map(face).collect()
 }
 
 /// Renders as faces with boxes: the first `most` of those whose roll follows from the eye line and

@@ -106,7 +106,8 @@ impl Maker<'_> {
     fn face(&mut self) {
         let source = self.pictures.face(self.rng);
         let size = self.size();
-        let is_whole = source.kind != Kind::Crop && self.rng.random_bool(0.4);
+        let is_tight = matches!(source.kind, Kind::Crop | Kind::HalfLabelled);
+        let is_whole = !is_tight && self.rng.random_bool(0.4);
         let reach = if is_whole { [1.0, 1.6] } else { [0.58, 1.0] };
         let half = [0, 1].map(|_| size * self.rng.random_range(reach[0]..reach[1]));
         let Some(to) = self.place(half[0].max(half[1])) else {

@@ -13,6 +13,7 @@ pub mod backgrounds;
 pub mod disturb;
 pub mod equalise;
 pub mod faces;
+pub mod finished;
 pub mod layer;
 pub mod loops;
 pub mod loss;

@@ -14,6 +14,8 @@ pub enum Kind {
     Photograph,
     /// A photograph cropped tightly.
     Crop,
+    /// The same, mostly of a face in profile, of which one half was labelled.
+    HalfLabelled,
     /// A render: one face before a picture without people.
     Render,
 }
@@ -39,9 +41,9 @@ pub struct Pictures {
     backgrounds: Vec<Vec<Picture>>,
 }
 
-/// Shares of photographs, crops, and renders by |yaw|, which is divided at [`YAWS`]. Profiles are
-/// drawn often because photographs hardly show them.
-const SHARES: [f64; 5] = [28.0, 18.0, 16.0, 12.0, 26.0];
+/// Shares of photographs, crops, half labelled faces, and renders by |yaw|, which is divided at
+/// [`YAWS`]. Profiles are drawn often because most photographs hardly show them.
+const SHARES: [f64; 6] = [26.0, 16.0, 14.0, 14.0, 10.0, 20.0];
 /// \[90°\].
 const YAWS: [f32; 2] = [0.5, 0.722];
 /// Most levels of a picture, and the smallest side of one that is halved \[px\].
@@ -78,13 +80,15 @@ impl Pictures {
             let group = match face.kind {
                 Kind::Photograph => 0,
                 Kind::Crop => 1,
-                Kind::Render => 2 + beyond,
+                Kind::HalfLabelled => 2,
+                Kind::Render => 3 + beyond,
             };
             groups[group].faces.push(k);
         }
-        for photographs in 0..2 {
+        // In place of frontal photographs renders from the front, of profiles those in profile.
+        for (photographs, renders) in [(0, 3), (1, 3), (2, 5)] {
             if groups[photographs].faces.is_empty() {
-                groups[2].share += SHARES[photographs];
+                groups[renders].share += SHARES[photographs];
             }
         }
         let mut groups = Vec::from(groups);

@@ -25,7 +25,7 @@ pub fn section(
     tiles: &[Vec<u8>],
     options: &Options,
 ) -> Result<SectionWriter> {
-    let unit = |k: usize| RANGE[k] / OUTPUT_STEPS;
+    let unit = output_unit;
     let logit = (options.threshold / (1.0 - options.threshold)).ln();
     let mut out = SectionWriter::new(TAG);
     out.scalar((256.0 * options.smallest) as u32);
@@ -37,6 +37,11 @@ pub fn section(
     out.scalar(MIDDLE_SIZE);
     write_network(network, p, tiles, &mut out)?;
     Ok(out)
+}
+
+/// The value of a unit of an output.
+pub fn output_unit(output: usize) -> f32 {
+    RANGE[output] / OUTPUT_STEPS
 }
 
 fn write_network(

@@ -50,12 +50,14 @@ pub fn numbered(pictures: &Pictures, options: &Options, number: u64) -> Tile {
     draw(pictures, &mut rng_for(options.seed, TILES, number))
 }
 
-/// Trains a network and returns its parameters, without normalisation.
+/// Trains a network and returns its parameters, without normalisation. A new run starts from the
+/// parameters `before` of a network without normalisation, if there are some.
 pub fn train(
     network: &Network,
     pictures: &Pictures,
     checkpoint: &Path,
     options: &Options,
+    before: Option<Vec<f32>>,
 ) -> Result<Vec<f32>> {
     println!(
         "{} parameters, {:.2} million multiply-adds; checkpoints in {}",
@@ -64,14 +66,19 @@ pub fn train(
         checkpoint.display()
     );
     let all = *normalise::places(network).last().expect("places");
-    let mut state = State::read(checkpoint, all).unwrap_or_else(|| {
-        let mut parameters = network.initial(&mut rng_for(options.seed, INITIAL, 0));
-        parameters.resize(all, 1.0);
-        State::new(parameters)
-    });
     let mut parts: Vec<Part> = (0..PARTS)
         .map(|_| Part::new(network, all, options))
         .collect();
+    let mut state = State::read(checkpoint, all).unwrap_or_else(|| {
+        State::new(match before {
+            Some(before) => normalised(network, pictures, before, &mut parts[0].works, options),
+            None => {
+                let mut parameters = network.initial(&mut rng_for(options.seed, INITIAL, 0));
+                parameters.resize(all, 1.0);
+                parameters
+            }
+        })
+    });
     let style = ProgressStyle::with_template("detector {bar:30} {pos}/{len} {eta} {msg}");
     let bar = ProgressBar::new(options.steps as u64).with_style(style.expect("a valid template"));
     let mut repeated: Vec<u64> = vec![];
@@ -199,6 +206,40 @@ fn message(sum: &Losses, options: &Options) -> String {
         sum.found / faces,
         sum.false_tiles / (MESSAGE * options.batch) as f32
     )
+}
+
+/// Parameters with normalisation that compute what these compute without it, on some tiles: layer by
+/// layer, its factors and biases undo the moments of its sums.
+fn normalised(
+    network: &Network,
+    pictures: &Pictures,
+    mut parameters: Vec<f32>,
+    works: &mut [Work],
+    options: &Options,
+) -> Vec<f32> {
+    let places = normalise::places(network);
+    parameters.resize(*places.last().expect("places"), 1.0);
+    for (k, work) in works.iter_mut().enumerate() {
+        let number = u64::MAX - 1_000_000 - k as u64;
+        let tile = numbered(pictures, options, number);
+        standardise(&tile.luma, &mut work.maps[0]);
+    }
+    let tiles: Vec<Vec<f32>> = works.iter().map(|w| w.maps[0].clone()).collect();
+    for (k, layer) in network.layers.iter().enumerate() {
+        if !layer.has_relu() {
+            continue;
+        }
+        for (work, tile) in works.iter_mut().zip(&tiles) {
+            work.maps[0].copy_from_slice(tile);
+        }
+        let moments = normalise::forward(network, &parameters, works);
+        let [mean, inverse] = &moments[k];
+        for (c, (mean, inverse)) in mean.iter().zip(inverse).enumerate() {
+            parameters[places[k] + c] = 1.0 / inverse;
+            layer.parameters_mut(&mut parameters).1[c] += mean;
+        }
+    }
+    parameters
 }
 
 /// The parameters of the network without normalisation, whose moments are measured anew.

@@ -1,6 +1,8 @@
 //! Options of `posewise-train model`.
 
 use crate::render::{self, Kind};
+use crate::sources::{Sources, Terms};
+use anyhow::Result;
 use std::path::PathBuf;
 
 /// Options of `posewise-train model`.
@@ -41,15 +43,26 @@ pub struct Args {
     /// Batches that the detector's network is trained on.
     #[arg(long, default_value_t = 20_000)]
     pub detector_steps: usize,
-    /// Use no photograph: procedural people before procedural backgrounds only.
+    /// Train on sources whose terms allow at least this.
+    #[arg(long, value_enum, default_value = "research")]
+    pub terms: Terms,
+    /// Leave out this source; repeat for several.
     #[arg(long)]
-    pub clean: bool,
+    pub without: Vec<String>,
+    /// Go on from the networks of this model in place of random ones.
+    #[arg(long)]
+    pub from: Option<PathBuf>,
     /// Stop after this stage, and make only what it needs; a whole model otherwise.
     #[arg(long, value_enum)]
     pub until: Option<Until>,
 }
 
 impl Args {
+    /// What it trains on.
+    pub fn sources(&self) -> Result<Sources> {
+        Sources::new(self.terms, &self.without)
+    }
+
     /// The same as `posewise-train render` would be given, for one kind.
     pub fn render(&self, kind: Kind) -> render::Args {
         render::Args {
@@ -61,7 +74,7 @@ impl Args {
                 Kind::Eyes => self.eye_renders,
             },
             seed: self.seed,
-            clean: self.clean,
+            clean: self.terms == Terms::Free,
             kind,
         }
     }

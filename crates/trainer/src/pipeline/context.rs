@@ -2,15 +2,20 @@
 //! which are loaded when a stage first asks for them.
 
 use super::args::Args;
-use super::renders;
+use super::hash::Hash;
 use super::stage::Stage;
 use super::store::{Output, Store};
+use super::{fits, renders};
+use crate::completion;
 use crate::detect::backgrounds;
 use crate::faces::{self, Face};
-use crate::photographs::{self, Set};
+use crate::head::Head;
+use crate::photographs::{Framing, Set};
 use crate::picture::Picture;
 use crate::render::Kind;
-use anyhow::Result;
+use crate::sources::Sources;
+use anyhow::{Context as _, Result};
+use posewise_format::{AlignedBytes, Blob, Section, Tag};
 use std::cell::OnceCell;
 use std::path::PathBuf;
 
@@ -21,7 +26,12 @@ const MADE_UP_BACKGROUNDS: u64 = 600;
 pub struct Context<'a> {
     pub args: &'a Args,
     pub store: &'a Store,
+    /// What it trains on.
+    pub sources: Sources,
+    /// The finished model whose networks go on, and its content hash.
+    pub finished: Option<(AlignedBytes, Hash)>,
     fits: Option<&'a Output>,
+    whole: Vec<Set>,
     plain: OnceCell<Output>,
     near: OnceCell<Output>,
     eyes: OnceCell<Output>,
@@ -30,18 +40,29 @@ pub struct Context<'a> {
 }
 
 impl<'a> Context<'a> {
-    /// Of these options. A model of photographs has `fits`.
-    pub fn new(args: &'a Args, store: &'a Store, fits: Option<&'a Output>) -> Context<'a> {
-        Context {
+    /// Of these options. `fits` are those of the sets that show whole heads, if there are some.
+    pub fn new(args: &'a Args, store: &'a Store, fits: Option<&'a Output>) -> Result<Context<'a>> {
+        let sources = args.sources()?;
+        let finished = match &args.from {
+            Some(path) => {
+                let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
+                Some((AlignedBytes::new(&bytes), store.data(path)?))
+            }
+            None => None,
+        };
+        Ok(Context {
             args,
             store,
+            finished,
             fits,
+            whole: sources.whole(),
+            sources,
             plain: OnceCell::new(),
             near: OnceCell::new(),
             eyes: OnceCell::new(),
             loaded: OnceCell::new(),
             loaded_near: OnceCell::new(),
-        }
+        })
     }
 
     /// The output of a stage that renders, which is made when it is first asked for.
@@ -54,7 +75,10 @@ impl<'a> Context<'a> {
         if let Some(output) = cell.get() {
             return Ok(output);
         }
-        let output = renders::make(self.store, &self.args.render(kind), self.fits)?;
+        let output = {
+            let photographed = self.fits.map(|fits| (fits, &self.whole[..]));
+            renders::make(self.store, &self.args.render(kind), photographed)?
+        };
         Ok(cell.get_or_init(|| output))
     }
 
@@ -63,19 +87,43 @@ impl<'a> Context<'a> {
         self.args.data.join(name)
     }
 
-    /// The stage with data sets as inputs; of a clean model without.
-    pub fn with_photographs(&self, mut stage: Stage, names: &[&str]) -> Result<Stage> {
-        if !self.args.clean {
-            for name in names {
-                stage = stage.input(name, self.store.data(&self.data(name))?);
-            }
+    /// The stage with pictures without people as input.
+    pub fn with_backgrounds(&self, stage: Stage) -> Result<Stage> {
+        let name = "backgrounds";
+        Ok(match self.sources.has_backgrounds() {
+            true => stage.input(name, self.store.data(&self.data(name))?),
+            false => stage,
+        })
+    }
+
+    /// The stage with the finished model as input, if there is one.
+    pub fn with_finished(&self, stage: Stage) -> Stage {
+        match &self.finished {
+            Some((_, hash)) => stage.input("from", hash.clone()),
+            None => stage,
         }
-        Ok(stage)
+    }
+
+    /// A section of the finished model.
+    pub fn section(&self, tag: Tag) -> Result<Option<Section<'_>>> {
+        let Some((bytes, _)) = &self.finished else {
+            return Ok(None);
+        };
+        Ok(Some(Blob::open(bytes)?.section(&tag)?))
     }
 
     /// The stage with the training faces of [`Context::faces`] as input.
     pub fn with_faces(&self, stage: Stage) -> Result<Stage> {
-        self.with_sets(self.with_renders(stage)?, &photographs::TRAINING)
+        let mut stage = self.with_renders(stage)?;
+        for set in self.sources.sets() {
+            for name in [set.table, set.images] {
+                stage = stage.input(name, self.store.data(&self.data(name))?);
+            }
+        }
+        match self.fits {
+            Some(fits) => Ok(stage.input("fits", fits.hash(fits::FILE)?)),
+            None => Ok(stage),
+        }
     }
 
     /// The stage with the rendered faces as input.
@@ -84,29 +132,35 @@ impl<'a> Context<'a> {
         Ok(stage.input("renders", renders.hash(renders::FILE)?))
     }
 
-    /// The stage with sets of photographs as inputs; of a clean model without.
-    pub fn with_sets(&self, stage: Stage, sets: &[Set]) -> Result<Stage> {
-        let names: Vec<_> = sets.iter().flat_map(|s| [s.table, s.images]).collect();
-        self.with_photographs(stage, &names)
-    }
-
     /// The stage with the close-up renders as input.
     pub fn with_near(&self, stage: Stage) -> Result<Stage> {
         let near = self.renders(Kind::Near)?;
         Ok(stage.input("renders-near", near.hash(renders::FILE)?))
     }
 
-    /// Photographs and renders; of a clean model renders only.
+    /// Photographs and renders.
     pub fn faces(&self) -> Result<&[Face]> {
         if let Some(faces) = self.loaded.get() {
             return Ok(faces);
         }
         let mut faces = vec![];
-        if !self.args.clean {
-            faces = photographs::load(&self.args.data, &photographs::TRAINING)?;
+        for set in self.sources.sets() {
+            faces.extend(self.photographed(&set)?);
         }
         faces.extend(self.plain()?);
         Ok(self.loaded.get_or_init(|| faces))
+    }
+
+    /// The photographs of a set; where a half is labelled, completed.
+    pub fn photographed(&self, set: &Set) -> Result<Vec<Face>> {
+        if set.framing != Framing::Half {
+            return set.faces(&self.args.data);
+        }
+        let fits = self
+            .fits
+            .context("half faces are completed with fits of whole ones")?;
+        let head = Head::load(&self.data("facekit.npz"))?;
+        completion::faces(&head, &fits::read(fits)?, &self.args.data, set)
     }
 
     /// Rendered faces alone; not kept.
@@ -127,9 +181,9 @@ impl<'a> Context<'a> {
 
     /// Pictures without a face.
     pub fn backgrounds(&self) -> Result<Vec<Picture>> {
-        match self.args.clean {
-            true => Ok(backgrounds::made_up(self.args.seed, MADE_UP_BACKGROUNDS)),
-            false => backgrounds::load(&self.args.data),
+        match self.sources.has_backgrounds() {
+            false => Ok(backgrounds::made_up(self.args.seed, MADE_UP_BACKGROUNDS)),
+            true => backgrounds::load(&self.args.data),
         }
     }
 }

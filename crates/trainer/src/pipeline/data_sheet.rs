@@ -8,7 +8,8 @@ use super::store::Output;
 use super::{global_network, sections};
 use crate::align::{self, Accuracy, Trained};
 use crate::faces::Face;
-use crate::photographs::{self, DEV};
+use crate::photographs::DEV;
+use crate::sources::{Sources, Terms};
 use anyhow::Result;
 use posewise::align::AlignModel;
 use posewise_format::Tag;
@@ -27,7 +28,7 @@ pub fn make(context: &Context<'_>, cascade: &[(&Output, Tag); 4]) -> Result<Outp
         stage = stage.input(name, context.store.data(&context.data(name))?);
     }
     let output = context.store.make(&stage, &[ACCURACY, REPORT], |folder| {
-        let dev = photographs::load(&context.args.data, &[DEV])?;
+        let dev = DEV.faces(&context.args.data)?;
         let network = cascade[0].0.path(global_network::NETWORK);
         let trained = Trained::read(&network, &global_network::options(context).sizes);
         let mut report = Vec::new();
@@ -86,13 +87,13 @@ fn report_global(
 }
 
 /// The text of the data sheet.
-pub fn text(args: &Args, dev: &Accuracy) -> String {
+pub fn text(args: &Args, sources: &Sources, dev: &Accuracy) -> String {
     format!(
         "\
 # Data sheet of {name}
 
-Made by `cargo run --release -p posewise-train -- model{clean} --seed {seed} --renders {plain}
---near-renders {near} --steps {steps}`.
+Made by `cargo run --release -p posewise-train -- model --terms {terms} --seed {seed}
+--renders {plain} --near-renders {near} --steps {steps} --detector-steps {detector}{from}`.
 
 Trained on:
 {made_from}
@@ -100,13 +101,21 @@ Cascade on 202 photographs with manual landmarks (HELEN, AFW) of other people, f
 shifted, 8 % resized and 8 degrees turned (r.m.s.): mean error over 68 landmarks {mean:.2} % of the
 inter-ocular distance, median {median:.2} %, above 10 %: {failure:.2} %.
 ",
-        made_from = made_from(args),
+        made_from = made_from(args, sources),
         name = args
             .out
             .file_name()
             .and_then(|n| n.to_str())
             .unwrap_or("the model"),
-        clean = if args.clean { " --clean" } else { "" },
+        terms = match args.terms {
+            Terms::Free => "free",
+            Terms::Research => "research",
+        },
+        detector = args.detector_steps,
+        from = match &args.from {
+            Some(path) => format!("\n--from {}", path.display()),
+            None => String::new(),
+        },
         seed = args.seed,
         plain = args.renders,
         near = args.near_renders,
@@ -117,41 +126,20 @@ inter-ocular distance, median {median:.2} %, above 10 %: {failure:.2} %.
     )
 }
 
-/// What the model is made from, with licences.
-fn made_from(args: &Args) -> String {
+/// What the model is made from, with its terms.
+fn made_from(args: &Args, sources: &Sources) -> String {
     let renders = args.renders + args.near_renders;
-    if args.clean {
-        format!(
-            "\
-- {renders} rendered faces: ICT Face Model Light (MIT, (c) 2020 USC Institute for Creative
-  Technologies) with procedural skin, hair and light before procedural backgrounds;
-- procedural backgrounds as negatives.
-No photograph was trained on, of anybody or anything. Landmarks are moved on the head to where
-people mark them by 39 offsets in millimetres, which are means over the manual landmarks of 944
-photographs (`posewise-train marks`; 300-W challenge). The 3D face holds numbers derived from the
-ICT Face Model Light.
-"
-        )
-    } else {
-        format!(
-            "\
-- 999 photographs of HELEN and AFW with the manual landmarks of the 300-W challenge (research, not
-  commercial);
-- 2,979 photographs (video frames of 245 public figures) of the facial-keypoints set published by
-  Udacity (repository MIT) out of the YouTube Faces database (research);
-- 11,068 photographs of some 5,400 people out of Labeled Faces in the Wild and IMFDB, by way of a
-  public expression set, and 5,992 of UTKFace (all research);
-- landmarks of the latter two as the mean of three public networks (MediaPipe's face mesh, a
-  98-point and a 68-point PFLD), mapped to the 300-W convention;
-- 816 photographs of single eyes, open and shut, of a public drowsiness set (Kaggle, research);
-- {renders} rendered faces: ICT Face Model Light (MIT, (c) 2020 USC Institute for Creative
-  Technologies) with procedural skin and skin from those photographs, before procedural backgrounds
-  and BSDS500 (research);
-- natural photographs without people of BSDS500 (research) as negatives.
-The 3D face holds numbers derived from the ICT Face Model Light.
-
-Research terms on some of these data may restrict the use of a model trained on them.
-"
-        )
+    let mut text = String::new();
+    for source in sources.iter() {
+        text += &format!("- {}: {};\n", source.name, source.sheet);
+    }
+    text += &format!(
+        "- {renders} rendered faces of these heads, with procedural skins and skins from\n  those photographs that show whole heads.\n"
+    );
+    text + match sources.terms() {
+        Terms::Free => "\nThe terms of all of these allow any use, also in products.\n",
+        Terms::Research => {
+            "\nResearch terms on some of these may restrict the use of a model trained on them.\n"
+        }
     }
 }

@@ -6,7 +6,7 @@ use super::stage::Stage;
 use super::store::Output;
 use crate::detect::pictures::{Kind, Pictures};
 use crate::detect::{self, faces};
-use crate::photographs::{CROPS, MANUAL, TRAINING, VIDEO};
+use crate::photographs::Framing;
 use anyhow::Result;
 use serde::Serialize;
 
@@ -16,6 +16,8 @@ const NEAR_PROFILES: usize = 2_000;
 const NEAR_FRONTS: usize = 1_000;
 /// Most renders from the front.
 const FRONTS: usize = 8_000;
+/// Share of the usual rate at which a network that is trained already goes on.
+const CONTINUED_RATE: f32 = 0.4;
 /// Procedural scenes beside the photographs without people.
 const MADE_UP: u64 = 60;
 
@@ -28,41 +30,44 @@ struct Options {
 
 /// Makes the section.
 pub fn make(context: &Context<'_>) -> Result<Output> {
+    let mut detector = detect::Options {
+        seed: context.args.seed,
+        steps: context.args.detector_steps,
+        ..detect::Options::default()
+    };
+    if context.finished.is_some() {
+        detector.rate *= CONTINUED_RATE;
+    }
     let options = Options {
-        detector: detect::Options {
-            seed: context.args.seed,
-            steps: context.args.detector_steps,
-            ..detect::Options::default()
-        },
+        detector,
         profiles: [PROFILES, NEAR_PROFILES],
         fronts: [FRONTS, NEAR_FRONTS],
     };
-    let stage = context.with_near(Stage::new("detector", 5).options(&options)?)?;
-    let stage = context.with_renders(stage)?;
-    let stage = context.with_sets(stage, &TRAINING)?;
-    let stage = context.with_photographs(stage, &["backgrounds"])?;
+    let stage = context.with_near(Stage::new("detector", 6).options(&options)?)?;
+    let stage = context.with_backgrounds(context.with_faces(stage)?)?;
+    let stage = context.with_finished(stage);
     context.store.make(&stage, &[sections::FILE], |folder| {
         let pictures = pictures(context)?;
         println!(
             "detector: {:?} faces and pictures without",
             pictures.count()
         );
-        let section = detect::train(&pictures, folder, &options.detector)?;
+        let before = context.section(posewise::detect::TAG)?;
+        let section = detect::train(&pictures, folder, &options.detector, before)?;
         sections::write(folder, &section)
     })
 }
 
 fn pictures(context: &Context<'_>) -> Result<Pictures> {
     let mut all = vec![];
-    if !context.args.clean {
-        for (set, kind) in [
-            (MANUAL, Kind::Photograph),
-            (VIDEO, Kind::Photograph),
-            (CROPS, Kind::Crop),
-        ] {
-            let faces = faces::load(&context.args.data, set)?;
-            all.extend(faces.into_iter().map(|face| (kind, face)));
-        }
+    for set in context.sources.sets() {
+        let kind = match set.framing {
+            Framing::Whole => Kind::Photograph,
+            Framing::Tight => Kind::Crop,
+            Framing::Half => Kind::HalfLabelled,
+        };
+        let faces = faces::of_photographs(context.photographed(&set)?);
+        all.extend(faces.into_iter().map(|face| (kind, face)));
     }
     let plain = context.plain()?;
     let near = context.near()?;
@@ -75,7 +80,7 @@ fn pictures(context: &Context<'_>) -> Result<Pictures> {
     let renders = renders.into_iter().flatten();
     all.extend(renders.map(|face| (Kind::Render, face)));
     let mut backgrounds = context.backgrounds()?;
-    if !context.args.clean {
+    if context.sources.has_backgrounds() {
         backgrounds.extend(detect::backgrounds::made_up(context.args.seed, MADE_UP));
     }
     Ok(Pictures::new(all, backgrounds))

@@ -7,14 +7,22 @@ use super::store::Output;
 use super::{global_network, sections};
 use crate::align;
 use anyhow::Result;
+use posewise::align::{AlignModel, EnsembleMember};
 
 /// Makes the section.
 pub fn make(context: &Context<'_>) -> Result<Output> {
     let options = global_network::options(context).ensemble_member();
-    let stage = context.with_faces(Stage::new("ensemble-member", 3).options(&options)?)?;
+    let stage = context.with_faces(Stage::new("ensemble-member", 4).options(&options)?)?;
+    let stage = context.with_finished(stage);
     context.store.make(&stage, &[sections::FILE], |folder| {
         let checkpoint = folder.join(global_network::NETWORK);
-        let section = align::ensemble_member(context.faces()?, &options, &checkpoint)?;
+        let before = context.section(EnsembleMember::TAG)?;
+        let faces = context.faces()?;
+        let mean = match context.section(AlignModel::TAG)? {
+            Some(mut section) => align::global::shapes(&mut section)?.0,
+            None => align::mean_shape(faces),
+        };
+        let section = align::ensemble_member(faces, &mean, &options, &checkpoint, before)?;
         sections::write(folder, &section)
     })
 }

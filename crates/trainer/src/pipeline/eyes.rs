@@ -10,6 +10,7 @@ use super::store::{Output, Store};
 use crate::eyes::{self, EyeOptions};
 use crate::head::MARKS_VERSION;
 use crate::render::{Kind, eye_cache};
+use crate::sources::Terms;
 use anyhow::{Context as _, Result};
 use posewise::align::EYES_TAG;
 use posewise_format::{AlignedBytes, Blob, SectionWriter};
@@ -52,13 +53,17 @@ pub fn make(context: &Context<'_>) -> Result<Output> {
         .input("eyes-network", network.hash(NETWORK)?)
         .input("renders-eyes", rendered.hash(renders::FILE)?)
         .input("calibration", calibration.hash(renders::FILE)?);
-    let stage = context.with_photographs(stage, &["eyes"])?;
+    let has_eyes = context.sources.has_single_eyes();
+    let stage = match has_eyes {
+        true => stage.input("eyes", context.store.data(&context.data("eyes"))?),
+        false => stage,
+    };
     let files = [sections::FILE, FIGURES];
     let output = context.store.make(&stage, &files, |folder| {
         let (rendered, calibration) = (read(&rendered)?, read(&calibration)?);
-        let photographs = |held_out| match args.clean {
-            true => Ok(vec![]),
-            false => eyes::read_single(&context.data("eyes"), held_out),
+        let photographs = |held_out| match has_eyes {
+            false => Ok(vec![]),
+            true => eyes::read_single(&context.data("eyes"), held_out),
         };
         let single = photographs(false)?;
         let section = eyes::section(
@@ -92,7 +97,7 @@ pub struct AddArgs {
 pub fn add(add: &AddArgs) -> Result<()> {
     let args = &add.args;
     let store = Store::open(&args.cache)?;
-    let context = Context::new(args, &store, None);
+    let context = Context::new(args, &store, None)?;
     let output = make(&context)?;
     let section = sections::read(&(&output, EYES_TAG))?;
     let figures: serde_json::Value = serde_json::from_slice(&output.read(FIGURES)?)?;
@@ -125,13 +130,16 @@ const HEADING: &str = "\n\nEyes (section EYES):\n";
 /// What a data sheet says of the section.
 fn about(args: &Args, figures: &serde_json::Value) -> String {
     let number = |value: &serde_json::Value| value.as_f64().unwrap_or(f64::NAN);
-    let (clean, photographs) = match args.clean {
-        true => (" --clean", "no photograph was used"),
-        false => ("", "four fifths of the photographs of single eyes above"),
+    let (terms, photographs) = match args.terms {
+        Terms::Free => ("free", "no photograph was used"),
+        Terms::Research => (
+            "research",
+            "four fifths of the photographs of single eyes above",
+        ),
     };
     format!(
         "\
-added by `cargo run --release -p posewise-train -- add-eyes{clean} --seed {seed}
+added by `cargo run --release -p posewise-train -- add-eyes --terms {terms} --seed {seed}
 --eye-renders {renders} --eye-steps {steps}`. Trained on {renders} rendered faces of that head with
 procedural eyes; {photographs}.
 On {CALIBRATION} renders of other heads, which also set its 22 numbers of calibration:

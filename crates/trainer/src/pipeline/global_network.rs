@@ -6,32 +6,55 @@ use super::stage::Stage;
 use super::store::Output;
 use crate::align;
 use anyhow::Result;
+use posewise::align::AlignModel;
 
 /// The network before it is quantized.
 pub const NETWORK: &str = "network.checkpoint";
 
-/// How much more often a clean model draws a render seen from the front than one in profile. Faces
-/// are mostly seen from the front, which photographs show by themselves.
-const CLEAN_FRONT: f32 = 4.0;
+/// How much more often renders seen from the front are drawn than profiles where there are no
+/// photographs. Faces are mostly seen from the front, which photographs show by themselves.
+const FRONT_WITHOUT_PHOTOGRAPHS: f32 = 4.0;
+/// Share of the usual rate at which a network that is trained already goes on.
+const CONTINUED_RATE: f32 = 0.4;
 
 /// How it is trained.
 pub fn options(context: &Context<'_>) -> align::Options {
-    align::Options {
+    let usual = align::Options::default();
+    let has_photographs = context.sources.sets().next().is_some();
+    let options = align::Options {
         seed: context.args.seed,
         steps: context.args.steps,
-        front: if context.args.clean { CLEAN_FRONT } else { 0.0 },
-        ..align::Options::default()
+        front: if has_photographs {
+            0.0
+        } else {
+            FRONT_WITHOUT_PHOTOGRAPHS
+        },
+        ..usual
+    };
+    if context.finished.is_none() {
+        return options;
+    }
+    align::Options {
+        rate: CONTINUED_RATE * options.rate,
+        aperture: align::Aperture {
+            from: 0.0,
+            ..options.aperture
+        },
+        ..options
     }
 }
 
 /// Makes section and network.
 pub fn make(context: &Context<'_>) -> Result<Output> {
     let options = options(context);
-    let stage = context.with_faces(Stage::new("global-network", 2).options(&options)?)?;
+    let stage = context.with_faces(Stage::new("global-network", 3).options(&options)?)?;
+    let stage = context.with_finished(stage);
     context
         .store
         .make(&stage, &[sections::FILE, NETWORK], |folder| {
-            let section = align::cascade(context.faces()?, &options, &folder.join(NETWORK))?;
+            let before = context.section(AlignModel::TAG)?;
+            let checkpoint = folder.join(NETWORK);
+            let section = align::cascade(context.faces()?, &options, &checkpoint, before)?;
             sections::write(folder, &section)
         })
 }

@@ -6,7 +6,7 @@ use super::store::Store;
 use crate::align::{self, Boxes, Jitter};
 use crate::fit::PhotoFit;
 use crate::head::marks_mm;
-use crate::photographs::{self, MANUAL};
+use crate::photographs::MANUAL;
 use anyhow::{Context as _, Result};
 use nalgebra::{Matrix3, RowVector3, Vector3};
 use posewise::align::{AlignModel, EnsembleMember, Refiners, Shape};
@@ -46,15 +46,15 @@ type Seen = (RowVector3<f32>, f32);
 /// the table would have with it \[mm, head frame\].
 pub fn run(args: &Args) -> Result<()> {
     let store = Store::open(&args.cache)?;
-    let fits = fits::read(&fits::make(&store, &args.data)?)?;
+    let fits = fits::read(&fits::make(&store, &args.data, &[MANUAL])?)?;
     let fits: BTreeMap<&str, &PhotoFit> = fits.fits.iter().map(|f| (&*f.image, f)).collect();
     let bytes = std::fs::read(&args.model).with_context(|| args.model.display().to_string())?;
     let bytes = AlignedBytes::new(&bytes);
     let blob = Blob::open(&bytes)?;
     let member = EnsembleMember::open(&blob)?;
     let model = AlignModel::open(&blob, member, Refiners::open(&blob)?)?;
-    let labels = photographs::labels(&args.data, &[MANUAL])?;
-    let faces = photographs::load(&args.data, &[MANUAL])?;
+    let labels = MANUAL.labels(&args.data)?;
+    let faces = MANUAL.faces(&args.data)?;
     let boxes = Boxes {
         jitter: Jitter::DETECTOR,
         count: 1,

@@ -1,23 +1,28 @@
 //! Stage `refiners`: networks of eyes with brows, of the mouth and of the lids (section `RFIN`).
 
 use super::context::Context;
-use super::sections;
 use super::stage::Stage;
 use super::store::Output;
+use super::{global_network, sections};
 use crate::align;
 use anyhow::Result;
-use posewise::align::{AlignModel, EnsembleMember};
+use posewise::align::{AlignModel, EnsembleMember, Refiners};
 
 /// Makes the section for a global stage of these two networks.
 pub fn make(context: &Context<'_>, global: &Output, member: &Output) -> Result<Output> {
     let args = context.args;
-    let options = align::refiners::options(args.seed, args.steps / 2);
-    let stage = Stage::new("refiners", 3)
+    let mut options = align::refiners::options(args.seed, args.steps / 2);
+    options.rate = global_network::options(context).rate;
+    let stage = Stage::new("refiners", 4)
         .options(&options)?
         .input("global-network", global.hash(sections::FILE)?)
         .input("ensemble-member", member.hash(sections::FILE)?);
     let stage = context.with_near(context.with_faces(stage)?)?;
-    let stage = context.with_photographs(stage, &["eyes"])?;
+    let mut stage = context.with_finished(stage);
+    let has_eyes = context.sources.has_single_eyes();
+    if has_eyes {
+        stage = stage.input("eyes", context.store.data(&context.data("eyes"))?);
+    }
     context.store.make(&stage, &[sections::FILE], |folder| {
         let global = [(global, AlignModel::TAG), (member, EnsembleMember::TAG)];
         let faces = [context.faces()?, context.near()?].concat();
@@ -26,7 +31,8 @@ pub fn make(context: &Context<'_>, global: &Output, member: &Output) -> Result<O
         let training = align::refiners::Training {
             global: [&first, &second],
             faces: &faces,
-            eyes: (!args.clean).then_some(&eyes),
+            eyes: has_eyes.then_some(&eyes),
+            before: context.section(Refiners::TAG)?,
             options: &options,
             checkpoints: folder,
         };

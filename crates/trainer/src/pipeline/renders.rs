@@ -5,8 +5,9 @@ use super::fits;
 use super::stage::Stage;
 use super::store::{Output, Store};
 use crate::head::CONVENTION_VERSION;
-use crate::photographs::UNCROPPED;
+use crate::photographs::Set;
 use crate::render::{self, Args, Kind, SampleSpec};
+use crate::sources::{Sources, Terms};
 use anyhow::Result;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -28,8 +29,11 @@ struct Options {
     pictures: usize,
 }
 
-/// Renders faces; a clean model's need no `fits`.
-pub fn make(store: &Store, args: &Args, fits: Option<&Output>) -> Result<Output> {
+/// Photographs whose people are rendered: the fits of these sets.
+pub type Photographed<'a> = Option<(&'a Output, &'a [Set])>;
+
+/// Renders faces, of procedural people and of photographed ones.
+pub fn make(store: &Store, args: &Args, photographed: Photographed<'_>) -> Result<Output> {
     let name = match args.kind {
         Kind::Plain => "renders",
         Kind::Near => "renders-near",
@@ -39,27 +43,26 @@ pub fn make(store: &Store, args: &Args, fits: Option<&Output>) -> Result<Output>
         seed: args.seed,
         count: args.count,
         clean: args.clean,
-        convention: args.clean.then_some(CONVENTION_VERSION),
-        spec: render::spec(args),
-        people: args.kind.people(args.clean),
+        convention: photographed.is_none().then_some(CONVENTION_VERSION),
+        spec: render::spec(args, photographed.is_some()),
+        people: args.kind.people(photographed.is_some()),
         pictures: args.kind.pictures(),
     };
     let data = |name: &str| store.data(&args.data.join(name));
     let mut stage = Stage::new(name, 4)
         .options(&options)?
         .input("facekit.npz", data("facekit.npz")?);
-    if let Some(fits) = fits {
+    if let Some((fits, sets)) = photographed {
         stage = stage.input("fits", fits.hash(fits::FILE)?);
-        for name in UNCROPPED
-            .map(|set| set.images)
-            .into_iter()
-            .chain(["backgrounds"])
-        {
-            stage = stage.input(name, data(name)?);
+        for set in sets {
+            stage = stage.input(set.images, data(set.images)?);
         }
     }
+    if !args.clean {
+        stage = stage.input("backgrounds", data("backgrounds")?);
+    }
     store.make(&stage, &[FILE], |folder| {
-        let fits = fits.map(fits::read).transpose()?;
+        let fits = photographed.map(|(fits, _)| fits::read(fits)).transpose()?;
         render::write(args, fits.as_ref(), &folder.join(FILE))
     })
 }
@@ -67,9 +70,11 @@ pub fn make(store: &Store, args: &Args, fits: Option<&Output>) -> Result<Output>
 /// `posewise-train render`: makes the stage and what it needs, and returns the path of the samples.
 pub fn run(args: &Args) -> Result<PathBuf> {
     let store = Store::open(&args.cache)?;
-    let fits = match args.clean {
-        true => None,
-        false => Some(fits::make(&store, &args.data)?),
+    let terms = match args.clean {
+        true => Terms::Free,
+        false => Terms::Research,
     };
-    Ok(make(&store, args, fits.as_ref())?.path(FILE))
+    let sets = Sources::new(terms, &[])?.whole();
+    let fits = fits::make(&store, &args.data, &sets)?;
+    Ok(make(&store, args, Some((&fits, &sets)))?.path(FILE))
 }

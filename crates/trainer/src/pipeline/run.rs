@@ -19,13 +19,14 @@ use std::time::Instant;
 pub fn run(args: &Args) -> Result<()> {
     let started = Instant::now();
     let store = Store::open(&args.cache)?;
-    let fits = match args.clean {
+    let sources = args.sources()?;
+    let whole = sources.whole();
+    let fits = match whole.is_empty() {
         true => None,
-        false => Some(fits::make(&store, &args.data)?),
+        false => Some(fits::make(&store, &args.data, &whole)?),
     };
-    let fits = fits.as_ref();
-    let face = face::make(&store, args, fits)?;
-    let context = Context::new(args, &store, fits);
+    let face = face::make(&store, args, fits.as_ref())?;
+    let context = Context::new(args, &store, fits.as_ref())?;
     match args.until {
         None => {}
         Some(Until::Renders) => {
@@ -50,7 +51,7 @@ pub fn run(args: &Args) -> Result<()> {
     let rotation = rotation_regression::make(&context, &cascade)?;
     let verifier = verifier::make(&context, &cascade, &detector)?;
     let sheet = data_sheet::make(&context, &cascade)?;
-    let sheet = data_sheet::text(args, &data_sheet::read(&sheet)?);
+    let sheet = data_sheet::text(args, &sources, &data_sheet::read(&sheet)?);
     let sections = [(&face, FACE_TAG), (&detector, detect::TAG)]
         .iter()
         .chain(&cascade)

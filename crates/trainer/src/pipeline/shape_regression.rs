@@ -13,13 +13,13 @@ use posewise::align::{AlignModel, EnsembleMember, Refiners, Shape};
 
 /// Makes the section for a cascade of these: global network, ensemble member, refiners.
 pub fn make(context: &Context<'_>, [global, member, refiners]: [&Output; 3]) -> Result<Output> {
-    let stage = Stage::new("shape-regression", 2)
+    let stage = Stage::new("shape-regression", 3)
         .input("global-network", global.hash(sections::FILE)?)
         .input("ensemble-member", member.hash(sections::FILE)?)
         .input("refiners", refiners.hash(sections::FILE)?);
     let mut stage = context.with_near(context.with_faces(stage)?)?;
     let mut label: fn(&Face) -> Shape = |face| face.landmarks;
-    if context.args.clean {
+    if context.sources.sets().next().is_none() {
         stage = stage.options(&("facing", MARKS_VERSION))?;
         label = Face::marked;
     }

@@ -32,11 +32,11 @@ pub fn make(
         seed,
         least_probability: LEAST_PROBABILITY,
     };
-    let stage = Stage::new("verifier", 6)
+    let stage = Stage::new("verifier", 7)
         .options(&options)?
         .input("detector", detector.hash(sections::FILE)?);
     let stage = sections::with_cascade(stage, cascade)?;
-    let stage = context.with_photographs(context.with_faces(stage)?, &["backgrounds"])?;
+    let stage = context.with_backgrounds(context.with_faces(stage)?)?;
     context.store.make(&stage, &[sections::FILE], |folder| {
         let detector = sections::read(&(detector, posewise::detect::TAG))?;
         let detector = AlignedBytes::new(&blob(&[detector]));

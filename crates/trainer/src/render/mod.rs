@@ -62,7 +62,7 @@ pub struct Args {
     /// Seed of everything random.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// Render procedural people and backgrounds only: no photograph is used.
+    /// Use no photograph whose terms restrict its use.
     #[arg(long)]
     pub clean: bool,
     /// What to render.
@@ -83,10 +83,10 @@ pub enum Kind {
 
 impl Kind {
     /// Different procedural people, alone or beside photographed ones.
-    pub fn people(self, clean: bool) -> usize {
-        match (self, clean) {
-            (Kind::Plain, true) => 2048,
-            (Kind::Plain, false) => 256,
+    pub fn people(self, beside_photographed: bool) -> usize {
+        match (self, beside_photographed) {
+            (Kind::Plain, false) => 2048,
+            (Kind::Plain, true) => 256,
             (Kind::Near, _) => 600,
             (Kind::Eyes, _) => 400,
         }
@@ -112,7 +112,7 @@ pub fn renderer(args: &Args, fits: Option<&Fits>) -> Result<Renderer> {
     };
     let mut people = People::new(
         &mesh,
-        args.kind.people(args.clean),
+        args.kind.people(fits.is_some()),
         args.seed,
         args.kind != Kind::Plain,
     );
@@ -131,20 +131,20 @@ pub fn renderer(args: &Args, fits: Option<&Fits>) -> Result<Renderer> {
 const EVERYDAY_CLEAN: f64 = 0.6;
 
 /// The spec that goes with `args`.
-pub fn spec(args: &Args) -> SampleSpec {
+pub fn spec(args: &Args, has_photographed: bool) -> SampleSpec {
     let kind = match args.kind {
         Kind::Plain => SampleSpec::default(),
         Kind::Near => SampleSpec::near(),
         Kind::Eyes => SampleSpec::eyes(),
     };
     SampleSpec {
-        persons: if args.clean {
-            Persons::Procedural
-        } else {
+        persons: if has_photographed {
             Persons::All
+        } else {
+            Persons::Procedural
         },
         everyday: match args.kind {
-            Kind::Plain | Kind::Near if args.clean => EVERYDAY_CLEAN,
+            Kind::Plain | Kind::Near if !has_photographed => EVERYDAY_CLEAN,
             _ => 0.0,
         },
         ..kind
@@ -157,8 +157,21 @@ pub fn write(args: &Args, fits: Option<&Fits>, path: &Path) -> Result<()> {
     let seed = args.seed ^ ((args.kind as u64) << 32);
     let renderer = &renderer(args, fits)?;
     match args.kind {
-        Kind::Eyes => eye_cache::write(path, renderer, seed, args.count, &spec(args)),
-        _ => cache::write(path, renderer, seed, args.count, &spec(args)).map(drop),
+        Kind::Eyes => eye_cache::write(
+            path,
+            renderer,
+            seed,
+            args.count,
+            &spec(args, fits.is_some()),
+        ),
+        _ => cache::write(
+            path,
+            renderer,
+            seed,
+            args.count,
+            &spec(args, fits.is_some()),
+        )
+        .map(drop),
     }
 }
 

@@ -4,7 +4,6 @@ use crate::align::quantize::write_refiner;
 use crate::align::samples::Sample;
 use crate::align::train::Trained;
 use crate::faces::{Face, ratio};
-use crate::single_eyes::is_single;
 use anyhow::Result;
 use posewise_format::SectionWriter;
 
@@ -82,7 +81,7 @@ impl Refiner {
     /// which is rare.
     pub fn draw_weight(&self, face: &Face) -> f32 {
         let ratio = |ends, aperture: &[_]| ratio(&face.landmarks, ends, aperture);
-        if is_single(face) {
+        if face.is_single_eye {
             SINGLE
         } else if self.mirrored && face.yaw_deg.is_none() {
             1.0

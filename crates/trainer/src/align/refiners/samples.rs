@@ -8,7 +8,6 @@ use crate::align::samples::{Sample, cut_at, disturb, standardise};
 use crate::align::source::{Draw, Source};
 use crate::align::starts::normal;
 use crate::faces::{Face, ratio};
-use crate::single_eyes::is_single;
 use posewise::align::place_refiner;
 use posewise::math::Similarity;
 use posewise::shape::MIRROR;
@@ -42,7 +41,7 @@ impl RefinerFaces<'_> {
     fn unreliable_lids(&self, face: &Face, [a, b, c, d, e, f]: [usize; 6]) -> Vec<usize> {
         let photograph = face.yaw_deg.is_none();
         let narrow = ratio(&face.landmarks, [a, d], &[[b, f], [c, e]]) < NARROW;
-        match self.refiner.mirrored && photograph && narrow && !is_single(face) {
+        match self.refiner.mirrored && photograph && narrow && !face.is_single_eye {
             true => vec![b, c, e, f],
             false => vec![],
         }
@@ -55,6 +54,7 @@ impl RefinerFaces<'_> {
             true => self.unreliable_lids(face, [45, 44, 43, 42, 47, 46]),
         };
         let weight = |k: &usize| match face.visible[*k] && !unreliable.contains(k) {
+            _ if !face.known[*k] && !face.is_single_eye => 0.0,
             true => 1.0,
             false => HIDDEN,
         };
@@ -94,7 +94,7 @@ impl Source for RefinerFaces<'_> {
         let index = self.draw.next(rng);
         let face = &self.faces[index];
         let start = &self.starts[index][rng.random_range(0..STARTS)];
-        let mirrored = !is_single(face) && rng.random_bool(0.5);
+        let mirrored = !face.is_single_eye && rng.random_bool(0.5);
         let which = |k: &usize| if mirrored { MIRROR[*k] } else { *k };
         let landmarks: Vec<usize> = self.refiner.landmarks.iter().map(which).collect();
         let (to_frame, points) = jittered(start, &landmarks, rng);

@@ -1,0 +1,92 @@
+//! Completes faces of which one half is labelled: the 3D head is fitted to the landmarks that are
+//! known, and says where the others are. What is made up so has no loss; it places the crop.
+
+use crate::face_section::{face_section, open};
+use crate::faces::Face;
+use crate::fit::{FitSettings, Fits, camera};
+use crate::head::Head;
+use crate::photographs::Set;
+use crate::picture::Picture;
+use anyhow::Result;
+use posewise::shape::{
+    self, FaceFit, FaceModel, FitOptions, IdentityEstimator, LANDMARKS, MAX_IDENTITIES, Observed,
+};
+use posewise_format::{AlignedBytes, Blob, blob};
+use rayon::prelude::*;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Fits whose known landmarks are farther off on average explain no face \[face sizes, see
+/// [`Face::scale`]\].
+const LARGEST_ERROR: f32 = 0.08;
+/// Rounds of fit and identity.
+const ROUNDS: usize = 3;
+/// Weight of landmarks that the head hides at the initial pose. None of the known ones is.
+const HIDDEN_WEIGHT: f32 = 1.0;
+
+/// The faces of a set of half faces; those that no head explains are left out.
+pub fn faces(head: &Head, fits: &Fits, data: &Path, set: &Set) -> Result<Vec<Face>> {
+    let bytes = AlignedBytes::new(&blob(&[face_section(head, Some(&fits.offsets_mm))?]));
+    let blob = Blob::open(&bytes)?;
+    let face = open(&blob)?;
+    let labelled = set.faces(data)?;
+    let count = labelled.len();
+    let completed: Vec<Face> = labelled
+        .into_par_iter()
+        .filter_map(|labelled| complete(&face, &fits.settings, labelled))
+        .collect();
+    println!(
+        "{}: {} of {count} faces completed",
+        set.table,
+        completed.len()
+    );
+    Ok(completed)
+}
+
+fn complete(model: &FaceModel<'_>, settings: &FitSettings, mut face: Face) -> Option<Face> {
+    let fit = fit(model, settings, &face.picture, &face)?;
+    for (i, point) in face.landmarks.iter_mut().enumerate() {
+        if !face.known[i] {
+            *point = fit.image_px[i];
+        }
+    }
+    let known = (0..LANDMARKS).filter(|i| face.known[*i]);
+    let distance = |i: usize| {
+        let (a, b) = (face.landmarks[i], fit.image_px[i]);
+        (a[0] - b[0]).hypot(a[1] - b[1])
+    };
+    let error = known.clone().map(distance).sum::<f32>() / known.count() as f32;
+    face.visible = std::array::from_fn(|i| face.known[i] || fit.visible[i]);
+    (error <= LARGEST_ERROR * face.scale()).then_some(face)
+}
+
+/// Pose, identity and expression that explain the known landmarks.
+fn fit(
+    model: &FaceModel<'_>,
+    settings: &FitSettings,
+    picture: &Arc<Picture>,
+    face: &Face,
+) -> Option<FaceFit> {
+    let [w, h] = picture.size;
+    let camera = camera([w, h], settings.focal_per_side * w.max(h) as f32);
+    let weights = face.known.map(|known| if known { 1.0 } else { 0.0 });
+    let observed = Observed {
+        points: &face.landmarks,
+        weights: &weights,
+    };
+    let options = FitOptions {
+        iterations: 15,
+        hidden_weight: HIDDEN_WEIGHT,
+        ..FitOptions::default()
+    };
+    let mut identity = [0.0; MAX_IDENTITIES];
+    let mut fit = shape::fit(model, &camera, &observed, None, &identity, &options)?;
+    for _ in 1..ROUNDS {
+        let mut estimator = IdentityEstimator::with_memory(f32::MAX);
+        estimator.add(model, &camera, &observed, &fit, 1.0);
+        identity = estimator.estimate();
+        let start = Some(&fit.state);
+        fit = shape::fit(model, &camera, &observed, start, &identity, &options)?;
+    }
+    Some(fit)
+}
