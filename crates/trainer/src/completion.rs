@@ -18,7 +18,7 @@ use std::sync::Arc;
 
 /// Fits whose known landmarks are farther off on average explain no face \[face sizes, see
 /// [`Face::scale`]\].
-const LARGEST_ERROR: f32 = 0.08;
+const LARGEST_ERROR: f32 = 0.13;
 /// Rounds of fit and identity.
 const ROUNDS: usize = 3;
 /// Weight of landmarks that the head hides at the initial pose. None of the known ones is.

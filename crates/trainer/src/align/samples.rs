@@ -92,6 +92,8 @@ pub struct Sample {
     pub weights: Vec<f32>,
 }
 
+/// Most times that an unsharp crop is blurred by 3×3 means.
+const MOST_BLURS: usize = 8;
 /// Width of a mean face's box, in canonical units: what jitter's shifts are shares of.
 const BOX: f32 = 64.0;
 
@@ -197,7 +199,10 @@ pub fn disturb(crop: &mut [f32], side: usize, augment: &Augment, rng: &mut ChaCh
         }
         blur(crop, side);
     } else if chance(augment.blur, rng) {
-        blur(crop, side);
+        // Out of focus: nearly a Gaussian of 0.8 to 2.3 px.
+        for _ in 0..rng.random_range(1..=MOST_BLURS) {
+            blur(crop, side);
+        }
     }
     let gain = (normal(rng) * augment.contrast).exp();
     let offset = normal(rng) * augment.brightness;
