@@ -45,16 +45,19 @@ const LICENCES: [&str; 8] = [
     "LICENSE-ZLIB.md",
 ];
 
-/// Writes the files.
+/// Writes the files, each under another name first: several may do so at a time.
 pub fn write() -> Result<()> {
     for notices in &NOTICES {
-        std::fs::write(root().join(notices.file), notices.text()?)?;
+        let path = root().join(notices.file);
+        let partial = path.with_extension(std::process::id().to_string());
+        std::fs::write(&partial, notices.text()?)?;
+        std::fs::rename(partial, path)?;
     }
     Ok(())
 }
 
 impl Notices {
-    /// What the file has to hold.
+    /// What the file holds.
     pub fn text(&self) -> Result<String> {
         let mut out = format!(
             "The posewise {} is under the MIT License, see LICENSE. These crates are linked into \
