@@ -4,7 +4,7 @@
 mod common;
 
 use common::root;
-use posewise::{Config, Frame, FrameLayout, Model, State, TrackResult, Tracker};
+use posewise::{Config, State, TrackResult};
 
 /// FNV-1a, 64 bits.
 struct Hash(u64);
@@ -76,18 +76,13 @@ fn every_field_is_hashed() {
 
 #[test]
 fn demo_clip_gives_the_same_bits() {
-    let Some(clip) = common::demo() else {
-        eprintln!("skipped: there is no tests/data/demo.y4m.gz");
-        return;
-    };
-    let model = Model::load(posewise::DEFAULT_MODEL).expect("the default model is valid");
-    let mut tracker = Box::new(Tracker::new(&Config::default()).expect("defaults"));
-    let layout = FrameLayout::grey(clip.width as u32, clip.height as u32);
+    let clip = common::demo();
+    let model = common::model();
+    let mut tracker = common::tracker(&Config::default());
     let mut hash = Hash(0xCBF2_9CE4_8422_2325);
     let mut tracked = 0;
-    for (i, luma) in clip.luma.iter().enumerate() {
-        let frame = Frame::new(&layout, luma).expect("a frame");
-        let timestamp_us = (i as f64 * clip.frame_us) as i64;
+    for i in 0..clip.luma.len() {
+        let (frame, timestamp_us) = (clip.frame(i), clip.time_us(i));
         let result = tracker
             .step(&model, &frame, timestamp_us)
             .expect("in order");

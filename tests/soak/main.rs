@@ -61,10 +61,7 @@ fn variable(name: &str) -> Option<f64> {
 #[test]
 fn every_invariant_holds() {
     let clips = std::env::var_os("POSEWISE_SOAK_CLIPS");
-    let Some(library) = Library::new(clips.as_ref().map(|folder| folder.as_ref())) else {
-        eprintln!("skipped: there is no tests/data/demo.y4m.gz");
-        return;
-    };
+    let library = Library::new(clips.as_ref().map(|folder| folder.as_ref()));
     let hours = variable("POSEWISE_SOAK_HOURS").unwrap_or(1.5 / 60.0);
     let most = variable("POSEWISE_SOAK_MINUTES").unwrap_or(1e6) * 60.0;
     let first = variable("POSEWISE_SOAK_SEED").unwrap_or(1.0) as u64;
