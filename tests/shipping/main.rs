@@ -1,5 +1,5 @@
 //! What is shipped, as its users meet it: libraries and header, packages, programs for other
-//! machines and languages, and what a step costs. Most tests need programs, and are skipped without.
+//! machines and languages, and what a step costs. Tests without their programs are skipped.
 
 mod bindings;
 mod c;

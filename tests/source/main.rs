@@ -5,4 +5,5 @@ mod common;
 mod header;
 mod imports;
 mod layering;
+mod links;
 mod style;

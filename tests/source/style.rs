@@ -13,7 +13,7 @@ const ENDINGS: &str = "md rs toml c h cpp hpp java modulemap ld sh cmake in txt 
 /// Folders that hold what programs write.
 const OUTPUT: [&str; 5] = ["target", "cache", "corpus", "artifacts", "node_modules"];
 
-fn text_files(folder: &Path, found: &mut Vec<PathBuf>) {
+pub fn text_files(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).expect("a folder") {
         let path = entry.expect("an entry").path();
         let name = path.file_name().expect("a name").to_string_lossy();
