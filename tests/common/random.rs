@@ -77,7 +77,7 @@ impl Random {
         f64::from(self.unit()) < probability
     }
 
-    /// True once in so many times.
+    /// True once in a number of times.
     pub fn once_in(&mut self, times: usize) -> bool {
         self.below(times) == 0
     }

@@ -44,7 +44,7 @@ impl Memory {
 
 /// The work of a tile.
 const ONE_TILE: ScanBudget = ScanBudget::of_tiles(TILE_UNITS);
-/// Channels of the maps: kernels compute so many together.
+/// Channels of the maps: those that kernels compute together.
 const CHANNELS: usize = 8;
 /// Size of a face over the side of the bright square.
 const FACE: f32 = 1.5;

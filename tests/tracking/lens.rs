@@ -14,7 +14,7 @@ use posewise::{Config, Distortion, Intrinsics, Model, State};
 const CLIP: Intrinsics = Intrinsics::new(277.128, 277.128, 159.5, 119.5);
 /// Focal length of all cameras: at the axis the face is as large as in the clip \[px\].
 const FOCAL: f32 = 277.128;
-/// Every so many frames of the clip one is tracked.
+/// Step between the frames of the clip that are tracked.
 const EVERY: usize = 3;
 
 /// Angle between axis and edge of the picture \[rad\].

@@ -123,7 +123,7 @@ fn a_face_that_comes_back_elsewhere_is_found_at_the_camera_s_budget() {
 }
 
 #[test]
-fn a_large_face_that_appears_is_found_soon_wherever_the_sweep_is() {
+fn a_large_face_that_appears_is_found_soon_wherever_the_scan_is() {
     for empty in [1, 13, 25, 37] {
         watch(Config::default(), |watch| {
             for _ in 0..empty {
@@ -138,7 +138,7 @@ fn a_large_face_that_appears_is_found_soon_wherever_the_sweep_is() {
 
 #[test]
 fn a_small_face_that_moves_is_found() {
-    // Smaller than what every other slice goes to, and never twice where it was.
+    // Smaller than the faces that half of the scan's work goes to, and never twice at one place.
     let (from, to) = ([60.0, 100.0], [560.0, 240.0]);
     watch(Config::default(), |watch| {
         let tracked = (0..60).any(|n| {
@@ -215,7 +215,7 @@ fn eyes_that_move_too_fast_to_tell_are_unknown() {
 }
 
 #[test]
-fn smoothed_answers_follow_the_raw_ones() {
+fn smoothed_results_follow_the_raw_ones() {
     watch(patient(), |watch| {
         let (_, raw) = watch.until_tracked(&[LARGE], 3);
         assert_eq!(

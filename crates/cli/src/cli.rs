@@ -451,7 +451,7 @@ pub struct MonitorArgs {
     /// Zones of the monitor, as for `track --monitor-zones`
     #[arg(long, value_name = "FILE")]
     pub zones: Option<PathBuf>,
-    /// Show the monitor so many frames a second of those in the CSV [default: all]
+    /// Show the monitor this number of frames a second of those in the CSV [default: all]
     #[arg(long, value_name = "N", value_parser = within(1.0, 1000.0))]
     pub fps: Option<f64>,
     /// Leave out this share of the frames, by chance
@@ -482,7 +482,7 @@ pub struct BackgroundsArgs {
     /// Folder of pictures; those that its file with-people.txt names are left out
     #[arg(long, value_name = "DIR")]
     pub backgrounds: PathBuf,
-    /// Take one picture of so many, in the order of their names; 1 for all. Training leaves out one
+    /// Take one picture in N, in the order of their names; 1 for all. Training leaves out one
     /// of five
     #[arg(long, value_name = "N", default_value_t = 5,
         value_parser = clap::value_parser!(u32).range(1..))]

@@ -31,7 +31,7 @@ use crate::plot;
 use crate::source::read_rgb;
 
 const STEP_US: i64 = 33_333;
-/// With [`SCAN_BUDGET`] a step sweeps any usual picture once; more sweeps find nothing new.
+/// With [`SCAN_BUDGET`] a step scans any usual picture once; more scans find nothing new.
 const MAX_SEARCH_STEPS: u32 = 8;
 /// Windows per step: stills are not in a hurry.
 const SCAN_BUDGET: u32 = 10_000_000;

@@ -105,7 +105,7 @@ pub struct Settings {
     #[serde(skip)]
     #[command(flatten)]
     pub product: product::Options,
-    /// Stop after so many frames.
+    /// Stop after this number of frames.
     #[arg(long)]
     pub frames: Option<usize>,
 }

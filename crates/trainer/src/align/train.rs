@@ -274,7 +274,7 @@ impl Trained {
     }
 
     /// One iteration of a global stage in `f32`: an initial shape in frame px in, the landmarks
-    /// out, as they are after so many of the network's predictions.
+    /// out, as they are after this number of the network's predictions.
     pub fn iterate(
         &self,
         face: &Face,

@@ -9,7 +9,7 @@ use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use std::path::Path;
 
-/// One photograph in so many is held out of training, as for the lid refiner.
+/// One photograph in this number is held out of training, as for the lid refiner.
 const HELD_OUT: usize = 5;
 /// Width of the eye and height of its middle in a photograph, in its width and height, and width of
 /// an eye \[mm\].
