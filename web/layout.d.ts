@@ -467,6 +467,44 @@ export namespace RESULT {
             let count_17: number;
             export { count_17 as count };
         }
+        export namespace facingYawDeg {
+            let at_56: number;
+            export { at_56 as at };
+            let type_54: string;
+            export { type_54 as type };
+        }
+        export namespace facingPitchDeg {
+            let at_57: number;
+            export { at_57 as at };
+            let type_55: string;
+            export { type_55 as type };
+        }
+        export namespace facingRollDeg {
+            let at_58: number;
+            export { at_58 as at };
+            let type_56: string;
+            export { type_56 as type };
+        }
+        export namespace facingSigmaDeg {
+            let at_59: number;
+            export { at_59 as at };
+            let type_57: string;
+            export { type_57 as type };
+            let count_18: number;
+            export { count_18 as count };
+        }
+        export namespace focalPx {
+            let at_60: number;
+            export { at_60 as at };
+            let type_58: string;
+            export { type_58 as type };
+        }
+        export namespace cameraAssumed {
+            let at_61: number;
+            export { at_61 as at };
+            let type_59: string;
+            export { type_59 as type };
+        }
     }
     export { fields_4 as fields };
 }
@@ -475,33 +513,33 @@ export namespace HINT {
     export { size_5 as size };
     export namespace fields_5 {
         export namespace structSize_3 {
-            let at_56: number;
-            export { at_56 as at };
-            let type_54: string;
-            export { type_54 as type };
+            let at_62: number;
+            export { at_62 as at };
+            let type_60: string;
+            export { type_60 as type };
         }
         export { structSize_3 as structSize };
         export namespace faceBox_1 {
-            let at_57: number;
-            export { at_57 as at };
-            let type_55: string;
-            export { type_55 as type };
-            let count_18: number;
-            export { count_18 as count };
+            let at_63: number;
+            export { at_63 as at };
+            let type_61: string;
+            export { type_61 as type };
+            let count_19: number;
+            export { count_19 as count };
         }
         export { faceBox_1 as faceBox };
         export namespace yawDeg_1 {
-            let at_58: number;
-            export { at_58 as at };
-            let type_56: string;
-            export { type_56 as type };
+            let at_64: number;
+            export { at_64 as at };
+            let type_62: string;
+            export { type_62 as type };
         }
         export { yawDeg_1 as yawDeg };
         export namespace rollDeg_1 {
-            let at_59: number;
-            export { at_59 as at };
-            let type_57: string;
-            export { type_57 as type };
+            let at_65: number;
+            export { at_65 as at };
+            let type_63: string;
+            export { type_63 as type };
         }
         export { rollDeg_1 as rollDeg };
     }
@@ -512,33 +550,33 @@ export namespace FACE {
     export { size_6 as size };
     export namespace fields_6 {
         export namespace faceBox_2 {
-            let at_60: number;
-            export { at_60 as at };
-            let type_58: string;
-            export { type_58 as type };
-            let count_19: number;
-            export { count_19 as count };
+            let at_66: number;
+            export { at_66 as at };
+            let type_64: string;
+            export { type_64 as type };
+            let count_20: number;
+            export { count_20 as count };
         }
         export { faceBox_2 as faceBox };
         export namespace yawDeg_2 {
-            let at_61: number;
-            export { at_61 as at };
-            let type_59: string;
-            export { type_59 as type };
+            let at_67: number;
+            export { at_67 as at };
+            let type_65: string;
+            export { type_65 as type };
         }
         export { yawDeg_2 as yawDeg };
         export namespace rollDeg_2 {
-            let at_62: number;
-            export { at_62 as at };
-            let type_60: string;
-            export { type_60 as type };
+            let at_68: number;
+            export { at_68 as at };
+            let type_66: string;
+            export { type_66 as type };
         }
         export { rollDeg_2 as rollDeg };
         export namespace confidence_1 {
-            let at_63: number;
-            export { at_63 as at };
-            let type_61: string;
-            export { type_61 as type };
+            let at_69: number;
+            export { at_69 as at };
+            let type_67: string;
+            export { type_67 as type };
         }
         export { confidence_1 as confidence };
     }
@@ -549,47 +587,47 @@ export namespace LANDMARK {
     export { size_7 as size };
     export namespace fields_7 {
         export namespace x {
-            let at_64: number;
-            export { at_64 as at };
-            let type_62: string;
-            export { type_62 as type };
-        }
-        export namespace y {
-            let at_65: number;
-            export { at_65 as at };
-            let type_63: string;
-            export { type_63 as type };
-        }
-        export namespace confidence_2 {
-            let at_66: number;
-            export { at_66 as at };
-            let type_64: string;
-            export { type_64 as type };
-        }
-        export { confidence_2 as confidence };
-        export namespace visibility {
-            let at_67: number;
-            export { at_67 as at };
-            let type_65: string;
-            export { type_65 as type };
-        }
-        export namespace xMm {
-            let at_68: number;
-            export { at_68 as at };
-            let type_66: string;
-            export { type_66 as type };
-        }
-        export namespace yMm {
-            let at_69: number;
-            export { at_69 as at };
-            let type_67: string;
-            export { type_67 as type };
-        }
-        export namespace zMm {
             let at_70: number;
             export { at_70 as at };
             let type_68: string;
             export { type_68 as type };
+        }
+        export namespace y {
+            let at_71: number;
+            export { at_71 as at };
+            let type_69: string;
+            export { type_69 as type };
+        }
+        export namespace confidence_2 {
+            let at_72: number;
+            export { at_72 as at };
+            let type_70: string;
+            export { type_70 as type };
+        }
+        export { confidence_2 as confidence };
+        export namespace visibility {
+            let at_73: number;
+            export { at_73 as at };
+            let type_71: string;
+            export { type_71 as type };
+        }
+        export namespace xMm {
+            let at_74: number;
+            export { at_74 as at };
+            let type_72: string;
+            export { type_72 as type };
+        }
+        export namespace yMm {
+            let at_75: number;
+            export { at_75 as at };
+            let type_73: string;
+            export { type_73 as type };
+        }
+        export namespace zMm {
+            let at_76: number;
+            export { at_76 as at };
+            let type_74: string;
+            export { type_74 as type };
         }
     }
     export { fields_7 as fields };
@@ -599,48 +637,48 @@ export namespace EVENT {
     export { size_8 as size };
     export namespace fields_8 {
         export namespace timestampUs_2 {
-            let at_71: number;
-            export { at_71 as at };
-            let type_69: string;
-            export { type_69 as type };
+            let at_77: number;
+            export { at_77 as at };
+            let type_75: string;
+            export { type_75 as type };
         }
         export { timestampUs_2 as timestampUs };
         export namespace kind {
-            let at_72: number;
-            export { at_72 as at };
-            let type_70: string;
-            export { type_70 as type };
+            let at_78: number;
+            export { at_78 as at };
+            let type_76: string;
+            export { type_76 as type };
             export { EVENTS as names };
         }
         export namespace loss_1 {
-            let at_73: number;
-            export { at_73 as at };
-            let type_71: string;
-            export { type_71 as type };
+            let at_79: number;
+            export { at_79 as at };
+            let type_77: string;
+            export { type_77 as type };
             export { LOSSES as names };
         }
         export { loss_1 as loss };
         export namespace faceBox_3 {
-            let at_74: number;
-            export { at_74 as at };
-            let type_72: string;
-            export { type_72 as type };
-            let count_20: number;
-            export { count_20 as count };
+            let at_80: number;
+            export { at_80 as at };
+            let type_78: string;
+            export { type_78 as type };
+            let count_21: number;
+            export { count_21 as count };
         }
         export { faceBox_3 as faceBox };
         export namespace confidence_3 {
-            let at_75: number;
-            export { at_75 as at };
-            let type_73: string;
-            export { type_73 as type };
+            let at_81: number;
+            export { at_81 as at };
+            let type_79: string;
+            export { type_79 as type };
         }
         export { confidence_3 as confidence };
         export namespace reserved_1 {
-            let at_76: number;
-            export { at_76 as at };
-            let type_74: string;
-            export { type_74 as type };
+            let at_82: number;
+            export { at_82 as at };
+            let type_80: string;
+            export { type_80 as type };
         }
         export { reserved_1 as reserved };
     }
@@ -651,31 +689,31 @@ export namespace ROI {
     export { size_9 as size };
     export namespace fields_9 {
         export namespace x_1 {
-            let at_77: number;
-            export { at_77 as at };
-            let type_75: string;
-            export { type_75 as type };
+            let at_83: number;
+            export { at_83 as at };
+            let type_81: string;
+            export { type_81 as type };
         }
         export { x_1 as x };
         export namespace y_1 {
-            let at_78: number;
-            export { at_78 as at };
-            let type_76: string;
-            export { type_76 as type };
+            let at_84: number;
+            export { at_84 as at };
+            let type_82: string;
+            export { type_82 as type };
         }
         export { y_1 as y };
         export namespace width_1 {
-            let at_79: number;
-            export { at_79 as at };
-            let type_77: string;
-            export { type_77 as type };
+            let at_85: number;
+            export { at_85 as at };
+            let type_83: string;
+            export { type_83 as type };
         }
         export { width_1 as width };
         export namespace height_1 {
-            let at_80: number;
-            export { at_80 as at };
-            let type_78: string;
-            export { type_78 as type };
+            let at_86: number;
+            export { at_86 as at };
+            let type_84: string;
+            export { type_84 as type };
         }
         export { height_1 as height };
     }
@@ -686,210 +724,210 @@ export namespace MONITOR_CONFIG {
     export { size_10 as size };
     export namespace fields_10 {
         export namespace structSize_4 {
-            let at_81: number;
-            export { at_81 as at };
-            let type_79: string;
-            export { type_79 as type };
-        }
-        export { structSize_4 as structSize };
-        export namespace flags_2 {
-            let at_82: number;
-            export { at_82 as at };
-            let type_80: string;
-            export { type_80 as type };
-        }
-        export { flags_2 as flags };
-        export namespace preset {
-            let at_83: number;
-            export { at_83 as at };
-            let type_81: string;
-            export { type_81 as type };
-        }
-        export namespace gapUs {
-            let at_84: number;
-            export { at_84 as at };
-            let type_82: string;
-            export { type_82 as type };
-        }
-        export namespace minConfidence {
-            let at_85: number;
-            export { at_85 as at };
-            let type_83: string;
-            export { type_83 as type };
-        }
-        export namespace eyeYawDeg {
-            let at_86: number;
-            export { at_86 as at };
-            let type_84: string;
-            export { type_84 as type };
-        }
-        export namespace eyePitchDeg {
             let at_87: number;
             export { at_87 as at };
             let type_85: string;
             export { type_85 as type };
         }
-        export namespace closedBelow {
+        export { structSize_4 as structSize };
+        export namespace flags_2 {
             let at_88: number;
             export { at_88 as at };
             let type_86: string;
             export { type_86 as type };
         }
-        export namespace openAbove {
+        export { flags_2 as flags };
+        export namespace preset {
             let at_89: number;
             export { at_89 as at };
             let type_87: string;
             export { type_87 as type };
         }
-        export namespace blinkUs {
+        export namespace gapUs {
             let at_90: number;
             export { at_90 as at };
             let type_88: string;
             export { type_88 as type };
         }
-        export namespace longClosureUs {
+        export namespace minConfidence {
             let at_91: number;
             export { at_91 as at };
             let type_89: string;
             export { type_89 as type };
         }
-        export namespace microsleepUs {
+        export namespace eyeYawDeg {
             let at_92: number;
             export { at_92 as at };
             let type_90: string;
             export { type_90 as type };
         }
-        export namespace sleepUs {
+        export namespace eyePitchDeg {
             let at_93: number;
             export { at_93 as at };
             let type_91: string;
             export { type_91 as type };
         }
-        export namespace unresponsiveUs {
+        export namespace closedBelow {
             let at_94: number;
             export { at_94 as at };
             let type_92: string;
             export { type_92 as type };
         }
-        export namespace drowsyP8060 {
+        export namespace openAbove {
             let at_95: number;
             export { at_95 as at };
             let type_93: string;
             export { type_93 as type };
         }
-        export namespace drowsyP80180 {
+        export namespace blinkUs {
             let at_96: number;
             export { at_96 as at };
             let type_94: string;
             export { type_94 as type };
         }
-        export namespace awakeShare {
+        export namespace longClosureUs {
             let at_97: number;
             export { at_97 as at };
             let type_95: string;
             export { type_95 as type };
         }
-        export namespace minKnown {
+        export namespace microsleepUs {
             let at_98: number;
             export { at_98 as at };
             let type_96: string;
             export { type_96 as type };
         }
-        export namespace yawnAbove {
+        export namespace sleepUs {
             let at_99: number;
             export { at_99 as at };
             let type_97: string;
             export { type_97 as type };
         }
-        export namespace yawnBelow {
+        export namespace unresponsiveUs {
             let at_100: number;
             export { at_100 as at };
             let type_98: string;
             export { type_98 as type };
         }
-        export namespace yawnUs {
+        export namespace drowsyP8060 {
             let at_101: number;
             export { at_101 as at };
             let type_99: string;
             export { type_99 as type };
         }
-        export namespace yawnMaxUs {
+        export namespace drowsyP80180 {
             let at_102: number;
             export { at_102 as at };
             let type_100: string;
             export { type_100 as type };
         }
-        export namespace nodDeg {
+        export namespace awakeShare {
             let at_103: number;
             export { at_103 as at };
             let type_101: string;
             export { type_101 as type };
         }
-        export namespace nodUs {
+        export namespace minKnown {
             let at_104: number;
             export { at_104 as at };
             let type_102: string;
             export { type_102 as type };
         }
-        export namespace forwardYawDeg {
+        export namespace yawnAbove {
             let at_105: number;
             export { at_105 as at };
             let type_103: string;
             export { type_103 as type };
         }
-        export namespace forwardPitchDeg {
+        export namespace yawnBelow {
             let at_106: number;
             export { at_106 as at };
             let type_104: string;
             export { type_104 as type };
         }
-        export namespace naturalYawDeg {
+        export namespace yawnUs {
             let at_107: number;
             export { at_107 as at };
             let type_105: string;
             export { type_105 as type };
         }
-        export namespace naturalPitchDeg {
+        export namespace yawnMaxUs {
             let at_108: number;
             export { at_108 as at };
             let type_106: string;
             export { type_106 as type };
         }
-        export namespace zoneMarginDeg {
+        export namespace nodDeg {
             let at_109: number;
             export { at_109 as at };
             let type_107: string;
             export { type_107 as type };
         }
-        export namespace longGlanceUs {
+        export namespace nodUs {
             let at_110: number;
             export { at_110 as at };
             let type_108: string;
             export { type_108 as type };
         }
-        export namespace cumulativeUs {
+        export namespace forwardYawDeg {
             let at_111: number;
             export { at_111 as at };
             let type_109: string;
             export { type_109 as type };
         }
-        export namespace returnUs {
+        export namespace forwardPitchDeg {
             let at_112: number;
             export { at_112 as at };
             let type_110: string;
             export { type_110 as type };
         }
-        export namespace clearUs {
+        export namespace naturalYawDeg {
             let at_113: number;
             export { at_113 as at };
             let type_111: string;
             export { type_111 as type };
         }
-        export namespace degradedUs {
+        export namespace naturalPitchDeg {
             let at_114: number;
             export { at_114 as at };
             let type_112: string;
             export { type_112 as type };
+        }
+        export namespace zoneMarginDeg {
+            let at_115: number;
+            export { at_115 as at };
+            let type_113: string;
+            export { type_113 as type };
+        }
+        export namespace longGlanceUs {
+            let at_116: number;
+            export { at_116 as at };
+            let type_114: string;
+            export { type_114 as type };
+        }
+        export namespace cumulativeUs {
+            let at_117: number;
+            export { at_117 as at };
+            let type_115: string;
+            export { type_115 as type };
+        }
+        export namespace returnUs {
+            let at_118: number;
+            export { at_118 as at };
+            let type_116: string;
+            export { type_116 as type };
+        }
+        export namespace clearUs {
+            let at_119: number;
+            export { at_119 as at };
+            let type_117: string;
+            export { type_117 as type };
+        }
+        export namespace degradedUs {
+            let at_120: number;
+            export { at_120 as at };
+            let type_118: string;
+            export { type_118 as type };
         }
     }
     export { fields_10 as fields };
@@ -899,72 +937,72 @@ export namespace OBSERVATION {
     export { size_11 as size };
     export namespace fields_11 {
         export namespace structSize_5 {
-            let at_115: number;
-            export { at_115 as at };
-            let type_113: string;
-            export { type_113 as type };
-        }
-        export { structSize_5 as structSize };
-        export namespace state_1 {
-            let at_116: number;
-            export { at_116 as at };
-            let type_114: string;
-            export { type_114 as type };
-        }
-        export { state_1 as state };
-        export namespace confidence_4 {
-            let at_117: number;
-            export { at_117 as at };
-            let type_115: string;
-            export { type_115 as type };
-        }
-        export { confidence_4 as confidence };
-        export namespace yawDeg_3 {
-            let at_118: number;
-            export { at_118 as at };
-            let type_116: string;
-            export { type_116 as type };
-        }
-        export { yawDeg_3 as yawDeg };
-        export namespace pitchDeg_1 {
-            let at_119: number;
-            export { at_119 as at };
-            let type_117: string;
-            export { type_117 as type };
-        }
-        export { pitchDeg_1 as pitchDeg };
-        export namespace translationMm_1 {
-            let at_120: number;
-            export { at_120 as at };
-            let type_118: string;
-            export { type_118 as type };
-            let count_21: number;
-            export { count_21 as count };
-        }
-        export { translationMm_1 as translationMm };
-        export namespace rotationSigmaDeg_1 {
             let at_121: number;
             export { at_121 as at };
             let type_119: string;
             export { type_119 as type };
-            let count_22: number;
-            export { count_22 as count };
         }
-        export { rotationSigmaDeg_1 as rotationSigmaDeg };
-        export namespace eyeOpen_1 {
+        export { structSize_5 as structSize };
+        export namespace state_1 {
             let at_122: number;
             export { at_122 as at };
             let type_120: string;
             export { type_120 as type };
-            let count_23: number;
-            export { count_23 as count };
         }
-        export { eyeOpen_1 as eyeOpen };
-        export namespace jawOpen {
+        export { state_1 as state };
+        export namespace confidence_4 {
             let at_123: number;
             export { at_123 as at };
             let type_121: string;
             export { type_121 as type };
+        }
+        export { confidence_4 as confidence };
+        export namespace yawDeg_3 {
+            let at_124: number;
+            export { at_124 as at };
+            let type_122: string;
+            export { type_122 as type };
+        }
+        export { yawDeg_3 as yawDeg };
+        export namespace pitchDeg_1 {
+            let at_125: number;
+            export { at_125 as at };
+            let type_123: string;
+            export { type_123 as type };
+        }
+        export { pitchDeg_1 as pitchDeg };
+        export namespace translationMm_1 {
+            let at_126: number;
+            export { at_126 as at };
+            let type_124: string;
+            export { type_124 as type };
+            let count_22: number;
+            export { count_22 as count };
+        }
+        export { translationMm_1 as translationMm };
+        export namespace rotationSigmaDeg_1 {
+            let at_127: number;
+            export { at_127 as at };
+            let type_125: string;
+            export { type_125 as type };
+            let count_23: number;
+            export { count_23 as count };
+        }
+        export { rotationSigmaDeg_1 as rotationSigmaDeg };
+        export namespace eyeOpen_1 {
+            let at_128: number;
+            export { at_128 as at };
+            let type_126: string;
+            export { type_126 as type };
+            let count_24: number;
+            export { count_24 as count };
+        }
+        export { eyeOpen_1 as eyeOpen };
+        export namespace jawOpen {
+            let at_129: number;
+            export { at_129 as at };
+            let type_127: string;
+            export { type_127 as type };
         }
     }
     export { fields_11 as fields };
@@ -974,40 +1012,40 @@ export namespace PERCLOS {
     export { size_12 as size };
     export namespace fields_12 {
         namespace p70 {
-            let at_124: number;
-            export { at_124 as at };
-            let type_122: string;
-            export { type_122 as type };
+            let at_130: number;
+            export { at_130 as at };
+            let type_128: string;
+            export { type_128 as type };
         }
         namespace p80 {
-            let at_125: number;
-            export { at_125 as at };
-            let type_123: string;
-            export { type_123 as type };
+            let at_131: number;
+            export { at_131 as at };
+            let type_129: string;
+            export { type_129 as type };
         }
         namespace em {
-            let at_126: number;
-            export { at_126 as at };
-            let type_124: string;
-            export { type_124 as type };
+            let at_132: number;
+            export { at_132 as at };
+            let type_130: string;
+            export { type_130 as type };
         }
         namespace known {
-            let at_127: number;
-            export { at_127 as at };
-            let type_125: string;
-            export { type_125 as type };
+            let at_133: number;
+            export { at_133 as at };
+            let type_131: string;
+            export { type_131 as type };
         }
         namespace closures {
-            let at_128: number;
-            export { at_128 as at };
-            let type_126: string;
-            export { type_126 as type };
+            let at_134: number;
+            export { at_134 as at };
+            let type_132: string;
+            export { type_132 as type };
         }
         namespace meanClosureUs {
-            let at_129: number;
-            export { at_129 as at };
-            let type_127: string;
-            export { type_127 as type };
+            let at_135: number;
+            export { at_135 as at };
+            let type_133: string;
+            export { type_133 as type };
         }
     }
     export { fields_12 as fields };
@@ -1017,162 +1055,162 @@ export namespace MONITOR_STATE {
     export { size_13 as size };
     export namespace fields_13 {
         export namespace structSize_6 {
-            let at_130: number;
-            export { at_130 as at };
-            let type_128: string;
-            export { type_128 as type };
-        }
-        export { structSize_6 as structSize };
-        export namespace eyes {
-            let at_131: number;
-            export { at_131 as at };
-            let type_129: string;
-            export { type_129 as type };
-        }
-        export namespace timestampUs_3 {
-            let at_132: number;
-            export { at_132 as at };
-            let type_130: string;
-            export { type_130 as type };
-        }
-        export { timestampUs_3 as timestampUs };
-        export namespace eyesUnknown {
-            let at_133: number;
-            export { at_133 as at };
-            let type_131: string;
-            export { type_131 as type };
-        }
-        export namespace openness {
-            let at_134: number;
-            export { at_134 as at };
-            let type_132: string;
-            export { type_132 as type };
-        }
-        export namespace closureUs {
-            let at_135: number;
-            export { at_135 as at };
-            let type_133: string;
-            export { type_133 as type };
-        }
-        export namespace blinks {
             let at_136: number;
             export { at_136 as at };
             let type_134: string;
             export { type_134 as type };
         }
-        export namespace yawns {
+        export { structSize_6 as structSize };
+        export namespace eyes {
             let at_137: number;
             export { at_137 as at };
             let type_135: string;
             export { type_135 as type };
         }
-        export namespace nods {
+        export namespace timestampUs_3 {
             let at_138: number;
             export { at_138 as at };
             let type_136: string;
             export { type_136 as type };
         }
-        export namespace mouthOpenUs {
+        export { timestampUs_3 as timestampUs };
+        export namespace eyesUnknown {
             let at_139: number;
             export { at_139 as at };
             let type_137: string;
             export { type_137 as type };
         }
-        export namespace zone {
+        export namespace openness {
             let at_140: number;
             export { at_140 as at };
             let type_138: string;
             export { type_138 as type };
         }
-        export namespace zoneUs {
+        export namespace closureUs {
             let at_141: number;
             export { at_141 as at };
             let type_139: string;
             export { type_139 as type };
         }
-        export namespace awayUs {
+        export namespace blinks {
             let at_142: number;
             export { at_142 as at };
             let type_140: string;
             export { type_140 as type };
         }
-        export namespace away30Us {
+        export namespace yawns {
             let at_143: number;
             export { at_143 as at };
             let type_141: string;
             export { type_141 as type };
         }
-        export namespace naturalIsFinal {
+        export namespace nods {
             let at_144: number;
             export { at_144 as at };
             let type_142: string;
             export { type_142 as type };
         }
-        export namespace fromRoadDeg {
+        export namespace mouthOpenUs {
             let at_145: number;
             export { at_145 as at };
             let type_143: string;
             export { type_143 as type };
-            let count_24: number;
-            export { count_24 as count };
         }
-        export namespace naturalDeg {
+        export namespace zone {
             let at_146: number;
             export { at_146 as at };
             let type_144: string;
             export { type_144 as type };
-            let count_25: number;
-            export { count_25 as count };
         }
-        export namespace openEye {
+        export namespace zoneUs {
             let at_147: number;
             export { at_147 as at };
             let type_145: string;
             export { type_145 as type };
-            let count_26: number;
-            export { count_26 as count };
         }
-        export namespace openEyeIsFinal {
+        export namespace awayUs {
             let at_148: number;
             export { at_148 as at };
             let type_146: string;
             export { type_146 as type };
         }
-        export namespace drowsiness {
+        export namespace away30Us {
             let at_149: number;
             export { at_149 as at };
             let type_147: string;
             export { type_147 as type };
         }
-        export namespace degraded {
+        export namespace naturalIsFinal {
             let at_150: number;
             export { at_150 as at };
             let type_148: string;
             export { type_148 as type };
         }
-        export namespace reserved_2 {
+        export namespace fromRoadDeg {
             let at_151: number;
             export { at_151 as at };
             let type_149: string;
             export { type_149 as type };
+            let count_25: number;
+            export { count_25 as count };
         }
-        export { reserved_2 as reserved };
-        export namespace zonesUs {
+        export namespace naturalDeg {
             let at_152: number;
             export { at_152 as at };
             let type_150: string;
             export { type_150 as type };
+            let count_26: number;
+            export { count_26 as count };
+        }
+        export namespace openEye {
+            let at_153: number;
+            export { at_153 as at };
+            let type_151: string;
+            export { type_151 as type };
             let count_27: number;
             export { count_27 as count };
         }
+        export namespace openEyeIsFinal {
+            let at_154: number;
+            export { at_154 as at };
+            let type_152: string;
+            export { type_152 as type };
+        }
+        export namespace drowsiness {
+            let at_155: number;
+            export { at_155 as at };
+            let type_153: string;
+            export { type_153 as type };
+        }
+        export namespace degraded {
+            let at_156: number;
+            export { at_156 as at };
+            let type_154: string;
+            export { type_154 as type };
+        }
+        export namespace reserved_2 {
+            let at_157: number;
+            export { at_157 as at };
+            let type_155: string;
+            export { type_155 as type };
+        }
+        export { reserved_2 as reserved };
+        export namespace zonesUs {
+            let at_158: number;
+            export { at_158 as at };
+            let type_156: string;
+            export { type_156 as type };
+            let count_28: number;
+            export { count_28 as count };
+        }
         export namespace perclos60 {
-            let at_153: number;
-            export { at_153 as at };
+            let at_159: number;
+            export { at_159 as at };
             export { PERCLOS as struct };
         }
         export namespace perclos180 {
-            let at_154: number;
-            export { at_154 as at };
+            let at_160: number;
+            export { at_160 as at };
             export { PERCLOS as struct };
         }
     }
@@ -1183,56 +1221,56 @@ export namespace MONITOR_EVENT {
     export { size_14 as size };
     export namespace fields_14 {
         export namespace timestampUs_4 {
-            let at_155: number;
-            export { at_155 as at };
-            let type_151: string;
-            export { type_151 as type };
-        }
-        export { timestampUs_4 as timestampUs };
-        export namespace startUs {
-            let at_156: number;
-            export { at_156 as at };
-            let type_152: string;
-            export { type_152 as type };
-        }
-        export namespace durationUs {
-            let at_157: number;
-            export { at_157 as at };
-            let type_153: string;
-            export { type_153 as type };
-        }
-        export namespace kind_1 {
-            let at_158: number;
-            export { at_158 as at };
-            let type_154: string;
-            export { type_154 as type };
-        }
-        export { kind_1 as kind };
-        export namespace zone_1 {
-            let at_159: number;
-            export { at_159 as at };
-            let type_155: string;
-            export { type_155 as type };
-        }
-        export { zone_1 as zone };
-        export namespace flags_3 {
-            let at_160: number;
-            export { at_160 as at };
-            let type_156: string;
-            export { type_156 as type };
-        }
-        export { flags_3 as flags };
-        export namespace value {
             let at_161: number;
             export { at_161 as at };
             let type_157: string;
             export { type_157 as type };
         }
-        export namespace reserved_3 {
+        export { timestampUs_4 as timestampUs };
+        export namespace startUs {
             let at_162: number;
             export { at_162 as at };
             let type_158: string;
             export { type_158 as type };
+        }
+        export namespace durationUs {
+            let at_163: number;
+            export { at_163 as at };
+            let type_159: string;
+            export { type_159 as type };
+        }
+        export namespace kind_1 {
+            let at_164: number;
+            export { at_164 as at };
+            let type_160: string;
+            export { type_160 as type };
+        }
+        export { kind_1 as kind };
+        export namespace zone_1 {
+            let at_165: number;
+            export { at_165 as at };
+            let type_161: string;
+            export { type_161 as type };
+        }
+        export { zone_1 as zone };
+        export namespace flags_3 {
+            let at_166: number;
+            export { at_166 as at };
+            let type_162: string;
+            export { type_162 as type };
+        }
+        export { flags_3 as flags };
+        export namespace value {
+            let at_167: number;
+            export { at_167 as at };
+            let type_163: string;
+            export { type_163 as type };
+        }
+        export namespace reserved_3 {
+            let at_168: number;
+            export { at_168 as at };
+            let type_164: string;
+            export { type_164 as type };
         }
         export { reserved_3 as reserved };
     }
@@ -1243,32 +1281,32 @@ export namespace ZONE {
     export { size_15 as size };
     export namespace fields_15 {
         export namespace kind_2 {
-            let at_163: number;
-            export { at_163 as at };
-            let type_159: string;
-            export { type_159 as type };
+            let at_169: number;
+            export { at_169 as at };
+            let type_165: string;
+            export { type_165 as type };
         }
         export { kind_2 as kind };
         export namespace flags_4 {
-            let at_164: number;
-            export { at_164 as at };
-            let type_160: string;
-            export { type_160 as type };
+            let at_170: number;
+            export { at_170 as at };
+            let type_166: string;
+            export { type_166 as type };
         }
         export { flags_4 as flags };
         export namespace graceUs {
-            let at_165: number;
-            export { at_165 as at };
-            let type_161: string;
-            export { type_161 as type };
+            let at_171: number;
+            export { at_171 as at };
+            let type_167: string;
+            export { type_167 as type };
         }
         export namespace numbers {
-            let at_166: number;
-            export { at_166 as at };
-            let type_162: string;
-            export { type_162 as type };
-            let count_28: number;
-            export { count_28 as count };
+            let at_172: number;
+            export { at_172 as at };
+            let type_168: string;
+            export { type_168 as type };
+            let count_29: number;
+            export { count_29 as count };
         }
     }
     export { fields_15 as fields };
@@ -1407,21 +1445,21 @@ export type Result = {
      */
     rotation: [number, number, number, number];
     /**
-     * The same rotation as angles [deg]. yaw > 0: the face turns to the image
-     * right, -180..180. pitch > 0: the face turns up, -90..90. roll > 0: the face tilts clockwise in
-     * the image, -180..180.
+     * The rotation as angles relative to the camera's axes [deg]. yaw > 0:
+     * the face turns to the image right, -180..180. pitch > 0: the face turns up, -90..90. roll > 0:
+     * the face tilts clockwise in the image, -180..180.
      */
     yawDeg: number;
     /**
-     * The same rotation as angles [deg]. yaw > 0: the face turns to the
-     * image right, -180..180. pitch > 0: the face turns up, -90..90. roll > 0: the face tilts
-     * clockwise in the image, -180..180.
+     * The rotation as angles relative to the camera's axes [deg]. yaw > 0:
+     * the face turns to the image right, -180..180. pitch > 0: the face turns up, -90..90. roll > 0:
+     * the face tilts clockwise in the image, -180..180.
      */
     pitchDeg: number;
     /**
-     * The same rotation as angles [deg]. yaw > 0: the face turns to the
-     * image right, -180..180. pitch > 0: the face turns up, -90..90. roll > 0: the face tilts
-     * clockwise in the image, -180..180.
+     * The rotation as angles relative to the camera's axes [deg]. yaw > 0:
+     * the face turns to the image right, -180..180. pitch > 0: the face turns up, -90..90. roll > 0:
+     * the face tilts clockwise in the image, -180..180.
      */
     rollDeg: number;
     /**
@@ -1523,6 +1561,41 @@ export type Result = {
      * OutLeft, OutRight; 0 where it is unknown.
      */
     eyeLook: [number, number, number, number, number, number, number, number];
+    /**
+     * Facing: the rotation relative to the line from the face to the
+     * camera [deg]. All 0: the face looks into the lens, wherever in the picture it is. Signs and
+     * ranges as of yaw_deg, pitch_deg and roll_deg, which are relative to the camera's axes. These
+     * hardly depend on the focal length; use them where it is not known.
+     */
+    facingYawDeg: number;
+    /**
+     * Facing: the rotation relative to the line from the face to the
+     * camera [deg]. All 0: the face looks into the lens, wherever in the picture it is. Signs and
+     * ranges as of yaw_deg, pitch_deg and roll_deg, which are relative to the camera's axes. These
+     * hardly depend on the focal length; use them where it is not known.
+     */
+    facingPitchDeg: number;
+    /**
+     * Facing: the rotation relative to the line from the face to the
+     * camera [deg]. All 0: the face looks into the lens, wherever in the picture it is. Signs and
+     * ranges as of yaw_deg, pitch_deg and roll_deg, which are relative to the camera's axes. These
+     * hardly depend on the focal length; use them where it is not known.
+     */
+    facingRollDeg: number;
+    /**
+     * Standard deviations of the facing yaw, pitch
+     * and roll [deg]. At most 180.
+     */
+    facingSigmaDeg: [number, number, number];
+    /**
+     * Focal length along x with which the face was fitted [px].
+     */
+    focalPx: number;
+    /**
+     * 1: without intrinsics, 60 degrees across the frame were assumed.
+     * 0: the tracker has them.
+     */
+    cameraAssumed: number;
 };
 /**
  * Where a face is expected, for posewise_step_at(): found by another detector, or by a tracker of
