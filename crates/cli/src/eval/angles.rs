@@ -11,7 +11,6 @@ use serde_json::{Map, Value, json};
 use super::angle_metrics::{
     Angles, Block, Found, Outcome, PITCH_BANDS, PITCH_YAW_DEG, by_pitch, by_yaw,
 };
-use super::facing::facing;
 use super::still::Stills;
 use super::table::Table;
 use crate::cli::AnglesArgs;
@@ -111,9 +110,8 @@ fn read_labels(args: &AnglesArgs) -> Result<Vec<Label>> {
 
 /// Relative to the line of sight, and along the camera's axes.
 fn angles_of(fit: &TrackResult) -> [Angles; 2] {
-    let facing = facing(fit);
     [
-        (facing.yaw_deg, facing.pitch_deg),
+        (fit.facing_yaw_deg, fit.facing_pitch_deg),
         (fit.yaw_deg, fit.pitch_deg),
     ]
     .map(|(yaw, pitch)| Angles {

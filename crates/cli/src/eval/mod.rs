@@ -12,7 +12,6 @@ mod cut;
 pub mod drift;
 pub mod eyes;
 pub mod faceless;
-mod facing;
 mod gaze_metrics;
 pub mod jitter;
 pub mod landmark_metrics;

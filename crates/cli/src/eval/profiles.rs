@@ -6,7 +6,6 @@ use std::path::Path;
 use anyhow::{Context, Result, bail};
 use serde_json::{Map, Value, json};
 
-use super::facing::facing;
 use super::profile_metrics::{BANDS, Found, Marked, Outcome, Summary, errors, summarize, unit};
 use super::still::Stills;
 use super::table::Table;
@@ -43,7 +42,7 @@ pub fn run(args: &ProfilesArgs) -> Result<()> {
             Some(Found {
                 inner,
                 jaw,
-                facing_yaw: facing(&fit.result).yaw_deg.into(),
+                facing_yaw: fit.result.facing_yaw_deg.into(),
                 is_at_once: fit.is_at_once,
             })
         });
