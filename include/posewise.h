@@ -309,9 +309,9 @@ typedef struct posewise_result {
     float face_box[4];
     // Head-to-camera rotation as a unit quaternion x, y, z, w.
     float rotation[4];
-    // The same rotation as angles [deg]. yaw > 0: the face turns to the image right, -180..180.
-    // pitch > 0: the face turns up, -90..90. roll > 0: the face tilts clockwise in the image,
-    // -180..180.
+    // The rotation as angles relative to the camera's axes [deg]. yaw > 0: the face turns to
+    // the image right, -180..180. pitch > 0: the face turns up, -90..90. roll > 0: the face tilts
+    // clockwise in the image, -180..180.
     float yaw_deg;
     float pitch_deg;
     float roll_deg;
@@ -359,12 +359,26 @@ typedef struct posewise_result {
     // ARKit's weights of the gaze, 0..1: eyeLookUpLeft, UpRight, DownLeft, DownRight, InLeft,
     // InRight, OutLeft, OutRight; 0 where it is unknown.
     float eye_look[8];
+    // Facing: the rotation relative to the line from the face to the camera [deg]. All 0: the
+    // face looks into the lens, wherever in the picture it is. Signs and ranges as of yaw_deg,
+    // pitch_deg and roll_deg, which are relative to the camera's axes. These hardly depend on the
+    // focal length; use them where it is not known.
+    float facing_yaw_deg;
+    float facing_pitch_deg;
+    float facing_roll_deg;
+    // Standard deviations of the facing yaw, pitch and roll [deg]. At most 180.
+    float facing_sigma_deg[3];
+    // Focal length along x with which the face was fitted [px].
+    float focal_px;
+    // 1: without intrinsics, 60 degrees across the frame were assumed. 0: the tracker has them.
+    uint32_t camera_assumed;
 } posewise_result;
 // Initialises a posewise_result: struct_size is set, all other fields are 0.
 #define POSEWISE_RESULT_INIT \
     {sizeof(posewise_result), 0, 0, 0, 0, 0, {0, 0, 0, 0}, {0, 0, 0, 0}, 0, 0, 0, {0, 0, 0}, \
      {0, 0}, 0, 0, {0, 0, 0}, {0, 0, 0}, {0, 0}, {0, 0}, {0, 0}, {0, 0}, {0, 0, 0}, {0, 0, 0}, \
-     {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, 0, 0, {0, 0, 0, 0, 0, 0, 0, 0}}
+     {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, 0, 0, {0, 0, 0, 0, 0, 0, 0, 0}, 0, 0, 0, \
+     {0, 0, 0}, 0, 0}
 
 // Where a face is expected, for posewise_step_at(): found by another detector, or by a tracker of
 // another camera.

@@ -43,9 +43,15 @@ impl Hash {
             animation,
             // Nothing is seen of the eyes unless the settings ask for it.
             eyes: _,
+            facing_yaw_deg,
+            facing_pitch_deg,
+            facing_roll_deg,
+            facing_sigma_deg,
+            focal_px,
+            camera_assumed,
             ..
         } = result;
-        self.bytes(&[*state as u8, *loss as u8]);
+        self.bytes(&[*state as u8, *loss as u8, u8::from(*camera_assumed)]);
         self.bytes(&timestamp_us.to_le_bytes());
         self.bytes(&age_us.to_le_bytes());
         let points = landmarks.iter();
@@ -60,6 +66,8 @@ impl Hash {
             .chain(points.flat_map(|p| [&p.x, &p.y, &p.confidence, &p.visibility]))
             .chain(points_mm.iter().flatten())
             .chain(animation)
+            .chain([facing_yaw_deg, facing_pitch_deg, facing_roll_deg, focal_px])
+            .chain(facing_sigma_deg)
             .for_each(|value| self.float(*value));
     }
 }
@@ -71,7 +79,7 @@ fn every_field_is_hashed() {
     let is_field = |line: &&str| line.starts_with("    ") && line.contains(": ");
     let is_inner = |line: &&str| line.starts_with("     ");
     let fields = printed.lines().filter(is_field);
-    assert_eq!(fields.filter(|line| !is_inner(line)).count(), 19);
+    assert_eq!(fields.filter(|line| !is_inner(line)).count(), 25);
 }
 
 #[test]

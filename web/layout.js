@@ -208,15 +208,15 @@ export const FRAME = {
  *   height [px].
  * @property {[number, number, number, number]} rotation Head-to-camera rotation as a unit
  *   quaternion x, y, z, w.
- * @property {number} yawDeg The same rotation as angles [deg]. yaw > 0: the face turns to the image
- *   right, -180..180. pitch > 0: the face turns up, -90..90. roll > 0: the face tilts clockwise in
- *   the image, -180..180.
- * @property {number} pitchDeg The same rotation as angles [deg]. yaw > 0: the face turns to the
- *   image right, -180..180. pitch > 0: the face turns up, -90..90. roll > 0: the face tilts
- *   clockwise in the image, -180..180.
- * @property {number} rollDeg The same rotation as angles [deg]. yaw > 0: the face turns to the
- *   image right, -180..180. pitch > 0: the face turns up, -90..90. roll > 0: the face tilts
- *   clockwise in the image, -180..180.
+ * @property {number} yawDeg The rotation as angles relative to the camera's axes [deg]. yaw > 0:
+ *   the face turns to the image right, -180..180. pitch > 0: the face turns up, -90..90. roll > 0:
+ *   the face tilts clockwise in the image, -180..180.
+ * @property {number} pitchDeg The rotation as angles relative to the camera's axes [deg]. yaw > 0:
+ *   the face turns to the image right, -180..180. pitch > 0: the face turns up, -90..90. roll > 0:
+ *   the face tilts clockwise in the image, -180..180.
+ * @property {number} rollDeg The rotation as angles relative to the camera's axes [deg]. yaw > 0:
+ *   the face turns to the image right, -180..180. pitch > 0: the face turns up, -90..90. roll > 0:
+ *   the face tilts clockwise in the image, -180..180.
  * @property {[number, number, number]} translationMm Origin of the head frame, midway between the
  *   eyeballs, in the camera frame [mm].
  * @property {[number, number]} eyeOpen Eye opening, the person's left and right eye: 0 shut .. 1
@@ -259,10 +259,27 @@ export const FRAME = {
  * @property {[number, number, number, number, number, number, number, number]} eyeLook ARKit's
  *   weights of the gaze, 0..1: eyeLookUpLeft, UpRight, DownLeft, DownRight, InLeft, InRight,
  *   OutLeft, OutRight; 0 where it is unknown.
+ * @property {number} facingYawDeg Facing: the rotation relative to the line from the face to the
+ *   camera [deg]. All 0: the face looks into the lens, wherever in the picture it is. Signs and
+ *   ranges as of yaw_deg, pitch_deg and roll_deg, which are relative to the camera's axes. These
+ *   hardly depend on the focal length; use them where it is not known.
+ * @property {number} facingPitchDeg Facing: the rotation relative to the line from the face to the
+ *   camera [deg]. All 0: the face looks into the lens, wherever in the picture it is. Signs and
+ *   ranges as of yaw_deg, pitch_deg and roll_deg, which are relative to the camera's axes. These
+ *   hardly depend on the focal length; use them where it is not known.
+ * @property {number} facingRollDeg Facing: the rotation relative to the line from the face to the
+ *   camera [deg]. All 0: the face looks into the lens, wherever in the picture it is. Signs and
+ *   ranges as of yaw_deg, pitch_deg and roll_deg, which are relative to the camera's axes. These
+ *   hardly depend on the focal length; use them where it is not known.
+ * @property {[number, number, number]} facingSigmaDeg Standard deviations of the facing yaw, pitch
+ *   and roll [deg]. At most 180.
+ * @property {number} focalPx Focal length along x with which the face was fitted [px].
+ * @property {number} cameraAssumed 1: without intrinsics, 60 degrees across the frame were assumed.
+ *   0: the tracker has them.
  */
 /** @type {import('./struct.js').Layout} */
 export const RESULT = {
-  size: 272,
+  size: 304,
   fields: {
     structSize: { at: 0, type: 'u32' },
     state: { at: 4, type: 'u32', names: STATES },
@@ -294,6 +311,12 @@ export const RESULT = {
     glasses: { at: 232, type: 'f32' },
     darkGlasses: { at: 236, type: 'f32' },
     eyeLook: { at: 240, type: 'f32', count: 8 },
+    facingYawDeg: { at: 272, type: 'f32' },
+    facingPitchDeg: { at: 276, type: 'f32' },
+    facingRollDeg: { at: 280, type: 'f32' },
+    facingSigmaDeg: { at: 284, type: 'f32', count: 3 },
+    focalPx: { at: 296, type: 'f32' },
+    cameraAssumed: { at: 300, type: 'u32' },
   },
 };
 

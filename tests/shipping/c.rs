@@ -92,7 +92,9 @@ fn layouts_agree() {
         face_box rotation yaw_deg pitch_deg roll_deg translation_mm eye_open
         loss visible_share rotation_sigma_deg translation_sigma_mm
         eye_open_probability eye_unknown iris_left iris_right gaze_unknown gaze_sigma_deg gaze_left
-        gaze_right gaze gaze_head glasses dark_glasses eye_look);
+        gaze_right gaze gaze_head glasses dark_glasses eye_look
+        facing_yaw_deg facing_pitch_deg facing_roll_deg facing_sigma_deg focal_px
+        camera_assumed);
     layout!(posewise_face: face_box yaw_deg roll_deg confidence);
     layout!(posewise_landmark: x y confidence visibility x_mm y_mm z_mm);
     layout!(posewise_event: timestamp_us kind loss face_box confidence reserved);
