@@ -1,6 +1,6 @@
 //! Photographs of single eyes: they say only whether an eye is open.
 
-use super::crop::{ROLL, crop_of, turned};
+use super::crop::{ROLL, turned};
 use crate::align::{Sizes, normal};
 use crate::picture::Picture;
 use anyhow::Result;
@@ -49,7 +49,7 @@ impl SingleEye {
         let (scale, roll) = (LOG_SCALE * normal(rng), 2.0 * ROLL * normal(rng));
         let to_mm = turned(-sizes.zoom.ln(), 0.0, [0.0; 2]).then(&turned(scale, roll, shift));
         let mirror = rng.random_bool(0.5);
-        crop_of(&self.picture, &to_mm.then(&place), sizes.side, mirror)
+        self.picture.crop(&to_mm.then(&place), sizes.side, mirror)
     }
 }
 
