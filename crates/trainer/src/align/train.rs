@@ -286,7 +286,9 @@ impl Trained {
         let Some(placed) = place(mean, initial_shape, sizes.zoom, sizes.side) else {
             return *initial_shape;
         };
-        let mut crop = face.picture.crop(&placed.centred_to_frame, sizes.side, false);
+        let mut crop = face
+            .picture
+            .crop(&placed.centred_to_frame, sizes.side, false);
         standardise(&mut crop);
         let mut maps = self.network.graph.maps();
         maps[0].copy_from_slice(&crop);
