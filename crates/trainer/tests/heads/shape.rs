@@ -1,7 +1,5 @@
 //! The 3D face: section written and read back, poses and identities recovered.
 
-mod common;
-
 use glam::{Mat3, Vec3};
 use posewise::math::HeadAngles;
 use posewise::shape::{
@@ -15,7 +13,7 @@ use rand_chacha::ChaCha8Rng;
 use std::sync::LazyLock;
 
 static BYTES: LazyLock<Vec<u8>> =
-    LazyLock::new(|| blob(&[face_section(&common::head(), None).unwrap()]));
+    LazyLock::new(|| blob(&[face_section(&crate::common::head(), None).unwrap()]));
 static MODEL: LazyLock<AlignedBytes> = LazyLock::new(|| AlignedBytes::new(&BYTES));
 
 /// The 3D face of a head of no one.

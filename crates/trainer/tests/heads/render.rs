@@ -1,7 +1,5 @@
 //! Rendered samples of a head of no one: repeatable, and with landmarks where they belong.
 
-mod common;
-
 use posewise_train::head::Head;
 use posewise_train::render::lids::Lids;
 use posewise_train::render::mesh::Mesh;
@@ -9,7 +7,7 @@ use posewise_train::render::{People, Persons, Renderer, SampleSpec, cache};
 
 /// The head with texture coordinates from its frontal view.
 fn head() -> Head {
-    let mut head = common::head();
+    let mut head = crate::common::head();
     let to_uv = |v: &[f32; 3]| [0.5 + v[0] / 200.0, 0.5 - (v[1] - 30.0) / 260.0];
     head.uv = head.mean.iter().map(to_uv).collect();
     head.triangle_uv = head.triangles.clone();
