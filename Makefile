@@ -39,8 +39,6 @@ override SONAME := libposewise.so.$(ABI)
 override DEFAULT := $(shell sed -n 's/^default = \[\(.*\)\]$$/\1/p' $(MANIFEST) | tr -d '",')
 override PARTS := $(filter-out default-model,$(DEFAULT))
 override UNWANTED := $(WITHOUT) $(if $(filter none,$(MODEL)),default-model)
-# The adaptation needs the verifier.
-override UNWANTED += $(if $(filter verifier,$(WITHOUT)),adaptation)
 override FEATURES := ffi panic-handler $(filter-out $(UNWANTED),$(DEFAULT))
 $(if $(filter-out $(PARTS),$(WITHOUT)),$(error WITHOUT takes any of: $(PARTS)))
 
@@ -106,16 +104,23 @@ lib:
 		mv $(SONAME) $(DIST)/lib/$(SONAME) &&) \
 	mv libposewise.a $(LIB)
 
+# The licences of what is linked in, written anew when the crates change. The environment may be
+# that of another machine.
+override NOTICES := $(ROOT)/packaging/NOTICES.txt
+notices: $(NOTICES)
+$(NOTICES): $(ROOT)/Cargo.lock
+	cd $(ROOT) && env -u RUSTC -u RUSTC_BOOTSTRAP -u RUSTFLAGS cargo xtask notices
+
 override TO := $(DESTDIR)$(PREFIX)
 override CMAKE := $(TO)/lib/cmake/posewise
-install: lib $(if $(TARGET)$(filter none,$(COMMAND)),,install-command)
+install: lib notices $(if $(TARGET)$(filter none,$(COMMAND)),,install-command)
 	install -d $(TO)/include $(TO)/share/posewise $(TO)/lib/pkgconfig $(CMAKE)
 	install -m 644 $(LIB) $(TO)/lib/
 	$(if $(CAN_SHARE),install -m 755 $(DIST)/lib/$(SONAME) $(TO)/lib/)
 	$(if $(CAN_SHARE),ln -sf $(SONAME) $(TO)/lib/libposewise.so)
 	install -m 644 $(ROOT)/include/posewise.h $(ROOT)/include/posewise.hpp $(TO)/include/
 	install -m 644 $(ROOT)/models/default.posewise $(ROOT)/models/default.md $(ROOT)/LICENSE \
-		$(ROOT)/packaging/NOTICES.txt $(TO)/share/posewise/
+		$(NOTICES) $(TO)/share/posewise/
 	install -m 644 $(ROOT)/packaging/posewise-config.cmake $(CMAKE)/
 	sed 's/@VERSION@/$(VERSION)/' $(ROOT)/packaging/posewise-config-version.cmake.in \
 		> $(CMAKE)/posewise-config-version.cmake
@@ -123,7 +128,7 @@ install: lib $(if $(TARGET)$(filter none,$(COMMAND)),,install-command)
 	$(if $(CAN_SHARE),sed 's/@VERSION@/$(VERSION)/' $(ROOT)/packaging/posewise-shared.pc.in \
 		> $(TO)/lib/pkgconfig/posewise-shared.pc)
 
-install-command:
+install-command: notices
 	$(if $(COMMAND),,cd $(ROOT) && $(CARGO) build --quiet --release --bin posewise \
 		--target-dir $(abspath $(TARGET_DIR)))
 	install -d $(TO)/bin $(TO)/share/posewise
@@ -170,4 +175,4 @@ wasm-module:
 release:
 	$(CARGO) xtask release
 
-.PHONY: lib install install-command uninstall dist wasm wasm-module
+.PHONY: lib notices install install-command uninstall dist wasm wasm-module

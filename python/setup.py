@@ -27,7 +27,7 @@ class BuildPy(build_py):
     def run(self):
         super().run()
         target = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "python"
-        make = ["make", "--silent", "--directory", ROOT, "lib", "MODEL=none"]
+        make = ["make", "--silent", "--directory", ROOT, "lib", "notices", "MODEL=none"]
         subprocess.run([*make, f"TARGET_DIR={target}"], check=True)
         package = Path(self.build_lib) / "posewise"
         (library,) = (target / "dist" / "lib").glob("libposewise.so.*")

@@ -11,7 +11,7 @@ use posewise::ffi;
 
 use common::random::Random;
 use ffi::types::*;
-use posewise::{Config, Frame, FrameLayout, Intrinsics, Model, State, TrackResult, Tracker};
+use posewise::{Config, Intrinsics, State, TrackResult};
 use targets::memory::Exact;
 use targets::{outputs, tiny};
 
@@ -29,18 +29,15 @@ fn track_demo(
     mut random: Random,
     camera: impl Fn(&mut Random) -> Intrinsics,
 ) -> (usize, usize) {
-    let clip = common::demo().expect("tests/data/demo.y4m.gz");
-    let model = Model::load(posewise::DEFAULT_MODEL).expect("the default model is valid");
-    let mut tracker = Box::new(
-        Tracker::new(&Config::default().with_gaze(true).with_natural_gaze(true)).expect("valid"),
-    );
-    let layout = FrameLayout::grey(clip.width as u32, clip.height as u32);
+    let model = common::model();
+    let config = Config::default().with_gaze(true).with_natural_gaze(true);
+    let mut tracker = common::tracker(&config);
     let (mut tracked, mut refused) = (0, 0);
     for round in 0..rounds {
-        for (i, luma) in clip.luma.iter().skip(20).take(20).enumerate() {
+        for i in 0..20 {
             let camera = camera(&mut random);
             refused += usize::from(tracker.set_intrinsics(Some(camera)).is_err());
-            let frame = Frame::new(&layout, luma).expect("a frame");
+            let frame = common::demo().frame(20 + i);
             let now = (round * 20 + i as i64 + 1) * 33_333;
             let result = tracker.step(&model, &frame, now).expect("in order");
             tracked += usize::from(result.state == State::Tracking);

@@ -4,7 +4,7 @@
 mod common;
 
 use common::root;
-use posewise::{Config, Frame, FrameLayout, Model, State, TrackResult, Tracker};
+use posewise::{Config, State, TrackResult};
 
 /// FNV-1a, 64 bits.
 struct Hash(u64);
@@ -43,9 +43,15 @@ impl Hash {
             animation,
             // Nothing is seen of the eyes unless the settings ask for it.
             eyes: _,
+            facing_yaw_deg,
+            facing_pitch_deg,
+            facing_roll_deg,
+            facing_sigma_deg,
+            focal_px,
+            camera_assumed,
             ..
         } = result;
-        self.bytes(&[*state as u8, *loss as u8]);
+        self.bytes(&[*state as u8, *loss as u8, u8::from(*camera_assumed)]);
         self.bytes(&timestamp_us.to_le_bytes());
         self.bytes(&age_us.to_le_bytes());
         let points = landmarks.iter();
@@ -60,6 +66,8 @@ impl Hash {
             .chain(points.flat_map(|p| [&p.x, &p.y, &p.confidence, &p.visibility]))
             .chain(points_mm.iter().flatten())
             .chain(animation)
+            .chain([facing_yaw_deg, facing_pitch_deg, facing_roll_deg, focal_px])
+            .chain(facing_sigma_deg)
             .for_each(|value| self.float(*value));
     }
 }
@@ -71,23 +79,18 @@ fn every_field_is_hashed() {
     let is_field = |line: &&str| line.starts_with("    ") && line.contains(": ");
     let is_inner = |line: &&str| line.starts_with("     ");
     let fields = printed.lines().filter(is_field);
-    assert_eq!(fields.filter(|line| !is_inner(line)).count(), 19);
+    assert_eq!(fields.filter(|line| !is_inner(line)).count(), 25);
 }
 
 #[test]
 fn demo_clip_gives_the_same_bits() {
-    let Some(clip) = common::demo() else {
-        eprintln!("skipped: there is no tests/data/demo.y4m.gz");
-        return;
-    };
-    let model = Model::load(posewise::DEFAULT_MODEL).expect("the default model is valid");
-    let mut tracker = Box::new(Tracker::new(&Config::default()).expect("defaults"));
-    let layout = FrameLayout::grey(clip.width as u32, clip.height as u32);
+    let clip = common::demo();
+    let model = common::model();
+    let mut tracker = common::tracker(&Config::default());
     let mut hash = Hash(0xCBF2_9CE4_8422_2325);
     let mut tracked = 0;
-    for (i, luma) in clip.luma.iter().enumerate() {
-        let frame = Frame::new(&layout, luma).expect("a frame");
-        let timestamp_us = (i as f64 * clip.frame_us) as i64;
+    for i in 0..clip.luma.len() {
+        let (frame, timestamp_us) = (clip.frame(i), clip.time_us(i));
         let result = tracker
             .step(&model, &frame, timestamp_us)
             .expect("in order");

@@ -1,6 +1,6 @@
 // Structs and constants of include/posewise.h, as they lie in WebAssembly's memory.
 // Generated. To change it, edit src/ffi and run
-//     POSEWISE_BLESS=1 cargo test --release --test header --test web
+//     POSEWISE_BLESS=1 cargo test --release --test source
 
 export const ABI = 1;
 
@@ -100,6 +100,7 @@ export const LENSES = /** @type {const} */ ([
  * @property {number} cx Principal point [px], -100000..100000.
  * @property {number} cy Principal point [px], -100000..100000.
  */
+/** @type {import('./struct.js').Layout} */
 export const INTRINSICS = {
   size: 16,
   fields: {
@@ -122,6 +123,7 @@ export const INTRINSICS = {
  *   angle t from the axis is at t (1 + k1 t^2 + k2 t^4 + k3 t^6 + k4 t^8); all are -10..10. The
  *   picture must not turn back within 1 degree of the axis.
  */
+/** @type {import('./struct.js').Layout} */
 export const LENS = {
   size: 24,
   fields: {
@@ -157,6 +159,7 @@ export const LENS = {
  *   time, as a driver does: part of the mean of the gaze in the head frame is taken off it, at most
  *   8 degrees.
  */
+/** @type {import('./struct.js').Layout} */
 export const CONFIG = {
   size: 68,
   fields: {
@@ -171,6 +174,7 @@ export const CONFIG = {
     gaze: { at: 64, type: 'u32' },
   },
 };
+/** @type {import('./struct.js').Layout} */
 export const FRAME = {
   size: 48,
   fields: {
@@ -204,15 +208,15 @@ export const FRAME = {
  *   height [px].
  * @property {[number, number, number, number]} rotation Head-to-camera rotation as a unit
  *   quaternion x, y, z, w.
- * @property {number} yawDeg The same rotation as angles [deg]. yaw > 0: the face turns to the image
- *   right, -180..180. pitch > 0: the face turns up, -90..90. roll > 0: the face tilts clockwise in
- *   the image, -180..180.
- * @property {number} pitchDeg The same rotation as angles [deg]. yaw > 0: the face turns to the
- *   image right, -180..180. pitch > 0: the face turns up, -90..90. roll > 0: the face tilts
- *   clockwise in the image, -180..180.
- * @property {number} rollDeg The same rotation as angles [deg]. yaw > 0: the face turns to the
- *   image right, -180..180. pitch > 0: the face turns up, -90..90. roll > 0: the face tilts
- *   clockwise in the image, -180..180.
+ * @property {number} yawDeg The rotation as angles relative to the camera's axes [deg]. yaw > 0:
+ *   the face turns to the image right, -180..180. pitch > 0: the face turns up, -90..90. roll > 0:
+ *   the face tilts clockwise in the image, -180..180.
+ * @property {number} pitchDeg The rotation as angles relative to the camera's axes [deg]. yaw > 0:
+ *   the face turns to the image right, -180..180. pitch > 0: the face turns up, -90..90. roll > 0:
+ *   the face tilts clockwise in the image, -180..180.
+ * @property {number} rollDeg The rotation as angles relative to the camera's axes [deg]. yaw > 0:
+ *   the face turns to the image right, -180..180. pitch > 0: the face turns up, -90..90. roll > 0:
+ *   the face tilts clockwise in the image, -180..180.
  * @property {[number, number, number]} translationMm Origin of the head frame, midway between the
  *   eyeballs, in the camera frame [mm].
  * @property {[number, number]} eyeOpen Eye opening, the person's left and right eye: 0 shut .. 1
@@ -255,9 +259,27 @@ export const FRAME = {
  * @property {[number, number, number, number, number, number, number, number]} eyeLook ARKit's
  *   weights of the gaze, 0..1: eyeLookUpLeft, UpRight, DownLeft, DownRight, InLeft, InRight,
  *   OutLeft, OutRight; 0 where it is unknown.
+ * @property {number} facingYawDeg Facing: the rotation relative to the line from the face to the
+ *   camera [deg]. All 0: the face looks into the lens, wherever in the picture it is. Signs and
+ *   ranges as of yaw_deg, pitch_deg and roll_deg, which are relative to the camera's axes. These
+ *   hardly depend on the focal length; use them where it is not known.
+ * @property {number} facingPitchDeg Facing: the rotation relative to the line from the face to the
+ *   camera [deg]. All 0: the face looks into the lens, wherever in the picture it is. Signs and
+ *   ranges as of yaw_deg, pitch_deg and roll_deg, which are relative to the camera's axes. These
+ *   hardly depend on the focal length; use them where it is not known.
+ * @property {number} facingRollDeg Facing: the rotation relative to the line from the face to the
+ *   camera [deg]. All 0: the face looks into the lens, wherever in the picture it is. Signs and
+ *   ranges as of yaw_deg, pitch_deg and roll_deg, which are relative to the camera's axes. These
+ *   hardly depend on the focal length; use them where it is not known.
+ * @property {[number, number, number]} facingSigmaDeg Standard deviations of the facing yaw, pitch
+ *   and roll [deg]. At most 180.
+ * @property {number} focalPx Focal length along x with which the face was fitted [px].
+ * @property {number} cameraAssumed 1: without intrinsics, 60 degrees across the frame were assumed.
+ *   0: the tracker has them.
  */
+/** @type {import('./struct.js').Layout} */
 export const RESULT = {
-  size: 272,
+  size: 304,
   fields: {
     structSize: { at: 0, type: 'u32' },
     state: { at: 4, type: 'u32', names: STATES },
@@ -289,6 +311,12 @@ export const RESULT = {
     glasses: { at: 232, type: 'f32' },
     darkGlasses: { at: 236, type: 'f32' },
     eyeLook: { at: 240, type: 'f32', count: 8 },
+    facingYawDeg: { at: 272, type: 'f32' },
+    facingPitchDeg: { at: 276, type: 'f32' },
+    facingRollDeg: { at: 280, type: 'f32' },
+    facingSigmaDeg: { at: 284, type: 'f32', count: 3 },
+    focalPx: { at: 296, type: 'f32' },
+    cameraAssumed: { at: 300, type: 'u32' },
   },
 };
 
@@ -302,6 +330,7 @@ export const RESULT = {
  * @property {number} [yawDeg] Yaw [deg] as in posewise_result, 0 where it is not known.
  * @property {number} [rollDeg] Roll [deg] as in posewise_result, 0 where it is not known.
  */
+/** @type {import('./struct.js').Layout} */
 export const HINT = {
   size: 28,
   fields: {
@@ -322,6 +351,7 @@ export const HINT = {
  * @property {number} confidence As in posewise_result. In a library built without the verifier:
  *   always 1.
  */
+/** @type {import('./struct.js').Layout} */
 export const FACE = {
   size: 28,
   fields: {
@@ -351,6 +381,7 @@ export const FACE = {
  * @property {number} zMm Point of the 3D face in the camera frame [mm]; for points 0..16 a fixed
  *   point of the jaw.
  */
+/** @type {import('./struct.js').Layout} */
 export const LANDMARK = {
   size: 28,
   fields: {
@@ -379,6 +410,7 @@ export const LANDMARK = {
  *   height [px].
  * @property {number} confidence As in posewise_result.
  */
+/** @type {import('./struct.js').Layout} */
 export const EVENT = {
   size: 40,
   fields: {
@@ -402,6 +434,7 @@ export const EVENT = {
  * @property {number} height Width and height, at least 1; x + width and y + height are at most
  *   16384.
  */
+/** @type {import('./struct.js').Layout} */
 export const ROI = {
   size: 16,
   fields: {
@@ -485,6 +518,7 @@ export const ROI = {
  * @property {number} degradedUs Eyes that are unknown for this long are reported [us]. Default
  *   10000000: Euro NCAP 2026.
  */
+/** @type {import('./struct.js').Layout} */
 export const MONITOR_CONFIG = {
   size: 136,
   fields: {
@@ -542,6 +576,7 @@ export const MONITOR_CONFIG = {
  * @property {number} jawOpen The animation weight jawOpen, 0..1; -1: unknown, because the mouth is
  *   hidden.
  */
+/** @type {import('./struct.js').Layout} */
 export const OBSERVATION = {
   size: 56,
   fields: {
@@ -569,6 +604,7 @@ export const OBSERVATION = {
  * @property {number} meanClosureUs Closures that ended in the window, blinks too, and their mean
  *   length [us].
  */
+/** @type {import('./struct.js').Layout} */
 export const PERCLOS = {
   size: 24,
   fields: {
@@ -619,6 +655,7 @@ export const PERCLOS = {
  * @property {number} perclos180 Measures over the last 60 and 180 whole seconds since the first
  *   observation. They change once a second.
  */
+/** @type {import('./struct.js').Layout} */
 export const MONITOR_STATE = {
   size: 216,
   fields: {
@@ -662,6 +699,7 @@ export const MONITOR_STATE = {
  * @property {number} zone Zone of a glance, else POSEWISE_ZONE_UNKNOWN.
  * @property {number} value As the kind says, else 0.
  */
+/** @type {import('./struct.js').Layout} */
 export const MONITOR_EVENT = {
   size: 40,
   fields: {
@@ -688,6 +726,7 @@ export const MONITOR_EVENT = {
  *   yaw > 0 to the image right, pitch > 0 up. Boxes, along the axes, and planes, the parallelogram
  *   centre +- u +- v, are in the camera frame, within -20000..20000 mm.
  */
+/** @type {import('./struct.js').Layout} */
 export const ZONE = {
   size: 48,
   fields: {

@@ -1,7 +1,7 @@
 // Runs a tracker in a worker. Messages are { id, call, args }; answers { id, value } or
 // { id, error }. Calls are carried out one after the other.
 
-// These two first: their importers then do not have to arrive before they are asked for.
+// engine.js imports these too. Named here, they are fetched while engine.js arrives, not after.
 import './layout.js';
 import './struct.js';
 import { load } from './engine.js';

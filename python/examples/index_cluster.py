@@ -63,6 +63,10 @@ GROUPS = [
     (["visible_share"], pa.float32(), lambda r: [r.visible_share]),
     (["R_sigma_x", "R_sigma_y", "R_sigma_z"], pa.float32(), lambda r: r.rotation_sigma_deg),
     (["T_sigma_x", "T_sigma_y", "T_sigma_z"], pa.float32(), lambda r: r.translation_sigma_mm),
+    (["facing_yaw_deg", "facing_pitch_deg", "facing_roll_deg"], pa.float32(),
+     lambda r: [r.facing_yaw_deg, r.facing_pitch_deg, r.facing_roll_deg]),
+    (["facing_yaw_sigma", "facing_pitch_sigma", "facing_roll_sigma"], pa.float32(),
+     lambda r: r.facing_sigma_deg),
 ]
 
 

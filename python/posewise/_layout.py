@@ -1,7 +1,7 @@
 """Structs and constants of include/posewise.h.
 
 Generated. To change it, edit src/ffi and run
-    POSEWISE_BLESS=1 cargo test --release --test header --test python
+    POSEWISE_BLESS=1 cargo test --release --test source
 """
 
 from __future__ import annotations
@@ -152,6 +152,12 @@ class Result(Structure):
         ("glasses", c_float),
         ("dark_glasses", c_float),
         ("eye_look", c_float * 8),
+        ("facing_yaw_deg", c_float),
+        ("facing_pitch_deg", c_float),
+        ("facing_roll_deg", c_float),
+        ("facing_sigma_deg", c_float * 3),
+        ("focal_px", c_float),
+        ("camera_assumed", c_uint32),
     ]
 
 

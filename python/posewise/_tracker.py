@@ -81,6 +81,16 @@ class Result:
     rotation_sigma_deg: Floats
     #: Standard deviations of translation_mm [mm].
     translation_sigma_mm: Floats
+    #: Relative to the line of sight: 0 where the face looks into the lens [deg].
+    facing_yaw_deg: float
+    facing_pitch_deg: float
+    facing_roll_deg: float
+    #: Standard deviations of the facing yaw, pitch and roll [deg].
+    facing_sigma_deg: Floats
+    #: Focal length with which the face was fitted [px].
+    focal_px: float
+    #: Whether 60 degrees across the frame were assumed, because there are no intrinsics.
+    camera_assumed: bool
     #: Probability that the left and right eye is open, by a network of single eyes; -1 unknown.
     eye_open_probability: Floats
     #: Why the lids of the left and right eye are unknown, or "known": see EYE_UNKNOWN.
@@ -288,6 +298,12 @@ class Tracker:
             visible_share=out.visible_share,
             rotation_sigma_deg=_numbers(out.rotation_sigma_deg),
             translation_sigma_mm=_numbers(out.translation_sigma_mm),
+            facing_yaw_deg=out.facing_yaw_deg,
+            facing_pitch_deg=out.facing_pitch_deg,
+            facing_roll_deg=out.facing_roll_deg,
+            facing_sigma_deg=_numbers(out.facing_sigma_deg),
+            focal_px=out.focal_px,
+            camera_assumed=bool(out.camera_assumed),
             eye_open_probability=_numbers(out.eye_open_probability),
             eye_unknown=_names(out.eye_unknown),
             iris=np.stack([_numbers(out.iris_left), _numbers(out.iris_right)]),

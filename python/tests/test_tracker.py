@@ -18,14 +18,16 @@ def fnv(value, data):
 
 def result_bytes(r):
     """What tests/golden.rs hashes of a result."""
-    states = [layout.STATES.index(r.state), layout.LOSSES.index(r.loss)]
+    words = [layout.STATES.index(r.state), layout.LOSSES.index(r.loss), r.camera_assumed]
     scalars = [r.confidence, r.yaw_deg, r.pitch_deg, r.roll_deg, r.visible_share]
     points = np.column_stack([r.landmarks, r.landmark_confidence, r.visibility])
     arrays = [
         np.float32(scalars), r.face_box, r.rotation, r.translation_mm, r.eye_open,
         r.rotation_sigma_deg, r.translation_sigma_mm, points, r.points_mm, r.animation,
+        np.float32([r.facing_yaw_deg, r.facing_pitch_deg, r.facing_roll_deg, r.focal_px]),
+        r.facing_sigma_deg,
     ]
-    head = bytes(states) + struct.pack("<qq", r.timestamp_us, r.age_us)
+    head = bytes(words) + struct.pack("<qq", r.timestamp_us, r.age_us)
     return head + b"".join(np.ascontiguousarray(a, dtype="<f4").tobytes() for a in arrays)
 
 

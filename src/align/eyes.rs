@@ -9,9 +9,8 @@
 
 use super::cascade::Workspace;
 use super::regressor::Regressor;
-use super::rotation_regression::towards;
 use crate::image::{Frame, warp};
-use crate::math::{Similarity, sigmoid};
+use crate::math::{Similarity, sigmoid, towards};
 use crate::shape::Intrinsics;
 use glam::{Mat3, Vec3};
 use posewise_format::{Blob, ModelError, Section};

@@ -7,7 +7,7 @@
 
 use super::shape::Shape;
 use super::shape_regression::deviation;
-use crate::math::{HeadAngles, head_rotation};
+use crate::math::{HeadAngles, head_rotation, towards};
 use crate::shape::{Intrinsics, LANDMARKS, RotationPrior};
 use glam::{Mat3, Vec3};
 use posewise_format::{Blob, ModelError};
@@ -179,32 +179,4 @@ pub fn crop_to_camera(shape: &Shape, roll: f32, camera: &Intrinsics) -> Mat3 {
     let (sin, cos) = (libm::sinf(roll), libm::cosf(roll));
     let rolled = Mat3::from_cols(Vec3::new(cos, sin, 0.0), Vec3::new(-sin, cos, 0.0), Vec3::Z);
     towards(ray) * rolled
-}
-
-/// The rotation from a camera that looks straight at an image point to the camera itself: about the
-/// axis that is perpendicular to both directions. `ray` is the point at unit depth.
-pub(super) fn towards(ray: Vec3) -> Mat3 {
-    let z = ray.normalize_or(Vec3::Z);
-    // Rodrigues' formula for the rotation of Z to z.
-    let (x, y, cosine) = (z.x, z.y, z.z);
-    let share = 1.0 / (1.0 + cosine.max(0.0));
-    Mat3::from_cols(
-        Vec3::new(1.0 - share * x * x, -share * x * y, -x),
-        Vec3::new(-share * x * y, 1.0 - share * y * y, -y),
-        Vec3::new(x, y, cosine),
-    )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_camera_that_looks_at_a_point_sees_it_straight_ahead() {
-        let ray = Vec3::new(0.4, -0.2, 1.0);
-        let rotation = towards(ray);
-        assert!((rotation * Vec3::Z - ray.normalize()).length() < 1e-5);
-        let product = rotation * rotation.transpose() - Mat3::IDENTITY;
-        assert!(product.to_cols_array().iter().all(|v| v.abs() < 1e-5));
-    }
 }

@@ -20,9 +20,9 @@ use crate::math::Similarity;
 /// one (`posewise bench`).
 pub const TILE_UNITS: u32 = 600;
 
-/// After so many tiles that belong to other passes …
+/// Tiles of other passes that are stepped over for [`PASSED_UNITS`] of work.
 const TILES_PASSED: u32 = 1024;
-/// … this counts as work \[units\].
+/// Work of stepping over [`TILES_PASSED`] tiles \[units\].
 const PASSED_UNITS: u32 = 32;
 
 /// Score of a clear candidate \[logit above the detector's threshold\]: a probability of 0.5.

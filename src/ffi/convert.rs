@@ -220,6 +220,12 @@ pub(super) fn result_to(result: &TrackResult) -> posewise_result {
         glasses: *glasses,
         dark_glasses: *dark_glasses,
         eye_look: *look,
+        facing_yaw_deg: result.facing_yaw_deg,
+        facing_pitch_deg: result.facing_pitch_deg,
+        facing_roll_deg: result.facing_roll_deg,
+        facing_sigma_deg: result.facing_sigma_deg,
+        focal_px: result.focal_px,
+        camera_assumed: u32::from(result.camera_assumed),
     }
 }
 

@@ -6,7 +6,7 @@
 
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo) -> ! {
-    // tests/link.rs shows that no path of the linked library leads here.
+    // tests/shipping/link.rs shows that no path of the linked library leads here.
     trap()
 }
 

@@ -333,9 +333,9 @@ pub struct posewise_result {
     pub face_box: [f32; 4],
     /// Head-to-camera rotation as a unit quaternion x, y, z, w.
     pub rotation: [f32; 4],
-    /// The same rotation as angles \[deg\]. yaw > 0: the face turns to the image right, -180..180.
-    /// pitch > 0: the face turns up, -90..90. roll > 0: the face tilts clockwise in the image,
-    /// -180..180.
+    /// The rotation as angles relative to the camera's axes \[deg\]. yaw > 0: the face turns to
+    /// the image right, -180..180. pitch > 0: the face turns up, -90..90. roll > 0: the face tilts
+    /// clockwise in the image, -180..180.
     pub yaw_deg: f32,
     pub pitch_deg: f32,
     pub roll_deg: f32,
@@ -383,6 +383,19 @@ pub struct posewise_result {
     /// ARKit's weights of the gaze, 0..1: eyeLookUpLeft, UpRight, DownLeft, DownRight, InLeft,
     /// InRight, OutLeft, OutRight; 0 where it is unknown.
     pub eye_look: [f32; 8],
+    /// Facing: the rotation relative to the line from the face to the camera \[deg\]. All 0: the
+    /// face looks into the lens, wherever in the picture it is. Signs and ranges as of yaw_deg,
+    /// pitch_deg and roll_deg, which are relative to the camera's axes. These hardly depend on the
+    /// focal length; use them where it is not known.
+    pub facing_yaw_deg: f32,
+    pub facing_pitch_deg: f32,
+    pub facing_roll_deg: f32,
+    /// Standard deviations of the facing yaw, pitch and roll \[deg\]. At most 180.
+    pub facing_sigma_deg: [f32; 3],
+    /// Focal length along x with which the face was fitted \[px\].
+    pub focal_px: f32,
+    /// 1: without intrinsics, 60 degrees across the frame were assumed. 0: the tracker has them.
+    pub camera_assumed: u32,
 }
 
 /// One landmark. This struct never grows, so the layout of arrays stays the same.
@@ -482,7 +495,8 @@ assert_no_padding!(posewise_result: struct_size: u32, state: u32, timestamp_us: 
     eye_open_probability: [f32; 2], eye_unknown: [u32; 2], iris_left: [f32; 2],
     iris_right: [f32; 2], gaze_unknown: [u32; 3], gaze_sigma_deg: [f32; 3], gaze_left: [f32; 3],
     gaze_right: [f32; 3], gaze: [f32; 3], gaze_head: [f32; 3], glasses: f32, dark_glasses: f32,
-    eye_look: [f32; 8]);
+    eye_look: [f32; 8], facing_yaw_deg: f32, facing_pitch_deg: f32, facing_roll_deg: f32,
+    facing_sigma_deg: [f32; 3], focal_px: f32, camera_assumed: u32);
 assert_no_padding!(posewise_face: face_box: [f32; 4], yaw_deg: f32, roll_deg: f32,
     confidence: f32);
 assert_no_padding!(posewise_landmark: x: f32, y: f32, confidence: f32, visibility: f32,

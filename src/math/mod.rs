@@ -9,6 +9,6 @@ mod similarity;
 mod solve;
 
 pub use fixed::{isqrt, sigmoid};
-pub use rotation::{HeadAngles, head_angles, head_rotation, rotation_from_quaternion};
+pub use rotation::{HeadAngles, head_angles, head_rotation, rotation_from_quaternion, towards};
 pub use similarity::Similarity;
 pub use solve::solve_spd;

@@ -66,6 +66,20 @@ pub fn rotation_from_quaternion([x, y, z, w]: [f32; 4]) -> Mat3 {
     )
 }
 
+/// The rotation from a camera that looks straight at an image point to the camera itself: about the
+/// axis that is perpendicular to both directions. `ray` is the point at unit depth.
+pub fn towards(ray: Vec3) -> Mat3 {
+    let z = ray.normalize_or(Vec3::Z);
+    // Rodrigues' formula for the rotation of Z to z.
+    let (x, y, cosine) = (z.x, z.y, z.z);
+    let share = 1.0 / (1.0 + cosine.max(0.0));
+    Mat3::from_cols(
+        Vec3::new(1.0 - share * x * x, -share * x * y, -x),
+        Vec3::new(-share * x * y, 1.0 - share * y * y, -y),
+        Vec3::new(x, y, cosine),
+    )
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -109,5 +123,14 @@ mod tests {
             assert!((back.pitch_deg - pitch_deg).abs() < 1e-3, "{back:?}");
             assert!((back.roll_deg - roll_deg).abs() < 1e-3, "{back:?}");
         }
+    }
+
+    #[test]
+    fn a_camera_that_looks_at_a_point_sees_it_straight_ahead() {
+        let ray = Vec3::new(0.4, -0.2, 1.0);
+        let rotation = towards(ray);
+        assert!((rotation * Vec3::Z - ray.normalize()).length() < 1e-5);
+        let product = rotation * rotation.transpose() - Mat3::IDENTITY;
+        assert!(product.to_cols_array().iter().all(|v| v.abs() < 1e-5));
     }
 }

@@ -3,6 +3,7 @@
 mod camera;
 mod distortion;
 mod face;
+mod facing;
 mod fit;
 mod identity;
 mod lids;

@@ -70,6 +70,7 @@ impl Tracker {
         let fitted = Fitted {
             face,
             camera,
+            camera_assumed: self.config.intrinsics.is_none(),
             shape,
             undistorted: &undistorted,
             confidence,

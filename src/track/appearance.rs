@@ -21,8 +21,8 @@ const MEAN_SCALE: i32 = 128;
 /// `u16`.
 const VARIANCE_SCALE: i32 = 4;
 
-/// Landmarks with a model: none in builds that lack the features.
-const MODELLED: usize = if cfg!(all(feature = "verifier", feature = "adaptation")) {
+/// Landmarks with a model: none in builds without the verifier.
+const MODELLED: usize = if cfg!(feature = "verifier") {
     LANDMARKS
 } else {
     0
@@ -123,7 +123,7 @@ fn with_logit_change(probability: f32, change: f32) -> f32 {
     sigmoid(libm::logf(p / (1.0 - p)) + change)
 }
 
-#[cfg(all(test, feature = "verifier", feature = "adaptation"))]
+#[cfg(all(test, feature = "verifier"))]
 mod tests {
     use super::*;
 

@@ -9,8 +9,8 @@
 use super::geometry::bounds;
 use super::policy::{FACE_WIDTH_MM, MAX_SMOOTHING_GAP_US, SPEED_CUTOFF_HZ};
 use super::{Smoothing, State, TrackResult};
-use crate::math::{head_angles, rotation_from_quaternion};
-use crate::shape::{ANIMATIONS, LANDMARKS};
+use crate::math::rotation_from_quaternion;
+use crate::shape::{ANIMATIONS, LANDMARKS, Pose};
 
 /// Filtered results; all zero before the first.
 #[derive(Clone, Debug)]
@@ -111,12 +111,22 @@ impl Smoother {
         // A quaternion moves half as far as the head turns.
         let between = filter(0.5).filtered(from, near, &mut self.rotation_speed);
         to.rotation = unit(between);
-        let angles = head_angles(&rotation_from_quaternion(to.rotation));
-        (to.yaw_deg, to.pitch_deg, to.roll_deg) =
-            (angles.yaw_deg, angles.pitch_deg, angles.roll_deg);
+        write_angles(to);
         let shape: [[f32; 2]; LANDMARKS] = to.landmarks.map(|l| [l.x, l.y]);
         to.face_box = bounds(&shape);
     }
+}
+
+/// The angles of a result whose rotation and position are filtered.
+fn write_angles(to: &mut TrackResult) {
+    let pose = Pose {
+        rotation: rotation_from_quaternion(to.rotation),
+        translation_mm: to.translation_mm.into(),
+    };
+    let (angles, facing) = (pose.angles(), pose.facing_angles());
+    (to.yaw_deg, to.pitch_deg, to.roll_deg) = (angles.yaw_deg, angles.pitch_deg, angles.roll_deg);
+    (to.facing_yaw_deg, to.facing_pitch_deg, to.facing_roll_deg) =
+        (facing.yaw_deg, facing.pitch_deg, facing.roll_deg);
 }
 
 /// The unit quaternion along this one, with w ≥ 0.

@@ -11,6 +11,8 @@ use crate::verifier::Confidence;
 pub(super) struct Fitted<'a> {
     pub(super) face: &'a FaceModel<'a>,
     pub(super) camera: &'a Intrinsics,
+    /// Whether that is the default one.
+    pub(super) camera_assumed: bool,
     /// The landmarks in the picture.
     pub(super) shape: &'a Shape,
     /// The landmarks where a pinhole camera would show them.
@@ -24,7 +26,8 @@ pub(super) struct Fitted<'a> {
 /// Writes all of a result.
 pub(super) fn write(to: &mut TrackResult, now_us: i64, fitted: &Fitted<'_>) {
     let pose = &fitted.fit.state.pose;
-    let angles = pose.angles();
+    let (angles, facing) = (pose.angles(), pose.facing_angles());
+    let facing_variances = pose.facing_variances(&fitted.fit.covariance);
     // Every field by name: a new one does not compile until it is written.
     let TrackResult {
         state,
@@ -47,6 +50,12 @@ pub(super) fn write(to: &mut TrackResult, now_us: i64, fitted: &Fitted<'_>) {
         animation,
         // By what is seen in the picture: see `eyes`.
         eyes: _,
+        facing_yaw_deg,
+        facing_pitch_deg,
+        facing_roll_deg,
+        facing_sigma_deg,
+        focal_px,
+        camera_assumed,
     } = to;
     *state = State::Tracking;
     (*timestamp_us, *age_us) = (now_us, 0);
@@ -65,6 +74,10 @@ pub(super) fn write(to: &mut TrackResult, now_us: i64, fitted: &Fitted<'_>) {
         *out = p.to_array();
     }
     *animation = fitted.fit.state.animation;
+    (*facing_yaw_deg, *facing_pitch_deg, *facing_roll_deg) =
+        (facing.yaw_deg, facing.pitch_deg, facing.roll_deg);
+    *facing_sigma_deg = facing_variances.map(|v| root(Some(v), MAX_SIGMA_RAD).to_degrees());
+    (*focal_px, *camera_assumed) = (fitted.camera.fx, fitted.camera_assumed);
 }
 
 fn write_landmarks(to: &mut [Landmark; LANDMARKS], fitted: &Fitted<'_>) {
@@ -93,7 +106,11 @@ const MAX_SIGMA_MM: f32 = FARTHEST_MM;
 /// where the landmarks leave it undetermined.
 fn sigma(fit: &FaceFit, unknown: usize, most: f32) -> f32 {
     let row = fit.covariance.get(unknown);
-    let variance = row.and_then(|row| row.get(unknown)).copied();
+    root(row.and_then(|row| row.get(unknown)).copied(), most)
+}
+
+/// Root of a variance, `most` where it is larger or none.
+fn root(variance: Option<f32>, most: f32) -> f32 {
     match variance {
         // Not for a NaN.
         Some(variance) if variance < most * most => libm::sqrtf(variance.max(0.0)),

@@ -2,8 +2,8 @@
 //!
 //! Each constant states its meaning, its unit in brackets (none: a probability or a ratio), and
 //! under *Source* what its value was measured on. *Source: chosen* means that no other value was
-//! measured. Titles in italics are records of `docs/records.md`; commands and today's figures are
-//! in `docs/accuracy.md`.
+//! measured. Titles in italics are records of `docs/dev/records.md`; commands and today's figures
+//! are in `docs/accuracy.md`.
 //!
 //! Not here: settings with their defaults and ranges (`config.rs`), how keyframes are matched
 //! (`src/keyframe`), how noise is measured (`src/image/noise.rs`), and what the 3D fit and the

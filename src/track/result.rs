@@ -78,7 +78,8 @@ pub struct TrackResult {
     pub face_box: [f32; 4],
     /// Head-to-camera rotation as a unit quaternion x, y, z, w.
     pub rotation: [f32; 4],
-    /// > 0: the face turns to the image right \[deg\].
+    /// Relative to the camera's axes, as the next two; > 0: the face turns to the image right
+    /// \[deg\].
     pub yaw_deg: f32,
     /// > 0: the face turns up \[deg\].
     pub pitch_deg: f32,
@@ -107,6 +108,21 @@ pub struct TrackResult {
     pub animation: [f32; ANIMATIONS],
     /// Lids, glasses and gaze by the network of single eyes.
     pub eyes: Eyes,
+    /// Yaw relative to the line of sight \[deg\]: 0 where the face looks into the lens, wherever
+    /// in the picture it is. Signs and ranges as of `yaw_deg`; hardly depends on the focal length.
+    pub facing_yaw_deg: f32,
+    /// Pitch relative to the line of sight \[deg\].
+    pub facing_pitch_deg: f32,
+    /// Roll relative to the line of sight \[deg\].
+    pub facing_roll_deg: f32,
+    /// Standard deviations of the facing yaw, pitch and roll \[deg\]. At most 180.
+    pub facing_sigma_deg: [f32; 3],
+    /// Focal length along x with which the face was fitted \[px\].
+    pub focal_px: f32,
+    /// Whether 60° across the frame were assumed, because the settings have no intrinsics: the
+    /// facing angles say where the head is turned to, the axis angles and the position err with
+    /// the lens.
+    pub camera_assumed: bool,
 }
 
 impl TrackResult {
@@ -131,6 +147,12 @@ impl TrackResult {
         points_mm: [[0.0; 3]; LANDMARKS],
         animation: [0.0; ANIMATIONS],
         eyes: Eyes::EMPTY,
+        facing_yaw_deg: 0.0,
+        facing_pitch_deg: 0.0,
+        facing_roll_deg: 0.0,
+        facing_sigma_deg: [0.0; 3],
+        focal_px: 0.0,
+        camera_assumed: false,
     };
 }
 

@@ -89,12 +89,12 @@ impl Target {
     /// Confidence below which the target is lost, when so many landmarks are recognised.
     pub(super) fn min_confidence(&self, recognised: u32, now_us: i64) -> f32 {
         let is_late = now_us.saturating_sub(self.confirmed_us) > LOW_CONFIDENCE_US;
-        // Without `adaptation` nothing is recognised, and a covered face would be lost too. Without
-        // `verifier` confidences are no probabilities.
-        let (verifier, adaptation) = (cfg!(feature = "verifier"), cfg!(feature = "adaptation"));
+        // Without `verifier` confidences are no probabilities and nothing is recognised, so that a
+        // covered face would be lost too.
+        let verifier = cfg!(feature = "verifier");
         match self.is_trusted {
             true if recognised >= RECOGNISED_LANDMARKS => RECOGNISED_KEEP_CONFIDENCE,
-            true if !(is_late && verifier && adaptation) => TRUSTED_KEEP_CONFIDENCE,
+            true if !(is_late && verifier) => TRUSTED_KEEP_CONFIDENCE,
             false if is_late && verifier => ACCEPT_CONFIDENCE,
             _ => UNTRUSTED_KEEP_CONFIDENCE,
         }
@@ -219,7 +219,7 @@ impl Target {
     }
 }
 
-#[cfg(all(test, feature = "verifier", feature = "adaptation"))]
+#[cfg(all(test, feature = "verifier"))]
 mod tests {
     use super::*;
 

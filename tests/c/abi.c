@@ -43,7 +43,7 @@ FIELD(posewise_frame, reserved, 36);
 FIELD(posewise_frame, data_len, 40);
 FIELD(posewise_frame, data, 40 + sizeof(size_t));
 
-SIZE(posewise_result, 272);
+SIZE(posewise_result, 304);
 FIELD(posewise_result, struct_size, 0);
 FIELD(posewise_result, state, 4);
 FIELD(posewise_result, timestamp_us, 8);
@@ -74,6 +74,12 @@ FIELD(posewise_result, gaze_head, 220);
 FIELD(posewise_result, glasses, 232);
 FIELD(posewise_result, dark_glasses, 236);
 FIELD(posewise_result, eye_look, 240);
+FIELD(posewise_result, facing_yaw_deg, 272);
+FIELD(posewise_result, facing_pitch_deg, 276);
+FIELD(posewise_result, facing_roll_deg, 280);
+FIELD(posewise_result, facing_sigma_deg, 284);
+FIELD(posewise_result, focal_px, 296);
+FIELD(posewise_result, camera_assumed, 300);
 
 SIZE(posewise_face, 28);
 SIZE(posewise_landmark, 28);

@@ -1,4 +1,4 @@
-/* drive.c MINUTES - shows a driver monitor a simulated drive of so many minutes, and prints a hash
+/* drive.c MINUTES - shows a driver monitor a simulated drive of MINUTES, and prints a hash
  * of all its states and events. The line is the same on every machine. C99. */
 #include "posewise.h"
 #include "hash.h"

@@ -78,6 +78,12 @@ int main(void) {
     FIELD(posewise_result, glasses);
     FIELD(posewise_result, dark_glasses);
     FIELD(posewise_result, eye_look);
+    FIELD(posewise_result, facing_yaw_deg);
+    FIELD(posewise_result, facing_pitch_deg);
+    FIELD(posewise_result, facing_roll_deg);
+    FIELD(posewise_result, facing_sigma_deg);
+    FIELD(posewise_result, focal_px);
+    FIELD(posewise_result, camera_assumed);
     SIZE(posewise_face);
     FIELD(posewise_face, face_box);
     FIELD(posewise_face, yaw_deg);

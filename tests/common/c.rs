@@ -2,7 +2,8 @@
 //! is built in its own folder under target/, so that the cargo that runs the tests and the one that
 //! they run do not wait for each other.
 
-use super::{Clip, root, scratch};
+use super::skip::{need, skipped};
+use super::{demo, root, scratch};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::OnceLock;
@@ -36,7 +37,7 @@ pub fn cxx() -> Option<String> {
     if exists(&cxx) {
         return Some(cxx);
     }
-    eprintln!("skipped for C++: no {cxx}");
+    skipped(&format!("C++ compiler {cxx}"));
     None
 }
 
@@ -45,16 +46,9 @@ pub fn exists(program: &str) -> bool {
     Command::new(program).arg("--version").output().is_ok()
 }
 
-/// Whether a program is there; says that the test is skipped if not. With
-/// `POSEWISE_REQUIRE_TARGETS`, as in .ci/run, a missing one is a failure.
+/// Whether a program is there; without it the test is skipped.
 pub fn require(program: &str) -> bool {
-    let there = exists(program);
-    let must = std::env::var_os("POSEWISE_REQUIRE_TARGETS").is_some();
-    assert!(there || !must, "there is no {program}");
-    if !there {
-        eprintln!("skipped: no {program}");
-    }
-    there
+    need(program, exists(program))
 }
 
 /// The static library, built once: by make, or by cargo alone where there is no make.
@@ -114,17 +108,11 @@ pub fn program(source: &str, name: &str, flags: &[&str]) -> PathBuf {
     program
 }
 
-/// The demo clip, or the disc where it is not there yet.
-pub fn clip() -> &'static Clip {
-    static CLIP: OnceLock<Clip> = OnceLock::new();
-    CLIP.get_or_init(|| super::demo().unwrap_or_else(super::disc))
-}
-
 /// Arguments of the C tests: model, raw frames, width, height.
 pub fn arguments() -> &'static [String; 4] {
     static ARGUMENTS: OnceLock<[String; 4]> = OnceLock::new();
     ARGUMENTS.get_or_init(|| {
-        let clip = clip();
+        let clip = demo();
         // Enough to find the face, track it and be done under sanitizers.
         let frames: Vec<u8> = clip.luma.iter().take(60).flatten().copied().collect();
         let path = scratch("c").join("frames.raw");

@@ -1,8 +1,8 @@
 //! Java by JNI: the class of ffi-examples/jni tracks the demo frames as Rust does.
 
-use super::c::{arguments, clip, succeed};
-use super::{root, scratch};
-use posewise::{Config, Frame, FrameLayout, Model, Tracker};
+use super::c::{arguments, succeed};
+use super::{demo, model, root, scratch, tracker};
+use posewise::Config;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -35,16 +35,13 @@ pub fn check_demo(library: &Path, classes: &Path) {
     java.arg("-Xcheck:jni").arg("-cp").arg(&classpath);
     java.arg(format!("-Djava.library.path={}", library.display()));
     java.args(["TrackFile", frames, width, height]);
-    let lines = succeed(java.arg(clip().frame_us.to_string()));
+    let lines = succeed(java.arg(demo().frame_us.to_string()));
 
-    let model = Model::load(posewise::DEFAULT_MODEL).expect("the default model is valid");
-    let mut tracker = Box::new(Tracker::new(&Config::default()).expect("defaults"));
-    let layout = FrameLayout::grey(clip().width as u32, clip().height as u32);
+    let (model, mut tracker) = (model(), tracker(&Config::default()));
     let mut lines = lines.lines();
-    for (i, luma) in clip().luma.iter().take(60).enumerate() {
-        let frame = Frame::new(&layout, luma).expect("a frame");
-        let time_us = (i as f64 * clip().frame_us) as i64;
-        let result = tracker.step(&model, &frame, time_us).expect("in order");
+    for i in 0..60 {
+        let result = tracker.step(&model, &demo().frame(i), demo().time_us(i));
+        let result = result.expect("in order");
         let line = lines.next().expect("a line per frame");
         let numbers: Vec<f32> = line
             .split(' ')

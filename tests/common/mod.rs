@@ -4,10 +4,13 @@
 pub mod c;
 pub mod java;
 pub mod random;
+pub mod skip;
 pub mod watch;
 
+use posewise::{Config, Frame, FrameLayout, Model, Tracker};
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 /// The repository.
 pub fn root() -> &'static Path {
@@ -51,9 +54,39 @@ pub struct Clip {
     pub luma: Vec<Vec<u8>>,
 }
 
-/// The clip that ships with the repository, if it is there.
-pub fn demo() -> Option<Clip> {
-    unpacked(&root().join("tests/data/demo.y4m.gz"))
+/// The clip in the repository: a rendered head that turns.
+pub fn demo() -> &'static Clip {
+    static DEMO: OnceLock<Clip> = OnceLock::new();
+    let path = root().join("tests/data/demo.y4m.gz");
+    DEMO.get_or_init(|| unpacked(&path).expect("tests/data/demo.y4m.gz"))
+}
+
+impl Clip {
+    /// A frame, by its number from 0.
+    pub fn frame(&self, n: usize) -> Frame<'_> {
+        grey(self.width, self.height, &self.luma[n])
+    }
+
+    /// When it was taken \[µs\].
+    pub fn time_us(&self, n: usize) -> i64 {
+        (n as f64 * self.frame_us) as i64
+    }
+}
+
+/// Grey pixels as a frame.
+pub fn grey(width: usize, height: usize, luma: &[u8]) -> Frame<'_> {
+    let layout = FrameLayout::grey(width as u32, height as u32);
+    Frame::new(&layout, luma).expect("a frame")
+}
+
+/// The default model.
+pub fn model() -> Model<'static> {
+    Model::load(posewise::DEFAULT_MODEL).expect("the default model is valid")
+}
+
+/// A new tracker.
+pub fn tracker(config: &Config) -> Box<Tracker> {
+    Box::new(Tracker::new(config).expect("valid settings"))
 }
 
 /// A clip of y4m behind gzip, if it is there.
@@ -64,25 +97,6 @@ pub fn unpacked(path: &Path) -> Option<Clip> {
         .read_to_end(&mut y4m)
         .expect("a whole clip");
     Some(parse(y4m))
-}
-
-/// A bright disc that wanders over a gradient: no face, but something to read.
-pub fn disc() -> Clip {
-    let (width, height, count) = (160, 120, 12);
-    let mut y4m = format!("YUV4MPEG2 W{width} H{height} F30:1 Ip A1:1 C420jpeg\n").into_bytes();
-    for frame in 0..count {
-        y4m.extend_from_slice(b"FRAME\n");
-        let centre = (40.0 + 6.0 * frame as f32, 60.0);
-        y4m.extend((0..width * height).map(|i| {
-            let (x, y) = ((i % width) as f32, (i / width) as f32);
-            match (x - centre.0).hypot(y - centre.1) < 30.0 {
-                true => 220,
-                false => (x + y) as u8 / 2,
-            }
-        }));
-        y4m.extend(std::iter::repeat_n(128, width * height / 2));
-    }
-    parse(y4m)
 }
 
 /// Splits a y4m file of 4:2:0 or mono into frames of luma.

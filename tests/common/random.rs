@@ -67,7 +67,17 @@ impl Random {
         (self.next() % end as u64) as usize
     }
 
-    /// True once in so many times.
+    /// Between two numbers.
+    pub fn within(&mut self, from: f64, to: f64) -> f64 {
+        from + (to - from) * f64::from(self.unit())
+    }
+
+    /// True with this probability.
+    pub fn is(&mut self, probability: f64) -> bool {
+        f64::from(self.unit()) < probability
+    }
+
+    /// True once in a number of times.
     pub fn once_in(&mut self, times: usize) -> bool {
         self.below(times) == 0
     }

@@ -1,7 +1,7 @@
 //! A tracker that watches pictures into which the demo clip's face is pasted, once or more.
 
-use super::{Clip, demo};
-use posewise::{Config, FaceHint, Frame, FrameLayout, Model, State, TrackResult, Tracker};
+use super::{Clip, demo, grey, model, tracker};
+use posewise::{Config, FaceHint, Model, State, TrackResult, Tracker};
 
 pub const WIDTH: usize = 640;
 pub const HEIGHT: usize = 360;
@@ -54,7 +54,7 @@ pub fn dimmed(luma: &mut [u8], share: f32, noise: f32, frame: usize) {
 }
 
 pub struct Watch<'m> {
-    pub clip: Clip,
+    pub clip: &'static Clip,
     /// 1 by day.
     pub light: f32,
     /// Range of the sensor's noise [grey levels]; as long as it is light there is none.
@@ -67,12 +67,11 @@ pub struct Watch<'m> {
 impl Watch<'_> {
     /// One step on the next frame with these faces.
     pub fn see(&mut self, faces: &[Pasted]) -> TrackResult {
-        let mut luma = picture(&self.clip, self.frame, faces);
+        let mut luma = picture(self.clip, self.frame, faces);
         if self.light < 1.0 {
             dimmed(&mut luma, self.light, self.noise, self.frame);
         }
-        let layout = FrameLayout::grey(WIDTH as u32, HEIGHT as u32);
-        let frame = Frame::new(&layout, &luma).expect("a frame");
+        let frame = grey(WIDTH, HEIGHT, &luma);
         let time = self.frame as i64 * FRAME_US;
         self.frame += 1;
         *self
@@ -83,9 +82,8 @@ impl Watch<'_> {
 
     /// One step for a caller who expects this face, whose box is off by a share of its size.
     pub fn see_at(&mut self, faces: &[Pasted], expected: Pasted, off: f32) -> TrackResult {
-        let luma = picture(&self.clip, self.frame, faces);
-        let layout = FrameLayout::grey(WIDTH as u32, HEIGHT as u32);
-        let frame = Frame::new(&layout, &luma).expect("a frame");
+        let luma = picture(self.clip, self.frame, faces);
+        let frame = grey(WIDTH, HEIGHT, &luma);
         let time = self.frame as i64 * FRAME_US;
         self.frame += 1;
         let side = FACE.1 * expected.scale;
@@ -109,19 +107,15 @@ impl Watch<'_> {
     }
 }
 
-/// Runs a test on the clip, if it is there.
+/// Runs a test on the clip.
 pub fn watch(config: Config, test: impl FnOnce(&mut Watch<'_>)) {
-    let Some(clip) = demo() else {
-        eprintln!("skipped: there is no tests/data/demo.y4m.gz");
-        return;
-    };
-    let model = Model::load(posewise::DEFAULT_MODEL).expect("the default model is valid");
+    let model = model();
     test(&mut Watch {
-        clip,
+        clip: demo(),
         light: 1.0,
         noise: 6.0,
         model: &model,
-        tracker: Box::new(Tracker::new(&config).expect("good settings")),
+        tracker: tracker(&config),
         frame: 0,
     });
 }

@@ -114,7 +114,7 @@ impl Session<'_> {
         }
         let before = self.snapshot(index);
         let (tracker, first) = (self.slots[index].tracker.ptr(), boxes.as_ptr().cast());
-        // SAFETY: so many boxes.
+        // SAFETY: as many boxes as it is told.
         let status = unsafe { posewise_set_excluded(tracker, first, boxes.len()) };
         self.done(index, "posewise_set_excluded", status, &before);
     }

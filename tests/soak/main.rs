@@ -19,7 +19,7 @@
 //!
 //! ```text
 //! POSEWISE_SOAK_HOURS    hours of video
-//! POSEWISE_SOAK_MINUTES  ends earlier after so many minutes
+//! POSEWISE_SOAK_MINUTES  minutes after which it ends earlier
 //! POSEWISE_SOAK_SEED     seed of the first session; the next ones count on
 //! POSEWISE_SOAK_CLIPS    a folder of y4m.gz clips that are shown too
 //! POSEWISE_SOAK_REPORT   where the report is written
@@ -46,9 +46,9 @@ use targets::memory::Exact;
 use targets::tiny;
 use video::Library;
 
-/// Every so many sessions one runs twice: the first.
+/// One session in this number runs twice: the first.
 const REPEATED: u64 = 4;
-/// Every so many sessions one uses the tiny model, which takes nearly anything for a face: the
+/// One session in this number uses the tiny model, which takes nearly anything for a face: the
 /// second.
 const TINY: u64 = 8;
 
@@ -61,10 +61,7 @@ fn variable(name: &str) -> Option<f64> {
 #[test]
 fn every_invariant_holds() {
     let clips = std::env::var_os("POSEWISE_SOAK_CLIPS");
-    let Some(library) = Library::new(clips.as_ref().map(|folder| folder.as_ref())) else {
-        eprintln!("skipped: there is no tests/data/demo.y4m.gz");
-        return;
-    };
+    let library = Library::new(clips.as_ref().map(|folder| folder.as_ref()));
     let hours = variable("POSEWISE_SOAK_HOURS").unwrap_or(1.5 / 60.0);
     let most = variable("POSEWISE_SOAK_MINUTES").unwrap_or(1e6) * 60.0;
     let first = variable("POSEWISE_SOAK_SEED").unwrap_or(1.0) as u64;

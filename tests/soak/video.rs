@@ -9,14 +9,13 @@ use std::path::Path;
 
 /// The clips that are shown.
 pub struct Library {
-    demo: Clip,
+    demo: &'static Clip,
     others: Vec<Clip>,
 }
 
 impl Library {
-    /// The clip of the repository, and those of a folder; `None` without the first.
-    pub fn new(folder: Option<&Path>) -> Option<Library> {
-        let demo = demo()?;
+    /// The clip of the repository, and those of a folder.
+    pub fn new(folder: Option<&Path>) -> Library {
         let mut paths: Vec<_> = (folder.into_iter())
             .flat_map(|folder| std::fs::read_dir(folder).expect("a folder of clips"))
             .map(|entry| entry.expect("an entry").path())
@@ -24,7 +23,8 @@ impl Library {
             .collect();
         paths.sort();
         let others = paths.iter().filter_map(|path| unpacked(path)).collect();
-        Some(Library { demo, others })
+        let demo = demo();
+        Library { demo, others }
     }
 }
 
@@ -120,7 +120,7 @@ impl Scene {
                     face.at[0] += 60.0 * (frame as f32 / 20.0 + face.scale).sin();
                     face
                 });
-                picture(&library.demo, frame, &moved[..count])
+                picture(library.demo, frame, &moved[..count])
             }
             Content::Smooth => {
                 let (dx, dy) = (self.seed as usize % 5, self.seed as usize / 5 % 5);
@@ -161,7 +161,7 @@ fn size(clip: &Clip) -> (usize, usize) {
 impl Library {
     fn clip(&self, index: usize) -> &Clip {
         match index {
-            0 => &self.demo,
+            0 => self.demo,
             n => &self.others[n - 1],
         }
     }

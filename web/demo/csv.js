@@ -70,6 +70,12 @@ const GROUPS = [
   [['dark_glasses'], 3, ({ result: r }) => [r.darkGlasses]],
   [['eyeLookUpLeft', 'eyeLookUpRight', 'eyeLookDownLeft', 'eyeLookDownRight', 'eyeLookInLeft',
     'eyeLookInRight', 'eyeLookOutLeft', 'eyeLookOutRight'], 3, ({ result: r }) => r.eyeLook],
+  [['facing_yaw_deg', 'facing_pitch_deg', 'facing_roll_deg'], 3,
+    ({ result: r }) => [r.facingYawDeg, r.facingPitchDeg, r.facingRollDeg]],
+  [['facing_yaw_sigma', 'facing_pitch_sigma', 'facing_roll_sigma'], 3,
+    ({ result: r }) => r.facingSigmaDeg],
+  [['focal_px'], 1, ({ result: r }) => [r.focalPx]],
+  [['camera_assumed'], 0, ({ result: r }) => [r.cameraAssumed]],
 ];
 
 /** @param {string} name */

@@ -44,8 +44,13 @@ export function readings(tracked, smooth) {
   const of = (/** @type {() => string} */ text) => (hasFace ? text() : '–');
   const angle = (/** @type {number} */ value, /** @type {number} */ i) =>
     of(() => `${signed(value, 1)}° ± ${r.rotationSigmaDeg[i].toFixed(1)}°`);
+  const facing = (/** @type {number} */ value, /** @type {number} */ i) =>
+    of(() => `${signed(value, 1)}° ± ${r.facingSigmaDeg[i].toFixed(1)}°`);
   return [
     ['state', r.state + (r.loss === 'none' ? '' : ` (${r.loss.replace('_', ' ')})`)],
+    ['facing yaw', facing(r.facingYawDeg, 0)],
+    ['facing pitch', facing(r.facingPitchDeg, 1)],
+    ['facing roll', facing(r.facingRollDeg, 2)],
     ['yaw', angle(r.yawDeg, 1)],
     ['pitch', angle(r.pitchDeg, 0)],
     ['roll', angle(r.rollDeg, 2)],

@@ -1,6 +1,6 @@
 // page.mjs URL FOLDER CAMERA.y4m OUT - opens the page in Chromium with a fake camera, uses it as a
 // person would, and fails where it does not work. URL serves FOLDER. In OUT it leaves screenshots,
-// page.csv and frames.bin; tests/web.rs compares these.
+// page.csv and frames.bin; tests/shipping/web.rs compares these.
 
 import assert from 'node:assert/strict';
 import { readFileSync, writeFileSync } from 'node:fs';
@@ -130,7 +130,7 @@ async function controls() {
   await page.context().close();
 }
 
-/** Frames of the camera: luma, time and results, for tests/web.rs to track again. */
+/** Frames of the camera: luma, time and results, for tests/shipping/web.rs to track again. */
 async function frames(count) {
   const page = await open(url);
   const records = await page.evaluate(async (count) => {

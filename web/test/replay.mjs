@@ -17,7 +17,7 @@ function add(bytes) {
 
 function addResult(engine, tracker, result) {
   const { STATES, LOSSES } = engine;
-  add([STATES.indexOf(result.state), LOSSES.indexOf(result.loss)]);
+  add([STATES.indexOf(result.state), LOSSES.indexOf(result.loss), result.cameraAssumed]);
   const times = [result.timestampUs, result.ageUs].map(BigInt);
   add(new Uint8Array(BigInt64Array.from(times).buffer));
   const landmarks = tracker.landmarks();
@@ -28,6 +28,8 @@ function addResult(engine, tracker, result) {
     ...landmarks.flatMap((l) => [l.x, l.y, l.confidence, l.visibility]),
     ...landmarks.flatMap((l) => [l.xMm, l.yMm, l.zMm]),
     ...tracker.animation(),
+    result.facingYawDeg, result.facingPitchDeg, result.facingRollDeg, result.focalPx,
+    ...result.facingSigmaDeg,
   ];
   add(new Uint8Array(Float32Array.from(numbers).buffer));
 }

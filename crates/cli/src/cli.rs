@@ -266,6 +266,10 @@ pub struct DemoArgs {
 pub enum EvalCommand {
     /// 68 landmarks on labelled stills
     Landmarks(LandmarksArgs),
+    /// Marked landmarks and yaw on stills of profiles
+    Profiles(ProfilesArgs),
+    /// Yaw and pitch on stills with labelled angles
+    Angles(AnglesArgs),
     /// Head pose and landmarks against per-frame truth
     Pose(ClipsArgs),
     /// Eye openness and closures against per-frame truth
@@ -385,6 +389,23 @@ pub struct CameraArgs {
     pub noise: f64,
 }
 
+/// How each picture is shown to a new tracker.
+#[derive(Args)]
+pub struct StillsArgs {
+    /// Model file [default: the embedded model]
+    #[arg(long, value_name = "FILE")]
+    pub model: Option<PathBuf>,
+    /// Narrowest face searched for [px]
+    #[arg(long, value_name = "PX", default_value_t = 30)]
+    pub min_face: u32,
+    /// Steps on the same picture after the one that found the face
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub steps: u32,
+    /// Threads; 0 for all cores
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub threads: usize,
+}
+
 #[derive(Args)]
 pub struct LandmarksArgs {
     /// Labels: image,x0,y0,…,x67,y67 [px], iBUG 68 order
@@ -414,18 +435,51 @@ pub struct LandmarksArgs {
     /// Plot the cumulative error distribution up to 10 % (.svg or .png)
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
-    /// Model file [default: the embedded model]
+    #[command(flatten)]
+    pub stills: StillsArgs,
+}
+
+#[derive(Args)]
+pub struct ProfilesArgs {
+    /// Labels: image,kind,half,yaw_geometric_deg,x0,y0,…,x67,y67; landmarks that are not marked are
+    /// empty
     #[arg(long, value_name = "FILE")]
-    pub model: Option<PathBuf>,
-    /// Narrowest face searched for [px]
-    #[arg(long, value_name = "PX", default_value_t = 30)]
-    pub min_face: u32,
-    /// Steps on the same picture after the one that found the face
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub steps: u32,
-    /// Threads; 0 for all cores
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub threads: usize,
+    pub csv: PathBuf,
+    /// Folder of the pictures that the labels name
+    #[arg(long, value_name = "DIR")]
+    pub images: PathBuf,
+    /// Write the numbers as JSON
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Write one row per picture: found, errors, yaw
+    #[arg(long, value_name = "FILE")]
+    pub per_image: Option<PathBuf>,
+    #[command(flatten)]
+    pub stills: StillsArgs,
+}
+
+#[derive(Args)]
+pub struct AnglesArgs {
+    /// Labels: image,pitch_deg,yaw_deg; with a column identity the people are counted
+    #[arg(long, value_name = "FILE")]
+    pub csv: PathBuf,
+    /// Folder of the pictures that the labels name
+    #[arg(long, value_name = "DIR")]
+    pub images: PathBuf,
+    /// In the labels, yaw > 0 turns the face to the image left
+    #[arg(long)]
+    pub yaw_left: bool,
+    /// Focal length [px] [default: unknown; a field of view of 60° is assumed]
+    #[arg(long, value_name = "PX", value_parser = single(1.0, 1e6))]
+    pub focal: Option<f32>,
+    /// Write the numbers as JSON
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Write one row per picture: found, angles
+    #[arg(long, value_name = "FILE")]
+    pub per_image: Option<PathBuf>,
+    #[command(flatten)]
+    pub stills: StillsArgs,
 }
 
 #[derive(Args)]
@@ -451,7 +505,7 @@ pub struct MonitorArgs {
     /// Zones of the monitor, as for `track --monitor-zones`
     #[arg(long, value_name = "FILE")]
     pub zones: Option<PathBuf>,
-    /// Show the monitor so many frames a second of those in the CSV [default: all]
+    /// Show the monitor this number of frames a second of those in the CSV [default: all]
     #[arg(long, value_name = "N", value_parser = within(1.0, 1000.0))]
     pub fps: Option<f64>,
     /// Leave out this share of the frames, by chance
@@ -482,7 +536,7 @@ pub struct BackgroundsArgs {
     /// Folder of pictures; those that its file with-people.txt names are left out
     #[arg(long, value_name = "DIR")]
     pub backgrounds: PathBuf,
-    /// Take one picture of so many, in the order of their names; 1 for all. Training leaves out one
+    /// Take one picture in N, in the order of their names; 1 for all. Training leaves out one
     /// of five
     #[arg(long, value_name = "N", default_value_t = 5,
         value_parser = clap::value_parser!(u32).range(1..))]

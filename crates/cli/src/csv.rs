@@ -395,6 +395,46 @@ pub const COLUMNS: &[Column] = &[
         "ARKit's weights of the gaze, 0 where it is unknown",
         |r, i| num(r.result.eyes.look[i], 3),
     ),
+    one(
+        "facing_yaw_deg",
+        "deg",
+        "yaw relative to the line of sight, 0 looks into the lens",
+        |r, _| num(r.result.facing_yaw_deg, 3),
+    ),
+    one(
+        "facing_pitch_deg",
+        "deg",
+        "pitch relative to the line of sight",
+        |r, _| num(r.result.facing_pitch_deg, 3),
+    ),
+    one(
+        "facing_roll_deg",
+        "deg",
+        "roll relative to the line of sight",
+        |r, _| num(r.result.facing_roll_deg, 3),
+    ),
+    list(
+        &[
+            "facing_yaw_sigma",
+            "facing_pitch_sigma",
+            "facing_roll_sigma",
+        ],
+        "deg",
+        "their standard deviations",
+        |r, i| num(r.result.facing_sigma_deg[i], 3),
+    ),
+    one(
+        "focal_px",
+        "px",
+        "focal length with which the face was fitted",
+        |r, _| num(r.result.focal_px, 1),
+    ),
+    one(
+        "camera_assumed",
+        "0 or 1",
+        "1 without intrinsics: 60° across were assumed",
+        |r, _| Cell::Number(f64::from(u8::from(r.result.camera_assumed)), 0),
+    ),
 ];
 
 fn left_eye<'a>(row: &Row<'a>) -> &'a Eye {
@@ -573,7 +613,7 @@ mod tests {
         assert_eq!(names().len(), values(&row).len());
         assert_eq!(
             names().len(),
-            53 + 7 * LANDMARKS + ANIMATION_NAMES.len() + EYE_LOOK_NAMES.len()
+            61 + 7 * LANDMARKS + ANIMATION_NAMES.len() + EYE_LOOK_NAMES.len()
         );
     }
 

@@ -91,7 +91,7 @@ fn covered(image: &GrayImage, size: (u32, u32)) -> GrayImage {
     window(&covering(image, size), size, 0.5)
 }
 
-/// Each picture so many times.
+/// How often each picture is shown.
 fn repeated(pictures: &[GrayImage], times: usize) -> impl Iterator<Item = GrayImage> {
     let repeat = move |picture: &GrayImage| std::iter::repeat_n(picture.clone(), times);
     pictures.iter().flat_map(repeat)

@@ -88,6 +88,8 @@ fn main() -> ExitCode {
             Command::Index(args) => return index::run(&args),
             Command::Demo(args) => demo::run(&args),
             Command::Eval(EvalCommand::Landmarks(args)) => eval::landmarks::run(&args),
+            Command::Eval(EvalCommand::Profiles(args)) => eval::profiles::run(&args),
+            Command::Eval(EvalCommand::Angles(args)) => eval::angles::run(&args),
             Command::Eval(EvalCommand::Pose(args)) => eval::pose::run(&args),
             Command::Eval(EvalCommand::Eyes(args)) => eval::eyes::run(&args),
             Command::Eval(EvalCommand::Monitor(args)) => eval::monitor::run(&args),

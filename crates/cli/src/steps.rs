@@ -72,7 +72,7 @@ impl Steps {
         Self::time_shared(model, 1, pictures)
     }
 
-    /// The same for so many trackers, which take a step in turn on each picture.
+    /// The same for several trackers, which take a step in turn on each picture.
     pub fn time_shared<P>(
         model: &Model<'_>,
         trackers: usize,

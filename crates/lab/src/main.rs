@@ -1,14 +1,16 @@
 //! `posewise-lab`: experiments that no model needs. They measure what was considered for the models
 //! and left out, or not yet taken in; docs/accuracy.md holds their figures.
 
-mod adaptive;
 mod compare;
 mod features;
 mod product;
 mod protocol;
 mod report;
 mod rigid;
-mod shard;
+#[cfg(test)]
+#[path = "../../../tests/common/skip.rs"]
+#[allow(dead_code)] // tests here lack data at most
+mod skip;
 mod store;
 mod sweeps;
 mod table;
@@ -32,19 +34,12 @@ struct Cli {
 enum Command {
     /// Compare kinds of local features in small linear cascades; prints a table.
     Features(features::Args),
-    /// Measure pose-wise SVM templates on hand-made descriptors against a model's own verifier.
-    Templates(templates::Args),
-    /// Measure what appearance models of the tracked face, updated online, would add to the
-    /// verifier.
-    Adaptive(adaptive::Args),
     /// Render clips with exact truth to validate pose and covered faces, harder than training.
     Sweeps(sweeps::Args),
     /// Follow a clip with posewise or a tracker of the thesis.
     Track(compare::TrackArgs),
     /// Print the measures of several trackers on clips with truth.
     Compare(compare::TableArgs),
-    /// Print the table of `compare` from the results of its shards.
-    Merge(compare::MergeArgs),
     /// Write the comparison as one HTML page, as JSON and as CSV.
     Report(report::Args),
     /// Print a public data set's own measures.
@@ -60,11 +55,8 @@ enum Command {
 fn main() -> Result<()> {
     match Cli::parse().command {
         Command::Features(args) => features::run(&args),
-        Command::Templates(args) => templates::run(&args),
-        Command::Adaptive(args) => adaptive::run(&args),
         Command::Track(args) => compare::run_track(&args),
         Command::Compare(args) => compare::run_table(&args),
-        Command::Merge(args) => compare::run_merge(&args),
         Command::Report(args) => report::run(&args),
         Command::Protocol(args) => protocol::run(&args),
         Command::Sweeps(args) => sweeps::run(&args),

@@ -3,7 +3,7 @@
 use crate::tracked::Tracked;
 use crate::video::Luma;
 use anyhow::{Context, Result, anyhow};
-use posewise::{Config, FaceHint, Intrinsics, Model, State, TrackResult, Tracker};
+use posewise::{Config, Intrinsics, Model, State, TrackResult, Tracker};
 use posewise_format::AlignedBytes;
 use std::path::{Path, PathBuf};
 
@@ -59,11 +59,6 @@ impl Product {
         self.bytes.as_deref().unwrap_or(posewise::DEFAULT_MODEL)
     }
 
-    /// Focal length \[px\], if one was given.
-    pub fn focal(&self) -> Option<f32> {
-        self.focal
-    }
-
     /// A tracker for one clip.
     pub fn start(&self) -> Result<Session<'_>> {
         self.start_with(self.focal)
@@ -81,18 +76,11 @@ impl Product {
         })
     }
 
-    /// One picture for a fresh tracker, which sees it again until it has settled. `bounds` (left,
-    /// top, right, bottom \[px\]) is where the face is, if that is known.
-    pub fn still(&self, path: &Path, bounds: Option<[f64; 4]>) -> Result<Option<Tracked>> {
+    /// One picture for a fresh tracker, which sees it again until it has settled.
+    pub fn still(&self, path: &Path) -> Result<Option<Tracked>> {
         let luma = Luma::read(path)?;
         let mut session = self.start()?;
-        let mut is_tracked = match bounds.map(|b| b.map(|v| v as f32)) {
-            Some([left, top, right, bottom]) => {
-                let hint = FaceHint::new([left, top, right - left, bottom - top]);
-                session.step_with(&luma, Some(&hint))?.state == State::Tracking
-            }
-            None => false,
-        };
+        let mut is_tracked = false;
         for _ in 0..STILL_SEARCHES {
             is_tracked = is_tracked || session.step(&luma)?.state == State::Tracking;
         }
@@ -122,10 +110,6 @@ impl Session<'_> {
 
     /// The next frame.
     pub fn step(&mut self, luma: &Luma) -> Result<&TrackResult> {
-        self.step_with(luma, None)
-    }
-
-    fn step_with(&mut self, luma: &Luma, hint: Option<&FaceHint>) -> Result<&TrackResult> {
         if self.time_us == 0 {
             let camera = self.camera(luma.width, luma.height);
             let set = self.tracker.set_intrinsics(Some(camera));
@@ -133,12 +117,7 @@ impl Session<'_> {
         }
         self.time_us += STEP_US;
         let frame = luma.frame()?;
-        let stepped = match hint {
-            Some(hint) => self
-                .tracker
-                .step_at(&self.model, &frame, self.time_us, hint),
-            None => self.tracker.step(&self.model, &frame, self.time_us),
-        };
+        let stepped = self.tracker.step(&self.model, &frame, self.time_us);
         stepped.map_err(|e| anyhow!("{e}"))
     }
 }

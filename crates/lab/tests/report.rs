@@ -1,21 +1,14 @@
 //! `posewise-lab report`: its files, and the page in Chromium.
 
 mod common;
+#[path = "../../../tests/common/skip.rs"]
+#[allow(dead_code)] // the list is for the last test
+mod skip;
 
 use common::{FRAMES, Run, lab, two_clips};
+use skip::need;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-
-/// Whether a tool is there; says that the test is skipped if not. With `POSEWISE_REQUIRE_TARGETS`,
-/// as in .ci/run, a missing one is a failure.
-fn require(what: &str, is_there: bool) -> bool {
-    let must = std::env::var_os("POSEWISE_REQUIRE_TARGETS").is_some();
-    assert!(is_there || !must, "there is no {what}");
-    if !is_there {
-        eprintln!("skipped: no {what}");
-    }
-    is_there
-}
 
 fn starts(program: &str) -> bool {
     Command::new(program).arg("--version").output().is_ok()
@@ -89,9 +82,9 @@ fn the_page_works_in_chromium() {
     let web = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../web");
     let has = |name: &str| web.join("node_modules").join(name).exists();
     let packages = has("playwright-core") && has("axe-core");
-    if !require("node", starts("node"))
-        || !require("chromium", starts("chromium"))
-        || !require("packages (npm ci --prefix web)", packages)
+    if !need("node", starts("node"))
+        || !need("chromium", starts("chromium"))
+        || !need("packages (npm ci --prefix web)", packages)
     {
         return;
     }

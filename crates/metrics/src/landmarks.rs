@@ -3,6 +3,9 @@
 
 use num_traits::Float;
 
+/// The first of the 68 landmarks that is not on the jaw.
+pub const INNER: usize = 17;
+
 /// Distance of two points.
 pub fn distance<T: Float>(a: [T; 2], b: [T; 2]) -> T {
     (a[0] - b[0]).hypot(a[1] - b[1])
@@ -36,6 +39,25 @@ pub fn bounds<T: Float>(points: &[[T; 2]]) -> [T; 4] {
         })
 }
 
+/// Root of the area of the box around points.
+pub fn box_size<T: Float>(points: &[[T; 2]]) -> T {
+    let [left, top, right, bottom] = bounds(points);
+    ((right - left) * (bottom - top)).sqrt()
+}
+
+/// Distance of the outer eye corners.
+pub fn outer_corners<T: Float>(points: &[[T; 2]; 68]) -> T {
+    distance(points[36], points[45])
+}
+
+/// Distance of the eyes' centres, which stand for the pupils.
+pub fn eye_centres<T: Float>(points: &[[T; 2]; 68]) -> T {
+    let six = T::from(6).expect("a float holds it");
+    let sum = |eye: &[[T; 2]], k: usize| eye.iter().fold(T::zero(), |sum, p| sum + p[k]);
+    let centre = |eye: &[[T; 2]]| [0, 1].map(|k| sum(eye, k) / six);
+    distance(centre(&points[36..42]), centre(&points[42..48]))
+}
+
 /// Intersection over union of two boxes as of [`bounds`].
 pub fn iou<T: Float>(a: &[T; 4], b: &[T; 4]) -> T {
     let zero = T::zero();
@@ -60,9 +82,17 @@ mod tests {
     }
 
     #[test]
+    fn eyes_by_hand() {
+        let points = std::array::from_fn(|i| [i as f64, 0.0]);
+        assert_eq!(outer_corners(&points), 9.0);
+        assert_eq!(eye_centres(&points), 6.0);
+    }
+
+    #[test]
     fn boxes_by_hand() {
         let a = bounds(&[[0.0, 2.0], [4.0, 0.0], [1.0, 1.0]]);
         assert_eq!(a, [0.0, 0.0, 4.0, 2.0]);
+        assert_eq!(box_size(&[[0.0, 2.0], [8.0, 0.0]]), 4.0);
         assert_eq!(iou(&a, &a), 1.0);
         assert_eq!(iou(&a, &[2.0, 0.0, 4.0, 2.0]), 0.5);
         assert_eq!(iou(&a, &[5.0, 0.0, 6.0, 2.0]), 0.0);

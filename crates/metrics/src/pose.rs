@@ -5,6 +5,11 @@ pub fn angle_error(a: f64, b: f64) -> f64 {
     ((a - b + 180.0).rem_euclid(360.0) - 180.0).abs()
 }
 
+/// Mean of the errors of yaw, pitch and roll.
+pub fn mean_angle(errors: [f64; 3]) -> f64 {
+    errors.iter().sum::<f64>() / 3.0
+}
+
 /// Errors of yaw, pitch and roll \[deg\] of the frames that count; `None` where the face was not
 /// tracked.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -52,14 +57,12 @@ impl PoseErrors {
 
     /// E_m: the mean of the three; `None` of none.
     pub fn mean_angle(&self) -> Option<f64> {
-        self.mean().map(|e| e.iter().sum::<f64>() / 3.0)
+        self.mean().map(mean_angle)
     }
 
     /// Mean of the three errors of each tracked frame, for a robustness curve.
     pub fn per_frame(&self) -> Vec<f64> {
-        self.tracked()
-            .map(|e| e.iter().sum::<f64>() / 3.0)
-            .collect()
+        self.tracked().map(|errors| mean_angle(*errors)).collect()
     }
 }
 

@@ -1,7 +1,8 @@
 //! Grey pictures in memory.
 
 use anyhow::{Context, Result};
-use posewise::image::{Frame, FrameLayout};
+use posewise::image::{Crop, Frame, FrameLayout, warp};
+use posewise::math::Similarity;
 use std::path::{Path, PathBuf};
 
 /// A grey picture.
@@ -65,6 +66,23 @@ impl Picture {
         (0..3).for_each(|k| all.push(all[k].turned()));
         all.extend(all.iter().map(Picture::mirrored).collect::<Vec<_>>());
         all
+    }
+
+    /// A square crop of `side` px around the origin of `to_frame`, row by row.
+    pub fn crop(&self, to_frame: &Similarity, side: usize, mirror: bool) -> Vec<f32> {
+        let centre = (side as f32 - 1.0) / 2.0;
+        let [tx, ty] = to_frame.apply([-centre, -centre]);
+        let mut crop = Crop::new();
+        let from_corner = Similarity {
+            tx,
+            ty,
+            ..*to_frame
+        };
+        warp(&self.frame(), &from_corner, side, &mut crop);
+        if mirror {
+            crop.mirror();
+        }
+        crop.luma().iter().map(|v| f32::from(*v)).collect()
     }
 
     /// Each pixel the mean of 2×2.

@@ -50,7 +50,7 @@ const LIDS: [[usize; 2]; 2] = [[37, 41], [38, 40]];
 
 /// Where shut lids meet, from the upper (0) to the lower lid (1).
 const MEET: f32 = 0.75;
-/// One picture in so many is held out of training.
+/// One picture in this number is held out of training.
 const HELD_OUT: usize = 5;
 
 /// An eye to train on: a face of which only the person's right eye is seen, and the landmarks that

@@ -20,7 +20,7 @@ int qemu_plugin_version = 1;
 
 static uint64_t instructions;
 
-/* A block of so many instructions runs. */
+/* A block of this number of instructions runs. */
 static void executed(unsigned int cpu, void *count) {
     (void)cpu;
     instructions += (uintptr_t)count;

@@ -44,7 +44,7 @@ enum Task {
     Measure(figures::measure::Args),
     /// Writes docs/accuracy.md and the figures in README.md from the JSON of `measure`
     Accuracy,
-    /// Writes packaging/NOTICES*.txt, the licences of what is linked in
+    /// Writes packaging/NOTICES*.txt, the licences of what is linked in, as `make install` does
     Notices,
     /// Writes docs/tracked.png, the picture in README.md
     Picture,

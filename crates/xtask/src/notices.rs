@@ -1,8 +1,7 @@
 //! The licences of what is linked into the library and into the command, for packages.
 
 use crate::root;
-use anyhow::{Context, Result, ensure};
-use serde_json::Value;
+use anyhow::{Context, Result, bail, ensure};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -45,16 +44,19 @@ const LICENCES: [&str; 8] = [
     "LICENSE-ZLIB.md",
 ];
 
-/// Writes the files.
+/// Writes the files, each under another name first: several may do so at a time.
 pub fn write() -> Result<()> {
     for notices in &NOTICES {
-        std::fs::write(root().join(notices.file), notices.text()?)?;
+        let path = root().join(notices.file);
+        let partial = path.with_extension(std::process::id().to_string());
+        std::fs::write(&partial, notices.text()?)?;
+        std::fs::rename(partial, path)?;
     }
     Ok(())
 }
 
 impl Notices {
-    /// What the file has to hold.
+    /// What the file holds.
     pub fn text(&self) -> Result<String> {
         let mut out = format!(
             "The posewise {} is under the MIT License, see LICENSE. These crates are linked into \
@@ -76,12 +78,10 @@ impl Notices {
 
 /// The crates under each text of a licence.
 fn by_text(names: BTreeSet<String>) -> Result<BTreeMap<String, Vec<String>>> {
-    let crates = crates()?;
     let mut by_text: BTreeMap<String, Vec<String>> = BTreeMap::new();
     for name in names {
-        let of = crates.get(&name);
-        let of = of.with_context(|| format!("no sources of {name}"))?;
-        let text = licence(of).with_context(|| name.clone())?;
+        let folder = sources(&name)?;
+        let text = licence(&folder).with_context(|| name.clone())?;
         by_text.entry(text).or_default().push(name);
     }
     Ok(by_text)
@@ -108,46 +108,37 @@ pub(crate) fn linked(package: &str, features: &str) -> Result<BTreeSet<String>> 
     Ok(list.lines().filter_map(name).collect())
 }
 
-/// A crate whose licence is wanted.
-struct Crate {
-    folder: PathBuf,
-    /// The names of its licences, as its Cargo.toml has them.
-    licences: String,
+/// Where cargo keeps the sources of a crate, given as `NAME VERSION`. `cargo metadata` would say it
+/// too, but downloads what only other packages of the workspace need.
+fn sources(name: &str) -> Result<PathBuf> {
+    let home = std::env::var_os("CARGO_HOME").map(PathBuf::from);
+    let home = home.or_else(|| Some(std::env::home_dir()?.join(".cargo")));
+    let registries = home.context("no CARGO_HOME")?.join("registry/src");
+    let folder = name.replace(' ', "-");
+    for registry in std::fs::read_dir(&registries).with_context(|| format!("{registries:?}"))? {
+        let sources = registry?.path().join(&folder);
+        if sources.exists() {
+            return Ok(sources);
+        }
+    }
+    bail!("no sources of {name} in {registries:?}");
 }
 
-/// All crates by name and version.
-fn crates() -> Result<BTreeMap<String, Crate>> {
-    let metadata: Value =
-        serde_json::from_str(&output(cargo("metadata").args(["--format-version", "1"]))?)?;
-    let packages = metadata["packages"].as_array().context("no packages")?;
-    let described = |package: &Value| {
-        let text = |key: &str| package[key].as_str().map(str::to_owned);
-        let manifest = PathBuf::from(text("manifest_path")?);
-        let name = format!("{} {}", text("name")?, text("version")?);
-        let folder = manifest.parent()?.to_owned();
-        let licences = text("license").unwrap_or_default();
-        Some((name, Crate { folder, licences }))
-    };
-    Ok(packages.iter().filter_map(described).collect())
-}
-
-/// The text of a crate's licence, or its name where the crate has no text.
-fn licence(of: &Crate) -> Result<String> {
-    let file = LICENCES.iter().map(|name| of.folder.join(name));
-    let Some(file) = file
-        .into_iter()
-        .find(|path| path.is_file())
-        .or(any(&of.folder)?)
-    else {
-        ensure!(!of.licences.is_empty(), "it names no licence");
-        return Ok(format!("{} (the crate holds no text)", of.licences));
+/// The text of a crate's licence, or its name in Cargo.toml where the crate has no text.
+fn licence(folder: &Path) -> Result<String> {
+    let mut files = LICENCES.iter().map(|name| folder.join(name));
+    let Some(file) = files.find(|path| path.is_file()).or(any(folder)?) else {
+        let manifest = std::fs::read_to_string(folder.join("Cargo.toml"))?;
+        let mut named = manifest
+            .lines()
+            .filter_map(|l| l.strip_prefix("license = \""));
+        let name = named.next().context("it names no licence")?;
+        let name = name.trim_end_matches('"');
+        return Ok(format!("{name} (the crate holds no text)"));
     };
     let text = std::fs::read_to_string(file)?;
-    Ok(text
-        .lines()
-        .map(str::trim_end)
-        .collect::<Vec<_>>()
-        .join("\n"))
+    let lines: Vec<&str> = text.lines().map(str::trim_end).collect();
+    Ok(lines.join("\n"))
 }
 
 /// The first file of a crate whose name says that it is a licence.

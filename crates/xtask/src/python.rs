@@ -11,7 +11,7 @@ const HEAD: &str = "\
 \"\"\"Structs and constants of include/posewise.h.
 
 Generated. To change it, edit src/ffi and run
-    POSEWISE_BLESS=1 cargo test --release --test header --test python
+    POSEWISE_BLESS=1 cargo test --release --test source
 \"\"\"
 
 from __future__ import annotations

@@ -47,7 +47,7 @@ const FORMATS: [(u32, usize, Luma); 18] = [
 #[derive(Clone, Copy)]
 enum Luma {
     Byte(usize),
-    /// A little-endian word, shifted right by so many bits.
+    /// A little-endian word, shifted right by some bits.
     Word(u32),
     Rgb(usize, usize, usize),
 }

@@ -11,7 +11,7 @@ use posewise::network::{
 };
 use posewise_format::{AlignedBytes, Blob, SectionWriter, blob};
 
-/// Channels come in blocks of so many.
+/// Channels of a block.
 const BLOCK: usize = 8;
 /// Largest number of inputs of one output, and of weights of a node: what a model may have.
 const MAX_COLUMNS: usize = 9 * 64;

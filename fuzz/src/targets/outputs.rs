@@ -90,6 +90,12 @@ impl Outputs {
                     roll_deg: 0.0,
                     translation_mm: [0.0; 3],
                     eye_open: [0.0; 2],
+                    facing_yaw_deg: 0.0,
+                    facing_pitch_deg: 0.0,
+                    facing_roll_deg: 0.0,
+                    facing_sigma_deg: [0.0; 3],
+                    focal_px: 0.0,
+                    camera_assumed: 0,
                     ..without_eyes(r)
                 };
                 assert_eq!(text, format!("{zero:?}"), "searching, but not zero");
@@ -100,11 +106,13 @@ impl Outputs {
                 assert!(r.age_us >= 0 && (r.state == POSEWISE_COASTING || r.age_us == 0));
                 let norm: f32 = r.rotation.iter().map(|v| v * v).sum();
                 assert!((norm - 1.0).abs() < 1e-3, "no unit quaternion: {r:?}");
-                assert!(
-                    r.yaw_deg.abs() <= 180.01 && r.roll_deg.abs() <= 180.01,
-                    "{r:?}"
-                );
-                assert!(r.pitch_deg.abs() <= 90.01, "{r:?}");
+                let turns = [r.yaw_deg, r.roll_deg, r.facing_yaw_deg, r.facing_roll_deg];
+                assert!(turns.iter().all(|v| v.abs() <= 180.01), "{r:?}");
+                let pitches = [r.pitch_deg, r.facing_pitch_deg];
+                assert!(pitches.iter().all(|v| v.abs() <= 90.01), "{r:?}");
+                let is_sigma = |v: &f32| (0.0..=180.0).contains(v);
+                assert!(r.facing_sigma_deg.iter().all(is_sigma), "{r:?}");
+                assert!(r.focal_px >= 1.0 && r.camera_assumed <= 1, "{r:?}");
                 assert!(r.eye_open.iter().all(|v| unit(v) || *v == -1.0), "{r:?}");
                 check_eyes(&r);
             }

@@ -151,7 +151,7 @@ fn detector() -> Writer {
     w
 }
 
-/// A node with so many weights for each output.
+/// A node with this number of weights for each output.
 //  op, kernel, stride, input, other, channels, at, zero_point, pre_shift, post_shift
 fn node(w: &mut Writer, numbers: [usize; 10], columns: usize) {
     numbers.into_iter().for_each(|value| w.u32(value));

@@ -25,7 +25,7 @@ const CLOSED: f64 = 0.8;
 /// A true weight above this is an eye that closes.
 const CLOSING: f64 = 0.4;
 /// The tracker's `eye_open` below this is a closed eye.
-const OPEN: f64 = 0.35;
+const CLOSED_BELOW: f64 = 0.35;
 /// Shortest closure \[s\].
 const CLOSURE_S: f64 = 0.2;
 /// Frames per second of a truth without times.
@@ -75,7 +75,7 @@ impl Pairs {
         self.blink.extend(centred(&clip.blink));
     }
 
-    /// All numbers of so many frames as text and as JSON.
+    /// All numbers of `frames` frames as text and as JSON.
     fn report(&self, frames: usize, closures: &Closures) -> (String, Value) {
         let known = self.blink.len();
         let [ear, blink, open] = [&self.ear, &self.blink, &self.open].map(|p| correlation(p));
@@ -179,10 +179,12 @@ fn compare(truth: &Table, csv: &Table) -> Result<Vec<Frame>> {
     let mut frames = Vec::new();
     for row in 0..truth.len() {
         let at = truth.number(row, number)? as i64;
+        // The truth counts frames from 0, the table of `track` from 1.
+        let in_table = at + 1;
         let both = |columns: [usize; 2]| -> Result<f64> {
             Ok((truth.number(row, columns[0])? + truth.number(row, columns[1])?) / 2.0)
         };
-        let Some((ratio, open)) = tracked.get(&(at + 1)) else {
+        let Some((ratio, open)) = tracked.get(&in_table) else {
             continue;
         };
         if truth.number(row, yaw)?.abs() <= YAW_DEG {
@@ -200,7 +202,7 @@ fn compare(truth: &Table, csv: &Table) -> Result<Vec<Frame>> {
 
 fn count(frames: &[Frame]) -> Closures {
     let shortest = (CLOSURE_S * FPS).round() as usize;
-    let closed = |f: &Frame| f.open.is_some_and(|open| open < OPEN);
+    let closed = |f: &Frame| f.open.is_some_and(|open| open < CLOSED_BELOW);
     let runs = |closed: &dyn Fn(&Frame) -> bool| -> Vec<Vec<Frame>> {
         let mut runs: Vec<Vec<Frame>> = vec![vec![]];
         for frame in frames {

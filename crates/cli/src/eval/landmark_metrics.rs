@@ -5,7 +5,9 @@
 //! rate and the AUC run over all pictures, a face not found counting as an infinite error.
 
 use posewise_metrics::cumulative::area_under_ced;
-use posewise_metrics::landmarks::{bounds, distance, iou, normalized_errors};
+use posewise_metrics::landmarks::{
+    bounds, box_size, eye_centres, iou, normalized_errors, outer_corners,
+};
 use posewise_metrics::{calibration_error, mean, median};
 use serde_json::{Map, Value, json};
 
@@ -150,24 +152,19 @@ const RIGHT: f64 = 0.1;
 /// The eye corners' distance that the face would have if it were not turned (at least 0.42 of the
 /// root of its box's area) over the one that it has.
 fn scale(label: &Points) -> f64 {
-    let [l, t, r, b] = bounds(label);
-    let iod = distance(label[36], label[45]).max(1e-9);
-    (0.42 * ((r - l) * (b - t)).sqrt() / iod).max(1.0)
+    let iod = outer_corners(label).max(1e-9);
+    (0.42 * box_size(label) / iod).max(1.0)
 }
 
 /// The inter-ocular distance over the root of the area of the box around the landmarks, and over
 /// the distance between the centres of the eyes.
 fn ratios(label: &Points) -> [f64; 2] {
-    let [l, t, r, b] = bounds(label);
-    let iod = distance(label[36], label[45]);
-    let centre = |eye: &[[f64; 2]]| [0, 1].map(|k| eye.iter().map(|p| p[k]).sum::<f64>() / 6.0);
-    let pupils = distance(centre(&label[36..42]), centre(&label[42..48]));
-    [((r - l) * (b - t)).sqrt(), pupils].map(|size| iod / size.max(1e-9))
+    let iod = outer_corners(label);
+    [box_size(label), eye_centres(label)].map(|size| iod / size.max(1e-9))
 }
 
 fn errors(label: &Points, found: &Points) -> [f64; 68] {
-    let iod = distance(label[36], label[45]).max(1e-9);
-    normalized_errors(label, found, iod)
+    normalized_errors(label, found, outer_corners(label).max(1e-9))
 }
 
 /// |dl − dr| / (dl + dr), dl and dr the distances along the eye line from the nose tip (30) to the

@@ -1,18 +1,12 @@
 //! `posewise eval landmarks`: each labelled picture is a still for a fresh tracker.
-//!
-//! The picture is shown again and again, 33 ms apart, until the tracker tracks (at most
-//! [`MAX_SEARCH_STEPS`] times, a budget that covers a whole scan many times over), then `--steps`
-//! times more, as a camera's next frames would be. The last fit counts.
 
 use std::fmt::Write as _;
 use std::path::Path;
 
-use anyhow::{Context, Result, anyhow, bail};
-use indicatif::{ParallelProgressIterator, ProgressBar};
+use anyhow::{Context, Result, bail};
 use posewise::detect::Detection;
-use posewise::track::{Config, Model, State, Tracker};
+use posewise::track::TrackResult;
 use posewise_metrics::landmarks::bounds;
-use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
 use super::camera;
@@ -21,22 +15,14 @@ use super::cut::cut;
 use super::landmark_metrics::{
     FitConfidence, Outcome, PARTS, Points, Summary, YawBand, eye_line, summarize,
 };
+use super::still::Stills;
 use super::table::Table;
 use super::turned::Turn;
 use crate::cli::{LandmarksArgs, Start};
-use crate::model_file::ModelFile;
 use crate::output;
 use crate::picture::Picture;
 use crate::plot;
 use crate::source::read_rgb;
-
-const STEP_US: i64 = 33_333;
-/// With [`SCAN_BUDGET`] a step sweeps any usual picture once; more sweeps find nothing new.
-const MAX_SEARCH_STEPS: u32 = 8;
-/// Windows per step: stills are not in a hurry.
-const SCAN_BUDGET: u32 = 10_000_000;
-/// Trackers live on the threads' stacks in debug builds.
-const THREAD_STACK: usize = 32 << 20;
 
 /// One labelled picture.
 pub(super) struct Label {
@@ -53,44 +39,26 @@ pub fn run(args: &LandmarksArgs) -> Result<()> {
     if !args.images.is_dir() {
         bail!("no such folder: {}", args.images.display());
     }
-    let file = ModelFile::read(args.model.as_deref())?;
-    let model = file.model()?;
-    let mut config = Config::default();
-    config.min_face_px = args.min_face;
-    config.scan_budget = SCAN_BUDGET;
-    Tracker::new(&config).map_err(|e| anyhow!("{e}"))?;
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(args.threads)
-        .stack_size(THREAD_STACK)
-        .build()
-        .context("cannot start threads")?;
-    let progress = ProgressBar::new(labels.len() as u64);
-    let outcomes: Vec<Outcome> = pool.install(|| {
-        labels
-            .par_iter()
-            .progress_with(progress)
-            .enumerate()
-            .map(|(index, label)| {
-                let picture = Picture::from_rgb(read_rgb(&args.images.join(&label.image))?);
-                let grey = camera::through(&args.camera, picture.upright_grey()?, 1);
-                let turn = Turn::new(&grey, args.roll);
-                let (mut grey, mut points) = (turn.picture(&grey), turn.points(&label.points));
-                let mut corner = [0.0; 2];
-                if args.cut > 0.0 {
-                    (grey, corner) = cut(&grey, &points, args.cut, index % 4);
-                    points = points.map(|[x, y]| [x - corner[0], y - corner[1]]);
-                }
-                let picture = Picture::from_grey(grey);
-                let start = (args.start == Start::Box)
-                    .then(|| turned_box(&label.points, &turn, args.roll, corner));
-                let found = fit_still(&model, &config, picture, start, args.steps)
-                    .with_context(|| label.image.clone())?;
-                let (found, confidence) = found.unzip();
-                let mut outcome = Outcome::new(&points, found.as_ref());
-                outcome.confidence = confidence;
-                Ok(outcome)
-            })
-            .collect::<Result<_>>()
+    let stills = Stills::new(&args.stills)?;
+    let outcomes = stills.each(&labels, |show, index, label| {
+        let picture = Picture::from_rgb(read_rgb(&args.images.join(&label.image))?);
+        let grey = camera::through(&args.camera, picture.upright_grey()?, 1);
+        let turn = Turn::new(&grey, args.roll);
+        let (mut grey, mut points) = (turn.picture(&grey), turn.points(&label.points));
+        let mut corner = [0.0; 2];
+        if args.cut > 0.0 {
+            (grey, corner) = cut(&grey, &points, args.cut, index % 4);
+            points = points.map(|[x, y]| [x - corner[0], y - corner[1]]);
+        }
+        let start =
+            (args.start == Start::Box).then(|| turned_box(&label.points, &turn, args.roll, corner));
+        let found = show
+            .fit(Picture::from_grey(grey), start)
+            .with_context(|| label.image.clone())?;
+        let (found, confidence) = found.map(|fit| points_of(&fit.result)).unzip();
+        let mut outcome = Outcome::new(&points, found.as_ref());
+        outcome.confidence = confidence;
+        Ok(outcome)
     })?;
     let total = summarize(outcomes.iter());
     let bands = YawBand::ALL
@@ -126,40 +94,14 @@ pub(super) fn read_labels(path: &Path) -> Result<Vec<Label>> {
         .collect()
 }
 
-/// Shows the picture to a fresh tracker; the landmarks of the last fit.
-fn fit_still(
-    model: &Model<'_>,
-    config: &Config,
-    mut picture: Picture,
-    mut start: Option<Detection>,
-    more_steps: u32,
-) -> Result<Option<(Points, FitConfidence)>> {
-    let mut tracker = Box::new(Tracker::new(config).map_err(|e| anyhow!("{e}"))?);
-    let mut found = None;
-    let mut left = MAX_SEARCH_STEPS;
-    while left > 0 {
-        left -= 1;
-        picture.timestamp_us += STEP_US;
-        let frame = picture.frame()?;
-        let time = picture.timestamp_us;
-        let result = match start.take() {
-            Some(face) => tracker.fit_at(model, &frame, time, &face),
-            None => tracker.step(model, &frame, time),
-        };
-        let result = result.map_err(|e| anyhow!("{e}"))?;
-        if result.state == State::Tracking {
-            if found.is_none() {
-                left = more_steps;
-            }
-            let points = result.landmarks.map(|l| [f64::from(l.x), f64::from(l.y)]);
-            let confidence = FitConfidence {
-                face: f64::from(result.confidence),
-                landmarks: result.landmarks.map(|l| f64::from(l.confidence)),
-            };
-            found = Some((points, confidence));
-        }
-    }
-    Ok(found)
+/// The landmarks of a fit with their confidences.
+fn points_of(result: &TrackResult) -> (Points, FitConfidence) {
+    let points = result.landmarks.map(|l| [f64::from(l.x), f64::from(l.y)]);
+    let confidence = FitConfidence {
+        face: f64::from(result.confidence),
+        landmarks: result.landmarks.map(|l| f64::from(l.confidence)),
+    };
+    (points, confidence)
 }
 
 /// The upright square around the labels, turned with the picture, of which the corner is at
@@ -242,8 +184,8 @@ fn to_json(args: &LandmarksArgs, total: &Summary, bands: &[(&str, Summary)]) -> 
             Start::Box => "box",
         };
         map.insert("start".into(), json!(start));
-        map.insert("steps_after_found".into(), json!(args.steps));
-        map.insert("min_face_px".into(), json!(args.min_face));
+        map.insert("steps_after_found".into(), json!(args.stills.steps));
+        map.insert("min_face_px".into(), json!(args.stills.min_face));
         map.insert("roll_deg".into(), json!(args.roll));
         if args.cut > 0.0 {
             map.insert("cut".into(), json!(args.cut));

@@ -2,6 +2,8 @@
 //! `recovery`, `latency`, `faceless` and `drift` make their clips in memory and show them to a
 //! tracker.
 
+mod angle_metrics;
+pub mod angles;
 pub mod backgrounds;
 pub mod camera;
 mod ced;
@@ -19,9 +21,12 @@ pub mod monitor;
 pub mod monitor_metrics;
 pub mod pose;
 pub mod pose_metrics;
+mod profile_metrics;
+pub mod profiles;
 pub mod recovery;
 pub mod registration;
 pub mod show;
 mod spans;
+mod still;
 pub mod table;
 pub mod turned;

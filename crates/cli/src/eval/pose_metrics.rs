@@ -5,7 +5,8 @@
 //! their size, so a wrong lock cannot hide. Angle differences wrap at ±180°.
 
 use posewise::track::{State, TrackResult};
-use posewise_metrics::landmarks::{bounds, distance};
+use posewise_metrics::landmarks::{box_size, distance};
+use posewise_metrics::pose::mean_angle;
 use posewise_metrics::{auc, mean};
 use serde_json::{Map, Value, json};
 
@@ -158,8 +159,7 @@ pub fn landmark_error(truth: &Truth, tracked: &Tracked) -> Option<f64> {
         .filter(|i| truth.visible[*i])
         .map(|i| distance(truth.points[i], tracked.points[i]))
         .collect();
-    let [l, t, r, b] = bounds(&truth.points);
-    let size = ((r - l) * (b - t)).max(1e-9).sqrt();
+    let size = box_size(&truth.points).max(1e-9);
     mean(&distances).map(|d| d / size)
 }
 
@@ -288,7 +288,7 @@ impl Summary {
 
     /// Mean of the three angle errors \[deg\].
     pub fn mean_angle(&self) -> Option<f64> {
-        self.angles.map(|a| a.iter().sum::<f64>() / 3.0)
+        self.angles.map(mean_angle)
     }
 
     /// The numbers as JSON; `null` where there are none.

@@ -13,7 +13,7 @@ const GRID: [usize; 2] = [40, 30];
 const ROUNDS: usize = 15;
 /// A step this small ends the search \[px\].
 const SETTLED: f64 = 1e-4;
-/// Differences of so many grey levels count half: eyes blink while heads move.
+/// Difference \[grey levels\] that counts half: eyes blink while heads move.
 const OUTLIER: f64 = 8.0;
 /// Of a blur, so that slopes hold for a pixel around.
 const BINOMIAL: [f32; 5] = [1.0 / 16.0, 4.0 / 16.0, 6.0 / 16.0, 4.0 / 16.0, 1.0 / 16.0];

@@ -15,7 +15,7 @@ pub struct Turn {
 }
 
 impl Turn {
-    /// By so many degrees.
+    /// By this angle \[deg\].
     pub fn new(picture: &GrayImage, deg: f64) -> Turn {
         let (sin, cos) = deg.to_radians().sin_cos();
         let [w, h] = [picture.width(), picture.height()].map(f64::from);

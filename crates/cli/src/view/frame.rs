@@ -126,6 +126,12 @@ fn pose_of(r: &TrackResult) -> Value {
         "visibleShare": number(r.visible_share),
         "rotationSigmaDeg": numbers(&r.rotation_sigma_deg),
         "translationSigmaMm": numbers(&r.translation_sigma_mm),
+        "facingYawDeg": number(r.facing_yaw_deg),
+        "facingPitchDeg": number(r.facing_pitch_deg),
+        "facingRollDeg": number(r.facing_roll_deg),
+        "facingSigmaDeg": numbers(&r.facing_sigma_deg),
+        "focalPx": number(r.focal_px),
+        "cameraAssumed": u32::from(r.camera_assumed),
     })
 }
 

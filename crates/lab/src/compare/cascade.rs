@@ -9,7 +9,7 @@ use super::fit::{Free, Target, fit};
 use super::follower::{Follower, Found};
 use super::person::Person;
 use super::state::State;
-use super::svm::{INNER, REFINEMENT, Templates, picture};
+use super::svm::{REFINEMENT, Templates, picture};
 use super::training::Trained;
 use crate::features::cascade::Cascade;
 use crate::video::Luma;
@@ -18,6 +18,7 @@ use posewise::Model;
 use posewise::align::Shape;
 use posewise::math::{Similarity, head_angles};
 use posewise::shape::LANDMARKS;
+use posewise_metrics::landmarks::INNER;
 
 /// Width of the fit's prior over that of the motion between frames: the cascade has seen the whole
 /// face.

@@ -5,7 +5,6 @@ use super::measures::{Row, Sums};
 use super::settings::{Method, Settings};
 use super::systems::{System, Tables};
 use super::trackers::Trackers;
-use crate::shard::Shard;
 use crate::store::Store;
 use crate::tracked::{self, Frame};
 use crate::truth::{self, Truth};
@@ -84,10 +83,9 @@ impl Comparison {
         })
     }
 
-    /// Each system on each clip.
-    pub fn units(&self) -> impl Iterator<Item = (&System, &Clip)> {
-        let pairs = |system| self.clips.iter().map(move |clip| (system, clip));
-        self.systems.iter().flat_map(pairs)
+    /// How many there are: each system on each clip.
+    pub fn results(&self) -> u64 {
+        (self.systems.len() * self.clips.len()) as u64
     }
 
     /// The frames of a system on a clip: those that are kept, or the clip is tracked.
@@ -97,7 +95,7 @@ impl Comparison {
     }
 
     /// The frames of a system on a clip, if they are there.
-    pub fn kept(&self, system: &System, clip: &Clip) -> Result<Option<Vec<Frame>>> {
+    fn kept(&self, system: &System, clip: &Clip) -> Result<Option<Vec<Frame>>> {
         let name = &clip.name;
         match (system, &self.store) {
             (System::Tables(tables), _) => {
@@ -136,26 +134,9 @@ impl Comparison {
         stated.or(self.focal)
     }
 
-    /// Tracks what a shard has, and gives the number of units that it did now and that it has.
-    pub fn run_shard(&self, shard: Shard) -> Result<(usize, usize)> {
-        let units = self.units().enumerate().filter(|(i, _)| shard.has(*i));
-        let units: Vec<_> = units.map(|(_, unit)| unit).collect();
-        let progress = ProgressBar::new(units.len() as u64);
-        let mut done = 0;
-        for (system, clip) in &units {
-            if self.kept(system, clip)?.is_none() {
-                self.track(system, clip)?;
-                done += 1;
-            }
-            progress.inc(1);
-        }
-        progress.finish_and_clear();
-        Ok((done, units.len()))
-    }
-
     /// The table; with `each`, a row per clip before that of a system.
     pub fn rows(&self, each: bool) -> Result<Vec<Row>> {
-        let progress = ProgressBar::new(self.units().count() as u64);
+        let progress = ProgressBar::new(self.results());
         let mut rows = Vec::new();
         for system in &self.systems {
             let mut all = Sums::default();
@@ -173,21 +154,6 @@ impl Comparison {
         }
         progress.finish_and_clear();
         Ok(rows)
-    }
-
-    /// An error that names results that are not there.
-    pub fn require_all(&self) -> Result<()> {
-        let mut missing = Vec::new();
-        for (system, clip) in self.units() {
-            if self.kept(system, clip)?.is_none() {
-                missing.push(format!("{}/{}", system.name(), clip.name));
-            }
-        }
-        let count = missing.len();
-        missing.truncate(4);
-        let some = missing.join(", ");
-        ensure!(count == 0, "{count} results are missing, as {some}");
-        Ok(())
     }
 }
 

@@ -6,6 +6,7 @@ use anyhow::Result;
 use clap::ValueEnum;
 use glam::Vec3;
 use posewise::shape::LANDMARKS;
+use posewise_metrics::landmarks::INNER;
 use posewise_train::head::{Head, Wfm};
 use posewise_train::render::mesh::Mesh;
 use serde::Serialize;
@@ -13,8 +14,6 @@ use std::path::Path;
 
 /// Identity modes that are fitted; as many as the thesis uses of Candide-3.
 const MODES: usize = 12;
-/// First landmark that is not on the jaw: the jaw of the image is no fixed place of the head.
-pub const INNER: usize = 17;
 
 /// Which 3D face.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, Serialize)]
@@ -144,7 +143,7 @@ mod tests {
         let data = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
         let (kit, wfm) = (data.join("facekit.npz"), data.join("candide3.wfm"));
         if !kit.exists() || !wfm.exists() {
-            eprintln!("skipped: no heads in {}", data.display());
+            crate::skip::skipped("heads of the shared data");
             return;
         }
         let head = FaceModel::morphable(&kit).unwrap();

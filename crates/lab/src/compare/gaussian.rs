@@ -17,7 +17,7 @@ const FLOOR: f64 = 0.25;
 /// Least number of views for a model.
 const LEAST_VIEWS: usize = 6;
 
-/// Rates of the update, tuned on the clip 04_free (docs/lab.md).
+/// Rates of the update, tuned on the clip 04_free (docs/dev/lab.md).
 #[derive(Clone, Copy, Debug, PartialEq, clap::Args, serde::Serialize)]
 pub struct Rates {
     /// Rate of the means (`adaptive`).

@@ -38,8 +38,8 @@ const SAMPLES: usize = 300;
 const SAMPLE: usize = 4;
 const INLIER_MM: f32 = 4.0;
 const LEAST_INLIERS: usize = 10;
-/// A keyframe is added where all others are further away \[rad\] and the energy is at most so many
-/// times the mean of the frames before.
+/// A keyframe is added where all others are further away \[rad\] and the energy is at most
+/// [`GOOD`] times the mean of the frames before.
 const FAR: f32 = 0.22;
 const GOOD: f64 = 1.2;
 /// Most keyframes.

@@ -3,13 +3,11 @@
 use crate::tracked::Frame;
 use crate::truth::Truth;
 use posewise_metrics::jitter::{Shape, landmark_jitter, second_difference};
-use posewise_metrics::landmarks::{bounds, nme_percent};
+use posewise_metrics::landmarks::{INNER, box_size, nme_percent};
 use posewise_metrics::pose::PoseErrors;
 use posewise_metrics::{mean, median};
 use serde::Serialize;
 
-/// First landmark that is not on the jaw, which has two definitions.
-const INNER: usize = 17;
 /// Share of the landmarks in the picture from which on a frame counts.
 const IN_FRAME: f64 = 0.5;
 /// Mean angle error beyond which a frame is lost, whatever the tracker says \[deg\].
@@ -22,8 +20,7 @@ pub fn counts(truth: &Truth) -> bool {
 
 /// Root of the area of the labels' box \[px\], at least 1.
 pub fn size(truth: &Truth) -> f64 {
-    let [left, top, right, bottom] = bounds(&truth.points);
-    ((right - left) * (bottom - top)).sqrt().max(1.0)
+    box_size(&truth.points).max(1.0)
 }
 
 /// Mean distance of the inner landmarks \[% of [`size`]\].

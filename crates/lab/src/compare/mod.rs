@@ -46,5 +46,5 @@ mod tests;
 
 pub use comparison::{Clip, Comparison, Selection};
 pub use measures::{Row, Sums, counts, nme, signed, size};
-pub use table::{Args as TableArgs, MergeArgs, run as run_table, run_merge};
+pub use table::{Args as TableArgs, run as run_table};
 pub use track::{Args as TrackArgs, run as run_track};

@@ -1,12 +1,13 @@
 //! The 3D face of the person in the first frame: identity, pose and units from its landmarks.
 
-use super::face_model::{FaceModel, INNER};
+use super::face_model::FaceModel;
 use super::state::{SIZE, State, UNITS};
 use anyhow::{Context, Result};
 use glam::{Mat3, Vec3};
 use nalgebra::{DMatrix, DVector};
 use posewise::Intrinsics;
 use posewise::shape::{LANDMARKS, posit};
+use posewise_metrics::landmarks::INNER;
 
 /// Standard deviation of a landmark in the first frame \[mm\].
 const NOISE_MM: f64 = 1.5;

@@ -113,6 +113,8 @@ impl View {
         let point = person.landmark(pose, landmark);
         let [x, y] = person.camera.project(point);
         let nearest = self.target.nearest_around(x, y);
-        nearest.is_some_and(|inv_z| 1.0 / point.z + 1e-9 >= inv_z / (1.0 + SLACK_MM * inv_z))
+        // The surface that is drawn there may be SLACK_MM nearer than the point. With its inverse
+        // depth w = 1 / z:  point.z ≤ z + SLACK_MM  ⇔  1 / point.z ≥ w / (1 + SLACK_MM · w).
+        nearest.is_some_and(|w| 1.0 / point.z + 1e-9 >= w / (1.0 + SLACK_MM * w))
     }
 }

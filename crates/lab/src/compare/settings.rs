@@ -59,7 +59,7 @@ impl Method {
         matches!(self, Method::Svm | Method::Cascade | Method::Hybrid)
     }
 
-    /// Weight of the energy against the prior's, tuned on the clip 04_free (docs/lab.md): the
+    /// Weight of the energy against the prior's, tuned on the clip 04_free (docs/dev/lab.md): the
     /// energies have different units.
     pub fn weight(self) -> f64 {
         match self {
@@ -105,7 +105,7 @@ pub struct Settings {
     #[serde(skip)]
     #[command(flatten)]
     pub product: product::Options,
-    /// Stop after so many frames.
+    /// Stop after this number of frames.
     #[arg(long)]
     pub frames: Option<usize>,
 }

@@ -17,10 +17,9 @@ use anyhow::Result;
 use posewise::Model;
 use posewise::align::Shape;
 use posewise::shape::LANDMARKS;
+use posewise_metrics::landmarks::INNER;
 use posewise_train::picture::Picture;
 
-/// First landmark that is not on the jaw, whose image is no fixed place of the head.
-pub const INNER: usize = 17;
 /// The rounds of the fit in a frame.
 const ROUNDS: [(Correction, Free); 4] = [
     (Correction::Peak, Free::Pose),

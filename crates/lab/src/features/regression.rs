@@ -22,7 +22,7 @@ pub enum Links {
     Global,
     /// Its own features.
     Own,
-    /// Its own and those of the landmarks that help most beside them, on a fold; so many in all.
+    /// Its own and those of the landmarks that help most beside them, on a fold: this many in all.
     Best(usize),
 }
 

@@ -1,12 +1,13 @@
 //! 300-W (Sagonas et al. 2013): `NAME.pts` beside each picture, in any folders. The coordinates of
 //! the files count from 1.
 
-use super::landmarks::{INNER, Points, nme, outer_corners, pupils};
 use super::predictions::{Media, Predictions, beside, files, name_below};
 use super::pts::parse68;
 use super::report::{Nme, Report};
 use super::text::Text;
 use anyhow::{Result, ensure};
+use posewise_metrics::jitter::Shape;
+use posewise_metrics::landmarks::{INNER, eye_centres, nme_percent, outer_corners};
 use std::path::Path;
 
 /// Endings of pictures.
@@ -17,7 +18,7 @@ pub const PICTURES: [&str; 4] = ["png", "jpg", "jpeg", "JPG"];
 const LIMITS: [f64; 2] = [8.0, 10.0];
 
 /// The labels from 0.
-pub fn parse(text: &Text) -> Result<Points> {
+pub fn parse(text: &Text) -> Result<Shape> {
     Ok(parse68(text)?.map(|[x, y]| [x - 1.0, y - 1.0]))
 }
 
@@ -28,12 +29,15 @@ pub fn run(data: &Path, predictions: &Predictions) -> Result<Report> {
     let mut sums: [[Nme; 2]; 2] = Default::default();
     for path in &labels {
         let label = parse(&Text::read(path)?)?;
-        let media = Media::Still(beside(path, &PICTURES), None);
+        let media = Media::Still(beside(path, &PICTURES));
         let found = predictions.of(&name_below(data, path), &media, 1)?;
         let found = found[0].as_ref().map(|t| t.points);
-        for (by_unit, unit) in sums.iter_mut().zip([outer_corners(&label), pupils(&label)]) {
+        let units = [outer_corners(&label), eye_centres(&label)];
+        for (by_unit, unit) in sums.iter_mut().zip(units) {
+            let unit = unit.max(f64::MIN_POSITIVE);
             for (sum, from) in by_unit.iter_mut().zip([0, INNER]) {
-                sum.push(found.map(|found| nme(&label, &found, from, unit)));
+                let pairs = |found| label.into_iter().zip(found).skip(from);
+                sum.push(found.map(|found| nme_percent(pairs(found), unit)));
             }
         }
     }

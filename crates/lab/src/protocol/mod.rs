@@ -1,25 +1,19 @@
 //! `posewise-lab protocol`: the measures that papers print, on public data sets in their own
-//! layouts. None of the sets is part of this repository; docs/lab.md describes the layouts.
+//! layouts. None of the sets is part of this repository; docs/dev/lab.md describes the layouts.
 
-mod aflw2000;
-mod biwi;
 mod boston;
 mod convention;
 mod ibug;
-mod landmarks;
-mod mat;
 mod predictions;
 mod pts;
 mod report;
 mod subsets;
 mod talking_face;
 mod text;
-mod wflw;
 
 use crate::product::{self, Product};
-use crate::shard::Shard;
-use anyhow::{Context, Result, ensure};
-use predictions::{Kept, Predictions};
+use anyhow::{Context, Result};
+use predictions::Predictions;
 use std::path::PathBuf;
 
 /// A data set's layout and measures.
@@ -32,12 +26,6 @@ pub enum Protocol {
     Ibug,
     /// Talking Face: landmarks of a video.
     TalkingFace,
-    /// AFLW2000-3D: pose and landmarks of pictures.
-    Aflw2000,
-    /// BIWI: pose of videos.
-    Biwi,
-    /// WFLW: landmarks of pictures, by subset.
-    Wflw,
     /// Folders of clips with truth: robustness curves, as of the thesis' U3PT.
     Subsets,
 }
@@ -54,13 +42,6 @@ pub struct Args {
     /// without it.
     #[arg(long)]
     pub csv: Option<PathBuf>,
-    /// Keep posewise's results in this folder; what is in it is not tracked again.
-    #[arg(long, conflicts_with = "csv")]
-    pub results: Option<PathBuf>,
-    /// Track only a share of the clips or pictures, the i-th of n, and print nothing: the same
-    /// command without it does.
-    #[arg(long, value_name = "I/N", requires = "results")]
-    pub shard: Option<Shard>,
     /// Write the curves (CED, robustness) as CSV.
     #[arg(long)]
     pub curves: Option<PathBuf>,
@@ -73,24 +54,11 @@ pub struct Args {
 
 /// Prints the measures.
 pub fn run(args: &Args) -> Result<()> {
-    let predictions = match (&args.csv, &args.results) {
-        (Some(folder), _) => Predictions::Tables(folder.clone()),
-        (None, Some(folder)) => {
-            let is_clear = args.protocol != Protocol::Wflw;
-            ensure!(
-                is_clear,
-                "pictures of WFLW show several faces; no --results"
-            );
-            let product = Product::new(&args.product)?;
-            let shard = args.shard.unwrap_or(Shard::WHOLE);
-            Predictions::Kept(Kept::new(product, folder, shard))
-        }
-        (None, None) => Predictions::Product(Product::new(&args.product)?),
+    let predictions = match &args.csv {
+        Some(folder) => Predictions::Tables(folder.clone()),
+        None => Predictions::Product(Product::new(&args.product)?),
     };
     let report = report(args, &predictions)?;
-    if args.shard.is_some() {
-        return Ok(());
-    }
     print!("{}", report.text);
     if let Some(path) = &args.curves {
         let shown = || path.display().to_string();
@@ -112,9 +80,6 @@ fn report(args: &Args, predictions: &Predictions) -> Result<report::Report> {
         Protocol::Buft => boston::run(data, predictions),
         Protocol::Ibug => ibug::run(data, predictions),
         Protocol::TalkingFace => talking_face::run(data, predictions, args.markup),
-        Protocol::Aflw2000 => aflw2000::run(data, predictions),
-        Protocol::Biwi => biwi::run(data, predictions),
-        Protocol::Wflw => wflw::run(data, predictions),
         Protocol::Subsets => subsets::run(data, predictions),
     }
 }

@@ -1,13 +1,9 @@
 //! What is compared with the truth: tables of any tracker, or the product's own results.
 
 use crate::product::Product;
-use crate::shard::Shard;
-use crate::store::{Store, sum};
-use crate::tracked::{self, Frame, Tracked};
+use crate::tracked::{self, Tracked};
 use crate::video::{Luma, Video};
 use anyhow::{Context, Result};
-use serde_json::{Value, json};
-use std::cell::Cell;
 use std::path::{Path, PathBuf};
 
 /// What a data set shows.
@@ -16,8 +12,8 @@ pub enum Media {
     Video(PathBuf),
     /// Pictures that are the frames of a video.
     Frames(Vec<PathBuf>),
-    /// One picture, and the box of the face (left, top, right, bottom \[px\]) where it is known.
-    Still(PathBuf, Option<[f64; 4]>),
+    /// One picture.
+    Still(PathBuf),
 }
 
 /// Where predictions come from.
@@ -26,55 +22,6 @@ pub enum Predictions {
     Tables(PathBuf),
     /// posewise runs on the media.
     Product(Product),
-    /// The same, with results that are kept.
-    Kept(Kept),
-}
-
-/// posewise on a share of the media, with a folder of results.
-pub struct Kept {
-    product: Product,
-    store: Store,
-    shard: Shard,
-    /// Clips or pictures so far.
-    units: Cell<usize>,
-    /// What every result depends on.
-    key: Value,
-}
-
-impl Kept {
-    /// Tracks what the folder does not have.
-    pub fn new(product: Product, folder: &Path, shard: Shard) -> Kept {
-        Kept {
-            key: json!({
-                "version": env!("CARGO_PKG_VERSION"),
-                "model": sum(product.bytes()),
-                "focal": product.focal(),
-            }),
-            product,
-            store: Store::new(folder),
-            shard,
-            units: Cell::new(0),
-        }
-    }
-
-    /// Nothing of a unit that belongs to another shard.
-    fn of(&self, name: &str, media: &Media) -> Result<Vec<Option<Tracked>>> {
-        let unit = self.units.replace(self.units.get() + 1);
-        if !self.shard.has(unit) {
-            return Ok(Vec::new());
-        }
-        if let Some(frames) = self.store.load(name, &self.key)? {
-            return Ok(frames.into_iter().map(|f| f.tracked).collect());
-        }
-        let found = run(&self.product, media)?;
-        let frame = |tracked: &Option<Tracked>| Frame {
-            tracked: tracked.clone(),
-            ..Frame::default()
-        };
-        let frames: Vec<Frame> = found.iter().map(frame).collect();
-        self.store.save(name, &self.key, &frames)?;
-        Ok(found)
-    }
 }
 
 impl Predictions {
@@ -87,7 +34,6 @@ impl Predictions {
                 (0..frames).map(&mut found).collect()
             }
             Predictions::Product(product) => run(product, media)?,
-            Predictions::Kept(kept) => kept.of(name, media)?,
         };
         found.resize(frames, None);
         Ok(found)
@@ -97,7 +43,7 @@ impl Predictions {
 /// posewise on a clip or a picture.
 fn run(product: &Product, media: &Media) -> Result<Vec<Option<Tracked>>> {
     match media {
-        Media::Still(path, bounds) => Ok(vec![product.still(path, *bounds)?]),
+        Media::Still(path) => Ok(vec![product.still(path)?]),
         Media::Video(path) => video(product, path),
         Media::Frames(paths) => {
             let mut session = product.start()?;

@@ -5,12 +5,12 @@
 //! corners of eyes and mouth, the middles of the lips, tip, base and wings of the nose.
 
 use super::ibug::PICTURES;
-use super::landmarks::Points;
 use super::predictions::{Media, Predictions, beside, files, name_below};
 use super::pts::parse68;
 use super::report::{Report, cell};
 use super::text::Text;
 use anyhow::{Result, ensure};
+use posewise_metrics::jitter::Shape;
 use posewise_metrics::landmarks::distance;
 use posewise_metrics::mean;
 use std::path::Path;
@@ -58,7 +58,7 @@ const FURTHER: [[usize; 2]; 13] = [
 ];
 
 /// Root of the mean squared distance of these pairs of points \[px\].
-fn rms(label: &Points, found: &Points, pairs: &[[usize; 2]]) -> f64 {
+fn rms(label: &Shape, found: &Shape, pairs: &[[usize; 2]]) -> f64 {
     let squares = pairs
         .iter()
         .map(|[a, b]| distance(label[*a], found[*b]).powi(2));

@@ -1,6 +1,6 @@
 //! A small synthetic data set in each layout, with known errors; and corrupted files.
 
-use super::convention::{angles, of_boston, rotation};
+use super::convention::{angles, of_boston};
 use super::*;
 use crate::tracked;
 use rand::{Rng, SeedableRng};
@@ -58,8 +58,6 @@ impl Set {
             protocol,
             data: self.0.path().join("data"),
             csv: None,
-            results: None,
-            shard: None,
             curves: None,
             markup: talking_face::Markup::Xm2vts,
             product: product::Options {
@@ -169,95 +167,6 @@ fn talking_face() {
 }
 
 #[test]
-fn aflw2000() {
-    let set = Set::new();
-    let write = |name: &str, yaw: f32| {
-        let pose = [0.0, yaw.to_radians(), 0.0, 0.0, 0.0, 0.0, 1.0];
-        let points: Vec<f32> = face()
-            .iter()
-            .flat_map(|[x, y]| [*x as f32, *y as f32, 0.0])
-            .collect();
-        let arrays: [(&str, [u32; 2], &[f32]); 2] =
-            [("Pose_Para", [1, 7], &pose), ("pt3d_68", [3, 68], &points)];
-        set.write(&format!("data/{name}.mat"), mat::tests::file(&arrays));
-    };
-    write("image00002", -40.0);
-    write("image00004", 120.0);
-    // The set's yaw is to the image left, posewise's to the right.
-    set.table("image00002", &[Some(([44.0, 0.0, 0.0], face()))]);
-    set.table("image00004", &[None]);
-    let text = set.text(Protocol::Aflw2000);
-    assert!(
-        text.contains("| all | 1 | 100.00 | 4.00 | 0.00 | 0.00 | 1.33 |"),
-        "{text}"
-    );
-    assert!(
-        text.contains("| 68 points | 2 | 50.00 | 0.00 | 50.00 | 50.00 |"),
-        "{text}"
-    );
-    assert!(text.contains("yaw 30 to 60° | 1 |"), "{text}");
-    set.write("data/image00004.mat", b"MATLAB");
-    let error = set.error(Protocol::Aflw2000);
-    assert_eq!(error, "image00004.mat: shorter than its header");
-}
-
-#[test]
-fn biwi() {
-    let set = Set::new();
-    let pose = |angles: [f64; 3]| {
-        let r = rotation(angles).transpose().to_cols_array_2d();
-        let rows: String = r
-            .iter()
-            .map(|[a, b, c]| format!("{a} {b} {c} \n"))
-            .collect();
-        format!("{rows}\n12.5 -30.1 910.0 \n")
-    };
-    set.write("data/01/frame_00003_pose.txt", pose([20.0, -10.0, 5.0]));
-    set.write("data/01/frame_00004_pose.txt", pose([0.0; 3]));
-    set.table(
-        "01",
-        &[
-            Some(([20.0, -10.0, 5.0], face())),
-            Some(([0.0, 6.0, 0.0], face())),
-        ],
-    );
-    let text = set.text(Protocol::Biwi);
-    assert!(
-        text.contains("| 01 | 2 | 100.00 | 0.00 | 3.00 | 0.00 | 1.00 |"),
-        "{text}"
-    );
-    set.write(
-        "data/01/frame_00004_pose.txt",
-        "1 0 0\n0 1 0\n0 0 2\n\n1 2 3\n",
-    );
-    let error = set.error(Protocol::Biwi);
-    assert_eq!(error, "01/frame_00004_pose.txt, line 5: no rotation");
-}
-
-#[test]
-fn wflw() {
-    let set = Set::new();
-    let mut points = [[0.0; 2]; 98];
-    (points[60], points[72]) = ([0.0, 0.0], [100.0, 0.0]);
-    let points: String = points.iter().map(|[x, y]| format!("{x} {y} ")).collect();
-    let line = format!("{points}0 0 100 100 1 0 0 0 1 0 37--Soccer/a.jpg\n");
-    set.write("data/list_98pt_rect_attr_test.txt", &line);
-    let mut found = [[0.0, 2.0]; 68];
-    found[45] = [100.0, 2.0];
-    set.table("37--Soccer/a", &[Some(([0.0; 3], found))]);
-    let text = set.text(Protocol::Wflw);
-    for subset in ["all", "pose", "occlusion"] {
-        let row = format!("| {subset} | 1 | 100.00 | 2.00 | 80.00 | 0.00 |");
-        assert!(text.contains(&row), "{text}");
-    }
-    assert!(text.contains("| blur | 0 |"), "{text}");
-    set.write("data/list_98pt_rect_attr_test.txt", format!("{line}1 2\n"));
-    let error = set.error(Protocol::Wflw);
-    let expected = "list_98pt_rect_attr_test.txt, line 2: 2 words, not 206 and a name";
-    assert_eq!(error, expected);
-}
-
-#[test]
 fn subsets() {
     let set = Set::new();
     let mut truth = String::from("frame,yaw,pitch,roll,in_frame");
@@ -312,32 +221,15 @@ fn corrupted(rng: &mut ChaCha8Rng, bytes: &[u8]) -> Vec<u8> {
 #[test]
 fn corrupted_files_are_errors_or_values_but_never_panic() {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
-    let flat: Vec<f32> = face()
-        .iter()
-        .flat_map(|[x, y]| [*x as f32, *y as f32, 0.0])
-        .collect();
-    let label = mat::tests::file(&[
-        ("Pose_Para", [1, 7], &[0.1; 7]),
-        ("pt3d_68", [3, 68], &flat),
-    ]);
-    let words: String = (0..206).map(|k| format!("{k} ")).collect();
     for _ in 0..2000 {
-        let _ = aflw2000::parse(&corrupted(&mut rng, &label));
-        let texts = [
-            pts(face()),
-            "0 0 0 40 0 0 0\n0.03 0 0 40 0 10 -5\n".into(),
-            "1 0 0\n0 1 0\n0 0 1\n\n1 2 3\n".into(),
-            format!("{words}a.jpg\n"),
-        ];
+        let texts = [pts(face()), "0 0 0 40 0 0 0\n0.03 0 0 40 0 10 -5\n".into()];
         for (k, good) in texts.iter().enumerate() {
             let Ok(text) = text::Text::parse("t", corrupted(&mut rng, good.as_bytes())) else {
                 continue;
             };
             match k {
                 0 => drop(ibug::parse(&text)),
-                1 => drop(boston::parse(&text)),
-                2 => drop(biwi::parse(&text)),
-                _ => drop(wflw::parse(&text)),
+                _ => drop(boston::parse(&text)),
             }
         }
     }

@@ -3,14 +3,12 @@
 use crate::compare::size;
 use crate::tracked::Frame;
 use crate::truth::Truth;
-use posewise_metrics::landmarks::distance;
+use posewise_metrics::landmarks::{INNER, distance};
 use posewise_metrics::{calibration_error, mean};
 use serde::Serialize;
 
 /// Parts of the range of confidences.
 const BINS: usize = 10;
-/// First landmark that is not on the jaw.
-const INNER: usize = 17;
 /// A landmark is right within this share of the inter-ocular distance, as `Landmark::confidence`
 /// says.
 const RIGHT: f64 = 0.1;

@@ -31,7 +31,7 @@ const colour = (system) => `var(--s${system % 12})`;
 /** Dashes of a system: few people tell seven colours apart. */
 const dashOf = (system) => (system > 5 ? 1 : 0);
 
-/** Round numbers from min to max, about so many. */
+/** Round numbers from min to max, about `count`. */
 function ticks(min, max, count) {
   const rough = (max - min) / count;
   const power = 10 ** Math.floor(Math.log10(rough));
@@ -41,7 +41,7 @@ function ticks(min, max, count) {
   return Array.from({ length: last - first + 1 }, (_, i) => (first + i) * step);
 }
 
-/** A number with so many digits as it needs. */
+/** A number with the digits that it needs. */
 const short = (value) => String(Number(value.toPrecision(6)));
 
 /** A value with its unit. */

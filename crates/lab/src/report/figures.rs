@@ -131,7 +131,7 @@ impl Sample<'_> {
 impl Figures {
     /// Takes the results of all systems.
     pub fn of(comparison: &Comparison, worst: usize, scrub: usize) -> Result<Figures> {
-        let progress = ProgressBar::new(comparison.units().count() as u64);
+        let progress = ProgressBar::new(comparison.results());
         let mut systems = Vec::new();
         for system in &comparison.systems {
             let mut results = Vec::new();

@@ -10,7 +10,7 @@ use posewise_train::render::noise::{fractal, noise, normal, smoothstep};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 
-/// Coefficients that reach further than training's do: so many of the first so many.
+/// Coefficients that reach further than training's do, among the [`LEADING`] first ones.
 const EXTREMES: std::ops::RangeInclusive<usize> = 3..=5;
 const LEADING: usize = 12;
 /// Depth of the skull's middle \[mm\].

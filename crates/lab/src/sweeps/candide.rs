@@ -20,7 +20,7 @@ use std::collections::BTreeMap;
 use std::f32::consts::FRAC_PI_2;
 use std::path::Path;
 
-/// Each triangle's edges are divided into so many parts.
+/// Parts of each triangle's edges.
 const PARTS: usize = 16;
 /// How far patches bulge towards their corners' tangent planes.
 const BULGE: f32 = 0.6;

@@ -66,7 +66,7 @@ pub struct Args {
     /// Render only clips whose names begin with one of these; repeat for several.
     #[arg(long)]
     pub only: Vec<String>,
-    /// Render at most so many frames of each clip.
+    /// Render at most this number of frames of each clip.
     #[arg(long)]
     pub frames: Option<usize>,
 }

@@ -80,11 +80,6 @@ impl Placement {
         if self.mirrored { MIRROR[k] } else { k }
     }
 
-    /// Canonical units per crop px.
-    pub fn unit() -> f32 {
-        1.0 / ZOOM
-    }
-
     /// Marks of landmarks in the order of the points.
     pub fn marks(&self, of: &[bool; LANDMARKS]) -> [bool; LANDMARKS] {
         std::array::from_fn(|k| of[self.landmark(k)])

@@ -66,7 +66,7 @@ impl Bank {
         Bank(bank.collect())
     }
 
-    /// Whether it has so many views, and templates of all landmarks.
+    /// Whether it has this number of views, and templates of all landmarks.
     pub fn is_whole(&self, views: usize) -> bool {
         let template = |t: &Template| t.weight.len() == VALUES;
         let view = |view: &Vec<[Template; KINDS]>| {

@@ -22,7 +22,7 @@ use rayon::prelude::*;
 const FITS: usize = 2;
 /// Iterations that lead to them, at least; some get one more.
 const ITERATIONS: usize = 3;
-/// Of so many faces one has something before it, and one is cut off by the picture's edge.
+/// One face in this number has something before it, and one is cut off by the picture's edge.
 const OCCLUDED: usize = 4;
 const CUT_OFF: usize = 12;
 /// Largest mean error of the visible landmarks of a fit \[% of the scale\]: a verifier accepts

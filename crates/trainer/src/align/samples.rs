@@ -5,7 +5,6 @@ use super::network::{Points, Sizes};
 use super::starts::normal;
 use crate::faces::Face;
 use posewise::align::{Shape, mirror};
-use posewise::image::{Crop, warp};
 use posewise::math::Similarity;
 use posewise::shape::{LANDMARKS, MIRROR};
 use posewise_metrics::BoxJitter;
@@ -141,7 +140,7 @@ pub fn cut(
 ) -> Sample {
     let canonical = Similarity::fit(mean, &face.landmarks).expect("a face has extent");
     let to_frame = to_canonical.then(&canonical);
-    let mut crop = cut_at(face, &to_frame, side);
+    let mut crop = face.picture.crop(&to_frame, side, false);
     let back = to_frame.inverse().expect("a face has extent");
     let mut truth = face.landmarks.map(|p| back.apply(p));
     let mut known = face.known;
@@ -157,20 +156,6 @@ pub fn cut(
         truth: truth.to_vec(),
         weights: known.map(weight).to_vec(),
     }
-}
-
-/// The crop whose px, from its centre, lie at `to_frame` in the picture.
-pub fn cut_at(face: &Face, to_frame: &Similarity, side: usize) -> Vec<f32> {
-    let centre = (side as f32 - 1.0) / 2.0;
-    let [tx, ty] = to_frame.apply([-centre, -centre]);
-    let mut crop = Crop::new();
-    let from_corner = Similarity {
-        tx,
-        ty,
-        ..*to_frame
-    };
-    warp(&face.picture.frame(), &from_corner, side, &mut crop);
-    crop.luma().iter().map(|v| *v as f32).collect()
 }
 
 /// Motion, contrast, brightness, noise, blur and patches.

@@ -8,7 +8,7 @@ use super::adam::State;
 use super::graph::{Maps, Scratch};
 use super::network::{Network, Sizes};
 use super::options::Options;
-use super::samples::{Sample, cut_at, standardise};
+use super::samples::{Sample, standardise};
 use super::source::Source;
 use super::starts::normal;
 use crate::faces::Face;
@@ -274,7 +274,7 @@ impl Trained {
     }
 
     /// One iteration of a global stage in `f32`: an initial shape in frame px in, the landmarks
-    /// out, as they are after so many of the network's predictions.
+    /// out, as they are after this number of the network's predictions.
     pub fn iterate(
         &self,
         face: &Face,
@@ -286,7 +286,9 @@ impl Trained {
         let Some(placed) = place(mean, initial_shape, sizes.zoom, sizes.side) else {
             return *initial_shape;
         };
-        let mut crop = cut_at(face, &placed.centred_to_frame, sizes.side);
+        let mut crop = face
+            .picture
+            .crop(&placed.centred_to_frame, sizes.side, false);
         standardise(&mut crop);
         let mut maps = self.network.graph.maps();
         maps[0].copy_from_slice(&crop);

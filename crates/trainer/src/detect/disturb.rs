@@ -116,7 +116,7 @@ fn smear(luma: &mut [u8], rng: &mut ChaCha8Rng) {
     steps.iter().for_each(|step| mean_along(luma, *step, taps));
 }
 
-/// Replaces each pixel by the mean of so many, a step apart, around it.
+/// Replaces each pixel by the mean of `taps` pixels, a step apart, around it.
 fn mean_along(luma: &mut [u8], step: usize, taps: usize) {
     let source = luma.to_vec();
     let first = (taps - 1) / 2 * step;

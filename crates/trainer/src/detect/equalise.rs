@@ -2,7 +2,7 @@
 //! may be scaled before or after it. All channels of a map are rounded with one unit, so a channel
 //! of small values would keep few levels.
 
-use super::layer::{BACK, Op};
+use super::layer::{ADDEND_BACK, Op};
 use super::network::Network;
 use super::tile::standardise;
 
@@ -71,17 +71,17 @@ pub fn quantile(mut values: Vec<f32>) -> f32 {
 /// Factor of each channel of each map; 1 for the tile and the outputs. Maps that are added to each
 /// other have the same.
 fn factors(network: &Network, ranges: &[Vec<f32>]) -> Vec<Vec<f32>> {
-    // The first map of the sum that a map is a term of.
-    let mut first: Vec<usize> = (0..ranges.len()).collect();
+    // Maps that are added up are a group, named by its first map. Any other map is its own group.
+    let mut group: Vec<usize> = (0..ranges.len()).collect();
     for (k, l) in network
         .layers
         .iter()
         .enumerate()
         .filter(|(_, l)| l.op == Op::Add)
     {
-        let root = first[k - BACK];
-        debug_assert_eq!(l.channels, ranges[root].len());
-        (first[k], first[k + 1]) = (root, root);
+        let added_to = group[k - ADDEND_BACK];
+        debug_assert_eq!(l.channels, ranges[added_to].len());
+        (group[k], group[k + 1]) = (added_to, added_to);
     }
     let outputs = ranges.len() - 1;
     (0..ranges.len())
@@ -89,11 +89,11 @@ fn factors(network: &Network, ranges: &[Vec<f32>]) -> Vec<Vec<f32>> {
             if map == 0 || map == outputs {
                 return vec![1.0; ranges[map].len()];
             }
-            let tied = || (0..ranges.len()).filter(|m| first[*m] == first[map]);
-            let range = |c: usize| tied().map(|m| ranges[m][c]).fold(1e-6, f32::max);
-            let own: Vec<f32> = (0..ranges[map].len()).map(range).collect();
-            let most = own.iter().copied().fold(0.0, f32::max);
-            own.iter().map(|v| (most / v).min(MOST)).collect()
+            let maps = || (0..ranges.len()).filter(|m| group[*m] == group[map]);
+            let range = |c: usize| maps().map(|m| ranges[m][c]).fold(1e-6, f32::max);
+            let of_group: Vec<f32> = (0..ranges[map].len()).map(range).collect();
+            let widest = of_group.iter().copied().fold(0.0, f32::max);
+            of_group.iter().map(|v| (widest / v).min(MOST)).collect()
         })
         .collect()
 }

@@ -24,7 +24,7 @@ pub enum Op {
 /// Side of the first layer's kernel \[px\].
 pub const FIRST_KERNEL: usize = 5;
 /// How many layers before the map is that [`Op::Add`] adds.
-pub const BACK: usize = 2;
+pub const ADDEND_BACK: usize = 2;
 
 /// A layer and the place of its parameters.
 #[derive(Clone, Copy, Debug)]

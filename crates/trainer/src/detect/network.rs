@@ -4,7 +4,7 @@
 //! [`align::graph`](crate::align), whose layers take several times as long on maps of so few
 //! channels.
 
-use super::layer::{BACK, FIRST_KERNEL, Layer, OUTPUTS, Op};
+use super::layer::{ADDEND_BACK, FIRST_KERNEL, Layer, OUTPUTS, Op};
 use super::loops::{columns, depthwise, depthwise_back, gemm, outer};
 use posewise::detect::TILE;
 use rand::Rng;
@@ -172,7 +172,7 @@ impl Network {
             Op::Pointwise | Op::Head => gemm(input, l.inputs, weights, l.channels, out),
             Op::Depthwise { stride } => depthwise(input, l, stride, weights, out),
             Op::Add => {
-                for ((o, a), b) in out.iter_mut().zip(input).zip(&before[k - BACK]) {
+                for ((o, a), b) in out.iter_mut().zip(input).zip(&before[k - ADDEND_BACK]) {
                     *o = a + b;
                 }
             }
@@ -227,7 +227,7 @@ impl Network {
             }
             Op::Add => {
                 let (a, b) = before.split_at_mut(k);
-                let by_inputs = b[0].iter_mut().zip(&mut a[k - BACK]);
+                let by_inputs = b[0].iter_mut().zip(&mut a[k - ADDEND_BACK]);
                 for ((x, y), v) in by_inputs.zip(by_out) {
                     *x += v;
                     *y += v;

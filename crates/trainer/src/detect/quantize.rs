@@ -2,7 +2,7 @@
 //! parameters in `f32` become integers.
 
 use super::equalise::quantile;
-use super::layer::{BACK, FIRST_KERNEL, OUTPUTS, Op};
+use super::layer::{ADDEND_BACK, FIRST_KERNEL, OUTPUTS, Op};
 use super::network::Network;
 use super::options::Options;
 use super::tile::{MIDDLE_SIZE, UNITS, standardise};
@@ -62,7 +62,7 @@ fn write_network(
             Op::Depthwise { stride } => (OP_DEPTHWISE, 3, stride, 0),
             Op::Pointwise => (OP_CONV, 1, 1, 0),
             Op::Head => (OP_LINEAR, 1, 1, 0),
-            Op::Add => (OP_ADD, 1, 1, k - BACK),
+            Op::Add => (OP_ADD, 1, 1, k - ADDEND_BACK),
         };
         let zero = if k == 0 { INPUT_ZERO } else { 0 };
         let head = |before: u32, after: u32| {
@@ -81,7 +81,7 @@ fn write_network(
             ]
         };
         if l.op == Op::Add {
-            let shares = [k, k - BACK].map(|m| scales[m] / scales[k + 1]);
+            let shares = [k, k - ADDEND_BACK].map(|m| scales[m] / scales[k + 1]);
             let (factors, after) = fixed(&shares);
             write_header(head(0, after), out);
             out.array::<i8>(&[]).array(&[0i32; 2]).array(&factors);
@@ -133,7 +133,7 @@ fn uses(network: &Network) -> Vec<Use> {
         replaces: (l.op == Op::Add).then_some(k),
     }));
     for (k, _) in layers.iter().enumerate().filter(|(_, l)| l.op == Op::Add) {
-        uses[k - BACK].last = k + 1;
+        uses[k - ADDEND_BACK].last = k + 1;
     }
     uses
 }

@@ -26,7 +26,7 @@ use std::path::Path;
 /// Samples that show how large the maps' values grow.
 const EXAMPLES: usize = 2048;
 
-/// The second round has one in so many of the first round's batches.
+/// The second round has one in this number of the first round's batches.
 const SECOND: usize = 4;
 
 /// How the network is trained.
@@ -42,7 +42,7 @@ pub struct EyeOptions {
 }
 
 impl EyeOptions {
-    /// Those of this seed and so many batches.
+    /// Those of this seed and number of batches.
     pub fn new(seed: u64, steps: usize) -> EyeOptions {
         EyeOptions {
             network: Options {

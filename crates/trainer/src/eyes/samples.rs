@@ -2,7 +2,7 @@
 //! network is to say of them.
 
 use super::cover;
-use super::crop::{ROLL, crop_of, turned};
+use super::crop::{ROLL, turned};
 use super::lens;
 use super::single::SingleEye;
 use crate::align::{Augment, Sample, Sizes, Source, disturb, normal, standardise};
@@ -147,7 +147,7 @@ impl Eyes<'_> {
         let back = to_frame.inverse().expect("a crop has extent");
         let [x, y] = back.apply(eye.truth.iris.to_array());
         let sine = place.to_camera.transpose() * eye.truth.gaze - self.by_nose * place.nose;
-        let mut crop = crop_of(&eye.picture, &to_frame, self.sizes.side, mirror);
+        let mut crop = eye.picture.crop(&to_frame, self.sizes.side, mirror);
         let drawn = match eye.truth.lens > 0.0 {
             true => None,
             false => lens::draw(&mut crop, self.sizes.side, self.sizes.zoom, rng),

@@ -1,6 +1,6 @@
 //! Photographs of single eyes: they say only whether an eye is open.
 
-use super::crop::{ROLL, crop_of, turned};
+use super::crop::{ROLL, turned};
 use crate::align::{Sizes, normal};
 use crate::picture::Picture;
 use anyhow::Result;
@@ -9,7 +9,7 @@ use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use std::path::Path;
 
-/// One photograph in so many is held out of training, as for the lid refiner.
+/// One photograph in this number is held out of training, as for the lid refiner.
 const HELD_OUT: usize = 5;
 /// Width of the eye and height of its middle in a photograph, in its width and height, and width of
 /// an eye \[mm\].
@@ -49,7 +49,7 @@ impl SingleEye {
         let (scale, roll) = (LOG_SCALE * normal(rng), 2.0 * ROLL * normal(rng));
         let to_mm = turned(-sizes.zoom.ln(), 0.0, [0.0; 2]).then(&turned(scale, roll, shift));
         let mirror = rng.random_bool(0.5);
-        crop_of(&self.picture, &to_mm.then(&place), sizes.side, mirror)
+        self.picture.crop(&to_mm.then(&place), sizes.side, mirror)
     }
 }
 

@@ -37,7 +37,7 @@ impl Picture {
 }
 
 impl Camera {
-    /// A random camera for a face so many pixels wide and of this mean linear light; `defects`
+    /// A random camera for a face of this width \[px\] and mean linear light; `defects`
     /// scales blur and noise.
     pub fn random(rng: &mut ChaCha8Rng, face_px: f32, face_light: f32, defects: f32) -> Camera {
         let blur = rng.random_range(0.0..1.0f32).powi(2) * 0.018 * defects * face_px;
@@ -68,7 +68,7 @@ impl Camera {
     }
 
     /// A camera at night, in haze, out of focus, moving or with strong compression; its defects are
-    /// scaled to a face so many pixels wide.
+    /// scaled to a face of this width \[px\].
     pub fn poor(rng: &mut ChaCha8Rng, face_px: f32) -> Camera {
         let mut up_to = |share: f64, most: f32| match rng.random_bool(share) {
             true => rng.random_range(0.0..most),

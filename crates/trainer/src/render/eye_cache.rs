@@ -181,7 +181,7 @@ pub fn write(
     Ok(())
 }
 
-/// All eyes of a file, at most of so many pictures.
+/// All eyes of a file, of at most `limit` pictures.
 pub fn read(path: &Path, limit: usize) -> Result<Vec<Eye>> {
     let bytes = std::fs::read(path).with_context(|| format!("reading {}", path.display()))?;
     let (records, _) = records(&bytes);

@@ -35,7 +35,7 @@ impl Prop {
         }
     }
 
-    /// Closes the last ring of so many vertices with a fan around a middle.
+    /// Closes the last ring, of `ring` vertices, with a fan around a middle.
     pub fn fill(&mut self, ring: usize, middle: Vec3) {
         let (hub, n) = (self.vertices.len() as u32, ring as u32);
         self.vertices.push(middle);

@@ -117,7 +117,7 @@ impl Texture {
         &self.levels[0].values
     }
 
-    /// The level for so many samples per texel.
+    /// The level for a number of samples per texel.
     pub fn level(&self, samples_per_texel: f32) -> usize {
         let halvings = -(samples_per_texel.max(1e-3).log2() + 0.3).floor();
         (halvings.max(0.0) as usize).min(LEVELS - 1)

@@ -27,30 +27,30 @@ const CORRECT_PERCENT: f32 = 10.0;
 /// Fits to start on faces in all, at most [`MAX_PER_FACE`] on each.
 const FITS_ON_FACES: usize = 48_000;
 const MAX_PER_FACE: usize = 6;
-/// Of so many fits on a face one starts from a box [`FAR`] times as far off.
+/// One fit in this number starts from a box [`FAR`] times as far off.
 const FAR_STARTS: usize = 3;
 const FAR: f32 = 3.5;
-/// Of so many faces one has something before it, and one is cut off by the picture's edge.
+/// One face in this number has something before it, and one is cut off by the picture's edge.
 const OCCLUDED: usize = 3;
 const CUT_OFF: usize = 12;
 /// Largest turn (−1 … 1) of a photographed face whose landmarks are known to be visible:
 /// photographs do not label what turning hides.
 const FRONTAL_TURN: f32 = 0.3;
-/// Fits on random boxes, as a share of those on faces: one in so many.
+/// Fits on random boxes, as a share of those on faces: one in this number.
 const RANDOM_BOXES: usize = 4;
 /// Weight of all false positives of the detector relative to that of the well-fitted faces, however
 /// many there are. At full weight they outweigh half-covered faces, which then are lost.
 const FALSE_POSITIVES: f32 = 2.0 / 3.0;
-/// Of so many pictures one is shown as by a poor camera.
+/// One picture in this number is shown as by a poor camera.
 const POOR: usize = 2;
-/// Of so many orientations of a picture without a face one is searched for false positives.
+/// One orientation in this number of a picture without a face is searched for false positives.
 const ORIENTATIONS: usize = 4;
 /// Most false positives taken from a picture in one orientation: poor ones have hundreds.
 const MAX_FALSE_POSITIVES: usize = 40;
 /// Width of a face that the poor camera's defects are scaled to in pictures without one \[px\].
 const EMPTY_FACE_PX: f32 = 100.0;
-/// Of so many fits one gets [`SETTLING_ITERATIONS`] further iterations, and every false positive is
-/// taken before and after: the verifier mostly sees what has been tracked for a while.
+/// One fit in this number gets [`SETTLING_ITERATIONS`] further iterations, and every false positive
+/// is taken before and after: the verifier mostly sees what has been tracked for a while.
 const SETTLING: usize = 3;
 const SETTLING_ITERATIONS: usize = 8;
 /// Smallest face that false positives are looked for at \[px\].

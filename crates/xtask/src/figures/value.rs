@@ -23,7 +23,7 @@ pub fn at(figures: &Value, pointer: &str) -> Result<Figure> {
 }
 
 impl Figure {
-    /// With so many decimals.
+    /// With this number of decimals.
     pub fn fixed(self, decimals: usize) -> String {
         self.0
             .map_or("–".into(), |number| format!("{number:.decimals$}"))

@@ -1,6 +1,6 @@
 //! The folder for Android has the shape of an AAR, the archive from which Gradle takes a library.
 
-use super::{NOTICES, copy, empty, library, objects, write};
+use super::{copy, copy_notices, empty, library, objects, write};
 use crate::zip::zip;
 use crate::{output_of, root};
 use anyhow::Result;
@@ -38,7 +38,8 @@ const FILES: [(&str, &str); 6] = [
 pub fn android(target_dir: &Path) -> Result<PathBuf> {
     let folder = target_dir.join("mobile/posewise-android");
     empty(&folder)?;
-    copy(FILES.into_iter().chain(NOTICES), &folder)?;
+    copy(FILES, &folder)?;
+    copy_notices(&folder)?;
     // Names of resources, of which the library has none.
     write(&folder.join("R.txt"), b"")?;
     write_classes(target_dir, &folder)?;

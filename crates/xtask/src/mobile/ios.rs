@@ -1,7 +1,7 @@
 //! The XCFramework for iOS: a folder with a library for each kind of device, from which Xcode and
 //! Swift packages take the one that they need.
 
-use super::{NOTICES, copy, empty, library, objects, write};
+use super::{copy, copy_notices, empty, library, objects, write};
 use crate::root;
 use anyhow::Result;
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ pub const PLATFORMS: [(&str, &str); 2] = [
 pub fn ios(target_dir: &Path) -> Result<PathBuf> {
     let folder = target_dir.join("mobile/ios/posewise.xcframework");
     empty(&folder)?;
-    copy(NOTICES, &folder)?;
+    copy_notices(&folder)?;
     copy([("packaging/ios/Info.plist", "Info.plist")], &folder)?;
     let map = std::fs::read_to_string(root().join("ffi-examples/swift/module.modulemap"))?;
     let map = map.replace("../../include/posewise.h", "posewise.h");

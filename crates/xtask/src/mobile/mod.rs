@@ -9,7 +9,7 @@ pub use android::{ABIS, android};
 pub use ios::{PLATFORMS, ios};
 pub use objects::{Contents, contents};
 
-use crate::{Library, root};
+use crate::{Library, notices, root};
 use anyhow::{Context, Result};
 use std::path::{Path, PathBuf};
 
@@ -49,6 +49,12 @@ fn write(path: &Path, contents: &[u8]) -> Result<()> {
     let folder = path.parent().context("no folder")?;
     std::fs::create_dir_all(folder)?;
     std::fs::write(path, contents).with_context(|| format!("cannot write {path:?}"))
+}
+
+/// Copies the licences, written anew, and the data sheet of the model into a folder.
+fn copy_notices(folder: &Path) -> Result<()> {
+    notices::write()?;
+    copy(NOTICES, folder)
 }
 
 /// Copies files of the repository into a folder: their paths, and their names there.

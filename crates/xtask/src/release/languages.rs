@@ -49,6 +49,11 @@ impl Packer {
             return Ok(Outcome::Skipped(why.into()));
         }
         let package = web::build(&self.target_dir)?;
+        if !web::declarations(&package)? {
+            return Ok(Outcome::Skipped(
+                "no TypeScript (npm ci --prefix web)".into(),
+            ));
+        }
         let stage = self.stage("npm")?;
         let mut npm = self.program("npm");
         npm.args(["pack", "--silent", "--offline", "--pack-destination"]);

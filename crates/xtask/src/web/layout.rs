@@ -11,7 +11,7 @@ pub const FILE: &str = "web/layout.js";
 const HEAD: &str = "\
 // Structs and constants of include/posewise.h, as they lie in WebAssembly's memory.
 // Generated. To change it, edit src/ffi and run
-//     POSEWISE_BLESS=1 cargo test --release --test header --test web
+//     POSEWISE_BLESS=1 cargo test --release --test source
 ";
 
 /// Fields that JavaScript does not see.
@@ -219,6 +219,8 @@ fn wrapped(out: &mut String, text: &str) {
 
 fn write_layout(out: &mut String, item: &Struct, all: &[Struct]) -> Result<()> {
     let (size, starts) = offsets(item, all)?;
+    // With its type, offsets are not in the declarations for TypeScript.
+    out.push_str("/** @type {import('./struct.js').Layout} */\n");
     writeln!(out, "export const {} = {{", item.name.to_uppercase())?;
     writeln!(out, "  size: {size},\n  fields: {{")?;
     for (field, start) in item.fields.iter().zip(starts) {

@@ -4,7 +4,7 @@ pub mod layout;
 mod serve;
 mod standalone;
 
-use crate::{output_of, root};
+use crate::{notices, output_of, root};
 use anyhow::{Context, Result};
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -13,22 +13,16 @@ pub use layout::offsets;
 pub use serve::Site;
 
 /// Files of the package and of the page that are served as they are in the repository, from web/.
-const FILES: [&str; 26] = [
+const FILES: [&str; 20] = [
     "README.md",
     "package.json",
     "index.html",
     "layout.js",
-    "layout.d.ts",
     "struct.js",
-    "struct.d.ts",
     "engine.js",
-    "engine.d.ts",
     "posewise.js",
-    "posewise.d.ts",
     "luma.js",
-    "luma.d.ts",
     "worker.js",
-    "worker.d.ts",
     "demo/app.js",
     "demo/assets.js",
     "demo/charts.js",
@@ -63,13 +57,34 @@ pub fn build(target_dir: &Path) -> Result<PathBuf> {
         copy(root().join("models").join(model), model)?;
     }
     copy(root().join("LICENSE"), "LICENSE")?;
-    copy(root().join("packaging/NOTICES.txt"), "NOTICES.txt")?;
+    notices::write()?;
+    copy(root().join(notices::NOTICES[0].file), "NOTICES.txt")?;
     for module in MODULES {
         copy(modules.join(module), module)?;
     }
     let page = standalone::page(&out)?;
     std::fs::write(out.join("standalone.html"), page)?;
     Ok(out)
+}
+
+/// The compiler of TypeScript for a project, if it is installed: `npm ci --prefix web`.
+pub fn typescript(project: &str) -> Option<Command> {
+    let folder = root().join("web");
+    let compiler = folder.join("node_modules/typescript/bin/tsc");
+    let mut node = Command::new("node");
+    node.arg(&compiler).arg("--project");
+    node.arg(folder.join(project));
+    compiler.exists().then_some(node)
+}
+
+/// Writes the package's declarations for TypeScript, from the comments in its code. False where the
+/// compiler is not installed.
+pub fn declarations(out: &Path) -> Result<bool> {
+    let Some(mut compiler) = typescript("tsconfig.json") else {
+        return Ok(false);
+    };
+    output_of(compiler.arg("--outDir").arg(out))?;
+    Ok(true)
 }
 
 /// Builds the WebAssembly modules, and gives their folder.

@@ -240,7 +240,7 @@ impl World {
             numbers: [0; 9].map(|_| number(input) - 400.0),
         };
         let zones: Vec<posewise_zone> = (0..count).map(|_| zone(input)).collect();
-        // SAFETY: so many zones.
+        // SAFETY: `count` zones.
         let status = unsafe { posewise_monitor_set_zones(monitor, zones.as_ptr(), count) };
         assert!(status != POSEWISE_OK || live && count <= POSEWISE_MONITOR_ZONES as usize);
         assert!(status == POSEWISE_OK || !live || count > 0);

@@ -4,7 +4,7 @@ use super::refiner::Refiner;
 use super::starts::{STARTS, Start};
 use crate::align::network::Points;
 use crate::align::options::{Aperture, Options};
-use crate::align::samples::{Sample, cut_at, disturb, standardise};
+use crate::align::samples::{Sample, disturb, standardise};
 use crate::align::source::{Draw, Source};
 use crate::align::starts::normal;
 use crate::faces::{Face, ratio};
@@ -100,10 +100,7 @@ impl Source for RefinerFaces<'_> {
         let (to_frame, points) = jittered(start, &landmarks, rng);
         let sizes = &self.options.sizes;
         let to_frame = place_refiner(&to_frame, &points, sizes.zoom).expect("points have extent");
-        let mut crop = cut_at(face, &to_frame, sizes.side);
-        if mirrored {
-            crop.chunks_exact_mut(sizes.side).for_each(<[f32]>::reverse);
-        }
+        let mut crop = face.picture.crop(&to_frame, sizes.side, mirrored);
         disturb(&mut crop, sizes.side, &self.options.augment, rng);
         standardise(&mut crop);
         let to_crop = to_frame.inverse().expect("a crop has extent");

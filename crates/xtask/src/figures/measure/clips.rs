@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use super::super::programs::{Table, succeed};
 use super::bench::{Bench, Clip, PRESENT, WEBCAMS, text, words};
 
-/// One frame in so many of the rendered clips is searched by itself.
+/// Step between the frames of the rendered clips that are searched by themselves.
 const STILL: usize = 5;
 /// Upper ends of the bands of true |yaw| of these stills \[deg\].
 const BANDS: [f64; 5] = [15.0, 45.0, 60.0, 75.0, 91.0];

@@ -18,7 +18,7 @@ use bench::{Bench, Part};
 /// Arguments of `measure`.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The data folder of docs/training.md.
+    /// The data folder of docs/dev/training.md.
     #[arg(long, default_value = "../shared/data")]
     data: PathBuf,
     /// The model.

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use super::super::programs::Table;
 use super::bench::{Bench, PRESENT, WEBCAMS, text};
 
-/// Every so many-th frame of the fast clip is shown as if it were the next.
+/// Steps between the frames of the fast clip that are shown as if they were consecutive.
 const STRIDES: [usize; 5] = [1, 2, 3, 5, 8];
 /// Where each search for a face that was never seen begins \[s\], and how many frames it may take.
 const STARTS: [&str; 4] = ["0", "2", "4", "6"];

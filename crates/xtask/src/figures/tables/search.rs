@@ -151,8 +151,6 @@ pub fn cost(models: &[Model]) -> Result<String> {
             }),
             ("the worst-case step", &|m| ms(m, "worst_ns")),
             ("model", &|m| bytes(m, "model_bytes")),
-            ("tracker memory", &|m| bytes(m, "tracker_bytes")),
-            ("stack of the steps", &|m| bytes(m, "peak_stack_bytes")),
         ],
     )
 }

@@ -1,0 +1,242 @@
+//! `posewise index` from the outside: tables, manifest, resuming, broken videos, signals.
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use crate::common::{arg, gradient_clip, posewise};
+use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::record::Field;
+use serde_json::Value;
+
+/// A rendered head; 20 frames a second.
+const DEMO: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/demo.y4m.gz");
+
+/// A folder of videos: two with a face, one of them in a subfolder, one without, a broken one, and
+/// what is no video.
+fn videos(folder: &Path) {
+    std::fs::create_dir_all(folder.join("sub")).unwrap();
+    std::fs::copy(DEMO, folder.join("a.y4m.gz")).unwrap();
+    std::fs::copy(DEMO, folder.join("sub/b.y4m.gz")).unwrap();
+    std::fs::write(folder.join("none.y4m"), gradient_clip(64, 48, 5)).unwrap();
+    std::fs::write(folder.join("broken.y4m"), b"YUV4MPEG2 nonsense").unwrap();
+    std::fs::write(folder.join("notes.txt"), b"no video").unwrap();
+}
+
+/// Exit status, standard output, standard error.
+fn index(args: &[&str]) -> (Option<i32>, String, String) {
+    let run = posewise().arg("index").args(args).assert();
+    let output = run.get_output();
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    (
+        output.status.code(),
+        text(&output.stdout),
+        text(&output.stderr),
+    )
+}
+
+fn manifest(out: &Path) -> Vec<Value> {
+    let text = std::fs::read_to_string(out.join("manifest.jsonl")).unwrap();
+    let lines = text.lines();
+    lines
+        .map(|line| serde_json::from_str(line).unwrap())
+        .collect()
+}
+
+/// Every file below a folder, from it, sorted.
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let mut folders = vec![folder.to_path_buf()];
+    let mut found = Vec::new();
+    while let Some(next) = folders.pop() {
+        for entry in std::fs::read_dir(next).unwrap() {
+            let path = entry.unwrap().path();
+            match path.is_dir() {
+                true => folders.push(path),
+                false => found.push(path.strip_prefix(folder).unwrap().to_path_buf()),
+            }
+        }
+    }
+    found.sort();
+    found
+}
+
+#[test]
+fn tables_manifest_and_resuming() {
+    let dir = tempfile::tempdir().unwrap();
+    let (folder, out) = (dir.path().join("videos"), dir.path().join("out"));
+    videos(&folder);
+    let args = [arg(&folder), "--out", arg(&out)];
+    let (status, said, errors) = index(&args);
+    assert_eq!(status, Some(1), "a video is broken: {errors}");
+    assert!(
+        errors.contains("broken.y4m") && errors.contains("1 of 4"),
+        "{errors}"
+    );
+    assert!(said.contains("tracked  3 videos, 245 frames"), "{said}");
+    let names = ["a.y4m.gz.parquet", "manifest.jsonl", "none.y4m.parquet"];
+    let expected: Vec<PathBuf> = names
+        .iter()
+        .chain(&["sub/b.y4m.gz.parquet"])
+        .map(PathBuf::from)
+        .collect();
+    assert_eq!(files(&out), expected, "nothing else, nothing half-written");
+
+    let lines = manifest(&out);
+    let [a, broken, none, b] = &lines[..] else {
+        panic!("four lines: {lines:?}");
+    };
+    assert_eq!(a["table"], "a.y4m.gz.parquet");
+    assert_eq!(a["frames"], 120);
+    let span = &a["spans"][0];
+    assert!(span["frames"].as_u64().unwrap() > 50, "{a}");
+    assert!(span["facing_share"].as_f64().unwrap() > 0.0, "{a}");
+    assert_eq!(a["spans"], b["spans"]);
+    assert!(broken["error"].as_str().unwrap().contains("broken.y4m"));
+    let gap = serde_json::json!([{ "start_s": 0.0, "end_s": 0.2 }]);
+    assert_eq!(
+        (&none["spans"], &none["gaps"]),
+        (&serde_json::json!([]), &gap)
+    );
+
+    // Again: what is there stays, what a killed run left goes, other settings make it anew.
+    let changed = |path: &str| {
+        std::fs::metadata(out.join(path))
+            .unwrap()
+            .modified()
+            .unwrap()
+    };
+    let before = changed("a.y4m.gz.parquet");
+    std::fs::write(out.join("sub/.posewise-1-c.parquet"), "half").unwrap();
+    let (_, said, _) = index(&args);
+    assert!(
+        said.contains("tracked  0 videos") && said.contains("present  3"),
+        "{said}"
+    );
+    assert_eq!(changed("a.y4m.gz.parquet"), before);
+    assert_eq!(files(&out), expected);
+    assert_eq!(manifest(&out), lines);
+    std::fs::write(folder.join("none.y4m"), gradient_clip(64, 48, 6)).unwrap();
+    let (_, said, _) = index(&args);
+    assert!(said.contains("tracked  1 videos, 6 frames"), "{said}");
+    let (_, said, _) = index(&[&args[..], &["--min-face", "60"]].concat());
+    assert!(said.contains("tracked  3 videos"), "{said}");
+}
+
+/// The numbers are those of `track --csv`, with the model and the settings beside them.
+#[test]
+fn a_table_has_the_columns_and_rows_of_the_csv() {
+    let dir = tempfile::tempdir().unwrap();
+    let list = dir.path().join("list.txt");
+    std::fs::write(&list, format!("# one\n\n{DEMO}\n{DEMO}\n")).unwrap();
+    let out = dir.path().join("out");
+    let (status, _, errors) = index(&[arg(&list), "--out", arg(&out), "--quiet"]);
+    assert_eq!((status, &*errors), (Some(0), ""));
+    let lines = manifest(&out);
+    assert_eq!(lines.len(), 1, "named twice, tracked once");
+    let table = out.join(lines[0]["table"].as_str().unwrap());
+    let reader = SerializedFileReader::new(std::fs::File::open(table).unwrap()).unwrap();
+    let metadata = reader.metadata().file_metadata();
+    let entries = metadata.key_value_metadata().unwrap();
+    let settings = entries
+        .iter()
+        .find(|e| e.key == "posewise.settings")
+        .unwrap();
+    let settings: Value = serde_json::from_str(settings.value.as_ref().unwrap()).unwrap();
+    assert_eq!(settings["model_sha256"].as_str().unwrap().len(), 64);
+
+    let run = posewise()
+        .args(["track", DEMO, "--csv", "-", "--quiet"])
+        .assert()
+        .success();
+    let csv = String::from_utf8(run.get_output().stdout.clone()).unwrap();
+    let mut csv = csv.lines();
+    let names: Vec<&str> = csv.next().unwrap().split(',').collect();
+    let mut rows = 0;
+    for (row, line) in reader.get_row_iter(None).unwrap().zip(csv.by_ref()) {
+        let row = row.unwrap();
+        let columns = row.get_column_iter().zip(&names).zip(line.split(','));
+        for (((name, field), expected), text) in columns {
+            assert_eq!(name, expected);
+            let decimals = text.rsplit_once('.').map_or(0, |(_, part)| part.len());
+            let value = match field {
+                Field::Str(word) => word.clone(),
+                Field::Long(number) => number.to_string(),
+                Field::Double(number) => format!("{number:.decimals$}"),
+                Field::Float(number) => format!("{:.decimals$}", f64::from(*number)),
+                other => panic!("{name}: {other}"),
+            };
+            assert_eq!(value, text, "{name} of row {rows}");
+        }
+        rows += 1;
+    }
+    assert_eq!((rows, csv.next()), (120, None));
+}
+
+#[test]
+fn wrong_inputs_are_named() {
+    let dir = tempfile::tempdir().unwrap();
+    let out = dir.path().join("out");
+    let run = |input: &str| index(&[input, "--out", arg(&out)]);
+    let empty = dir.path().join("empty");
+    std::fs::create_dir(&empty).unwrap();
+    for (input, word) in [
+        ("nowhere", "no such file or folder"),
+        (arg(&empty), "has no videos"),
+    ] {
+        let (status, _, errors) = run(input);
+        assert_eq!(status, Some(1));
+        assert!(errors.contains(word) && errors.contains(input), "{errors}");
+    }
+    assert!(!out.exists(), "nothing is made for nothing");
+    let list = dir.path().join("list.txt");
+    std::fs::write(&list, "x.mp4\n../x.mp4\n").unwrap();
+    let (status, _, errors) = run(arg(&list));
+    assert_eq!(status, Some(1));
+    assert!(errors.contains("the same table"), "{errors}");
+    std::fs::create_dir(&out).unwrap();
+    let lock = std::fs::File::open(&out).unwrap();
+    lock.lock().unwrap();
+    let (status, _, errors) = run(DEMO);
+    assert!(
+        status == Some(1) && errors.contains("another run"),
+        "{errors}"
+    );
+    drop(lock);
+    std::fs::write(&list, "x.mp4\n").unwrap();
+    let (status, _, errors) = run(arg(&list));
+    assert!(status == Some(1) && errors.contains("x.mp4"), "{errors}");
+}
+
+/// A signal ends it at once: what is complete stays, what is not leaves nothing.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_run_is_taken_up_again() {
+    let dir = tempfile::tempdir().unwrap();
+    let (folder, out) = (dir.path().join("videos"), dir.path().join("out"));
+    std::fs::create_dir(&folder).unwrap();
+    std::fs::copy(DEMO, folder.join("a.y4m.gz")).unwrap();
+    // Long enough to be interrupted.
+    std::fs::write(folder.join("b.y4m"), gradient_clip(320, 240, 2000)).unwrap();
+    let args = ["index", arg(&folder), "--out", arg(&out), "--threads", "1"];
+    let mut child = std::process::Command::new(assert_cmd::cargo::cargo_bin("posewise"))
+        .args(args)
+        .args(["--quiet"])
+        .spawn()
+        .unwrap();
+    let done = out.join("a.y4m.gz.parquet");
+    while !done.exists() {
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let pid = child.id().to_string();
+    let kill = std::process::Command::new("kill")
+        .args(["-INT", &pid])
+        .status();
+    assert!(kill.unwrap().success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    let names = ["a.y4m.gz.parquet", "manifest.jsonl"].map(PathBuf::from);
+    assert_eq!(files(&out), names);
+    assert_eq!(manifest(&out).len(), 1);
+    std::fs::write(folder.join("b.y4m"), gradient_clip(64, 48, 2)).unwrap();
+    let (status, said, _) = index(&args[1..]);
+    assert_eq!(status, Some(0));
+    assert!(said.contains("tracked  1 videos, 2 frames"), "{said}");
+}

@@ -1,0 +1,14 @@
+//! The command, as people and scripts run it.
+
+mod common;
+mod demo;
+mod eval;
+mod faces;
+mod index;
+mod manual;
+mod model;
+mod monitor;
+mod outputs;
+mod streams;
+mod track;
+mod view;

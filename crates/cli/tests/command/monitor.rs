@@ -1,0 +1,82 @@
+//! `posewise track --monitor` and `posewise eval monitor` on the clip of the repository.
+
+use crate::common::{arg, fails_with, posewise};
+use std::path::Path;
+
+fn data(name: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data");
+    path.join(name).display().to_string()
+}
+
+#[test]
+fn a_driver_is_watched_and_scored() {
+    let (clip, truth) = (data("demo.y4m.gz"), data("demo.csv"));
+    let dir = tempfile::tempdir().unwrap();
+    let path = |name: &str| dir.path().join(name);
+    let (csv, plot, json) = (path("t.csv"), path("t.png"), path("s.json"));
+    let events = path("events.txt");
+    let monitor = format!("--monitor={}", arg(&events));
+    let files = ["--csv", arg(&csv), "--plot", arg(&plot)];
+    let run = posewise()
+        .args([
+            "track",
+            &clip,
+            "-q",
+            &monitor,
+            "--monitor-preset",
+            "euro-ncap",
+        ])
+        .args(files)
+        .assert();
+    run.success();
+    let events = std::fs::read_to_string(events).unwrap();
+    let blinks = events
+        .lines()
+        .filter(|line| line.contains("  blink  from "))
+        .count();
+    assert!(blinks >= 3, "{events}");
+    assert!(image::open(&plot).unwrap().width() > 600);
+    let table = std::fs::read_to_string(&csv).unwrap();
+    let header = table.lines().next().unwrap();
+    assert!(
+        header.ends_with(",road_pitch_deg,drowsiness,degraded"),
+        "{header}"
+    );
+    let last = table.lines().last().unwrap();
+    assert_eq!(last.split(',').count(), header.split(',').count());
+
+    let args = ["eval", "monitor", "--truth", &truth, "--csv", arg(&csv)];
+    let scored = posewise().args(args).args(["--json", arg(&json)]).assert();
+    scored.success();
+    let text = std::fs::read_to_string(&json).unwrap();
+    let value: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(value["closures"]["false"], 0, "{text}");
+    assert!(value["openness_correlation"].as_f64() > Some(0.8), "{text}");
+    assert!(value["p80_error"].as_f64() < Some(0.05), "{text}");
+    // At another rate, with frames left out.
+    let fewer = posewise()
+        .args(args)
+        .args(["--fps", "10", "--drop", "0.2"])
+        .assert();
+    fewer.success();
+}
+
+#[test]
+fn wrong_options_are_explained() {
+    let clip = data("demo.y4m.gz");
+    let refused = |rest: &[&str], words: &[&str]| {
+        fails_with(&[&["track", &clip][..], rest].concat(), Vec::new(), words);
+    };
+    refused(&["--monitor", "--faces", "2"], &["--monitor", "one driver"]);
+    let dir = tempfile::tempdir().unwrap();
+    let zones = dir.path().join("zones.json");
+    std::fs::write(&zones, "[{}]").unwrap();
+    refused(
+        &["--monitor", "--monitor-zones", arg(&zones)],
+        &["zones.json", "angles, box, plane"],
+    );
+    refused(
+        &["--monitor", "--monitor-zones", "none.json"],
+        &["none.json"],
+    );
+}

@@ -1,0 +1,179 @@
+//! What a step costs in instructions, which the noise of a machine does not move.
+//!
+//! Callgrind counts those of this program's steps: it starts itself under valgrind, once for each
+//! kernel and kind of step. A plugin of QEMU counts those of the static library on AArch64.
+//! docs/performance.md is the reference: a change that costs 2 % more or less must change the page.
+//! Bytes of code, tracker and stack are compared with docs/memory.md by `targets`.
+
+use crate::common::c::require;
+use crate::common::random::Random;
+use crate::common::{demo, grey, model, scratch, tracker};
+use posewise::ffi::types::POSEWISE_CPU_DOTPROD;
+use posewise::network::{KernelName, select_kernel};
+use posewise::{Config, Frame, Model, State, Tracker};
+use std::process::Command;
+use xtask::{COUNTING_EMULATOR, Library};
+
+/// Part of a figure in docs/performance.md by which a measured one may be off.
+const TOLERANCE: f64 = 0.02;
+
+/// Steps of each kind that are counted.
+const STEPS: usize = 24;
+
+/// Frames whose steps are counted on AArch64; in the clip the face is found before.
+const FRAMES: std::ops::Range<usize> = 20..20 + STEPS;
+
+/// Side of the blocks that are put in a random order, which is clutter without a face \[px\].
+const BLOCK: usize = 16;
+
+/// Which kernel and kind of step the program that runs under valgrind takes.
+const WANTED: &str = "POSEWISE_COUNTED";
+
+const KERNELS: [(KernelName, &str); 3] = [
+    (KernelName::Scalar, "portable"),
+    (KernelName::Sse2, "SSE2"),
+    (KernelName::Avx2, "AVX2"),
+];
+
+const KINDS: [&str; 2] = ["tracking", "searching"];
+
+#[test]
+fn steps_take_as_many_instructions_as_documented() {
+    if !cfg!(target_arch = "x86_64") || !require("valgrind") {
+        return;
+    }
+    for (kernel, name) in KERNELS {
+        if !kernel.is_available() {
+            println!("skipped: this machine lacks {name}");
+            continue;
+        }
+        for kind in KINDS {
+            let instructions = instructions(kernel, kind) / STEPS;
+            println!("{name}: a {kind} step takes {instructions} instructions");
+            let row = format!("a {kind} step, {name}");
+            crate::common::check_page("docs/performance.md", &row, instructions, TOLERANCE);
+        }
+    }
+}
+
+#[test]
+fn steps_take_as_many_instructions_as_documented_on_aarch64() {
+    let target = "aarch64-unknown-linux-gnu";
+    let library = Library {
+        target: Some(target.into()),
+        without: Vec::new(),
+        // The folder that `targets` uses too.
+        target_dir: scratch("dist"),
+    };
+    let programs = ["make", "aarch64-linux-gnu-gcc", COUNTING_EMULATOR];
+    if !programs.iter().all(|program| require(program))
+        || !(library.can_be_built() || require(&format!("Rust for {target}")))
+    {
+        return;
+    }
+    let folder = scratch("cost");
+    let face = xtask::demo_clip(&folder).expect("tests/data/demo.y4m.gz");
+    let clip = demo();
+    let clutter = folder.join("clutter.y4m");
+    let mut y4m = format!("YUV4MPEG2 W{} H{} F30:1 Cmono\n", clip.width, clip.height).into_bytes();
+    for frame in 0..FRAMES.end {
+        y4m.extend_from_slice(b"FRAME\n");
+        y4m.extend(shuffled(clip, frame));
+    }
+    std::fs::write(&clutter, y4m).expect("target/ is writable");
+    for (cpu, name) in [(0, "NEON"), (POSEWISE_CPU_DOTPROD, "NEON with dot product")] {
+        for (kind, video) in KINDS.iter().zip([&face, &clutter]) {
+            let count = xtask::instructions_per_step(&library, video, FRAMES, cpu);
+            let count = count.unwrap_or_else(|error| panic!("{error:#}"));
+            println!("{name}: a {kind} step takes {count} instructions");
+            let row = format!("a {kind} step, {name}");
+            crate::common::check_page("docs/performance.md", &row, count as usize, TOLERANCE);
+        }
+    }
+}
+
+/// Instructions of all counted steps of a kind.
+fn instructions(kernel: KernelName, kind: &str) -> usize {
+    let program = std::env::current_exe().expect("this program");
+    let mut valgrind = Command::new("valgrind");
+    valgrind.args(["--tool=callgrind", "--callgrind-out-file=/dev/null"]);
+    valgrind
+        .args(["--toggle-collect=*counted_step*"])
+        .arg(program);
+    valgrind.args(["--ignored", "--exact", "cost::steps_for_valgrind"]);
+    valgrind.env(WANTED, format!("{} {kind}", kernel.name()));
+    let output = valgrind.output().expect("valgrind runs");
+    let messages = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{messages}");
+    let collected = messages.split("Collected : ").nth(1);
+    let digits = collected.and_then(|rest| rest.split_whitespace().next());
+    digits
+        .and_then(|digits| digits.parse().ok())
+        .unwrap_or_else(|| panic!("no count in {messages}"))
+}
+
+#[test]
+#[ignore = "run by the other test, under valgrind"]
+fn steps_for_valgrind() {
+    let wanted = std::env::var(WANTED).unwrap_or_default();
+    let Some((kernel, kind)) = wanted.split_once(' ') else {
+        return;
+    };
+    let kernel = KernelName::ALL.into_iter().find(|k| k.name() == kernel);
+    assert!(kernel.is_some_and(select_kernel), "{wanted}");
+    let clip = demo();
+    match kind {
+        "tracking" => take_steps(clip, State::Tracking, |n| clip.luma[n].clone()),
+        _ => take_steps(clip, State::Searching, |n| shuffled(clip, n)),
+    }
+}
+
+/// Takes steps on pictures, those that begin and end in a state as [`counted_step`].
+fn take_steps(clip: &crate::common::Clip, state: State, picture: impl Fn(usize) -> Vec<u8>) {
+    let (model, mut tracker) = (model(), tracker(&Config::default()));
+    let mut counted = 0;
+    for n in 0..clip.luma.len() {
+        if counted == STEPS {
+            return;
+        }
+        let luma = picture(n);
+        let frame = grey(clip.width, clip.height, &luma);
+        let timestamp_us = clip.time_us(n);
+        if tracker.result().state == state {
+            counted_step(&mut tracker, &model, &frame, timestamp_us);
+            assert_eq!(tracker.result().state, state, "step {n}");
+            counted += 1;
+        } else {
+            tracker
+                .step(&model, &frame, timestamp_us)
+                .expect("in order");
+        }
+    }
+    panic!("{counted} of {STEPS} steps in the state {state:?}");
+}
+
+/// Valgrind counts what is called from here.
+#[inline(never)]
+fn counted_step(tracker: &mut Tracker, model: &Model<'_>, frame: &Frame<'_>, timestamp_us: i64) {
+    let result = tracker.step(model, frame, timestamp_us);
+    std::hint::black_box(result.expect("in order"));
+}
+
+/// A frame of the clip, its blocks in a random order.
+fn shuffled(clip: &crate::common::Clip, frame: usize) -> Vec<u8> {
+    let (across, down) = (clip.width / BLOCK, clip.height / BLOCK);
+    let mut order: Vec<usize> = (0..across * down).collect();
+    let mut random = Random(frame as u64);
+    for last in (1..order.len()).rev() {
+        order.swap(last, random.below(last + 1));
+    }
+    let (width, luma) = (clip.width, &clip.luma[frame]);
+    let pixel = |i: usize| {
+        let (x, y) = (i % width, i / width);
+        let Some(from) = order.get(y / BLOCK * across + x / BLOCK) else {
+            return luma[i];
+        };
+        luma[(from / across * BLOCK + y % BLOCK) * width + from % across * BLOCK + x % BLOCK]
+    };
+    (0..luma.len()).map(pixel).collect()
+}

@@ -1,0 +1,265 @@
+//! The JavaScript package and the page of `web/`: Node and Chromium give the same bits as this
+//! machine, the types fit, and the page works.
+
+use crate::common::c::{require, succeed};
+use crate::common::skip::{need, skipped};
+use crate::common::{demo, grey, model, root, scratch, tracker};
+use posewise::{Config, State};
+use std::fmt::Write as _;
+use std::io::Read;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::OnceLock;
+use xtask::web;
+
+/// What `npm ci --prefix web` installs.
+fn has_package(name: &str) -> bool {
+    let there = root().join("web/node_modules").join(name).exists();
+    need(&format!("{name} (npm ci --prefix web)"), there)
+}
+
+/// The folder of the page, built once, if this machine has Rust for WebAssembly.
+fn site() -> Option<&'static Path> {
+    static SITE: OnceLock<Option<PathBuf>> = OnceLock::new();
+    let built = SITE.get_or_init(|| {
+        // Where `cargo xtask web` builds too; the modules have folders of their own in it.
+        let target = Path::new(env!("CARGO_TARGET_TMPDIR")).parent()?;
+        if !web::can_be_built(target) {
+            return None;
+        }
+        Some(web::build(target).expect("the page is built"))
+    });
+    const RUST: &str = "Rust for WebAssembly (rustup target add wasm32-unknown-unknown)";
+    need(RUST, built.is_some());
+    built.as_deref()
+}
+
+/// clang computes the layout from the header itself.
+#[test]
+fn layout_is_that_of_c() {
+    if !require("clang") {
+        return;
+    }
+    let header = xtask::header::read().expect("posewise.h is read");
+    let mut source = String::from("#include \"posewise.h\"\n");
+    for item in &header.structs {
+        let (size, starts) = web::offsets(item, &header.structs).expect("known types");
+        let name = format!("posewise_{}", item.name);
+        writeln!(
+            source,
+            "_Static_assert(sizeof({name}) == {size}, \"{name}\");"
+        )
+        .unwrap();
+        for (field, start) in item.fields.iter().zip(starts) {
+            let field = &field.name;
+            writeln!(
+                source,
+                "_Static_assert(offsetof({name}, {field}) == {start}, \"{name}.{field}\");"
+            )
+            .unwrap();
+        }
+    }
+    assert!(source.lines().count() > 70, "all structs are checked");
+    let path = scratch("web").join("layout.c");
+    std::fs::write(&path, source).expect("target/ is writable");
+    let mut clang = Command::new("clang");
+    clang.args([
+        "--target=wasm32",
+        "-std=c11",
+        "-ffreestanding",
+        "-fsyntax-only",
+    ]);
+    succeed(clang.arg("-I").arg(root().join("include")).arg(path));
+}
+
+/// The comments declare types that fit the code, the page and what a caller in TypeScript writes.
+#[test]
+fn types_fit() {
+    if !require("node") || !has_package("typescript") {
+        return;
+    }
+    let out = scratch("web/types");
+    assert!(web::declarations(&out).expect("the types of the package"));
+    let declared = std::fs::read_to_string(out.join("posewise.d.ts")).expect("declarations");
+    assert!(declared.contains("class FaceTracker"), "{declared}");
+    succeed(&mut web::typescript("test/tsconfig.json").expect("TypeScript"));
+}
+
+#[test]
+fn node_gives_the_same_bits() {
+    let (Some(site), true) = (site(), require("node")) else {
+        return;
+    };
+    let clip = xtask::demo_clip(&scratch("web")).expect("the demo clip");
+    let expected = std::fs::read_to_string(root().join("tests/data/demo.hash")).expect("a hash");
+    for module in ["posewise.wasm", "posewise-simd128.wasm"] {
+        let mut node = Command::new("node");
+        node.arg(root().join("web/test/replay.mjs"));
+        node.arg(site.join(module))
+            .arg(site.join("default.posewise"));
+        assert_eq!(succeed(node.arg(&clip)), expected, "{module}");
+    }
+}
+
+/// The unit tests of the library as WebAssembly, those of the kernels among them.
+#[test]
+fn unit_tests_pass_in_node() {
+    let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("web/unit");
+    if site().is_none() || !require("node") {
+        return;
+    }
+    let module = target.join("unit.wasm");
+    let mut cargo = Command::new(env!("CARGO"));
+    cargo
+        .current_dir(root())
+        .args(["rustc", "--quiet", "--lib"]);
+    cargo.args(["--profile=release", "--no-default-features"]);
+    // The crate type makes cargo build whole dependencies, which a program needs.
+    cargo.args(["--crate-type=cdylib", "--target=wasm32-unknown-unknown"]);
+    cargo.arg("--target-dir").arg(&target);
+    cargo.args(["--", "--test", "-o"]).arg(&module);
+    cargo.env("RUSTFLAGS", "-Ctarget-feature=+simd128");
+    match cargo.output() {
+        Ok(output) if output.status.success() => {}
+        // Debian's Rust for WebAssembly has no std, which tests need, and not every machine can
+        // fetch it.
+        _ => {
+            skipped("std for WebAssembly (rustup target add wasm32-unknown-unknown)");
+            return;
+        }
+    }
+    let mut node = Command::new("node");
+    node.arg(root().join("web/test/unit.mjs")).arg(&module);
+    succeed(&mut node);
+}
+
+/// The clip as Chromium's fake camera reads it: with chroma.
+fn fake_camera() -> PathBuf {
+    let clip = demo();
+    let (width, height) = (clip.width, clip.height);
+    let mut y4m = format!("YUV4MPEG2 W{width} H{height} F20:1 Ip A1:1 C420jpeg\n").into_bytes();
+    for luma in &clip.luma {
+        y4m.extend(b"FRAME\n");
+        y4m.extend(luma);
+        y4m.extend(std::iter::repeat_n(128, width * height / 2));
+    }
+    let path = scratch("web").join("camera.y4m");
+    std::fs::write(&path, y4m).expect("target/ is writable");
+    path
+}
+
+/// Little-endian values of a file.
+struct Bytes<R>(R);
+
+impl<R: Read> Bytes<R> {
+    fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
+        let mut bytes = [0; N];
+        self.0.read_exact(&mut bytes).ok().map(|()| bytes)
+    }
+
+    fn u32(&mut self) -> u32 {
+        u32::from_le_bytes(self.take().expect("a whole record"))
+    }
+}
+
+/// Frames that the page got from the camera, and what it made of them, are tracked here too.
+fn check_frames(path: &Path) {
+    let file = std::fs::File::open(path).expect("frames.bin");
+    let mut bytes = Bytes(std::io::BufReader::new(file));
+    let (model, mut tracker) = (model(), tracker(&Config::default()));
+    let mut tracked = 0;
+    while let Some(time) = bytes.take() {
+        let (width, height) = (bytes.u32(), bytes.u32());
+        let mut luma = vec![0; (width * height) as usize];
+        bytes.0.read_exact(&mut luma).expect("a whole picture");
+        let frame = grey(width as usize, height as usize, &luma);
+        let time_us = i64::from_le_bytes(time);
+        let result = tracker.step(&model, &frame, time_us).expect("in order");
+        tracked += usize::from(result.state == State::Tracking);
+        let ours = [result.yaw_deg, result.pitch_deg, result.roll_deg]
+            .into_iter()
+            .chain(result.landmarks.iter().flat_map(|l| [l.x, l.y]));
+        for value in ours {
+            assert_eq!(bytes.u32(), value.to_bits(), "at {time_us} us");
+        }
+    }
+    assert!(tracked >= 20, "{tracked} frames were tracked");
+}
+
+/// The page's table has the columns of the command's.
+fn check_table(path: &Path) {
+    let table = std::fs::read_to_string(path).expect("page.csv");
+    let names = table.lines().next().expect("a line").split(',');
+    let docs = std::fs::read_to_string(root().join("docs/command-line.md")).expect("docs");
+    for name in names.clone() {
+        let documented = name.trim_end_matches(|c: char| c.is_ascii_digit());
+        let documented = match documented.ends_with('_') {
+            true => format!("`{documented}0`"),
+            false => format!("`{name}`"),
+        };
+        assert!(docs.contains(&documented), "{name}");
+    }
+    let columns = names.count();
+    assert!(table.lines().count() > 5, "a row for each frame");
+    assert!(table.lines().all(|row| row.split(',').count() == columns));
+}
+
+#[test]
+fn the_page_works_in_chromium() {
+    let Some(site) = site() else { return };
+    if !require("node") || !require("chromium") {
+        return;
+    }
+    if !has_package("playwright-core") || !has_package("axe-core") {
+        return;
+    }
+    let server = web::Site::bind(site, 0).expect("a free port");
+    let url = server.url().expect("bound");
+    std::thread::spawn(move || server.serve());
+    let out = scratch("web/page");
+    let mut node = Command::new("node");
+    node.arg(root().join("web/test/page.mjs")).arg(url);
+    node.arg(site).arg(fake_camera()).arg(&out);
+    println!("{}", succeed(&mut node));
+    check_frames(&out.join("frames.bin"));
+    check_table(&out.join("page.csv"));
+}
+
+/// What lies outside the folder is not served.
+#[test]
+fn the_server_stays_in_its_folder() {
+    let folder = scratch("web/served");
+    std::fs::create_dir_all(folder.join("site")).expect("target/ is writable");
+    std::fs::write(folder.join("secret.txt"), "secret").expect("target/ is writable");
+    std::fs::write(folder.join("site/index.html"), "page").expect("target/ is writable");
+    let server = web::Site::bind(&folder.join("site"), 0).expect("a free port");
+    let url = server.url().expect("bound");
+    let address = url
+        .trim_start_matches("http://")
+        .trim_end_matches('/')
+        .to_owned();
+    std::thread::spawn(move || server.serve());
+    let ask = |request: &str| {
+        let mut stream = std::net::TcpStream::connect(&address).expect("it listens");
+        write!(stream, "{request}\r\n\r\n").expect("it reads");
+        let mut text = String::new();
+        stream.read_to_string(&mut text).expect("it answers");
+        text
+    };
+    assert!(ask("GET / HTTP/1.1").ends_with("\r\n\r\npage"));
+    assert!(ask("GET /index.html?a HTTP/1.1").starts_with("HTTP/1.1 200 "));
+    let secret = folder.join("secret.txt");
+    for path in [
+        "/../secret.txt",
+        "/none",
+        &format!("/{}", secret.display()),
+        "/%2e%2e/secret.txt",
+    ] {
+        assert!(
+            ask(&format!("GET {path} HTTP/1.1")).starts_with("HTTP/1.1 404 "),
+            "{path}"
+        );
+    }
+    assert!(ask("POST / HTTP/1.1").starts_with("HTTP/1.1 404 "));
+}

@@ -1,0 +1,9 @@
+//! What is checked of the sources themselves, without running them.
+
+#[path = "../common/mod.rs"]
+mod common;
+mod header;
+mod imports;
+mod layering;
+mod links;
+mod style;

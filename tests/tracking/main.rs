@@ -1,0 +1,13 @@
+//! How the library tracks, detects and monitors, by its Rust interface.
+
+#[path = "../common/mod.rs"]
+mod common;
+mod detect;
+mod events;
+mod gaze;
+mod keyframe;
+mod lens;
+mod models;
+mod monitor;
+mod several;
+mod tracker;

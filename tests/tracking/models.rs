@@ -1,0 +1,71 @@
+//! Every model in `models/` tracks, and a spoilt one is rejected or harmless.
+
+use crate::common::random::Random;
+use crate::common::{demo, root, tracker};
+use posewise::{Config, Model, State};
+use posewise_format::{AlignedBytes, Blob, SectionWriter, blob};
+
+/// Frames of the demo clip, at most `most`, in which a face is tracked.
+fn tracked(model: &Model<'_>, most: usize) -> (usize, usize) {
+    let mut tracker = tracker(&Config::default());
+    let frames = demo().luma.len().min(most);
+    let is_tracked = |n: &usize| {
+        let result = tracker.step(model, &demo().frame(*n), demo().time_us(*n));
+        result.expect("time goes forward").state == State::Tracking
+    };
+    ((0..frames).filter(is_tracked).count(), frames)
+}
+
+#[test]
+fn every_model_tracks_the_demo_clip() {
+    let mut models = 0;
+    for entry in std::fs::read_dir(root().join("models")).expect("models/") {
+        let path = entry.expect("an entry").path();
+        if path.extension().is_none_or(|e| e != "posewise") {
+            continue;
+        }
+        models += 1;
+        let bytes = AlignedBytes::new(&std::fs::read(&path).expect("a model"));
+        let model = Model::load(&bytes).expect("a valid model");
+        let (tracked, frames) = tracked(&model, usize::MAX);
+        let name = path.display();
+        println!("{name}: {tracked} of {frames} frames tracked");
+        assert!(tracked * 10 >= frames * 9, "{name}: {tracked} of {frames}");
+    }
+    assert!(models > 0);
+}
+
+/// Changes what a checksum would have found: bytes of the sections, mostly of their heads, where
+/// sizes and offsets stand.
+#[test]
+fn spoilt_sections_are_rejected_or_harmless() {
+    let valid = Blob::open(posewise::DEFAULT_MODEL).expect("the default model is valid");
+    let sections: Vec<_> = valid.sections().collect();
+    let (mut rejected, mut ran) = (0, 0);
+    let mut random = Random(1);
+    for round in 0..200 {
+        let mut contents: Vec<_> = sections.iter().map(|(_, c)| c.to_vec()).collect();
+        let spoilt = &mut contents[round % sections.len()];
+        for _ in 0..1 + random.below(3) {
+            let reach = match round % 3 {
+                0 => spoilt.len(),
+                _ => spoilt.len().min(4096),
+            };
+            spoilt[random.below(reach)] = random.below(256) as u8;
+        }
+        let tags = sections.iter().map(|(tag, _)| *tag);
+        let sections = tags
+            .zip(contents)
+            .map(|(t, c)| SectionWriter::of_bytes(t, c));
+        let bytes = AlignedBytes::new(&blob(&sections.collect::<Vec<_>>()));
+        match Model::load(&bytes) {
+            Err(_) => rejected += 1,
+            Ok(model) => {
+                ran += 1;
+                tracked(&model, 8);
+            }
+        }
+    }
+    println!("{rejected} rejected, {ran} ran");
+    assert!(rejected > 0 && ran > 0);
+}
