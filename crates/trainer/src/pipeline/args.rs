@@ -62,6 +62,8 @@ impl Args {
             },
             seed: self.seed,
             clean: self.clean,
+            makehuman: render::MAKEHUMAN,
+            panoramas: render::PANORAMAS,
             kind,
         }
     }

@@ -26,6 +26,9 @@ struct Options {
     /// Procedural people, and pictures of each photographed one.
     people: usize,
     pictures: usize,
+    /// People with MakeHuman's heads.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    makehuman_people: Option<usize>,
 }
 
 /// Renders faces; a clean model's need no `fits`.
@@ -43,11 +46,18 @@ pub fn make(store: &Store, args: &Args, fits: Option<&Output>) -> Result<Output>
         spec: render::spec(args),
         people: args.kind.people(args.clean),
         pictures: args.kind.pictures(),
+        makehuman_people: (args.makehuman > 0.0).then(|| args.kind.makehuman_people()),
     };
     let data = |name: &str| store.data(&args.data.join(name));
     let mut stage = Stage::new(name, 4)
         .options(&options)?
         .input("facekit.npz", data("facekit.npz")?);
+    if args.makehuman > 0.0 {
+        stage = stage.input("makehuman", data(render::MAKEHUMAN_FOLDER)?);
+    }
+    if args.panoramas > 0.0 {
+        stage = stage.input("environments.npz", data(render::PANORAMA_FILE)?);
+    }
     if let Some(fits) = fits {
         stage = stage.input("fits", fits.hash(fits::FILE)?);
         for name in UNCROPPED
