@@ -157,6 +157,7 @@ impl Set {
                 sheen: 0.04,
                 sheen_exponent: 12.0,
                 infrared: 0.0,
+                sky: None,
             },
             view: View {
                 width: WIDTH,

@@ -22,8 +22,12 @@ pub enum What {
     SingleEyes,
     /// Photographs without people.
     Backgrounds,
-    /// Heads that are rendered.
-    Heads,
+    /// The morphable head, which is rendered and fitted.
+    MorphableHead,
+    /// MakeHuman's heads, which are rendered.
+    MakeHuman,
+    /// Panoramas, as light and backgrounds of renders.
+    Panoramas,
 }
 
 /// A source of training data.
@@ -38,13 +42,25 @@ pub struct Source {
 }
 
 /// All of them.
-pub const ALL: [Source; 9] = [
+pub const ALL: [Source; 11] = [
     Source {
         name: "facekit",
-        what: What::Heads,
+        what: What::MorphableHead,
         terms: Terms::Free,
         sheet: "ICT Face Model Light (MIT, (c) 2020 USC Institute for Creative Technologies): heads
   that are rendered, and the 3D face",
+    },
+    Source {
+        name: "makehuman",
+        what: What::MakeHuman,
+        terms: Terms::Free,
+        sheet: "heads, skins, hair, brows, lashes, eyes and teeth of MakeHuman (CC0), rendered",
+    },
+    Source {
+        name: "panoramas",
+        what: What::Panoramas,
+        terms: Terms::Free,
+        sheet: "18 panoramas of Poly Haven (CC0), as light and backgrounds of renders",
     },
     Source {
         name: "portraits",
@@ -150,12 +166,26 @@ impl Sources {
 
     /// Whether photographs of single eyes are among them.
     pub fn has_single_eyes(&self) -> bool {
-        self.0.iter().any(|s| matches!(s.what, What::SingleEyes))
+        self.has(|what| matches!(what, What::SingleEyes))
     }
 
     /// Whether photographs without people are among them.
     pub fn has_backgrounds(&self) -> bool {
-        self.0.iter().any(|s| matches!(s.what, What::Backgrounds))
+        self.has(|what| matches!(what, What::Backgrounds))
+    }
+
+    /// Whether MakeHuman's heads are among them.
+    pub fn has_makehuman(&self) -> bool {
+        self.has(|what| matches!(what, What::MakeHuman))
+    }
+
+    /// Whether panoramas are among them.
+    pub fn has_panoramas(&self) -> bool {
+        self.has(|what| matches!(what, What::Panoramas))
+    }
+
+    fn has(&self, is_wanted: impl Fn(&What) -> bool) -> bool {
+        self.0.iter().any(|source| is_wanted(&source.what))
     }
 
     /// What the strictest terms of the sources allow.

@@ -71,6 +71,8 @@ pub fn run(args: &Args) -> Result<()> {
             count: args.count,
             seed: args.seed,
             clean: true,
+            makehuman: 0.0,
+            panoramas: 0.0,
             kind: Kind::Eyes,
         },
         None,

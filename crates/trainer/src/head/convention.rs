@@ -30,52 +30,69 @@ const UPPER_INNER: [usize; 3] = [60, 61, 62];
 const LOWER_INNER: [usize; 3] = [60, 67, 66];
 
 impl Head {
-    /// From each landmark's vertex to where the convention has it \[mm, head frame\]: brows, bridge
-    /// of the nose, lids and lower lip evenly in the frontal view; the tip of the nose where it
-    /// stands out furthest, the points under the nose on its edge; the peaks of the bow as far
-    /// apart as people's, and half way between them and the corners; the inner points of the lips
-    /// in line with the outer ones above and below. The others stay.
+    /// From each landmark's vertex to where the convention has it \[mm, head frame\]: evenly as
+    /// [`conventional_mm`] says, the tip of the nose where it stands out furthest, the points under
+    /// the nose on its edge. The others stay.
     pub fn conventional_offsets_mm(&self) -> Vec<[f32; 3]> {
-        let at = |i: usize| self.mean[self.landmarks[i] as usize];
-        let mut moved: [[f32; 3]; LANDMARKS] = std::array::from_fn(at);
-        let x = |i: usize| at(i)[0];
-        let between = |from: f32, to: f32, share: f32| from + share * (to - from);
-        let middle = x(51);
-        let bow = middle - BOW_MM;
-        moved[30][1] += TIP_MM;
-        for (landmark, share) in [(28, 1.0 / 3.0), (29, 2.0 / 3.0)] {
-            let even = between(at(27)[1], moved[30][1], share);
-            moved[landmark] = slid(&BRIDGE.map(at), 1, even);
+        let points = self.landmarks.map(|v| self.mean[v as usize]);
+        let mut offsets = conventional_mm(&points, TIP_MM);
+        offsets[30][1] += TIP_MM;
+        let between = 0.5 * (UNDER_WING_MM + UNDER_NOSE_MM);
+        let up = [
+            UNDER_WING_MM,
+            between,
+            UNDER_NOSE_MM,
+            between,
+            UNDER_WING_MM,
+        ];
+        for (offset, up) in offsets[31..36].iter_mut().zip(up) {
+            offset[1] -= up;
         }
-        moved[31][1] -= UNDER_WING_MM;
-        moved[32][1] -= 0.5 * (UNDER_WING_MM + UNDER_NOSE_MM);
-        moved[33][1] -= UNDER_NOSE_MM;
-        for (k, &landmark) in BROW.iter().enumerate() {
-            let even = between(x(17), x(21), k as f32 / 4.0);
-            moved[landmark] = slid(&BROW.map(at), 0, even);
-        }
-        for (line, points) in [(UPPER_LID, [37, 38]), (LOWER_LID, [41, 40])] {
-            for (landmark, share) in points.into_iter().zip([1.0 / 3.0, 2.0 / 3.0]) {
-                moved[landmark] = slid(&line.map(at), 0, between(x(36), x(39), share));
-            }
-        }
-        moved[50] = slid(&UPPER_LIP.map(at), 0, bow);
-        moved[49] = slid(&UPPER_LIP.map(at), 0, between(x(48), bow, 0.5));
-        moved[59] = slid(&LOWER_LIP.map(at), 0, between(x(48), middle, 1.0 / 3.0));
-        moved[58] = slid(&LOWER_LIP.map(at), 0, between(x(48), middle, 2.0 / 3.0));
-        // Where the line from the one to the other crosses the lips' own.
-        let share = (at(61)[1] - moved[50][1]) / (moved[58][1] - moved[50][1]);
-        let column = between(moved[50][0], moved[58][0], share);
-        moved[61] = slid(&UPPER_INNER.map(at), 0, column);
-        moved[67] = slid(&LOWER_INNER.map(at), 0, column);
-        let offset = |i: usize| -> [f32; 3] { std::array::from_fn(|k| moved[i][k] - at(i)[k]) };
-        (0..LANDMARKS)
-            .map(|i| match x(i) > middle {
-                true => mirrored(offset(MIRROR[i])),
-                false => offset(i),
-            })
-            .collect()
+        offsets
     }
+}
+
+/// From landmarks of a head to where the convention has them \[mm, head frame\]: brows, bridge of
+/// the nose, lids and lower lip evenly in the frontal view; the peaks of the bow as far apart as
+/// people's, and half way between them and the corners; the inner points of the lips in line with
+/// the outer ones above and below. The others stay. The tip of the nose is `tip_mm` below its
+/// landmark.
+pub fn conventional_mm(points: &[[f32; 3]; LANDMARKS], tip_mm: f32) -> Vec<[f32; 3]> {
+    let at = |i: usize| points[i];
+    let mut moved = *points;
+    let x = |i: usize| at(i)[0];
+    let between = |from: f32, to: f32, share: f32| from + share * (to - from);
+    let middle = x(51);
+    let bow = middle - BOW_MM;
+    for (landmark, share) in [(28, 1.0 / 3.0), (29, 2.0 / 3.0)] {
+        let even = between(at(27)[1], at(30)[1] + tip_mm, share);
+        moved[landmark] = slid(&BRIDGE.map(at), 1, even);
+    }
+    for (k, &landmark) in BROW.iter().enumerate() {
+        let even = between(x(17), x(21), k as f32 / 4.0);
+        moved[landmark] = slid(&BROW.map(at), 0, even);
+    }
+    for (line, points) in [(UPPER_LID, [37, 38]), (LOWER_LID, [41, 40])] {
+        for (landmark, share) in points.into_iter().zip([1.0 / 3.0, 2.0 / 3.0]) {
+            moved[landmark] = slid(&line.map(at), 0, between(x(36), x(39), share));
+        }
+    }
+    moved[50] = slid(&UPPER_LIP.map(at), 0, bow);
+    moved[49] = slid(&UPPER_LIP.map(at), 0, between(x(48), bow, 0.5));
+    moved[59] = slid(&LOWER_LIP.map(at), 0, between(x(48), middle, 1.0 / 3.0));
+    moved[58] = slid(&LOWER_LIP.map(at), 0, between(x(48), middle, 2.0 / 3.0));
+    // Where the line from the one to the other crosses the lips' own.
+    let share = (at(61)[1] - moved[50][1]) / (moved[58][1] - moved[50][1]);
+    let column = between(moved[50][0], moved[58][0], share);
+    moved[61] = slid(&UPPER_INNER.map(at), 0, column);
+    moved[67] = slid(&LOWER_INNER.map(at), 0, column);
+    let offset = |i: usize| -> [f32; 3] { std::array::from_fn(|k| moved[i][k] - at(i)[k]) };
+    (0..LANDMARKS)
+        .map(|i| match x(i) > middle {
+            true => mirrored(offset(MIRROR[i])),
+            false => offset(i),
+        })
+        .collect()
 }
 
 fn mirrored([x, y, z]: [f32; 3]) -> [f32; 3] {

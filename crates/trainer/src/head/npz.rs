@@ -94,6 +94,9 @@ impl Array {
     pub fn indices(&self) -> Result<Vec<u32>> {
         self.checked(match self.descr.as_str() {
             "|u1" => self.bytes.iter().map(|b| *b as u32).collect(),
+            "<u2" => (self.items())
+                .map(|b| u32::from(u16::from_le_bytes(b)))
+                .collect(),
             "<i4" => self
                 .items()
                 .map(|b| Ok(u32::try_from(i32::from_le_bytes(b))?))

@@ -64,7 +64,7 @@ impl Args {
     }
 
     /// The same as `posewise-train render` would be given, for one kind.
-    pub fn render(&self, kind: Kind) -> render::Args {
+    pub fn render(&self, kind: Kind, sources: &Sources) -> render::Args {
         render::Args {
             data: self.data.clone(),
             cache: self.cache.clone(),
@@ -75,6 +75,8 @@ impl Args {
             },
             seed: self.seed,
             clean: self.terms == Terms::Free,
+            makehuman: if sources.has_makehuman() { render::MAKEHUMAN } else { 0.0 },
+            panoramas: if sources.has_panoramas() { render::PANORAMAS } else { 0.0 },
             kind,
         }
     }

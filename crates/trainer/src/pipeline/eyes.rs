@@ -32,7 +32,7 @@ pub fn make(context: &Context<'_>) -> Result<Output> {
     // Eyes are procedural in every render, so photographed skins bring little and take long.
     let render = crate::render::Args {
         clean: true,
-        ..args.render(Kind::Eyes)
+        ..args.render(Kind::Eyes, &context.sources)
     };
     let others = crate::render::Args {
         seed: render.seed ^ OTHERS,

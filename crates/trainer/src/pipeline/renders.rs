@@ -27,6 +27,9 @@ struct Options {
     /// Procedural people, and pictures of each photographed one.
     people: usize,
     pictures: usize,
+    /// People with MakeHuman's heads.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    makehuman_people: Option<usize>,
 }
 
 /// Photographs whose people are rendered: the fits of these sets.
@@ -47,11 +50,18 @@ pub fn make(store: &Store, args: &Args, photographed: Photographed<'_>) -> Resul
         spec: render::spec(args, photographed.is_some()),
         people: args.kind.people(photographed.is_some()),
         pictures: args.kind.pictures(),
+        makehuman_people: (args.makehuman > 0.0).then(|| args.kind.makehuman_people()),
     };
     let data = |name: &str| store.data(&args.data.join(name));
     let mut stage = Stage::new(name, 4)
         .options(&options)?
         .input("facekit.npz", data("facekit.npz")?);
+    if args.makehuman > 0.0 {
+        stage = stage.input("makehuman", data(render::MAKEHUMAN_FOLDER)?);
+    }
+    if args.panoramas > 0.0 {
+        stage = stage.input("environments.npz", data(render::PANORAMA_FILE)?);
+    }
     if let Some((fits, sets)) = photographed {
         stage = stage.input("fits", fits.hash(fits::FILE)?);
         for set in sets {

@@ -251,7 +251,7 @@ pub fn mask(rng: &mut ChaCha8Rng, mesh: &Mesh, head: &[Vec3]) -> Prop {
     };
     let (mut prop, index) = skin_part(mesh, head, worn);
     let lips: Vec<u32> = (48..60)
-        .filter_map(|i| index.get(&mesh.landmarks[i]).copied())
+        .filter_map(|i| index.get(&mesh.corner_of(i)).copied())
         .collect();
     close_mouth(&mut prop, &lips);
     stretch(&mut prop);

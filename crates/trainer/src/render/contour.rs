@@ -10,7 +10,6 @@
 use super::draw::{Drawn, Posed, SUPER, View};
 use super::mesh::{Material, Mesh};
 use super::raster::Target;
-use super::skin::is_ear;
 use crate::head::{BELOW_MM, at_place, even_places};
 use glam::{Mat3, Vec2, Vec3};
 use posewise::shape::{JAW, LANDMARKS};
@@ -264,10 +263,11 @@ fn cut(mesh: &Mesh, start: Vec3, end: Vec3, below_mm: f32) -> Vec<Crossing> {
     let normal = along.cross(out).normalize_or_zero();
     let run = mesh.run(Material::Skin);
     let mut points: Vec<(f32, Crossing)> = Vec::new();
-    for (t, uv) in mesh.triangles[run.clone()].iter().zip(&mesh.corner_uv[run]) {
-        if uv[0].x > 1.0 || is_ear(uv[0]) {
+    for n in run {
+        if mesh.corner_uv[n][0].x > 1.0 || mesh.ear[n][0] {
             continue;
         }
+        let t = &mesh.triangles[n];
         for k in 0..3 {
             let (va, vb) = (t[k], t[(k + 1) % 3]);
             let (a, b) = (

@@ -5,6 +5,7 @@ use super::mesh::{Material, Mesh};
 use super::mirror::Mirror;
 use super::raster::{Cull, EMPTY, Projected, Target, weights};
 use super::skin::Painted;
+use super::strands::Strands;
 use glam::{Mat3, Vec2, Vec3};
 use posewise::shape::Intrinsics;
 
@@ -16,6 +17,11 @@ const NEAR_MM: f32 = 40.0;
 
 /// Props more opaque than this hide what is behind them.
 pub const HIDES: f32 = 0.7;
+
+/// Share of the light on the lips that gets in between them, and the depth over which it falls
+/// to 1/e \[mm\].
+const INNER_LIGHT: f32 = 0.7;
+const INNER_MM: f32 = 14.0;
 
 /// Half the angle that an iris covers, seen from the eyeball's centre \[rad\].
 pub const IRIS_RAD: f32 = 0.385;
@@ -121,6 +127,8 @@ pub struct Prop {
     pub opacity: f32,
     /// What its halves mirror, if they do.
     pub mirror: Option<Mirror>,
+    /// Hair: where there is some, and how bright.
+    pub strands: Option<Strands>,
 }
 
 impl Prop {
@@ -197,7 +205,7 @@ pub fn draw(scene: &Scene, view: &View, background: &[f32]) -> Drawn {
     for (prop, drawn) in scene.props.iter().zip(&props) {
         bases.push(base);
         if prop.opacity >= 1.0 {
-            target.draw(&drawn.seen, &prop.triangles, base, Cull::None);
+            drawn.draw(prop, &mut target, base);
         }
         base += prop.triangles.len() as u32;
     }
@@ -249,20 +257,41 @@ fn resolve(samples: &[f32], target: &Target, background: &[f32], width: usize) -
 struct DrawnProp {
     seen: Vec<Projected>,
     lit: Vec<Lit>,
+    /// Level of the picture of strands.
+    level: usize,
 }
 
 impl DrawnProp {
     fn new(prop: &Prop, view: &View, lights: &Lights) -> DrawnProp {
         let lit = |(n, v): (&Vec3, &Vec3)| {
-            let (diffuse, sheen) = lights.reflect(*n, (-*v).normalize_or_zero(), 1.0, 1.0);
+            let (mut diffuse, sheen) = lights.reflect(*n, (-*v).normalize_or_zero(), 1.0, 1.0);
+            if let Some(sky) = &lights.sky {
+                diffuse += sky.diffuse(*n, u64::MAX);
+            }
             // What lets light pass returns so much less of it.
             let diffuse = diffuse * prop.opacity;
             (diffuse, sheen * prop.gloss / lights.sheen.max(1e-3))
         };
-        DrawnProp {
-            seen: prop.vertices.iter().map(|v| view.to_samples(*v)).collect(),
-            lit: prop.normals().iter().zip(&prop.vertices).map(lit).collect(),
+        let mut lit: Vec<Lit> = prop.normals().iter().zip(&prop.vertices).map(lit).collect();
+        let nearer_mm = prop.strands.as_ref().map_or(0.0, |s| s.nearer_mm);
+        let seen = |v: &Vec3| view.to_samples(*v - v.normalize_or_zero() * nearer_mm);
+        let seen: Vec<Projected> = prop.vertices.iter().map(seen).collect();
+        let mut level = 0;
+        if let Some(strands) = &prop.strands {
+            level = strands.level(&prop.triangles, &seen);
+            for (lit, open) in lit.iter_mut().zip(&strands.open) {
+                *lit = (lit.0 * open, lit.1 * open);
+            }
         }
+        DrawnProp { seen, lit, level }
+    }
+
+    fn draw(&self, prop: &Prop, target: &mut Target, base: u32) {
+        let Some(strands) = &prop.strands else {
+            return target.draw(&self.seen, &prop.triangles, base, Cull::None);
+        };
+        let is_there = |triangle, at, w| strands.is_there(triangle, at, w, self.level);
+        target.draw_where(&self.seen, &prop.triangles, base, Cull::None, is_there);
     }
 
     /// Light from a triangle at a sample, and its 1/z there.
@@ -276,6 +305,9 @@ impl DrawnProp {
             inv_z += w * self.seen[i].inv_z;
         }
         light += prop.mirrored(t, w);
+        if let Some(strands) = &prop.strands {
+            light *= strands.tone(triangle, w, self.level);
+        }
         (light, inv_z)
     }
 
@@ -307,13 +339,15 @@ struct Shader<'a> {
     level: usize,
     eye_centres: [Vec3; 2],
     material: Vec<(usize, Material)>,
+    /// Middle of the lips \[mm, camera axes\], and light that comes in between them.
+    lips: (Vec3, f32),
 }
 
 impl<'a> Shader<'a> {
     fn new(scene: &'a Scene<'a>, view: &View, seen: Vec<Projected>) -> Self {
         let head = scene.head;
         let reach = Reach::new(scene.lights.key, head.rotation);
-        let lit = (head
+        let lit: Vec<Lit> = (head
             .normals
             .iter()
             .zip(&head.vertices)
@@ -321,11 +355,17 @@ impl<'a> Shader<'a> {
         .zip(&scene.mesh.open)
         .map(|(((n, v), reached), open)| {
             let to_camera = -*v * v.length_recip();
-            scene
-                .lights
-                .reflect(*n, to_camera, *open, reach.lit(*reached))
+            let lights = scene.lights;
+            let (mut diffuse, sheen) = lights.reflect(*n, to_camera, *open, reach.lit(*reached));
+            if let Some(sky) = &lights.sky {
+                diffuse += sky.diffuse(*n, *reached);
+            }
+            (diffuse, sheen)
         })
         .collect();
+        let lips = [48, 54, 51, 57].map(|i| scene.mesh.landmarks[i] as usize);
+        let middle = lips.iter().map(|v| head.vertices[*v]).sum::<Vec3>() / 4.0;
+        let light = lips.iter().map(|v| lit[*v].0).sum::<f32>() / 4.0;
         let bridge = head.vertices[scene.mesh.landmarks[27] as usize];
         let samples_per_mm = view.camera.fx * SUPER as f32 / bridge.z.max(NEAR_MM);
         // The face tile is about 240 mm wide.
@@ -339,6 +379,7 @@ impl<'a> Shader<'a> {
                 .iter()
                 .map(|(m, r)| (r.end, *m))
                 .collect(),
+            lips: (middle, INNER_LIGHT * light),
             scene,
             seen,
             lit,
@@ -364,11 +405,26 @@ impl<'a> Shader<'a> {
                 lights.albedo(albedo) * diffuse + sheen
             }
             Material::Socket => 0.03 * diffuse,
+            Material::Mouth | Material::Teeth if mesh.inner_albedo.is_some() => {
+                self.inner(triangle, t, w)
+            }
             Material::Mouth => (0.05 * diffuse).max(0.012),
             Material::Teeth => 0.55 * diffuse.max(0.25),
             Material::EyeRight => self.eye(0, t, w, diffuse),
             Material::EyeLeft => self.eye(1, t, w, diffuse),
         }
+    }
+
+    /// Teeth, gums, tongue and cheeks: light comes in through the lips and falls off behind them.
+    fn inner(&self, triangle: usize, t: [usize; 3], w: Vec3) -> f32 {
+        let albedo = self.scene.mesh.inner_albedo.as_ref();
+        let albedo = albedo.map_or([0.05; 3], |all| all[triangle]);
+        let albedo = Vec3::from(albedo).dot(w);
+        let point = t.map(|i| self.scene.head.vertices[i]);
+        let point = point[0] * w.x + point[1] * w.y + point[2] * w.z;
+        let behind = (point - self.lips.0).dot(self.scene.head.rotation.z_axis);
+        let falls = (-behind.max(0.0) / INNER_MM).exp();
+        albedo * self.lips.1 * falls
     }
 
     fn eye(&self, k: usize, t: [usize; 3], w: Vec3, diffuse: f32) -> f32 {
@@ -392,7 +448,8 @@ impl<'a> Shader<'a> {
         let lights = self.scene.lights;
         let half = (lights.key - p.normalize()).normalize_or_zero();
         let catch = super::noise::smoothstep(0.986, 0.996, out.dot(half));
-        albedo * diffuse + 0.4 * catch * lights.key_power * diffuse.min(1.0)
+        let mirrored = lights.sky.as_ref().map_or(0.0, |sky| sky.mirrored(p, out));
+        albedo * diffuse + 0.4 * catch * lights.key_power * diffuse.min(1.0) + mirrored
     }
 }
 

@@ -183,6 +183,11 @@ impl Expression {
         self.pair(side, x.abs().min(1.0), 0.0);
     }
 
+    /// Leaves out what a head cannot do.
+    pub fn keep(&mut self, mesh: &Mesh) {
+        self.named.retain(|(name, _)| mesh.shape(name).is_some());
+    }
+
     /// Places in `mesh.shapes` and weights.
     pub fn weights(&self, mesh: &Mesh) -> Vec<(usize, f32)> {
         (self.named.iter())

@@ -1,6 +1,7 @@
 //! Light: a gradient from the surroundings, a key light with soft self-shadow, a fill light and a
 //! weak sheen; and the camera's response to it.
 
+use super::environment::Sky;
 use super::mesh::directions;
 use glam::{Mat3, Vec3};
 use rand::Rng;
@@ -27,6 +28,8 @@ pub struct Lights {
     pub sheen_exponent: f32,
     /// 0 visible light .. 1 near infrared: skin and lips brighten and flatten.
     pub infrared: f32,
+    /// Surroundings of a panorama, beside or in place of the lamps.
+    pub sky: Option<Sky>,
 }
 
 fn unit(rng: &mut ChaCha8Rng) -> Vec3 {
@@ -70,6 +73,7 @@ impl Lights {
             } else {
                 0.0
             },
+            sky: None,
         }
     }
 

@@ -3,6 +3,7 @@
 
 use super::raster::{Cull, Projected, Target};
 use crate::head::Head;
+use crate::head::makehuman::{Mix, Moves, mix};
 use anyhow::{Result, ensure};
 use glam::{Vec2, Vec3};
 use posewise::shape::{JAW, LANDMARKS};
@@ -51,7 +52,8 @@ pub const DIRECTIONS: usize = 64;
 pub struct Shape {
     /// ARKit name.
     pub name: String,
-    moves: Vec<(u32, Vec3)>,
+    /// What it moves at 1.
+    pub moves: Moves,
 }
 
 impl Shape {
@@ -62,19 +64,26 @@ impl Shape {
 }
 
 /// Each material's run of the triangles.
-type Runs = Vec<(Material, Range<usize>)>;
+pub type Runs = Vec<(Material, Range<usize>)>;
 
 /// The head's topology and statistics.
 pub struct Mesh {
     /// Neutral mean vertices \[mm, head frame\].
     pub mean: Vec<Vec3>,
-    identity: Vec<Vec<Vec3>>,
+    /// Modes of identity; none where heads are mixed otherwise.
+    pub identity: Vec<Vec<Vec3>>,
     /// Expressions.
     pub shapes: Vec<Shape>,
     /// Corners, counter-clockwise from outside, sorted by material.
     pub triangles: Vec<[u32; 3]>,
     /// Texture coordinates of the corners: u 0..1 is the face tile, 1..2 the rest; v up.
     pub corner_uv: Vec<[Vec2; 3]>,
+    /// Which corners of the skin's triangles are on an ear.
+    pub ear: Vec<[bool; 3]>,
+    /// Albedo of the corners of teeth and mouth; `None`: the same everywhere.
+    pub inner_albedo: Option<Vec<[f32; 3]>>,
+    /// Vertices without triangles that are means of others.
+    pub means: Vec<(u32, Mix)>,
     /// Runs of `triangles`.
     pub materials: Runs,
     /// Vertex of each landmark.
@@ -104,7 +113,10 @@ impl Mesh {
                 .filter(|(_, p)| Some(**p) == part);
             of.map(|(v, _)| v).collect()
         };
-        let mut mesh = Mesh {
+        let corner_uv: Vec<[Vec2; 3]> = (numbers.iter())
+            .map(|n| head.triangle_uv[*n].map(uv))
+            .collect();
+        Ok(Mesh {
             mean: vertices(&head.mean),
             identity: head
                 .identity
@@ -124,10 +136,10 @@ impl Mesh {
                 })
                 .collect(),
             triangles: numbers.iter().map(|n| head.triangles[*n]).collect(),
-            corner_uv: numbers
-                .iter()
-                .map(|n| head.triangle_uv[*n].map(uv))
-                .collect(),
+            ear: corner_uv.iter().map(|uv| uv.map(is_ear)).collect(),
+            corner_uv,
+            inner_albedo: None,
+            means: Vec::new(),
             materials,
             landmarks: head.landmarks,
             jaw_edge: head.jaw_edge,
@@ -135,10 +147,22 @@ impl Mesh {
             reached: Vec::new(),
             open: Vec::new(),
             animation: head.animation.to_vec(),
-        };
-        mesh.reached = mesh.light_reach();
-        mesh.open = mesh.openness();
-        Ok(mesh)
+        }
+        .lit())
+    }
+
+    /// The same with what light reaches its vertices.
+    pub fn lit(mut self) -> Mesh {
+        self.reached = self.light_reach();
+        self.open = self.openness();
+        self
+    }
+
+    /// Moves the vertices that are means of others to where those are.
+    pub fn settle(&self, head: &mut [Vec3]) {
+        for (v, of) in &self.means {
+            head[*v as usize] = mix(head, of);
+        }
     }
 
     /// Place of an expression in `shapes`.
@@ -152,12 +176,25 @@ impl Mesh {
         for (mode, &w) in self.identity.iter().zip(identity) {
             out.iter_mut().zip(mode).for_each(|(o, d)| *o += *d * w);
         }
+        self.express(&mut out, expression);
+        out
+    }
+
+    /// The vertex with triangles that a landmark is, or mostly lies at.
+    pub fn corner_of(&self, landmark: usize) -> u32 {
+        let v = self.landmarks[landmark];
+        let of = self.means.iter().find(|(mean, _)| *mean == v);
+        let most = of.and_then(|(_, of)| of.iter().max_by(|a, b| a.1.total_cmp(&b.1)));
+        most.map_or(v, |(corner, _)| *corner)
+    }
+
+    /// Adds an expression (place in `shapes`, weight) to a head.
+    pub fn express(&self, head: &mut [Vec3], expression: &[(usize, f32)]) {
         for &(shape, w) in expression {
             for &(v, d) in &self.shapes[shape].moves {
-                out[v as usize] += d * w;
+                head[v as usize] += d * w;
             }
         }
-        out
     }
 
     /// Unit outward normals, area-weighted over the triangles.
@@ -168,7 +205,11 @@ impl Mesh {
             let n = (b - a).cross(c - a);
             t.iter().for_each(|&i| sums[i as usize] += n);
         }
-        sums.iter().map(|n| n.normalize_or_zero()).collect()
+        let mut normals: Vec<Vec3> = sums.iter().map(|n| n.normalize_or_zero()).collect();
+        for (v, of) in &self.means {
+            normals[*v as usize] = mix(&normals, of).normalize_or_zero();
+        }
+        normals
     }
 
     /// The triangles of a material.
@@ -234,10 +275,19 @@ impl Mesh {
     }
 }
 
+/// Texture coordinates of the ears lie in strips at both sides of the face tile.
+fn is_ear(uv: Vec2) -> bool {
+    uv.x < 1.0 && (uv.x < 0.12 || uv.x > 0.88) && (0.38..0.70).contains(&uv.y)
+}
+
+/// Whether a torso takes the place of a point of the mean head.
+fn is_chest(p: Vec3) -> bool {
+    p.y > CHEST_MM || (p.y > 110.0 && p.x.abs() > 70.0)
+}
+
 /// Numbers of the triangles that are drawn, sorted by material, and each material's run of them.
 fn drawn_triangles(head: &Head) -> Result<(Vec<usize>, Runs)> {
-    let below = |[x, y, _]: [f32; 3]| y > CHEST_MM || (y > 110.0 && x.abs() > 70.0);
-    let chest = |t: &[u32; 3]| t.iter().all(|v| below(head.mean[*v as usize]));
+    let chest = |t: &[u32; 3]| (t.iter()).all(|v| is_chest(Vec3::from(head.mean[*v as usize])));
     let mut numbers = Vec::new();
     let mut materials = Runs::new();
     for (name, material) in PARTS {

@@ -16,12 +16,14 @@ pub mod dead_leaves;
 pub mod deform;
 pub mod draw;
 pub mod effects;
+pub mod environment;
 pub mod expression;
 pub mod eye_cache;
 pub mod eye_truth;
 pub mod glare;
 pub mod lids;
 pub mod light;
+pub mod makehuman;
 pub mod mesh;
 mod mirror;
 pub mod noise;
@@ -34,8 +36,10 @@ pub mod sample;
 pub mod sheet;
 pub mod skin;
 pub mod spec;
+pub mod strands;
 pub mod texture;
 
+pub use makehuman::Family;
 pub use people::{People, Persons};
 pub use sample::{Renderer, Sample};
 pub use spec::SampleSpec;
@@ -44,8 +48,13 @@ use crate::fit::Fits;
 use crate::head::Head;
 use crate::picture::Picture;
 use anyhow::Result;
+use glam::Vec3;
 use image::GrayImage;
 use std::path::{Path, PathBuf};
+
+/// Share of MakeHuman's heads, and of samples among a panorama.
+pub const MAKEHUMAN: f64 = 0.5;
+pub const PANORAMAS: f64 = 0.5;
 
 /// Settings of `posewise-train render`.
 #[derive(Clone, Debug, clap::Args)]
@@ -65,6 +74,13 @@ pub struct Args {
     /// Use no photograph whose terms restrict its use.
     #[arg(long)]
     pub clean: bool,
+    /// Share of MakeHuman's heads (`free/makehuman`) among the renders; the others are of the
+    /// morphable head.
+    #[arg(long, default_value_t = MAKEHUMAN)]
+    pub makehuman: f64,
+    /// Share of the renders that a panorama (`free/environments.npz`) lights and surrounds.
+    #[arg(long, default_value_t = PANORAMAS)]
+    pub panoramas: f64,
     /// What to render.
     #[arg(long, value_enum, default_value_t = Kind::Plain)]
     pub kind: Kind,
@@ -85,10 +101,19 @@ impl Kind {
     /// Different procedural people, alone or beside photographed ones.
     pub fn people(self, beside_photographed: bool) -> usize {
         match (self, beside_photographed) {
-            (Kind::Plain, false) => 2048,
+            (Kind::Plain, false) => 1024,
             (Kind::Plain, true) => 256,
             (Kind::Near, _) => 600,
             (Kind::Eyes, _) => 400,
+        }
+    }
+
+    /// Different people with MakeHuman's heads.
+    pub fn makehuman_people(self) -> usize {
+        match self {
+            Kind::Plain => 1024,
+            Kind::Near => 600,
+            Kind::Eyes => 400,
         }
     }
 
@@ -124,8 +149,29 @@ pub fn renderer(args: &Args, fits: Option<&Fits>) -> Result<Renderer> {
             fits.offsets_mm.clone()
         }
     };
-    Ok(Renderer::new(mesh, people, backgrounds, &offsets_mm))
+    let mut renderer = Renderer::new(mesh, people, backgrounds, &offsets_mm);
+    if args.makehuman > 0.0 {
+        let conventional = head.conventional_offsets_mm();
+        let moved = offsets_mm.iter().zip(&conventional);
+        let moved: Vec<Vec3> = moved
+            .map(|(a, b)| Vec3::from(*a) - Vec3::from(*b))
+            .collect();
+        let people = args.kind.makehuman_people();
+        let near = args.kind != Kind::Plain;
+        let folder = args.data.join(MAKEHUMAN_FOLDER);
+        let family = Family::load(&folder, &renderer.mesh, &moved, people, args.seed, near)?;
+        renderer = renderer.with_makehuman(family);
+    }
+    if args.panoramas > 0.0 {
+        let panoramas = environment::load(&args.data.join(PANORAMA_FILE))?;
+        renderer = renderer.with_panoramas(panoramas);
+    }
+    Ok(renderer)
 }
+
+/// Where both are, in the shared data.
+pub const MAKEHUMAN_FOLDER: &str = "free/makehuman";
+pub const PANORAMA_FILE: &str = "free/environments.npz";
 
 /// Share of everyday samples where no photographs are: those are beside the renders otherwise.
 const EVERYDAY_CLEAN: f64 = 0.6;
@@ -147,6 +193,8 @@ pub fn spec(args: &Args, has_photographed: bool) -> SampleSpec {
             Kind::Plain | Kind::Near if !has_photographed => EVERYDAY_CLEAN,
             _ => 0.0,
         },
+        makehuman: args.makehuman,
+        panoramas: args.panoramas,
         ..kind
     }
 }

@@ -11,7 +11,7 @@ use super::mesh::Mesh;
 use super::noise::smoothstep;
 use super::person::Person;
 use super::raster::{Cull, Projected, Target};
-use super::skin::{Features, Looks, Painted, is_ear, paint_albedo, push};
+use super::skin::{Features, Looks, Painted, paint_albedo, push};
 use super::texture::{TILE, TexelMap, Texture};
 use crate::fit::PhotoFit;
 use crate::head::Head;
@@ -213,8 +213,8 @@ impl Photographer<'_> {
     fn blend(&self, albedo: &mut [f32], seen: &Seen, bare_mm: f32) {
         for (i, texel) in self.map.texels.iter().enumerate() {
             let Some(texel) = texel else { continue };
-            let uv = self.mesh.corner_uv[texel.triangle as usize][0];
-            let region = self.region(texel.mean, uv, bare_mm);
+            let ear = self.mesh.ear[texel.triangle as usize][0];
+            let region = self.region(texel.mean, ear, bare_mm);
             if region <= 0.0 {
                 continue;
             }
@@ -229,8 +229,8 @@ impl Photographer<'_> {
     }
 
     /// Where the picture is used at all: the face without ears, lid margins and inner lips.
-    fn region(&self, p: Vec3, uv: Vec2, bare_mm: f32) -> f32 {
-        if is_ear(uv) {
+    fn region(&self, p: Vec3, ear: bool, bare_mm: f32) -> f32 {
+        if ear {
             return 0.0;
         }
         let (lid, lip) = self.features.margins(p);

@@ -51,16 +51,35 @@ impl Target {
 
     /// Draws triangles; their ids are `base + position in the list`.
     pub fn draw(&mut self, vertices: &[Projected], triangles: &[[u32; 3]], base: u32, cull: Cull) {
+        self.draw_where(vertices, triangles, base, cull, |_, _, _| true);
+    }
+
+    /// Draws triangles where they are said to be, by their number, the sample's place and the
+    /// weights of the corners.
+    pub fn draw_where(
+        &mut self,
+        vertices: &[Projected],
+        triangles: &[[u32; 3]],
+        base: u32,
+        cull: Cull,
+        is_there: impl Fn(usize, [u32; 2], [f32; 3]) -> bool,
+    ) {
         for (n, t) in triangles.iter().enumerate() {
             let corner = t.map(|i| vertices[i as usize]);
             if corner.iter().any(|c| c.inv_z <= 0.0) {
                 continue;
             }
-            self.triangle(corner, base + n as u32, cull);
+            self.triangle(corner, base + n as u32, cull, |at, w| is_there(n, at, w));
         }
     }
 
-    fn triangle(&mut self, mut c: [Projected; 3], id: u32, cull: Cull) {
+    fn triangle(
+        &mut self,
+        mut c: [Projected; 3],
+        id: u32,
+        cull: Cull,
+        is_there: impl Fn([u32; 2], [f32; 3]) -> bool,
+    ) {
         let (min_x, max_x) = bounds(c.map(|p| p.x), self.width);
         let (min_y, max_y) = bounds(c.map(|p| p.y), self.height);
         if min_x > max_x || min_y > max_y {
@@ -69,7 +88,8 @@ impl Target {
         // Outward normals point to −z where the surface faces the camera: with y down that is a
         // negative area.
         let mut area = cross(c[0], c[1], c[2]);
-        if area >= 0.0 {
+        let turned = area >= 0.0;
+        if turned {
             if cull == Cull::Back || area == 0.0 {
                 return;
             }
@@ -93,7 +113,8 @@ impl Target {
                 }
                 let inv_z = w0 * c[0].inv_z + w1 * c[1].inv_z + w2 * c[2].inv_z;
                 let at = y as usize * self.width + x as usize;
-                if inv_z > self.inv_z[at] {
+                let w = if turned { [w0, w2, w1] } else { [w0, w1, w2] };
+                if inv_z > self.inv_z[at] && is_there([x as u32, y as u32], w) {
                     self.inv_z[at] = inv_z;
                     self.id[at] = id;
                 }

@@ -4,12 +4,15 @@ use super::contour::{Landmarker, Points};
 use super::deform::Deformation;
 use super::draw::{Eyes, Posed, Prop, Scene, View, draw};
 use super::effects::Camera;
+use super::environment::{Panorama, Sky};
 use super::expression::{Expression, random_gaze};
 use super::eye_truth::{EyeTruth, eye_truth};
 use super::lids::Lids;
 use super::light::Lights;
+use super::makehuman::{Family, Member};
 use super::mesh::{IDENTITIES, Mesh};
 use super::noise::normal;
+use super::people::People;
 use super::person::Person;
 use super::spec::SampleSpec;
 use super::{accessories, background, props};
@@ -19,6 +22,7 @@ use posewise::math::{HeadAngles, head_rotation};
 use posewise::shape::{ANIMATIONS, Intrinsics, LANDMARKS};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use std::sync::Arc;
 
 /// A rendered face with its truth.
 #[derive(Clone, Debug)]
@@ -53,8 +57,10 @@ pub struct Renderer {
     pub mesh: Mesh,
     /// Finds the 68 points.
     pub landmarker: Landmarker,
-    people: super::people::People,
+    people: People,
     backgrounds: Vec<GrayImage>,
+    makehuman: Option<Family>,
+    panoramas: Vec<Arc<Panorama>>,
 }
 
 impl Renderer {
@@ -62,7 +68,7 @@ impl Renderer {
     /// photographs' labels sit against the head's vertices; empty: on them.
     pub fn new(
         mesh: Mesh,
-        people: super::people::People,
+        people: People,
         backgrounds: Vec<GrayImage>,
         offsets_mm: &[[f32; 3]],
     ) -> Renderer {
@@ -71,7 +77,22 @@ impl Renderer {
             mesh,
             people,
             backgrounds,
+            makehuman: None,
+            panoramas: Vec::new(),
         }
+    }
+
+    /// The same with a second family of heads.
+    pub fn with_makehuman(self, family: Family) -> Renderer {
+        Renderer {
+            makehuman: Some(family),
+            ..self
+        }
+    }
+
+    /// The same among panoramas.
+    pub fn with_panoramas(self, panoramas: Vec<Arc<Panorama>>) -> Renderer {
+        Renderer { panoramas, ..self }
     }
 
     /// Sample `index` of a seed; the same every time.
@@ -96,37 +117,32 @@ impl Renderer {
                 ..spec.clone()
             },
         };
-        let person = self.people.pick(rng, &self.mesh, spec.persons);
-        let (head, expression) = self.head(rng, &person, spec);
+        let subject = &self.subject(rng, spec);
+        let (mesh, person, head) = (subject.mesh, subject.person(), &subject.head);
         let angles = random_angles(rng, spec);
         let pose = Pose::random(rng, angles);
-        let posed = Posed::new(
-            &self.mesh,
-            &head,
-            &person.painted.push_mm,
-            pose.rotation,
-            pose.at,
-        );
-        let (view, face_px) = self.frame(rng, &posed, spec);
+        let posed = Posed::new(mesh, head, &person.painted.push_mm, pose.rotation, pose.at);
+        let (view, face_px) = frame(rng, mesh, &posed, spec);
         let infrared = rng.random_bool(spec.infrared);
-        let lights = Lights::random(rng, infrared);
-        let props = self.props(rng, spec, &head, &posed, &pose, &person);
-        let eyes = random_eyes(rng, &expression, &person, spec);
+        let mut lights = Lights::random(rng, infrared);
+        if !self.panoramas.is_empty() && !infrared && some(rng, spec.panoramas) {
+            self.surround(rng, &mut lights, pose.rotation);
+        }
+        let props = self.props(rng, spec, subject, &posed, &pose);
+        let eyes = random_eyes(rng, &subject.expression, person, spec);
         let scene = Scene {
-            mesh: &self.mesh,
+            mesh,
             head: &posed,
             painted: &person.painted,
             eyes,
             props: &props,
             lights: &lights,
         };
-        let mut behind = self.background(rng, &view, spec);
-        let level = rng.random_range(0.3..1.6);
-        behind.iter_mut().for_each(|b| *b *= level);
+        let behind = self.behind(rng, &view, &lights, spec);
         let drawn = draw(&scene, &view, &behind);
         // The jaw is on the skin, not on hair that stands off it.
-        let skin = Posed::new(&self.mesh, &head, &[], pose.rotation, pose.at);
-        let points = self
+        let skin = Posed::new(mesh, head, &[], pose.rotation, pose.at);
+        let points = subject
             .landmarker
             .points(&skin, &view, &drawn, angles.roll_deg);
         let truth = [0, 1].map(|k| eye_truth(k, &scene, &view, &drawn));
@@ -148,10 +164,67 @@ impl Renderer {
             angles,
             position: pose.at,
             camera: view.camera,
-            animation: expression.animation(),
+            animation: subject.expression.animation(),
             person: person.id,
         };
         (sample, truth)
+    }
+
+    /// Someone with an expression.
+    fn subject(&self, rng: &mut ChaCha8Rng, spec: &SampleSpec) -> Subject<'_> {
+        let family = (self.makehuman.as_ref()).filter(|_| some(rng, spec.makehuman));
+        if let Some(family) = family {
+            return self.makehuman(rng, family, spec);
+        }
+        let person = self.people.pick(rng, &self.mesh, spec.persons);
+        let (head, expression) = self.head(rng, &person, spec);
+        Subject {
+            mesh: &self.mesh,
+            landmarker: &self.landmarker,
+            who: Who::Morphable(person),
+            head,
+            expression,
+            strands: Vec::new(),
+            size: 1.0,
+        }
+    }
+
+    /// One of the second family.
+    fn makehuman<'a>(
+        &self,
+        rng: &mut ChaCha8Rng,
+        family: &'a Family,
+        spec: &SampleSpec,
+    ) -> Subject<'a> {
+        let member = family.pick(rng);
+        let mesh = &family.mesh;
+        let calm = if spec.everyday > 0.0 { 0.75 } else { 1.0 };
+        let neutral = family.neutral(rng, &member, calm);
+        let mut expression = random_expression(rng, spec);
+        expression.keep(mesh);
+        let deformation = Deformation::random(rng, mesh, 0.5 * calm);
+        let vertices = |weights: &[(usize, f32)]| {
+            let mut head = neutral.clone();
+            mesh.express(&mut head, weights);
+            head.iter_mut().for_each(|v| *v = deformation.apply(*v));
+            mesh.settle(&mut head);
+            head
+        };
+        let lids = Lids::new(mesh, vertices);
+        let mut weights = expression.weights(mesh);
+        lids.shut(mesh, &mut weights);
+        let mut head = vertices(&weights);
+        lids.cover_eyeballs(mesh, &mut head);
+        mesh.settle(&mut head);
+        Subject {
+            mesh,
+            landmarker: &family.landmarker,
+            strands: family.strands(&member, &head),
+            size: family.size(&neutral),
+            who: Who::MakeHuman(member),
+            head,
+            expression,
+        }
     }
 
     /// The vertices of a head of this person (head axes), and its expression.
@@ -162,13 +235,7 @@ impl Renderer {
         spec: &SampleSpec,
     ) -> (Vec<Vec3>, Expression) {
         let identity = self.identity(rng, person);
-        let mut expression = Expression::random(rng);
-        if some(rng, spec.closing) {
-            expression.close(rng);
-        }
-        if some(rng, spec.looking) {
-            expression.look(rng);
-        }
+        let expression = random_expression(rng, spec);
         let mut weights = expression.weights(&self.mesh);
         let strength = deformation_of(person, spec);
         let deformation = Deformation::random(rng, &self.mesh, strength);
@@ -198,26 +265,38 @@ impl Renderer {
             .collect()
     }
 
-    /// A camera that frames the 68 points with the wanted margin, and the box's longer side.
-    fn frame(&self, rng: &mut ChaCha8Rng, posed: &Posed, spec: &SampleSpec) -> (View, f32) {
-        let face_px = rng.random_range(spec.face_px.0..=spec.face_px.1);
-        let unit = View::unit();
-        let points = self
-            .mesh
-            .landmarks
-            .map(|v| unit.project(posed.vertices[v as usize]));
-        let low = points.iter().fold(Vec2::MAX, |m, p| m.min(*p));
-        let high = points.iter().fold(Vec2::MIN, |m, p| m.max(*p));
-        let focal = face_px / (high - low).max_element().max(1e-6);
-        let side = (face_px * (1.0 + 2.0 * spec.margin)).round();
-        let jitter = Vec2::new(rng.random_range(-0.5..0.5), rng.random_range(-0.5..0.5));
-        let centre = Vec2::splat((side - 1.0) / 2.0) + jitter - (low + high) * 0.5 * focal;
-        let view = View {
-            width: side as usize,
-            height: side as usize,
-            camera: Intrinsics::new(focal, focal, centre.x, centre.y),
-        };
-        (view, face_px)
+    /// Puts a panorama round a head, in place of the lamps or beside a weaker one.
+    fn surround(&self, rng: &mut ChaCha8Rng, lights: &mut Lights, rotation: Mat3) {
+        let level = rng.random_range(0.45..1.0);
+        let (sky, key) = Sky::random(rng, &self.panoramas, rotation, level);
+        let lamp = rng.random_bool(0.25);
+        if !lamp || key.length() > lights.key_power {
+            lights.key_power = key.length();
+            lights.key = key.normalize_or(-Vec3::Z);
+        } else {
+            lights.key_power *= 0.6;
+        }
+        lights.ambient = 0.0;
+        lights.fill_power *= if lamp { 1.0 } else { 0.0 };
+        lights.sky = Some(sky);
+    }
+
+    /// What is behind the head, in linear light.
+    fn behind(
+        &self,
+        rng: &mut ChaCha8Rng,
+        view: &View,
+        lights: &Lights,
+        spec: &SampleSpec,
+    ) -> Vec<f32> {
+        if let Some(sky) = lights.sky.as_ref().filter(|_| rng.random_bool(0.6)) {
+            let wide = rng.random_range(1.0..3.5f32);
+            return sky.background([view.width, view.height], &view.camera, wide);
+        }
+        let mut behind = self.background(rng, view, spec);
+        let level = rng.random_range(0.3..1.6);
+        behind.iter_mut().for_each(|b| *b *= level);
+        behind
     }
 
     fn background(&self, rng: &mut ChaCha8Rng, view: &View, spec: &SampleSpec) -> Vec<f32> {
@@ -235,28 +314,28 @@ impl Renderer {
         &self,
         rng: &mut ChaCha8Rng,
         spec: &SampleSpec,
-        head: &[Vec3],
+        subject: &Subject,
         posed: &Posed,
         pose: &Pose,
-        person: &Person,
     ) -> Vec<Prop> {
-        let mut all = vec![props::torso(
-            pose.angles,
-            pose.rotation,
-            pose.at,
-            person.cloth,
-            rng.random(),
-        )];
+        let (mesh, person, head) = (subject.mesh, subject.person(), &subject.head);
+        let seed = rng.random();
+        let mut torso = props::torso(pose.angles, pose.rotation, pose.at, person.cloth, seed);
+        for v in &mut torso.vertices {
+            *v = pose.at + (*v - pose.at) * subject.size;
+        }
+        let mut all = vec![torso];
         if rng.random_bool(spec.glasses) {
-            let mut worn = accessories::glasses(rng, &self.mesh, head);
+            let mut worn = accessories::glasses(rng, mesh, head);
             accessories::wear(&mut worn, pose.rotation, pose.at);
             all.extend(worn);
         }
-        let mut worn = self.worn(rng, spec, head, person);
+        let mut worn = self.worn(rng, spec, subject);
+        worn.extend(subject.strands.iter().cloned());
         accessories::wear(&mut worn, pose.rotation, pose.at);
         all.extend(worn);
         if rng.random_bool(spec.occluders) {
-            let over = self.mesh.landmarks[rng.random_range(0..LANDMARKS)] as usize;
+            let over = mesh.landmarks[rng.random_range(0..LANDMARKS)] as usize;
             let point = posed.vertices[over];
             let gap = rng.random_range(25.0..70.0);
             let over = point - point.normalize() * gap;
@@ -271,16 +350,11 @@ impl Renderer {
     }
 
     /// Long hair, a cap, a mask (head axes).
-    fn worn(
-        &self,
-        rng: &mut ChaCha8Rng,
-        spec: &SampleSpec,
-        head: &[Vec3],
-        person: &Person,
-    ) -> Vec<Prop> {
+    fn worn(&self, rng: &mut ChaCha8Rng, spec: &SampleSpec, subject: &Subject) -> Vec<Prop> {
+        let (mesh, person, head) = (subject.mesh, subject.person(), &subject.head);
         let [hair, cap, mask] =
             [spec.long_hair, spec.caps, spec.masks].map(|share| some(rng, share));
-        let at = |i: usize| head[self.mesh.landmarks[i] as usize];
+        let at = |i: usize| head[mesh.landmarks[i] as usize];
         let mut all = Vec::new();
         if let Some(albedo) = person.hair.filter(|_| hair) {
             all.push(accessories::long_hair(rng, [at(0), at(16)], albedo));
@@ -289,10 +363,70 @@ impl Renderer {
             all.push(accessories::cap(rng));
         }
         if mask {
-            all.push(accessories::mask(rng, &self.mesh, head));
+            all.push(accessories::mask(rng, mesh, head));
         }
         all
     }
+}
+
+/// Someone to be drawn.
+struct Subject<'a> {
+    mesh: &'a Mesh,
+    landmarker: &'a Landmarker,
+    who: Who,
+    /// Vertices (head axes).
+    head: Vec<Vec3>,
+    expression: Expression,
+    /// Hair, brows and lashes (head axes).
+    strands: Vec<Prop>,
+    /// Against an adult.
+    size: f32,
+}
+
+enum Who {
+    Morphable(Arc<Person>),
+    MakeHuman(Arc<Member>),
+}
+
+impl Subject<'_> {
+    fn person(&self) -> &Person {
+        match &self.who {
+            Who::Morphable(person) => person,
+            Who::MakeHuman(member) => &member.person,
+        }
+    }
+}
+
+/// A camera that frames the 68 points with the wanted margin, and the box's longer side.
+fn frame(rng: &mut ChaCha8Rng, mesh: &Mesh, posed: &Posed, spec: &SampleSpec) -> (View, f32) {
+    let face_px = rng.random_range(spec.face_px.0..=spec.face_px.1);
+    let unit = View::unit();
+    let points = mesh
+        .landmarks
+        .map(|v| unit.project(posed.vertices[v as usize]));
+    let low = points.iter().fold(Vec2::MAX, |m, p| m.min(*p));
+    let high = points.iter().fold(Vec2::MIN, |m, p| m.max(*p));
+    let focal = face_px / (high - low).max_element().max(1e-6);
+    let side = (face_px * (1.0 + 2.0 * spec.margin)).round();
+    let jitter = Vec2::new(rng.random_range(-0.5..0.5), rng.random_range(-0.5..0.5));
+    let centre = Vec2::splat((side - 1.0) / 2.0) + jitter - (low + high) * 0.5 * focal;
+    let view = View {
+        width: side as usize,
+        height: side as usize,
+        camera: Intrinsics::new(focal, focal, centre.x, centre.y),
+    };
+    (view, face_px)
+}
+
+fn random_expression(rng: &mut ChaCha8Rng, spec: &SampleSpec) -> Expression {
+    let mut expression = Expression::random(rng);
+    if some(rng, spec.closing) {
+        expression.close(rng);
+    }
+    if some(rng, spec.looking) {
+        expression.look(rng);
+    }
+    expression
 }
 
 fn random_eyes(

@@ -146,11 +146,6 @@ pub struct Painted {
     pub push_mm: Vec<f32>,
 }
 
-/// Texture coordinates of the ears lie in strips at both sides of the face tile.
-pub fn is_ear(uv: Vec2) -> bool {
-    uv.x < 1.0 && (uv.x < 0.12 || uv.x > 0.88) && (0.38..0.70).contains(&uv.y)
-}
-
 /// Labels run a little above the middle of the brows.
 const BROW_SHIFT_MM: Vec2 = Vec2::new(0.0, 1.5);
 
@@ -321,22 +316,37 @@ pub fn paint(mesh: &Mesh, map: &TexelMap, features: &Features, looks: &Looks) ->
 
 /// Linear albedo of a person's texels, 0 in the gaps.
 pub fn paint_albedo(mesh: &Mesh, map: &TexelMap, features: &Features, looks: &Looks) -> Vec<f32> {
-    map.texels
-        .iter()
-        .enumerate()
-        .map(|(i, texel)| match texel {
-            None => 0.0,
-            Some(texel) => texel_albedo(mesh, features, looks, i, texel),
-        })
-        .collect()
+    paint_over(mesh, map, features, looks, |_, p| bare_skin(looks, p))
 }
 
-fn texel_albedo(mesh: &Mesh, features: &Features, looks: &Looks, i: usize, texel: &Texel) -> f32 {
+/// The same over a skin given by the number of a texel and its place on the mean head.
+pub fn paint_over(
+    mesh: &Mesh,
+    map: &TexelMap,
+    features: &Features,
+    looks: &Looks,
+    bare: impl Fn(usize, Vec3) -> f32,
+) -> Vec<f32> {
+    let texel_albedo = |(i, texel): (usize, &Option<Texel>)| match texel {
+        None => 0.0,
+        Some(texel) => texel_albedo(mesh, features, looks, i, texel, bare(i, texel.mean)),
+    };
+    map.texels.iter().enumerate().map(texel_albedo).collect()
+}
+
+fn texel_albedo(
+    mesh: &Mesh,
+    features: &Features,
+    looks: &Looks,
+    i: usize,
+    texel: &Texel,
+    bare: f32,
+) -> f32 {
     let at = Vec2::new((i % (2 * TILE)) as f32, (i / (2 * TILE)) as f32);
     let p = texel.mean;
-    let ear = is_ear(corner_uv(mesh, texel));
+    let ear = mesh.ear[texel.triangle as usize][0];
     let cover = features.cover(looks, at, p);
-    let mut value = bare_skin(looks, p);
+    let mut value = bare;
     value *= 1.0 - (1.0 - looks.lips) * cover.lips;
     let stubble = 1.0 + 0.3 * noise(p * 0.9, looks.seed ^ 41);
     value += (looks.hair.max(0.015) * stubble - value) * (cover.beard * stubble).clamp(0.0, 0.92);
@@ -349,10 +359,6 @@ fn texel_albedo(mesh: &Mesh, features: &Features, looks: &Looks, i: usize, texel
     let cloth = smoothstep(158.0, 162.0, p.y + 0.15 * p.z);
     let weave = 1.0 + 0.15 * fractal(p * 0.2, 3, looks.seed ^ 51);
     value + (looks.cloth * weave - value) * cloth
-}
-
-fn corner_uv(mesh: &Mesh, texel: &Texel) -> Vec2 {
-    mesh.corner_uv[texel.triangle as usize][0]
 }
 
 /// Skin without features: blotches, pores, red cheeks and nose, darker sockets.
@@ -372,12 +378,12 @@ fn bare_skin(looks: &Looks, p: Vec3) -> f32 {
 pub fn push(mesh: &Mesh, looks: &Looks) -> Vec<f32> {
     let mut ear = vec![false; mesh.mean.len()];
     let mut skin = vec![false; mesh.mean.len()];
-    for (t, uv) in mesh.triangles[mesh.run(super::mesh::Material::Skin)]
+    for (t, is_ear) in mesh.triangles[mesh.run(super::mesh::Material::Skin)]
         .iter()
-        .zip(&mesh.corner_uv)
+        .zip(&mesh.ear)
     {
-        for (v, uv) in t.iter().zip(uv) {
-            ear[*v as usize] |= is_ear(*uv);
+        for (v, is_ear) in t.iter().zip(is_ear) {
+            ear[*v as usize] |= is_ear;
             skin[*v as usize] = true;
         }
     }

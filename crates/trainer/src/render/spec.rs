@@ -48,6 +48,12 @@ pub struct SampleSpec {
     /// harder.
     #[serde(skip_serializing_if = "is_none")]
     pub everyday: f64,
+    /// Share of MakeHuman's heads, if there are any.
+    #[serde(skip_serializing_if = "is_none")]
+    pub makehuman: f64,
+    /// Share of samples among a panorama, if there are any.
+    #[serde(skip_serializing_if = "is_none")]
+    pub panoramas: f64,
     /// Whether a blink of 1 shuts the eyes of every head.
     #[serde(skip_serializing_if = "is_false")]
     pub shutting: bool,
@@ -83,6 +89,8 @@ impl Default for SampleSpec {
             defects: 1.0,
             persons: Persons::All,
             everyday: 0.0,
+            makehuman: 0.0,
+            panoramas: 0.0,
             shutting: false,
         }
     }

@@ -76,9 +76,13 @@ impl TexelMap {
             let found = corners.find(|(c, uv)| **c == v && uv.x < 1.0);
             to_texel(found.map(|(_, uv)| *uv).unwrap_or_default())
         };
+        let landmark = |v: &u32| match mesh.means.iter().find(|(mean, _)| mean == v) {
+            Some((_, of)) => of.iter().map(|(v, w)| landmark(*v) * *w).sum(),
+            None => landmark(*v),
+        };
         TexelMap {
             texels,
-            landmarks: mesh.landmarks.iter().map(|v| landmark(*v)).collect(),
+            landmarks: mesh.landmarks.iter().map(landmark).collect(),
         }
     }
 }
