@@ -65,6 +65,8 @@ impl Args {
 
     /// The same as `posewise-train render` would be given, for one kind.
     pub fn render(&self, kind: Kind, sources: &Sources) -> render::Args {
+        // Eyes are drawn on the morphable head alone.
+        let share = |of: f64, has: bool| if has && kind != Kind::Eyes { of } else { 0.0 };
         render::Args {
             data: self.data.clone(),
             cache: self.cache.clone(),
@@ -75,8 +77,8 @@ impl Args {
             },
             seed: self.seed,
             clean: self.terms == Terms::Free,
-            makehuman: if sources.has_makehuman() { render::MAKEHUMAN } else { 0.0 },
-            panoramas: if sources.has_panoramas() { render::PANORAMAS } else { 0.0 },
+            makehuman: share(render::MAKEHUMAN, sources.has_makehuman()),
+            panoramas: share(render::PANORAMAS, sources.has_panoramas()),
             kind,
         }
     }
