@@ -1004,6 +1004,13 @@ export namespace OBSERVATION {
             let type_127: string;
             export { type_127 as type };
         }
+        export namespace cameraAssumed_1 {
+            let at_130: number;
+            export { at_130 as at };
+            let type_128: string;
+            export { type_128 as type };
+        }
+        export { cameraAssumed_1 as cameraAssumed };
     }
     export { fields_11 as fields };
 }
@@ -1012,40 +1019,40 @@ export namespace PERCLOS {
     export { size_12 as size };
     export namespace fields_12 {
         namespace p70 {
-            let at_130: number;
-            export { at_130 as at };
-            let type_128: string;
-            export { type_128 as type };
-        }
-        namespace p80 {
             let at_131: number;
             export { at_131 as at };
             let type_129: string;
             export { type_129 as type };
         }
-        namespace em {
+        namespace p80 {
             let at_132: number;
             export { at_132 as at };
             let type_130: string;
             export { type_130 as type };
         }
-        namespace known {
+        namespace em {
             let at_133: number;
             export { at_133 as at };
             let type_131: string;
             export { type_131 as type };
         }
-        namespace closures {
+        namespace known {
             let at_134: number;
             export { at_134 as at };
             let type_132: string;
             export { type_132 as type };
         }
-        namespace meanClosureUs {
+        namespace closures {
             let at_135: number;
             export { at_135 as at };
             let type_133: string;
             export { type_133 as type };
+        }
+        namespace meanClosureUs {
+            let at_136: number;
+            export { at_136 as at };
+            let type_134: string;
+            export { type_134 as type };
         }
     }
     export { fields_12 as fields };
@@ -1055,162 +1062,162 @@ export namespace MONITOR_STATE {
     export { size_13 as size };
     export namespace fields_13 {
         export namespace structSize_6 {
-            let at_136: number;
-            export { at_136 as at };
-            let type_134: string;
-            export { type_134 as type };
-        }
-        export { structSize_6 as structSize };
-        export namespace eyes {
             let at_137: number;
             export { at_137 as at };
             let type_135: string;
             export { type_135 as type };
         }
-        export namespace timestampUs_3 {
+        export { structSize_6 as structSize };
+        export namespace eyes {
             let at_138: number;
             export { at_138 as at };
             let type_136: string;
             export { type_136 as type };
         }
-        export { timestampUs_3 as timestampUs };
-        export namespace eyesUnknown {
+        export namespace timestampUs_3 {
             let at_139: number;
             export { at_139 as at };
             let type_137: string;
             export { type_137 as type };
         }
-        export namespace openness {
+        export { timestampUs_3 as timestampUs };
+        export namespace eyesUnknown {
             let at_140: number;
             export { at_140 as at };
             let type_138: string;
             export { type_138 as type };
         }
-        export namespace closureUs {
+        export namespace openness {
             let at_141: number;
             export { at_141 as at };
             let type_139: string;
             export { type_139 as type };
         }
-        export namespace blinks {
+        export namespace closureUs {
             let at_142: number;
             export { at_142 as at };
             let type_140: string;
             export { type_140 as type };
         }
-        export namespace yawns {
+        export namespace blinks {
             let at_143: number;
             export { at_143 as at };
             let type_141: string;
             export { type_141 as type };
         }
-        export namespace nods {
+        export namespace yawns {
             let at_144: number;
             export { at_144 as at };
             let type_142: string;
             export { type_142 as type };
         }
-        export namespace mouthOpenUs {
+        export namespace nods {
             let at_145: number;
             export { at_145 as at };
             let type_143: string;
             export { type_143 as type };
         }
-        export namespace zone {
+        export namespace mouthOpenUs {
             let at_146: number;
             export { at_146 as at };
             let type_144: string;
             export { type_144 as type };
         }
-        export namespace zoneUs {
+        export namespace zone {
             let at_147: number;
             export { at_147 as at };
             let type_145: string;
             export { type_145 as type };
         }
-        export namespace awayUs {
+        export namespace zoneUs {
             let at_148: number;
             export { at_148 as at };
             let type_146: string;
             export { type_146 as type };
         }
-        export namespace away30Us {
+        export namespace awayUs {
             let at_149: number;
             export { at_149 as at };
             let type_147: string;
             export { type_147 as type };
         }
-        export namespace naturalIsFinal {
+        export namespace away30Us {
             let at_150: number;
             export { at_150 as at };
             let type_148: string;
             export { type_148 as type };
         }
-        export namespace fromRoadDeg {
+        export namespace naturalIsFinal {
             let at_151: number;
             export { at_151 as at };
             let type_149: string;
             export { type_149 as type };
-            let count_25: number;
-            export { count_25 as count };
         }
-        export namespace naturalDeg {
+        export namespace fromRoadDeg {
             let at_152: number;
             export { at_152 as at };
             let type_150: string;
             export { type_150 as type };
-            let count_26: number;
-            export { count_26 as count };
+            let count_25: number;
+            export { count_25 as count };
         }
-        export namespace openEye {
+        export namespace naturalDeg {
             let at_153: number;
             export { at_153 as at };
             let type_151: string;
             export { type_151 as type };
-            let count_27: number;
-            export { count_27 as count };
+            let count_26: number;
+            export { count_26 as count };
         }
-        export namespace openEyeIsFinal {
+        export namespace openEye {
             let at_154: number;
             export { at_154 as at };
             let type_152: string;
             export { type_152 as type };
+            let count_27: number;
+            export { count_27 as count };
         }
-        export namespace drowsiness {
+        export namespace openEyeIsFinal {
             let at_155: number;
             export { at_155 as at };
             let type_153: string;
             export { type_153 as type };
         }
-        export namespace degraded {
+        export namespace drowsiness {
             let at_156: number;
             export { at_156 as at };
             let type_154: string;
             export { type_154 as type };
         }
-        export namespace reserved_2 {
+        export namespace degraded {
             let at_157: number;
             export { at_157 as at };
             let type_155: string;
             export { type_155 as type };
         }
-        export { reserved_2 as reserved };
-        export namespace zonesUs {
+        export namespace reserved_2 {
             let at_158: number;
             export { at_158 as at };
             let type_156: string;
             export { type_156 as type };
+        }
+        export { reserved_2 as reserved };
+        export namespace zonesUs {
+            let at_159: number;
+            export { at_159 as at };
+            let type_157: string;
+            export { type_157 as type };
             let count_28: number;
             export { count_28 as count };
         }
         export namespace perclos60 {
-            let at_159: number;
-            export { at_159 as at };
+            let at_160: number;
+            export { at_160 as at };
             export { PERCLOS as struct };
         }
         export namespace perclos180 {
-            let at_160: number;
-            export { at_160 as at };
+            let at_161: number;
+            export { at_161 as at };
             export { PERCLOS as struct };
         }
     }
@@ -1221,56 +1228,56 @@ export namespace MONITOR_EVENT {
     export { size_14 as size };
     export namespace fields_14 {
         export namespace timestampUs_4 {
-            let at_161: number;
-            export { at_161 as at };
-            let type_157: string;
-            export { type_157 as type };
-        }
-        export { timestampUs_4 as timestampUs };
-        export namespace startUs {
             let at_162: number;
             export { at_162 as at };
             let type_158: string;
             export { type_158 as type };
         }
-        export namespace durationUs {
+        export { timestampUs_4 as timestampUs };
+        export namespace startUs {
             let at_163: number;
             export { at_163 as at };
             let type_159: string;
             export { type_159 as type };
         }
-        export namespace kind_1 {
+        export namespace durationUs {
             let at_164: number;
             export { at_164 as at };
             let type_160: string;
             export { type_160 as type };
         }
-        export { kind_1 as kind };
-        export namespace zone_1 {
+        export namespace kind_1 {
             let at_165: number;
             export { at_165 as at };
             let type_161: string;
             export { type_161 as type };
         }
-        export { zone_1 as zone };
-        export namespace flags_3 {
+        export { kind_1 as kind };
+        export namespace zone_1 {
             let at_166: number;
             export { at_166 as at };
             let type_162: string;
             export { type_162 as type };
         }
-        export { flags_3 as flags };
-        export namespace value {
+        export { zone_1 as zone };
+        export namespace flags_3 {
             let at_167: number;
             export { at_167 as at };
             let type_163: string;
             export { type_163 as type };
         }
-        export namespace reserved_3 {
+        export { flags_3 as flags };
+        export namespace value {
             let at_168: number;
             export { at_168 as at };
             let type_164: string;
             export { type_164 as type };
+        }
+        export namespace reserved_3 {
+            let at_169: number;
+            export { at_169 as at };
+            let type_165: string;
+            export { type_165 as type };
         }
         export { reserved_3 as reserved };
     }
@@ -1281,30 +1288,30 @@ export namespace ZONE {
     export { size_15 as size };
     export namespace fields_15 {
         export namespace kind_2 {
-            let at_169: number;
-            export { at_169 as at };
-            let type_165: string;
-            export { type_165 as type };
-        }
-        export { kind_2 as kind };
-        export namespace flags_4 {
             let at_170: number;
             export { at_170 as at };
             let type_166: string;
             export { type_166 as type };
         }
-        export { flags_4 as flags };
-        export namespace graceUs {
+        export { kind_2 as kind };
+        export namespace flags_4 {
             let at_171: number;
             export { at_171 as at };
             let type_167: string;
             export { type_167 as type };
         }
-        export namespace numbers {
+        export { flags_4 as flags };
+        export namespace graceUs {
             let at_172: number;
             export { at_172 as at };
             let type_168: string;
             export { type_168 as type };
+        }
+        export namespace numbers {
+            let at_173: number;
+            export { at_173 as at };
+            let type_169: string;
+            export { type_169 as type };
             let count_29: number;
             export { count_29 as count };
         }
@@ -1483,8 +1490,8 @@ export type Result = {
     visibleShare: number;
     /**
      * Standard deviations of the rotation about
-     * the camera's x, y and z axes [deg], estimated from the distances between the landmarks of this
-     * frame and the 3D face. At most 180.
+     * the camera's x, y and z axes [deg], as measured on rendered heads, by how the face is turned
+     * and how much of it is seen. At most 180. Without intrinsics they hold the unknown focal length.
      */
     rotationSigmaDeg: [number, number, number];
     /**
@@ -1609,7 +1616,7 @@ export type Hint = {
      */
     faceBox: [number, number, number, number];
     /**
-     * Yaw [deg] as in posewise_result, 0 where it is not known.
+     * As facing_yaw_deg of posewise_result [deg], 0 where it is not known.
      */
     yawDeg?: number | undefined;
     /**
@@ -1627,7 +1634,7 @@ export type Face = {
      */
     faceBox: [number, number, number, number];
     /**
-     * Yaw [deg] as in posewise_result; rough.
+     * As facing_yaw_deg of posewise_result [deg]; rough.
      */
     yawDeg: number;
     /**
@@ -1758,12 +1765,12 @@ export type Monitor_config = {
      */
     minConfidence: number;
     /**
-     * Largest angles from the camera's axis at which eyes and mouth are
+     * Largest angles from the line of sight at which eyes and mouth are
      * known [deg], 10..90. Defaults 50 and 40, chosen: beyond, lids are seen too much from the side.
      */
     eyeYawDeg: number;
     /**
-     * Largest angles from the camera's axis at which eyes and mouth are
+     * Largest angles from the line of sight at which eyes and mouth are
      * known [deg], 10..90. Defaults 50 and 40, chosen: beyond, lids are seen too much from the side.
      */
     eyePitchDeg: number;
@@ -1947,6 +1954,12 @@ export type Observation = {
      * hidden.
      */
     jawOpen: number;
+    /**
+     * As in posewise_result. 1: the natural pose is learnt, and angles
+     * from the road count, relative to the line of sight, which hardly depends on the focal length;
+     * not with POSEWISE_MONITOR_FIXED_POSE.
+     */
+    cameraAssumed: number;
 };
 /**
  * Measures of eye closure over a window of whole seconds. This struct never grows.
