@@ -33,6 +33,7 @@ mod frame_sizes;
 mod index;
 mod interrupt;
 mod jsonl;
+mod lens;
 mod log;
 mod manual;
 mod model_file;
@@ -89,6 +90,7 @@ fn main() -> ExitCode {
             Command::Demo(args) => demo::run(&args),
             Command::Eval(EvalCommand::Landmarks(args)) => eval::landmarks::run(&args),
             Command::Eval(EvalCommand::Pose(args)) => eval::pose::run(&args),
+            Command::Eval(EvalCommand::Deviations(args)) => eval::deviations::run(&args),
             Command::Eval(EvalCommand::Eyes(args)) => eval::eyes::run(&args),
             Command::Eval(EvalCommand::Monitor(args)) => eval::monitor::run(&args),
             Command::Eval(EvalCommand::Jitter(args)) => eval::jitter::run(&args),

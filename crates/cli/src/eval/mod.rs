@@ -7,6 +7,7 @@ pub mod camera;
 mod ced;
 mod clips;
 mod cut;
+pub mod deviations;
 pub mod drift;
 pub mod eyes;
 pub mod faceless;
