@@ -324,8 +324,9 @@ typedef struct posewise_result {
     uint32_t loss;
     // Mean visibility of the landmarks, 0..1: low when much of the face is occluded.
     float visible_share;
-    // Standard deviations of the rotation about the camera's x, y and z axes [deg], estimated
-    // from the distances between the landmarks of this frame and the 3D face. At most 180.
+    // Standard deviations of the rotation about the camera's x, y and z axes [deg], as measured
+    // on rendered heads, by how the face is turned and how much of it is seen. At most 180.
+    // Without intrinsics they hold the unknown focal length.
     float rotation_sigma_deg[3];
     // Standard deviations of translation_mm [mm], estimated likewise. At most 100000.
     float translation_sigma_mm[3];
@@ -389,7 +390,7 @@ typedef struct posewise_hint {
     // brows to below the chin and from ear to ear; boxes of whole heads are larger. The longer
     // side is at least 16.
     float face_box[4];
-    // Yaw [deg] as in posewise_result, 0 where it is not known.
+    // As facing_yaw_deg of posewise_result [deg], 0 where it is not known.
     float yaw_deg;
     // Roll [deg] as in posewise_result, 0 where it is not known.
     float roll_deg;
@@ -402,7 +403,7 @@ typedef struct posewise_hint {
 typedef struct posewise_face {
     // Box of the landmarks in the upright image: x, y, width, height [px].
     float face_box[4];
-    // Yaw [deg] as in posewise_result; rough.
+    // As facing_yaw_deg of posewise_result [deg]; rough.
     float yaw_deg;
     // Roll [deg] as in posewise_result.
     float roll_deg;
@@ -476,7 +477,7 @@ typedef struct posewise_monitor_config {
     uint32_t gap_us;
     // Least confidence of a face that is observed, 0..1. Default 0.5, chosen.
     float min_confidence;
-    // Largest angles from the camera's axis at which eyes and mouth are known [deg], 10..90.
+    // Largest angles from the line of sight at which eyes and mouth are known [deg], 10..90.
     // Defaults 50 and 40, chosen: beyond, lids are seen too much from the side.
     float eye_yaw_deg;
     float eye_pitch_deg;
@@ -562,10 +563,14 @@ typedef struct posewise_observation {
     float eye_open[2];
     // The animation weight jawOpen, 0..1; -1: unknown, because the mouth is hidden.
     float jaw_open;
+    // As in posewise_result. 1: the natural pose is learnt, and angles from the road count,
+    // relative to the line of sight, which hardly depends on the focal length; not with
+    // POSEWISE_MONITOR_FIXED_POSE.
+    uint32_t camera_assumed;
 } posewise_observation;
 // Initialises a posewise_observation: struct_size is set, all other fields are 0.
 #define POSEWISE_OBSERVATION_INIT \
-    {sizeof(posewise_observation), 0, 0, 0, 0, {0, 0, 0}, {0, 0, 0}, {0, 0}, 0}
+    {sizeof(posewise_observation), 0, 0, 0, 0, {0, 0, 0}, {0, 0, 0}, {0, 0}, 0, 0}
 
 // Measures of eye closure over a window of whole seconds. This struct never grows.
 typedef struct posewise_perclos {

@@ -225,8 +225,8 @@ export const FRAME = {
  * @property {number} visibleShare Mean visibility of the landmarks, 0..1: low when much of the face
  *   is occluded.
  * @property {[number, number, number]} rotationSigmaDeg Standard deviations of the rotation about
- *   the camera's x, y and z axes [deg], estimated from the distances between the landmarks of this
- *   frame and the 3D face. At most 180.
+ *   the camera's x, y and z axes [deg], as measured on rendered heads, by how the face is turned
+ *   and how much of it is seen. At most 180. Without intrinsics they hold the unknown focal length.
  * @property {[number, number, number]} translationSigmaMm Standard deviations of translation_mm
  *   [mm], estimated likewise. At most 100000.
  * @property {[number, number]} eyeOpenProbability Calibrated probability that the person's left and
@@ -327,7 +327,7 @@ export const RESULT = {
  * @property {[number, number, number, number]} faceBox Box of the landmarks in the upright image:
  *   x, y, width, height [px]. It reaches from the brows to below the chin and from ear to ear;
  *   boxes of whole heads are larger. The longer side is at least 16.
- * @property {number} [yawDeg] Yaw [deg] as in posewise_result, 0 where it is not known.
+ * @property {number} [yawDeg] As facing_yaw_deg of posewise_result [deg], 0 where it is not known.
  * @property {number} [rollDeg] Roll [deg] as in posewise_result, 0 where it is not known.
  */
 /** @type {import('./struct.js').Layout} */
@@ -346,7 +346,7 @@ export const HINT = {
  * @typedef {object} Face
  * @property {[number, number, number, number]} faceBox Box of the landmarks in the upright image:
  *   x, y, width, height [px].
- * @property {number} yawDeg Yaw [deg] as in posewise_result; rough.
+ * @property {number} yawDeg As facing_yaw_deg of posewise_result [deg]; rough.
  * @property {number} rollDeg Roll [deg] as in posewise_result.
  * @property {number} confidence As in posewise_result. In a library built without the verifier:
  *   always 1.
@@ -456,9 +456,9 @@ export const ROI = {
  *   driver monitors bridge.
  * @property {number} minConfidence Least confidence of a face that is observed, 0..1. Default 0.5,
  *   chosen.
- * @property {number} eyeYawDeg Largest angles from the camera's axis at which eyes and mouth are
+ * @property {number} eyeYawDeg Largest angles from the line of sight at which eyes and mouth are
  *   known [deg], 10..90. Defaults 50 and 40, chosen: beyond, lids are seen too much from the side.
- * @property {number} eyePitchDeg Largest angles from the camera's axis at which eyes and mouth are
+ * @property {number} eyePitchDeg Largest angles from the line of sight at which eyes and mouth are
  *   known [deg], 10..90. Defaults 50 and 40, chosen: beyond, lids are seen too much from the side.
  * @property {number} closedBelow Eyes close below the first openness and open above the second,
  *   0.05..0.95. Defaults 0.35 and 0.45, chosen on rendered clips.
@@ -575,10 +575,13 @@ export const MONITOR_CONFIG = {
  *   posewise_result.eye_open and what the gaze says of the eyes.
  * @property {number} jawOpen The animation weight jawOpen, 0..1; -1: unknown, because the mouth is
  *   hidden.
+ * @property {number} cameraAssumed As in posewise_result. 1: the natural pose is learnt, and angles
+ *   from the road count, relative to the line of sight, which hardly depends on the focal length;
+ *   not with POSEWISE_MONITOR_FIXED_POSE.
  */
 /** @type {import('./struct.js').Layout} */
 export const OBSERVATION = {
-  size: 56,
+  size: 60,
   fields: {
     structSize: { at: 0, type: 'u32' },
     state: { at: 4, type: 'u32' },
@@ -589,6 +592,7 @@ export const OBSERVATION = {
     rotationSigmaDeg: { at: 32, type: 'f32', count: 3 },
     eyeOpen: { at: 44, type: 'f32', count: 2 },
     jawOpen: { at: 52, type: 'f32' },
+    cameraAssumed: { at: 56, type: 'u32' },
   },
 };
 

@@ -261,6 +261,7 @@ class Observation(Structure):
         ("rotation_sigma_deg", c_float * 3),
         ("eye_open", c_float * 2),
         ("jaw_open", c_float),
+        ("camera_assumed", c_uint32),
     ]
 
 

@@ -133,6 +133,7 @@ pub(super) fn observation_from(given: &posewise_observation) -> Observation {
     seen.translation_mm = given.translation_mm;
     seen.rotation_sigma_deg = given.rotation_sigma_deg;
     (seen.eye_open, seen.jaw_open) = (given.eye_open, given.jaw_open);
+    seen.camera_assumed = given.camera_assumed != 0;
     seen
 }
 
@@ -152,6 +153,7 @@ pub(super) fn observation_to(seen: &Observation) -> posewise_observation {
         rotation_sigma_deg: seen.rotation_sigma_deg,
         eye_open: seen.eye_open,
         jaw_open: seen.jaw_open,
+        camera_assumed: u32::from(seen.camera_assumed),
     }
 }
 

@@ -123,7 +123,7 @@ pub struct posewise_monitor_config {
     pub gap_us: u32,
     /// Least confidence of a face that is observed, 0..1. Default 0.5, chosen.
     pub min_confidence: f32,
-    /// Largest angles from the camera's axis at which eyes and mouth are known \[deg\], 10..90.
+    /// Largest angles from the line of sight at which eyes and mouth are known \[deg\], 10..90.
     /// Defaults 50 and 40, chosen: beyond, lids are seen too much from the side.
     pub eye_yaw_deg: f32,
     pub eye_pitch_deg: f32,
@@ -224,6 +224,10 @@ pub struct posewise_observation {
     pub eye_open: [f32; 2],
     /// The animation weight jawOpen, 0..1; -1: unknown, because the mouth is hidden.
     pub jaw_open: f32,
+    /// As in posewise_result. 1: the natural pose is learnt, and angles from the road count,
+    /// relative to the line of sight, which hardly depends on the focal length; not with
+    /// POSEWISE_MONITOR_FIXED_POSE.
+    pub camera_assumed: u32,
 }
 
 /// Measures of eye closure over a window of whole seconds. This struct never grows.
@@ -338,7 +342,7 @@ assert_no_padding!(posewise_monitor_config: struct_size: u32, flags: u32, preset
 assert_no_padding!(posewise_zone: kind: u32, flags: u32, grace_us: u32, numbers: [f32; 9]);
 assert_no_padding!(posewise_observation: struct_size: u32, state: u32, confidence: f32,
     yaw_deg: f32, pitch_deg: f32, translation_mm: [f32; 3], rotation_sigma_deg: [f32; 3],
-    eye_open: [f32; 2], jaw_open: f32);
+    eye_open: [f32; 2], jaw_open: f32, camera_assumed: u32);
 assert_no_padding!(posewise_perclos: p70: f32, p80: f32, em: f32, known: f32, closures: u32,
     mean_closure_us: u32);
 assert_no_padding!(posewise_monitor_state: struct_size: u32, eyes: u32, timestamp_us: i64,

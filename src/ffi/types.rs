@@ -305,7 +305,7 @@ pub struct posewise_hint {
     /// brows to below the chin and from ear to ear; boxes of whole heads are larger. The longer
     /// side is at least 16.
     pub face_box: [f32; 4],
-    /// Yaw \[deg\] as in posewise_result, 0 where it is not known.
+    /// As facing_yaw_deg of posewise_result \[deg\], 0 where it is not known.
     pub yaw_deg: f32,
     /// Roll \[deg\] as in posewise_result, 0 where it is not known.
     pub roll_deg: f32,
@@ -348,8 +348,9 @@ pub struct posewise_result {
     pub loss: u32,
     /// Mean visibility of the landmarks, 0..1: low when much of the face is occluded.
     pub visible_share: f32,
-    /// Standard deviations of the rotation about the camera's x, y and z axes \[deg\], estimated
-    /// from the distances between the landmarks of this frame and the 3D face. At most 180.
+    /// Standard deviations of the rotation about the camera's x, y and z axes \[deg\], as measured
+    /// on rendered heads, by how the face is turned and how much of it is seen. At most 180.
+    /// Without intrinsics they hold the unknown focal length.
     pub rotation_sigma_deg: [f32; 3],
     /// Standard deviations of translation_mm \[mm\], estimated likewise. At most 100000.
     pub translation_sigma_mm: [f32; 3],
@@ -446,7 +447,7 @@ pub struct posewise_event {
 pub struct posewise_face {
     /// Box of the landmarks in the upright image: x, y, width, height \[px\].
     pub face_box: [f32; 4],
-    /// Yaw \[deg\] as in posewise_result; rough.
+    /// As facing_yaw_deg of posewise_result \[deg\]; rough.
     pub yaw_deg: f32,
     /// Roll \[deg\] as in posewise_result.
     pub roll_deg: f32,

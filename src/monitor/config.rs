@@ -10,9 +10,11 @@ pub struct MonitorConfig {
     pub gap_us: u32,
     /// Least confidence of a face that is observed, 0..1.
     pub min_confidence: f32,
-    /// Largest |yaw| in the camera frame at which eyes and mouth are known \[deg\], 10..90.
+    /// Largest |yaw| relative to the line of sight at which eyes and mouth are known \[deg\],
+    /// 10..90.
     pub eye_yaw_deg: f32,
-    /// Largest |pitch| in the camera frame at which eyes and mouth are known \[deg\], 10..90.
+    /// Largest |pitch| relative to the line of sight at which eyes and mouth are known \[deg\],
+    /// 10..90.
     pub eye_pitch_deg: f32,
     /// Eyes close below this openness, 0.05..0.9.
     pub closed_below: f32,

@@ -16,7 +16,6 @@ use super::reading::Reading;
 use super::state::{Drowsiness, EyeState, MonitorState};
 use super::yawn::Yawns;
 use super::zone::{Direction, Zone, ZoneState, Zones};
-use glam::Vec3;
 
 /// Watches one driver. Plain data of fixed size: a copy is a second, independent monitor.
 ///
@@ -162,7 +161,7 @@ impl Monitor {
         }
         self.yawns.pass(time_us, held.jaw, now_us, config, log);
         let is_closed = self.closures.is_closed && held.openness.is_some();
-        let pitch = held.pose.map(|([_, pitch], _)| pitch);
+        let pitch = held.pose.map(|pose| pose.pitch_deg());
         self.nods.pass(time_us, pitch, is_closed, config);
         let zone = match is_directed {
             true => self.glances.zone,
@@ -189,9 +188,10 @@ impl Monitor {
             let [left, right] = self.baseline.open_eye();
             learnt(MonitorEventKind::OpenEyeLearnt, (left + right) / 2.0);
         }
-        if let Some((at, _)) = held.pose {
-            let forward = [self.config.forward_yaw_deg, self.config.forward_pitch_deg];
-            let from_forward = [at[0] - forward[0], at[1] - forward[1]];
+        if let Some(pose) = held.pose {
+            let [yaw, pitch] = pose.turn_deg;
+            let (config, forward_yaw) = (&self.config, self.config.forward_yaw_deg);
+            let from_forward = [yaw - forward_yaw, pitch - config.forward_pitch_deg];
             if self.natural.pass(time_us, from_forward, &self.config) {
                 let [yaw, _] = self.natural.offset_deg();
                 learnt(MonitorEventKind::NaturalLearnt, yaw);
@@ -237,7 +237,7 @@ impl Monitor {
         if let Some(jaw) = self.reading.jaw {
             self.yawns.see(jaw, now_us, config, log);
         }
-        if let Some(([_, pitch], _)) = self.reading.pose {
+        if let Some(pitch) = self.reading.pose.map(|pose| pose.pitch_deg()) {
             self.nods.see(pitch, now_us, config, log);
         }
         let zone = match &self.direction {
@@ -273,26 +273,19 @@ impl Monitor {
 
     /// Where the head is turned to, if the road is known.
     fn direction_of(&self, reading: &Reading) -> Option<Direction> {
-        let ([yaw, pitch], origin) = reading.pose?;
+        let pose = reading.pose?;
+        let [yaw, pitch] = pose.turn_deg;
         if !self.natural.is_known(&self.config) {
             return None;
         }
         let (config, [more_yaw, more_pitch]) = (&self.config, self.natural.offset_deg());
         // Without what is this person's own: the direction that the zones are set for.
         let (yaw_deg, pitch_deg) = (yaw - more_yaw, pitch - more_pitch);
-        // Where a nose of this yaw and pitch points; see `math::rotation`.
-        let (yaw, pitch) = (yaw_deg.to_radians(), pitch_deg.to_radians());
-        let level = libm::cosf(pitch);
-        let ray = Vec3::new(
-            level * libm::sinf(yaw),
-            -libm::sinf(pitch),
-            -level * libm::cosf(yaw),
-        );
         Some(Direction {
             yaw_deg: yaw_deg - config.forward_yaw_deg,
             pitch_deg: pitch_deg - config.forward_pitch_deg,
-            origin_mm: Vec3::from(origin),
-            ray,
+            origin_mm: pose.origin_mm,
+            ray: pose.ray(yaw_deg, pitch_deg),
         })
     }
 

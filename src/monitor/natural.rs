@@ -72,7 +72,8 @@ fn median(bins: &[u32]) -> f32 {
     (quantile(bins, 0.5).unwrap_or(centre) - centre) * BIN_DEG
 }
 
-fn is_learnt(config: &MonitorConfig) -> bool {
+/// Whether the settings let a natural pose be learnt.
+pub(super) fn is_learnt(config: &MonitorConfig) -> bool {
     config.natural_yaw_deg > 0.0 && config.natural_pitch_deg > 0.0
 }
 

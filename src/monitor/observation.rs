@@ -12,9 +12,9 @@ pub struct Observation {
     pub state: State,
     /// As [`TrackResult::confidence`].
     pub confidence: f32,
-    /// Yaw in the camera frame \[deg\], > 0: the face turns to the image right.
+    /// Yaw relative to the camera's axes \[deg\], > 0: the face turns to the image right.
     pub yaw_deg: f32,
-    /// Pitch in the camera frame \[deg\], > 0: the face turns up.
+    /// Pitch relative to the camera's axes \[deg\], > 0: the face turns up.
     pub pitch_deg: f32,
     /// Midway between the eyeballs, camera frame \[mm\].
     pub translation_mm: [f32; 3],
@@ -25,6 +25,9 @@ pub struct Observation {
     pub eye_open: [f32; 2],
     /// Animation weight `jawOpen`, 0..1, below 0 unknown.
     pub jaw_open: f32,
+    /// As [`TrackResult::camera_assumed`]: a natural pose that is learnt, and the angles from the
+    /// road with it, are relative to the line of sight then.
+    pub camera_assumed: bool,
 }
 
 impl Observation {
@@ -38,6 +41,7 @@ impl Observation {
         rotation_sigma_deg: [0.0; 3],
         eye_open: [-1.0; 2],
         jaw_open: -1.0,
+        camera_assumed: false,
     };
 }
 
@@ -201,6 +205,7 @@ impl From<&TrackResult> for Observation {
             rotation_sigma_deg: result.rotation_sigma_deg,
             eye_open: fused_openness(result.eye_open, &result.eyes.each),
             jaw_open: jaw_open.copied().unwrap_or(-1.0),
+            camera_assumed: result.camera_assumed,
         }
     }
 }

@@ -1,14 +1,18 @@
 //! What of an observation is known.
 
 use super::config::MonitorConfig;
+use super::natural::is_learnt;
 use super::observation::Observation;
 use super::state::Unknown;
-use crate::shape::FARTHEST_MM;
+use crate::math::{HeadAngles, towards};
+use crate::shape::{FARTHEST_MM, Pose};
 use crate::track::State;
+use glam::Vec3;
 
-/// Largest standard deviation of an angle of a known pose \[deg\]. Chosen: the width of the road in
-/// the default zones.
-const MOST_SIGMA_DEG: f32 = 15.0;
+/// Largest standard deviation of an angle of a known pose \[deg\]. Chosen: the whole width of the
+/// road in the default zones. Without intrinsics a face at the frame's corner has 14°; a profile of
+/// which nothing is visible has 20° at a confidence of 0.5.
+const MOST_SIGMA_DEG: f32 = 30.0;
 /// Largest angle of a head \[deg\].
 const MOST_DEG: f32 = 180.0;
 /// How much less the head must be turned for eyes to be known again \[deg\].
@@ -25,8 +29,46 @@ pub(super) struct Reading {
     pub(super) eyes: [Option<f32>; 2],
     /// Openness of the jaw.
     pub(super) jaw: Option<f32>,
-    /// Yaw and pitch in the camera frame \[deg\], and the head's place \[mm\].
-    pub(super) pose: Option<([f32; 2], [f32; 3])>,
+    /// Where the head is and where it is turned to.
+    pub(super) pose: Option<HeadPose>,
+}
+
+/// Where a head is and where it is turned to.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct HeadPose {
+    /// Yaw and pitch that zones of angles compare \[deg\]: relative to the camera's axes, or to the
+    /// line of sight where the focal length is assumed.
+    pub(super) turn_deg: [f32; 2],
+    /// Yaw and pitch relative to the line of sight \[deg\].
+    facing_deg: [f32; 2],
+    /// Camera frame \[mm\].
+    pub(super) origin_mm: Vec3,
+    /// Whether `turn_deg` is relative to the line of sight.
+    is_facing: bool,
+}
+
+impl HeadPose {
+    /// Pitch of `turn_deg`.
+    pub(super) fn pitch_deg(&self) -> f32 {
+        let [_, pitch] = self.turn_deg;
+        pitch
+    }
+
+    /// The unit direction of these angles, of the kind of `turn_deg`, in the camera frame.
+    pub(super) fn ray(&self, yaw_deg: f32, pitch_deg: f32) -> Vec3 {
+        // Where a nose of this yaw and pitch points; see `math::rotation`.
+        let (yaw, pitch) = (yaw_deg.to_radians(), pitch_deg.to_radians());
+        let level = libm::cosf(pitch);
+        let ray = Vec3::new(
+            level * libm::sinf(yaw),
+            -libm::sinf(pitch),
+            -level * libm::cosf(yaw),
+        );
+        match self.is_facing {
+            true => towards(self.origin_mm) * ray,
+            false => ray,
+        }
+    }
 }
 
 impl Reading {
@@ -59,7 +101,7 @@ impl Reading {
             pose: Some(pose),
             ..Reading::NONE
         };
-        let [yaw, pitch] = pose.0;
+        let [yaw, pitch] = pose.facing_deg;
         let margin = match last.unknown {
             Unknown::Turned => TURNED_MARGIN_DEG,
             _ => 0.0,
@@ -86,8 +128,8 @@ impl Reading {
     }
 }
 
-/// Angles and place of the head, if they are certain.
-fn known_pose(seen: &Observation, config: &MonitorConfig) -> Option<([f32; 2], [f32; 3])> {
+/// Pose of the head, if it is certain.
+fn known_pose(seen: &Observation, config: &MonitorConfig) -> Option<HeadPose> {
     let angles = [seen.yaw_deg, seen.pitch_deg];
     // No comparison holds for a NaN.
     let is_certain = |sigma: &f32| (0.0..=MOST_SIGMA_DEG).contains(sigma);
@@ -95,7 +137,29 @@ fn known_pose(seen: &Observation, config: &MonitorConfig) -> Option<([f32; 2], [
         && angles.iter().all(|angle| angle.abs() <= MOST_DEG)
         && seen.translation_mm.iter().all(|v| v.abs() <= FARTHEST_MM)
         && seen.rotation_sigma_deg.iter().all(is_certain);
-    is_known.then_some((angles, seen.translation_mm))
+    if !is_known {
+        return None;
+    }
+    // The roll changes neither the nose's direction nor these angles.
+    let angles = HeadAngles {
+        yaw_deg: seen.yaw_deg,
+        pitch_deg: seen.pitch_deg,
+        roll_deg: 0.0,
+    };
+    let pose = Pose::of_angles(angles, seen.translation_mm.into());
+    let facing = pose.facing_angles();
+    let facing_deg = [facing.yaw_deg, facing.pitch_deg];
+    // A road that is given is relative to the camera's axes.
+    let is_facing = seen.camera_assumed && is_learnt(config);
+    Some(HeadPose {
+        turn_deg: match is_facing {
+            true => facing_deg,
+            false => [seen.yaw_deg, seen.pitch_deg],
+        },
+        facing_deg,
+        origin_mm: pose.translation_mm,
+        is_facing,
+    })
 }
 
 /// Openness of both eyes: their mean, because lids move together, and one that is read too open or

@@ -40,10 +40,7 @@ impl Pose {
     /// vector about the camera's axes \[rad\] and a translation \[mm\].
     fn facing_by_pose(&self) -> [[f32; 6]; 3] {
         let to_camera = towards(self.translation_mm);
-        let back = (to_camera.transpose() * self.rotation).z_axis;
-        // Looking straight up or down yaw and roll are one angle: no deviation of them is finite.
-        let level = libm::sqrtf(back.x * back.x + back.z * back.z).max(LEAST_LEVEL);
-        let (sin, cos) = (-back.x / level, back.z / level);
+        let (level, [sin, cos], back) = self.level(&to_camera);
         let roll = Vec3::new(-sin, 0.0, cos) / level;
         let pitch = -Vec3::new(cos, 0.0, sin);
         let yaw = back.y * roll - Vec3::Y;
@@ -55,6 +52,23 @@ impl Pose {
             let ([a, b, c], [d, e, f]) = (by_turn.to_array(), by_move.to_array());
             [a, b, c, d, e, f]
         })
+    }
+
+    /// Axes that yaw, pitch and roll relative to the line of sight turn the head about, camera
+    /// frame.
+    pub(super) fn facing_axes(&self) -> [Vec3; 3] {
+        let to_camera = towards(self.translation_mm);
+        let (_, [sin, cos], back) = self.level(&to_camera);
+        [-Vec3::Y, -Vec3::new(cos, 0.0, sin), back].map(|axis| to_camera * axis)
+    }
+
+    /// Cosine of the facing pitch, sine and cosine of the facing yaw, and the head's z axis, from
+    /// axes along the line of sight.
+    fn level(&self, to_camera: &Mat3) -> (f32, [f32; 2], Vec3) {
+        let back = (to_camera.transpose() * self.rotation).z_axis;
+        // Looking straight up or down yaw and roll are one angle: no deviation of them is finite.
+        let level = libm::sqrtf(back.x * back.x + back.z * back.z).max(LEAST_LEVEL);
+        (level, [-back.x / level, back.z / level], back)
     }
 }
 
@@ -103,6 +117,19 @@ mod tests {
         // the line of sight, on which the face looks 10° to the left when it looks into the lens.
         let beside = pose(40.0, 0.0, 0.0, [173.648, 0.0, 984.808]);
         assert!((beside.facing_angles().yaw_deg - 50.0).abs() < 1e-2);
+    }
+
+    #[test]
+    fn each_angle_turns_about_its_axis() {
+        let at = pose(55.0, 15.0, -20.0, [60.0, -40.0, 600.0]);
+        let before = numbers(at.facing_angles());
+        for (k, axis) in at.facing_axes().into_iter().enumerate() {
+            let after = numbers(at.moved(axis * 0.01, Vec3::ZERO).facing_angles());
+            for (i, (a, b)) in after.iter().zip(before).enumerate() {
+                let expected = if i == k { 0.01 } else { 0.0 };
+                assert!(((a - b).to_radians() - expected).abs() < 4e-4, "{k} {i}");
+            }
+        }
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! The 3D face model, perspective projection, POSIT, and the fit of pose, animation and identity.
 
 mod camera;
+mod deviation;
 mod distortion;
 mod face;
 mod facing;
@@ -15,6 +16,7 @@ mod step;
 
 pub(crate) use camera::{FARTHEST_MM, FOCAL_PX, PIXEL_ASPECT, PRINCIPAL_PX};
 pub use camera::{Intrinsics, Pose};
+pub(crate) use deviation::{Seen, Variances};
 pub use distortion::Distortion;
 pub use face::{Contour, FACE_TAG, FIXED_CONTOUR, FaceModel, JAW, MAX_EXTRA, MAX_POINTS, Shape};
 pub use face::{VIEW_AZIMUTHS, VIEW_BYTES, VIEW_ELEVATIONS, VIEW_STEP_DEG};

@@ -57,7 +57,7 @@ impl Tracker {
             false => &*global_shape,
         };
         self.target.last.set(shape, step.frame, CUT_SURROUNDINGS);
-        let faces_camera = fit.state.pose.rotation.z_axis.z >= ANCHOR_MIN_FACING;
+        let faces_camera = fit.state.pose.facing_cosine() >= ANCHOR_MIN_FACING;
         if faces_camera && confidence.face >= TRUST_CONFIDENCE {
             self.target.anchor.set(shape, step.frame, SURROUNDINGS);
         } else if !faces_camera && confidence.face >= UNTRUSTED_KEEP_CONFIDENCE {

@@ -4,16 +4,16 @@ use super::eye::{EYE_LOOKS, Eye, EyeUnknown, Eyes, Gaze};
 use super::geometry::{gaze_angles, length};
 use super::glasses::Lenses;
 use super::policy::{
-    EYE_DARK, EYE_LOOK_RAD, EYE_MAX_BLUR, EYE_MAX_GLARE, EYE_MIN_FACING_Z, EYE_MIN_PX_PER_MM,
+    EYE_DARK, EYE_LOOK_RAD, EYE_MAX_BLUR, EYE_MAX_GLARE, EYE_MIN_FACING_COSINE, EYE_MIN_PX_PER_MM,
     EYE_MIN_VISIBILITY, EYE_VISIBLE, EYE_VISIBLE_AFTER_ALL, GAZE_MAX_SIGMA_DEG, GAZE_MIN_OPEN,
-    GAZE_SHARED, NATURAL_GAZE_FACING_Z,
+    GAZE_SHARED, NATURAL_GAZE_FACING_COSINE,
 };
 use super::step::Step;
 use super::{State, Tracker};
 use crate::align::{EyeModel, EyePlace, SeenEye};
 use crate::image::Frame;
 use crate::math::rotation_from_quaternion;
-use crate::shape::Intrinsics;
+use crate::shape::{Intrinsics, Pose};
 use glam::{Mat3, Vec3};
 
 /// First landmark of the person's left and right eye.
@@ -25,6 +25,8 @@ struct Look<'a> {
     frame: &'a Frame<'a>,
     camera: Intrinsics,
     rotation: Mat3,
+    /// See [`Pose::facing_cosine`].
+    facing: f32,
     now_us: i64,
 }
 
@@ -45,11 +47,16 @@ impl Tracker {
             self.result.eyes = eyes;
             return;
         }
+        let pose = Pose {
+            rotation: rotation_from_quaternion(self.result.rotation),
+            translation_mm: self.result.translation_mm.into(),
+        };
         let look = Look {
             model,
             frame: step.frame,
             camera: step.camera(&self.config),
-            rotation: rotation_from_quaternion(self.result.rotation),
+            rotation: pose.rotation,
+            facing: pose.facing_cosine(),
             now_us: step.now_us,
         };
         let mut lenses = Lenses::default();
@@ -64,7 +71,7 @@ impl Tracker {
         }
         eyes.gaze = both(&eyes.each, &look.rotation);
         if self.config.natural_gaze {
-            self.correct_gaze(&mut eyes, &look.rotation, step.now_us);
+            self.correct_gaze(&mut eyes, &look);
         }
         eyes.look = looks(&eyes.each);
         self.result.eyes = eyes;
@@ -72,17 +79,17 @@ impl Tracker {
 
     /// Learns from the gaze of both eyes, and takes off what is always wrong with it.
     #[inline(never)]
-    fn correct_gaze(&mut self, eyes: &mut Eyes, rotation: &Mat3, now_us: i64) {
+    fn correct_gaze(&mut self, eyes: &mut Eyes, look: &Look<'_>) {
         let natural = &mut self.target.natural_gaze;
         let is_known = |gaze: &&mut Gaze| gaze.unknown == EyeUnknown::Known;
-        let faces = rotation.z_axis.z >= NATURAL_GAZE_FACING_Z;
+        let faces = look.facing >= NATURAL_GAZE_FACING_COSINE;
         if faces && eyes.gaze.unknown == EyeUnknown::Known {
-            natural.see(gaze_angles(Vec3::from(eyes.gaze.head)), now_us);
+            natural.see(gaze_angles(Vec3::from(eyes.gaze.head)), look.now_us);
         }
         let [left, right] = &mut eyes.each;
         let gazes = [&mut left.gaze, &mut right.gaze, &mut eyes.gaze];
         for gaze in gazes.into_iter().filter(is_known) {
-            natural.correct(gaze, rotation);
+            natural.correct(gaze, &look.rotation);
         }
     }
 
@@ -102,7 +109,7 @@ impl Tracker {
         let [outer, _, _, inner, ..] = six;
         let width_px = length([inner[0] - outer[0], inner[1] - outer[1]]);
         let distance_mm = points_mm.iter().map(|[_, _, z]| z).sum::<f32>() / 6.0;
-        if look.rotation.z_axis.z < EYE_MIN_FACING_Z {
+        if look.facing < EYE_MIN_FACING_COSINE {
             return unseen(EyeUnknown::Turned);
         }
         if !inside(at[0], look.frame.width()) || !inside(at[1], look.frame.height()) {

@@ -5,6 +5,7 @@ use super::policy::{EYE_MAX_BLUR, EYE_MIN_FACING, EYE_MIN_VISIBILITY};
 use super::{Landmark, Loss, State, TrackResult};
 use crate::align::Shape;
 use crate::shape::{FARTHEST_MM, FaceFit, FaceModel, Intrinsics, LANDMARKS, eye_open};
+use crate::shape::{Seen, Variances};
 use crate::verifier::Confidence;
 
 /// Everything that a result is made of.
@@ -27,7 +28,14 @@ pub(super) struct Fitted<'a> {
 pub(super) fn write(to: &mut TrackResult, now_us: i64, fitted: &Fitted<'_>) {
     let pose = &fitted.fit.state.pose;
     let (angles, facing) = (pose.angles(), pose.facing_angles());
-    let facing_variances = pose.facing_variances(&fitted.fit.covariance);
+    let visible = fitted.confidence.visible_share();
+    let seen = Seen {
+        visible_share: visible,
+        confidence: fitted.confidence.face,
+        focal_px: fitted.camera.fx,
+        is_assumed: fitted.camera_assumed,
+    };
+    let variances = Variances::of(pose, &fitted.fit.covariance, &seen);
     // Every field by name: a new one does not compile until it is written.
     let TrackResult {
         state,
@@ -66,9 +74,11 @@ pub(super) fn write(to: &mut TrackResult, now_us: i64, fitted: &Fitted<'_>) {
     *translation_mm = pose.translation_mm.to_array();
     *eye_open = eyes(fitted);
     *loss = Loss::None;
-    *visible_share = fitted.confidence.visible_share();
-    *rotation_sigma_deg = [0, 1, 2].map(|k| sigma(fitted.fit, k, MAX_SIGMA_RAD).to_degrees());
-    *translation_sigma_mm = [3, 4, 5].map(|k| sigma(fitted.fit, k, MAX_SIGMA_MM));
+    *visible_share = visible;
+    *rotation_sigma_deg = variances
+        .rotation
+        .map(|v| sigma(v, MAX_SIGMA_RAD).to_degrees());
+    *translation_sigma_mm = variances.translation.map(|v| sigma(v, MAX_SIGMA_MM));
     write_landmarks(landmarks, fitted);
     for (out, p) in points_mm.iter_mut().zip(fitted.fit.points_mm.iter()) {
         *out = p.to_array();
@@ -76,7 +86,9 @@ pub(super) fn write(to: &mut TrackResult, now_us: i64, fitted: &Fitted<'_>) {
     *animation = fitted.fit.state.animation;
     (*facing_yaw_deg, *facing_pitch_deg, *facing_roll_deg) =
         (facing.yaw_deg, facing.pitch_deg, facing.roll_deg);
-    *facing_sigma_deg = facing_variances.map(|v| root(Some(v), MAX_SIGMA_RAD).to_degrees());
+    *facing_sigma_deg = variances
+        .facing
+        .map(|v| sigma(v, MAX_SIGMA_RAD).to_degrees());
     (*focal_px, *camera_assumed) = (fitted.camera.fx, fitted.camera_assumed);
 }
 
@@ -102,19 +114,12 @@ const MAX_SIGMA_RAD: f32 = core::f32::consts::PI;
 /// Largest standard deviation of a position \[mm\]: as far as the farthest head.
 const MAX_SIGMA_MM: f32 = FARTHEST_MM;
 
-/// Standard deviation of an unknown of the pose: rotation \[rad\], then translation \[mm\]; `most`
-/// where the landmarks leave it undetermined.
-fn sigma(fit: &FaceFit, unknown: usize, most: f32) -> f32 {
-    let row = fit.covariance.get(unknown);
-    root(row.and_then(|row| row.get(unknown)).copied(), most)
-}
-
-/// Root of a variance, `most` where it is larger or none.
-fn root(variance: Option<f32>, most: f32) -> f32 {
-    match variance {
-        // Not for a NaN.
-        Some(variance) if variance < most * most => libm::sqrtf(variance.max(0.0)),
-        _ => most,
+/// Root of a variance; `most` where the landmarks leave the unknown undetermined.
+fn sigma(variance: f32, most: f32) -> f32 {
+    // Not for a NaN.
+    match variance < most * most {
+        true => libm::sqrtf(variance.max(0.0)),
+        false => most,
     }
 }
 

@@ -357,10 +357,10 @@ pub(super) const EYE_MIN_VISIBILITY: f32 = 3.0;
 /// (*Motion blur and unknown eyes*).
 pub(super) const EYE_MAX_BLUR: f32 = 0.6;
 
-/// Eyes are unknown where the head's depth axis has a smaller cosine with the camera's.
+/// Eyes are unknown where the nose's direction has a smaller cosine with the line to the camera.
 ///
 /// Source: chosen: 65°.
-pub(super) const EYE_MIN_FACING_Z: f32 = 0.42;
+pub(super) const EYE_MIN_FACING_COSINE: f32 = 0.42;
 
 /// Lids and gaze are unknown where a millimetre of the eye is smaller \[px\].
 ///
@@ -451,10 +451,10 @@ pub(super) const NATURAL_GAZE_S: f32 = 120.0;
 /// Source: chosen: two frames at ten frames a second.
 pub(super) const NATURAL_GAZE_STEP_S: f32 = 0.2;
 
-/// Only a head counts whose depth axis has at least this cosine with the camera's.
+/// Only a head counts whose nose's direction has at least this cosine with the line to the camera.
 ///
 /// Source: chosen: 40°.
-pub(super) const NATURAL_GAZE_FACING_Z: f32 = 0.766;
+pub(super) const NATURAL_GAZE_FACING_COSINE: f32 = 0.766;
 
 /// Longest exposure of a frame that is assumed for motion blur \[µs\].
 ///

@@ -105,9 +105,9 @@ mod keyframes {
             memory: &mut [u8],
         ) {
             let angles = HeadAngles {
-                yaw_deg: result.yaw_deg,
-                pitch_deg: result.pitch_deg,
-                roll_deg: result.roll_deg,
+                yaw_deg: result.facing_yaw_deg,
+                pitch_deg: result.facing_pitch_deg,
+                roll_deg: result.facing_roll_deg,
             };
             let quality = result.confidence * result.visible_share;
             if result.confidence < TRUST_CONFIDENCE

@@ -94,8 +94,8 @@ pub struct TrackResult {
     pub loss: Loss,
     /// Mean visibility of the landmarks, 0..1.
     pub visible_share: f32,
-    /// Standard deviations of the rotation, about the camera's x, y and z axes \[deg\]: from the
-    /// residuals of this frame's landmarks. At most 180.
+    /// Standard deviations of the rotation, about the camera's x, y and z axes \[deg\], measured on
+    /// rendered heads. At most 180. Where the camera is assumed they hold the unknown focal length.
     pub rotation_sigma_deg: [f32; 3],
     /// Standard deviations of `translation_mm`, camera frame \[mm\], likewise. At most
     /// 100,000.

@@ -141,7 +141,7 @@ FIELD(posewise_zone, flags, 4);
 FIELD(posewise_zone, grace_us, 8);
 FIELD(posewise_zone, numbers, 12);
 
-SIZE(posewise_observation, 56);
+SIZE(posewise_observation, 60);
 FIELD(posewise_observation, struct_size, 0);
 FIELD(posewise_observation, state, 4);
 FIELD(posewise_observation, confidence, 8);
@@ -151,6 +151,7 @@ FIELD(posewise_observation, translation_mm, 20);
 FIELD(posewise_observation, rotation_sigma_deg, 32);
 FIELD(posewise_observation, eye_open, 44);
 FIELD(posewise_observation, jaw_open, 52);
+FIELD(posewise_observation, camera_assumed, 56);
 
 SIZE(posewise_perclos, 24);
 FIELD(posewise_perclos, p70, 0);

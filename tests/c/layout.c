@@ -154,6 +154,7 @@ int main(void) {
     FIELD(posewise_observation, rotation_sigma_deg);
     FIELD(posewise_observation, eye_open);
     FIELD(posewise_observation, jaw_open);
+    FIELD(posewise_observation, camera_assumed);
     SIZE(posewise_perclos);
     FIELD(posewise_perclos, p70);
     FIELD(posewise_perclos, p80);

@@ -106,7 +106,7 @@ fn layouts_agree() {
         degraded_us);
     layout!(posewise_zone: kind flags grace_us numbers);
     layout!(posewise_observation: struct_size state confidence yaw_deg pitch_deg translation_mm
-        rotation_sigma_deg eye_open jaw_open);
+        rotation_sigma_deg eye_open jaw_open camera_assumed);
     layout!(posewise_perclos: p70 p80 em known closures mean_closure_us);
     layout!(posewise_monitor_state: struct_size eyes timestamp_us eyes_unknown openness
         closure_us blinks yawns nods mouth_open_us zone zone_us away_us away_30_us

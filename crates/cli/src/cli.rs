@@ -57,11 +57,14 @@ pub struct TrackerArgs {
     /// Model file [default: the embedded model]
     #[arg(long, value_name = "FILE")]
     pub model: Option<PathBuf>,
-    /// Focal length [px] [default: that of a 60° horizontal field of view]
+    /// Focal length [px] [default: that of a picture's EXIF, else of 60° across]
     #[arg(long, value_name = "PX", value_parser = single(1.0, 1e6))]
     pub focal: Option<f32>,
+    /// Horizontal field of view [deg] [default: that of a picture's EXIF, else 60]
+    #[arg(long, value_name = "DEG", conflicts_with = "focal", value_parser = single(1.0, 170.0))]
+    pub fov: Option<f32>,
     /// Calibration of camera and lens, as OpenCV writes it (YAML or JSON)
-    #[arg(long, value_name = "FILE", conflicts_with = "focal")]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["focal", "fov"])]
     pub calibration: Option<PathBuf>,
     /// The calibration is one of OpenCV's fisheye, and does not say so
     #[arg(long, requires = "calibration")]
@@ -272,6 +275,8 @@ pub enum EvalCommand {
     Angles(AnglesArgs),
     /// Head pose and landmarks against per-frame truth
     Pose(ClipsArgs),
+    /// Whether the standard deviations of a pose are true, against per-frame truth
+    Deviations(DeviationsArgs),
     /// Eye openness and closures against per-frame truth
     Eyes(ClipsArgs),
     /// Events and measures of the driver monitor against per-frame truth
@@ -493,6 +498,16 @@ pub struct ClipsArgs {
     /// Write the numbers as JSON
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
+}
+
+#[derive(Args)]
+pub struct DeviationsArgs {
+    #[command(flatten)]
+    pub clips: ClipsArgs,
+    /// Print the constants of src/shape/deviation.rs that suit these clips, whose focal length was
+    /// given
+    #[arg(long)]
+    pub fit: bool,
 }
 
 #[derive(Args)]

@@ -33,6 +33,7 @@ mod frame_sizes;
 mod index;
 mod interrupt;
 mod jsonl;
+mod lens;
 mod log;
 mod manual;
 mod model_file;
@@ -91,6 +92,7 @@ fn main() -> ExitCode {
             Command::Eval(EvalCommand::Profiles(args)) => eval::profiles::run(&args),
             Command::Eval(EvalCommand::Angles(args)) => eval::angles::run(&args),
             Command::Eval(EvalCommand::Pose(args)) => eval::pose::run(&args),
+            Command::Eval(EvalCommand::Deviations(args)) => eval::deviations::run(&args),
             Command::Eval(EvalCommand::Eyes(args)) => eval::eyes::run(&args),
             Command::Eval(EvalCommand::Monitor(args)) => eval::monitor::run(&args),
             Command::Eval(EvalCommand::Jitter(args)) => eval::jitter::run(&args),

@@ -29,6 +29,8 @@ pub struct Picture {
     pub full_range: bool,
     /// Capture time \[µs\].
     pub timestamp_us: i64,
+    /// Focal length of the camera \[px\], where the file says it.
+    pub focal_px: Option<f32>,
 }
 
 impl Picture {
@@ -41,6 +43,7 @@ impl Picture {
             chroma: Chroma::None,
             full_range: true,
             timestamp_us: 0,
+            focal_px: None,
         }
     }
 
@@ -52,6 +55,7 @@ impl Picture {
             chroma: Chroma::None,
             full_range: true,
             timestamp_us: 0,
+            focal_px: None,
         }
     }
 
@@ -143,6 +147,7 @@ mod tests {
             chroma: Chroma::Planar { across: 2, down: 2 },
             full_range: false,
             timestamp_us: 0,
+            focal_px: None,
         };
         let rgb = picture.upright_rgb().unwrap();
         let [r, g, b] = rgb.get_pixel(1, 1).0;
@@ -167,6 +172,7 @@ mod tests {
                     chroma: Chroma::None,
                     full_range: true,
                     timestamp_us: 0,
+                    focal_px: None,
                 };
                 let (frame, rgb) = (picture.frame().unwrap(), picture.upright_rgb().unwrap());
                 let grey = picture.upright_grey().unwrap();

@@ -9,20 +9,20 @@ use posewise::track::{
     Config, Detected, EventLog, FoundFace, Model, StepError, TrackResult, Tracker,
 };
 
-use crate::calibration::Calibration;
 use crate::cli::TrackerArgs;
+use crate::lens::Lens;
 use crate::picture::Picture;
 
 /// A tracker that follows the frame's size with its camera.
 pub struct Session<'m> {
     model: &'m Model<'m>,
     tracker: Box<Tracker>,
-    focal: Option<f32>,
-    calibration: Option<Calibration>,
+    lens: Lens,
     /// That of the current frame.
     camera: Intrinsics,
     smooth: bool,
-    size: (i32, i32),
+    /// Size of the current frame, and the focal length that its file says.
+    frame: ((i32, i32), Option<f32>),
     /// Time spent in steps.
     pub busy: Duration,
 }
@@ -50,13 +50,10 @@ impl<'m> Session<'m> {
         Ok(Session {
             model,
             tracker: Box::new(Tracker::new(&config).map_err(|e| anyhow!("{e}"))?),
-            focal: args.focal,
-            calibration: (args.calibration.as_deref())
-                .map(|path| Calibration::read(path, args.fisheye))
-                .transpose()?,
+            lens: Lens::new(args)?,
             camera: Intrinsics::of_frame(0, 0),
             smooth: args.smooth,
-            size: (0, 0),
+            frame: ((0, 0), None),
             busy: Duration::ZERO,
         })
     }
@@ -69,18 +66,6 @@ impl<'m> Session<'m> {
     /// The camera that the tracker assumes for the current frame.
     pub fn intrinsics(&self) -> Intrinsics {
         self.camera
-    }
-
-    /// The camera of frames of this size.
-    fn camera_for(&self, (width, height): (i32, i32)) -> Result<Intrinsics> {
-        if let Some(calibration) = &self.calibration {
-            return calibration.camera(width, height);
-        }
-        let mut camera = Intrinsics::of_frame(width, height);
-        if let Some(focal) = self.focal {
-            (camera.fx, camera.fy) = (focal, focal);
-        }
-        Ok(camera)
     }
 
     /// The events that were not written yet.
@@ -120,13 +105,14 @@ impl<'m> Session<'m> {
     ) -> Result<T> {
         let frame = picture.frame()?;
         let size = (frame.width(), frame.height());
-        if size != self.size {
-            (self.size, self.camera) = (size, self.camera_for(size)?);
-            // Where nothing is known of it, the tracker has the same default.
-            let is_known = self.focal.is_some() || self.calibration.is_some();
+        if (size, picture.focal_px) != self.frame {
+            let camera = self.lens.camera(size, picture.focal_px)?;
             self.tracker
-                .set_intrinsics(is_known.then_some(self.camera))
+                .set_intrinsics(camera)
                 .map_err(|e| anyhow!("{e}"))?;
+            // Where nothing is known of it, the tracker has the same default.
+            self.camera = camera.unwrap_or_else(|| Intrinsics::of_frame(size.0, size.1));
+            self.frame = (size, picture.focal_px);
         }
         let start = Instant::now();
         let called = call(&mut self.tracker, self.model, &frame);

@@ -14,6 +14,7 @@ use crate::csv::{CsvWriter, Row};
 use crate::destination::{self, Destination, Named};
 use crate::faces::{Face, Faces};
 use crate::interrupt::Interrupt;
+use crate::lens::LensNote;
 use crate::model_file::ModelFile;
 use crate::monitor;
 use crate::monitor::watch::Watch;
@@ -281,11 +282,13 @@ pub fn run(args: &TrackArgs) -> Result<Option<u8>> {
     let mut outputs = Outputs::open(args, source.as_ref())?;
     let progress = progress_bar(source.as_ref(), args);
     let mut counts = Counts::default();
+    let mut lens = LensNote::default();
     let ended = follow(
         args,
         source.as_mut(),
         &mut trackers,
         &mut outputs,
+        &mut lens,
         |state| {
             counts.add(state);
             progress.inc(1);
@@ -303,7 +306,7 @@ pub fn run(args: &TrackArgs) -> Result<Option<u8>> {
         eprintln!("posewise: warning: {warning}");
     }
     if !args.quiet {
-        let text = summary(&counts, trackers.busy());
+        let text = summary(&counts, &lens, trackers.busy());
         if Outputs::on_stdout(args) {
             eprint!("{text}");
         } else {
@@ -319,6 +322,7 @@ fn follow(
     source: &mut dyn Source,
     trackers: &mut Faces<'_>,
     outputs: &mut Outputs,
+    lens: &mut LensNote,
     mut go_on: impl FnMut(State) -> bool,
 ) -> Result<()> {
     let rotation = args.frame.rotation();
@@ -338,6 +342,7 @@ fn follow(
             outputs.write_log(id, events)?;
         }
         let camera = trackers.intrinsics();
+        lens.add(&args.tracker, 2.0 * camera.cx + 1.0, picture.focal_px);
         outputs.write(args, frame, &picture, &camera, &faces)?;
         if !go_on(state_of(&faces)) {
             break;
@@ -375,10 +380,11 @@ fn progress_bar(source: &dyn Source, args: &TrackArgs) -> ProgressBar {
     bar
 }
 
-fn summary(counts: &Counts, busy: Duration) -> String {
+fn summary(counts: &Counts, lens: &LensNote, busy: Duration) -> String {
     let mean_ms = busy.as_secs_f64() * 1e3 / counts.frames.max(1) as f64;
     format!(
-        "frames   {}\ntracked  {} ({:.1} %)\ncoasted  {} ({:.1} %)\nstep     {:.3} ms on average\n",
+        "frames   {}\ntracked  {} ({:.1} %)\ncoasted  {} ({:.1} %)\nlens     {lens}\n\
+         step     {:.3} ms on average\n",
         counts.frames,
         counts.tracked,
         counts.percent(counts.tracked),

@@ -34,7 +34,7 @@ pub fn run(args: &DriftArgs) -> Result<()> {
     let clip = Clip::read(source.as_mut(), MAX_FRAMES, &args.clip)?;
     let truth = truth_of(&table, &args.truth, clip.frames.len())?;
     let settings = TrackerArgs {
-        focal: args.tracker.focal.or(table.focal()),
+        focal: (args.tracker.focal).or(table.focal().filter(|_| args.tracker.fov.is_none())),
         ..args.tracker.clone()
     };
     let file = ModelFile::read(settings.model.as_deref())?;

@@ -9,6 +9,7 @@ pub mod camera;
 mod ced;
 mod clips;
 mod cut;
+pub mod deviations;
 pub mod drift;
 pub mod eyes;
 pub mod faceless;

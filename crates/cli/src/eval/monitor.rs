@@ -68,6 +68,8 @@ struct Columns {
     /// What the network of single eyes says: `eye_unknown_…` and `eye_open_p_…`, in newer files.
     network: [Option<[usize; 2]>; 2],
     jaw: usize,
+    /// `camera_assumed`, in newer files.
+    assumed: Option<usize>,
     mouth: Vec<usize>,
     /// `gaze_unknown` and both angles, in newer files.
     gaze: Option<[usize; 3]>,
@@ -99,6 +101,7 @@ impl Columns {
                 Some([unknown, column(&format!("eye_open_p_{side}")).ok()?])
             }),
             jaw: column("jawOpen")?,
+            assumed: column("camera_assumed").ok(),
             mouth: (48..68)
                 .map(|i| column(&format!("vis_{i}")))
                 .collect::<Result<_>>()?,
@@ -133,6 +136,7 @@ impl Columns {
         let [yaw, pitch, x, y, z] = self.pose;
         (seen.yaw_deg, seen.pitch_deg) = (number(yaw)?, number(pitch)?);
         seen.translation_mm = [number(x)?, number(y)?, number(z)?];
+        seen.camera_assumed = self.assumed.map_or(Ok(0.0), number)? > 0.5;
         for (to, column) in seen.rotation_sigma_deg.iter_mut().zip(self.sigma) {
             *to = number(column)?;
         }

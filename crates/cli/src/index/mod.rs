@@ -195,6 +195,7 @@ fn settings(args: &IndexArgs, model: &[u8]) -> Result<String> {
         "version": env!("CARGO_PKG_VERSION"),
         "model_sha256": sha256(model),
         "focal": tracker.focal,
+        "fov": tracker.fov,
         "calibration_sha256": calibration.map(|bytes| sha256(&bytes)),
         "fisheye": tracker.fisheye,
         "min_face": tracker.min_face,

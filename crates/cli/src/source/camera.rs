@@ -123,6 +123,7 @@ mod linux {
             chroma,
             full_range: false,
             timestamp_us: 0,
+            focal_px: None,
         })
     }
 

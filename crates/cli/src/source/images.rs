@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use image::RgbImage;
 
+use super::exif::focal_px;
 use super::stream::Source;
 use crate::picture::Picture;
 
@@ -98,6 +99,7 @@ impl Source for ImageSource {
             return Ok(None);
         };
         let mut picture = Picture::from_rgb(read_rgb(file)?);
+        picture.focal_px = focal_px(file, picture.layout.width, picture.layout.height);
         picture.timestamp_us = (self.index as f64 * 1e6 / self.fps) as i64;
         self.index += 1;
         Ok(Some(picture))

@@ -3,6 +3,7 @@
 
 mod address;
 mod camera;
+mod exif;
 mod ffmpeg;
 mod images;
 mod patient;

@@ -150,6 +150,7 @@ impl Source for Y4mSource {
             chroma: self.chroma,
             full_range: self.full_range,
             timestamp_us: timestamp,
+            focal_px: None,
         }))
     }
 

@@ -144,6 +144,7 @@ impl World {
             rotation_sigma_deg: [next(), next(), next()],
             eye_open: [next(), next()],
             jaw_open: next(),
+            camera_assumed: u32::from(next() > 0.5),
         };
         let now_us = match input.u8() {
             255 => input.u64() as i64,
