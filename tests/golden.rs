@@ -4,12 +4,16 @@
 mod common;
 
 use common::root;
-use posewise::{Config, Frame, FrameLayout, Model, State, TrackResult, Tracker};
+use posewise::{Config, Eye, Eyes, Frame, FrameLayout, Gaze, Model, State, TrackResult, Tracker};
 
 /// FNV-1a, 64 bits.
 struct Hash(u64);
 
 impl Hash {
+    fn new() -> Hash {
+        Hash(0xCBF2_9CE4_8422_2325)
+    }
+
     fn bytes(&mut self, bytes: &[u8]) {
         for byte in bytes {
             self.0 = (self.0 ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01B3);
@@ -41,7 +45,7 @@ impl Hash {
             landmarks,
             points_mm,
             animation,
-            // Nothing is seen of the eyes unless the settings ask for it.
+            // Hashed by themselves: nothing is seen of them unless the settings ask for it.
             eyes: _,
             ..
         } = result;
@@ -62,6 +66,46 @@ impl Hash {
             .chain(animation)
             .for_each(|value| self.float(*value));
     }
+
+    fn eyes(&mut self, eyes: &Eyes) {
+        let Eyes {
+            each,
+            gaze,
+            glasses,
+            dark_glasses,
+            look,
+            ..
+        } = eyes;
+        for eye in each {
+            let Eye {
+                unknown,
+                open,
+                iris,
+                gaze,
+                ..
+            } = eye;
+            self.bytes(unknown.name().as_bytes());
+            self.float(*open);
+            iris.iter().for_each(|value| self.float(*value));
+            self.gaze(gaze);
+        }
+        self.gaze(gaze);
+        let weights = [glasses, dark_glasses].into_iter().chain(look);
+        weights.for_each(|value| self.float(*value));
+    }
+
+    fn gaze(&mut self, gaze: &Gaze) {
+        let Gaze {
+            unknown,
+            camera,
+            head,
+            sigma_deg,
+            ..
+        } = gaze;
+        self.bytes(unknown.name().as_bytes());
+        let numbers = camera.iter().chain(head).chain([sigma_deg]);
+        numbers.for_each(|value| self.float(*value));
+    }
 }
 
 /// A field that is added to the result must be hashed above too.
@@ -74,16 +118,16 @@ fn every_field_is_hashed() {
     assert_eq!(fields.filter(|line| !is_inner(line)).count(), 19);
 }
 
-#[test]
-fn demo_clip_gives_the_same_bits() {
+/// Hashes the demo clip's results by `hashed` and compares them with a file of `tests/data`.
+fn check(config: &Config, file: &str, hashed: impl Fn(&mut Hash, &TrackResult)) {
     let Some(clip) = common::demo() else {
         eprintln!("skipped: there is no tests/data/demo.y4m.gz");
         return;
     };
     let model = Model::load(posewise::DEFAULT_MODEL).expect("the default model is valid");
-    let mut tracker = Box::new(Tracker::new(&Config::default()).expect("defaults"));
+    let mut tracker = Box::new(Tracker::new(config).expect("good settings"));
     let layout = FrameLayout::grey(clip.width as u32, clip.height as u32);
-    let mut hash = Hash(0xCBF2_9CE4_8422_2325);
+    let mut hash = Hash::new();
     let mut tracked = 0;
     for (i, luma) in clip.luma.iter().enumerate() {
         let frame = Frame::new(&layout, luma).expect("a frame");
@@ -92,10 +136,10 @@ fn demo_clip_gives_the_same_bits() {
             .step(&model, &frame, timestamp_us)
             .expect("in order");
         tracked += usize::from(result.state == State::Tracking);
-        hash.result(result);
+        hashed(&mut hash, result);
     }
     let found = format!("{:016x} {tracked}/{} tracked\n", hash.0, clip.luma.len());
-    let path = root().join("tests/data/demo.hash");
+    let path = root().join("tests/data").join(file);
     if std::env::var_os("POSEWISE_BLESS").is_some() {
         std::fs::write(&path, &found).expect("tests/data is writable");
     }
@@ -104,4 +148,17 @@ fn demo_clip_gives_the_same_bits() {
         found, expected,
         "results changed (left: now); if that is meant: POSEWISE_BLESS=1 cargo test --test golden"
     );
+}
+
+#[test]
+fn demo_clip_gives_the_same_bits() {
+    check(&Config::default(), "demo.hash", Hash::result);
+}
+
+#[test]
+fn demo_clip_gives_the_same_bits_of_the_eyes() {
+    let config = Config::default().with_gaze(true).with_natural_gaze(true);
+    check(&config, "demo-eyes.hash", |hash, result| {
+        hash.eyes(&result.eyes)
+    });
 }
