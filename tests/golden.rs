@@ -4,7 +4,9 @@
 mod common;
 
 use common::root;
-use posewise::{Config, Eye, Eyes, Frame, FrameLayout, Gaze, Model, State, TrackResult, Tracker};
+use posewise::{
+    Config, Eye, EyeUnknown, Eyes, Frame, FrameLayout, Gaze, Model, State, TrackResult, Tracker,
+};
 
 /// FNV-1a, 64 bits.
 struct Hash(u64);
@@ -84,7 +86,7 @@ impl Hash {
                 gaze,
                 ..
             } = eye;
-            self.bytes(unknown.name().as_bytes());
+            self.bytes(EyeUnknown::name_of(*unknown).as_bytes());
             self.float(*open);
             iris.iter().for_each(|value| self.float(*value));
             self.gaze(gaze);
@@ -102,7 +104,7 @@ impl Hash {
             sigma_deg,
             ..
         } = gaze;
-        self.bytes(unknown.name().as_bytes());
+        self.bytes(EyeUnknown::name_of(*unknown).as_bytes());
         let numbers = camera.iter().chain(head).chain([sigma_deg]);
         numbers.for_each(|value| self.float(*value));
     }

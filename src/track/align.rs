@@ -129,17 +129,64 @@ impl Aligned {
 }
 
 /// A run of the cascade.
-struct Run {
-    shape: Shape,
+pub(super) struct Run {
+    pub(super) shape: Shape,
     is_finite: bool,
-    is_refined: bool,
-    confidence: Confidence,
+    /// Whether it came to its end, with the confidence that it needs.
+    pub(super) is_refined: bool,
+    pub(super) confidence: Confidence,
     iterations_left: usize,
-    units: u32,
+    pub(super) units: u32,
 }
 
-/// Runs the global stage and verifies each iteration. A candidate ends where it has less confidence
-/// than is needed to go on. Any other is refined, and compared with what is known of it.
+impl Run {
+    pub(super) fn new(start: &Start) -> Run {
+        Run {
+            shape: start.shape,
+            is_finite: false,
+            is_refined: false,
+            confidence: Confidence::NONE,
+            iterations_left: start.iterations,
+            units: 0,
+        }
+    }
+
+    /// Runs the global stage and verifies each iteration. A candidate ends where it has less
+    /// confidence than is needed to go on. Any other is refined.
+    #[inline(never)]
+    pub(super) fn run(&mut self, step: &Step<'_>, needed: &Needed, work: &mut Workspace) {
+        if self.iterate(step, needed, work) {
+            self.units += REFINE_UNITS;
+            self.is_finite = (step.model.align).refine(step.frame, &mut self.shape, work);
+            self.is_refined = self.is_finite;
+        }
+    }
+
+    /// Whether all iterations were run, and the last one has the confidence that is needed.
+    #[inline(never)]
+    fn iterate(&mut self, step: &Step<'_>, needed: &Needed, work: &mut Workspace) -> bool {
+        let (cascade, verifier) = (&step.model.align, &step.model.verifier);
+        while self.iterations_left > 0 {
+            self.units += ITERATION_UNITS;
+            self.is_finite = cascade.iterate(step.frame, &mut self.shape, work);
+            if !self.is_finite {
+                return false;
+            }
+            self.confidence = verifier.evaluate(work.features(), work.view());
+            self.iterations_left -= 1;
+            let least = match self.iterations_left {
+                0 => needed.to_refine,
+                _ => needed.to_iterate,
+            };
+            if self.confidence.face < least {
+                return false;
+            }
+        }
+        true
+    }
+}
+
+/// Aligns a face from a start; what is refined is compared with what is known of it.
 #[inline(never)]
 pub(super) fn align(
     step: &Step<'_>,
@@ -147,43 +194,9 @@ pub(super) fn align(
     known: Option<Known<'_>>,
     work: &mut Workspace,
 ) -> Aligned {
-    let mut run = Run {
-        shape: start.shape,
-        is_finite: false,
-        is_refined: false,
-        confidence: Confidence::NONE,
-        iterations_left: start.iterations,
-        units: 0,
-    };
-    if iterate(step, start, &mut run, work) {
-        run.units += REFINE_UNITS;
-        run.is_finite = (step.model.align).refine(step.frame, &mut run.shape, work);
-        run.is_refined = run.is_finite;
-    }
+    let mut run = Run::new(start);
+    run.run(step, &start.needed, work);
     aligned(step, start, &run, known, work)
-}
-
-/// Whether all iterations were run, and the last one has the confidence that is needed.
-#[inline(never)]
-fn iterate(step: &Step<'_>, start: &Start, run: &mut Run, work: &mut Workspace) -> bool {
-    let (cascade, verifier) = (&step.model.align, &step.model.verifier);
-    while run.iterations_left > 0 {
-        run.units += ITERATION_UNITS;
-        run.is_finite = cascade.iterate(step.frame, &mut run.shape, work);
-        if !run.is_finite {
-            return false;
-        }
-        run.confidence = verifier.evaluate(work.features(), work.view());
-        run.iterations_left -= 1;
-        let least = match run.iterations_left {
-            0 => start.needed.to_refine,
-            _ => start.needed.to_iterate,
-        };
-        if run.confidence.face < least {
-            return false;
-        }
-    }
-    true
 }
 
 /// What a run has come to. Apart from the run, whose working memory is not on the stack any more.

@@ -9,11 +9,11 @@
 //! If a face is accepted, the next state is Tracking. Coasting is for a target that was trusted,
 //! until its last fit is `COAST_US` old.
 //!
-//! [`Tracker::step`] is the walk of a frame. The target is followed: aligned at its predicted place,
-//! verified. Where that fails, or there is none, candidates are searched for: each is proposed,
-//! aligned, verified. What passes is accepted if a 3D face fits: it becomes target, keyframe and
-//! result. Values go from room to room as arguments and come back as results; state and loss are
-//! those of the last result.
+//! [`Tracker::step`] is the walk of a frame. The target is followed: aligned at its predicted
+//! place, verified. Where that fails, or there is none, candidates are searched for: each is
+//! proposed, aligned, verified. What passes is accepted if a 3D face fits: it becomes target,
+//! keyframe and result. Values go from room to room as arguments and come back as results; state
+//! and loss are those of the last result.
 //!
 //! All thresholds, timeouts and work costs are in `policy.rs`.
 //!
@@ -292,11 +292,12 @@ impl Tracker {
         self.advance_clock(timestamp_us)?;
         let frame = &self.filtered(frame);
         let step = &Step::new(model, frame, timestamp_us, &self.config);
-        let lost = match (self.result.state, wanted) {
-            (State::Tracking, Wanted::Any | Wanted::Near(_)) => self.follow(step).err(),
-            _ => Some(Loss::None),
+        let followed = match (self.result.state, wanted) {
+            (State::Tracking, Wanted::Any | Wanted::Near(_)) => self.follow(step),
+            // There is nothing to follow.
+            _ => Err(Loss::None),
         };
-        if let Some(loss) = lost {
+        if let Err(loss) = followed {
             // A target that left the frame is in no other place. Another one may have jumped.
             if loss == Loss::LeftFrame || !self.search(step, wanted) {
                 self.find_nothing(step, wanted, loss);
@@ -370,17 +371,20 @@ impl Tracker {
         Ok(())
     }
 
-    /// No face is accepted on this frame: searches, coasts, or begins to.
+    /// No face is accepted on this frame.
     #[inline(never)]
     fn find_nothing(&mut self, step: &Step<'_>, wanted: &Wanted, loss: Loss) {
-        let is_tracking = self.result.state == State::Tracking;
-        if self.result.state == State::Searching || matches!(wanted, Wanted::At(_)) {
-            return self.clear_result(step.now_us);
+        match (self.result.state, wanted) {
+            (State::Searching, _) | (_, Wanted::At(_)) => self.clear_result(step.now_us),
+            (State::Tracking, _) => self.lose(step, loss),
+            (State::Coasting, _) => self.coast(step),
         }
-        if is_tracking {
-            self.result.loss = loss;
-        }
-        if self.result.state == State::Coasting || self.target.is_trusted() {
+    }
+
+    /// The target was lost on this frame.
+    fn lose(&mut self, step: &Step<'_>, loss: Loss) {
+        self.result.loss = loss;
+        if self.target.is_trusted() {
             return self.coast(step);
         }
         // It was probably no face. Coasting would keep the scan from faces of other sizes.

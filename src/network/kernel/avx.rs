@@ -42,7 +42,7 @@ fn xcr0() -> u64 {
 macro_rules! conv2d_by_tile {
     ($features:literal, threes: $threes:literal) => {
         /// Tiles of pixels × blocks that fill twelve of the sixteen registers: 6×2, for one that is
-        /// left 8×1, for three that are left 4×3 where so many weights fit too.
+        /// left 8×1, for three that are left 4×3 where their weights fit too.
         #[target_feature(enable = $features)]
         fn conv2d(mut strip: Strip<'_>) {
             let mut block = 0;
@@ -93,7 +93,7 @@ pub(super) use conv2d_by_tile;
 /// The eight numbers of a block.
 ///
 /// # Safety
-/// There are so many blocks.
+/// `block` is below the number of blocks.
 #[target_feature(enable = "avx2")]
 #[inline]
 pub(super) unsafe fn eight(of: &[[i32; BLOCK]], block: usize) -> __m256i {

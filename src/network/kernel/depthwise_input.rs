@@ -117,7 +117,7 @@ impl<'a> Rows<'a> {
         starts
     }
 
-    /// The first bytes of so many input columns, from the one to the left of output pixel `x` on.
+    /// The first bytes of `N` input columns, from the one to the left of output pixel `x` on.
     #[cfg(target_arch = "x86_64")]
     #[inline(always)]
     pub fn columns<const N: usize>(&self, x: usize) -> [[*const u8; N]; 3] {
@@ -136,7 +136,7 @@ impl<'a> Rows<'a> {
         })
     }
 
-    /// Whether so many of [`Self::columns`] are in the map.
+    /// Whether this number of [`Self::columns`] is in the map.
     #[cfg(target_arch = "x86_64")]
     #[inline(always)]
     pub fn has_columns(&self, x: usize, columns: usize) -> bool {

@@ -65,10 +65,10 @@ const WIDE_PAIRS: usize = 80;
 struct Wide([MaybeUninit<[__m128i; 2]>; WIDE_PAIRS]);
 
 impl Wide {
-    /// Widens the weights of so many pairs of columns of `B` blocks, `block_weights` apart.
+    /// Widens the weights of `pairs` pairs of columns of `B` blocks, `block_weights` apart.
     ///
     /// # Safety
-    /// There are so many weights from `weights` on.
+    /// The weights of these pairs lie from `weights` on.
     #[target_feature(enable = "sse2")]
     #[inline]
     unsafe fn fill<const B: usize>(
@@ -173,7 +173,7 @@ unsafe fn add_by_part<const P: usize, const B: usize>(
     }
 }
 
-/// Multiplies so many groups of values of the windows of `P` pixels, `step` bytes apart, by the
+/// Multiplies the groups of values of the windows of `P` pixels, `step` bytes apart, by the
 /// weights of `B` blocks, and adds the products of the first `C` columns of each group. Returns
 /// where the next group's weights are.
 ///
@@ -413,10 +413,10 @@ fn depthwise3x3(
     }
 }
 
-/// The outputs of a block at so many neighbouring pixels.
+/// The outputs of a block at `pixels` neighbouring pixels.
 ///
 /// # Safety
-/// There are taps and outputs of the block at each; outputs are so many bytes apart.
+/// There are taps and outputs of the block at each; outputs are `channels` bytes apart.
 // Not inlined: too few registers would be left for the pointers.
 #[target_feature(enable = "sse2")]
 #[inline(never)]

@@ -9,7 +9,7 @@
 //! frame. The mean of the gaze in the head frame is that error and where the person really looks on
 //! average, which is mostly straight ahead, so part of it is taken off.
 
-use super::result::{EyeUnknown, Eyes, Gaze};
+use super::result::{Eyes, Gaze};
 use crate::align::SeenEye;
 use crate::track::geometry::gaze_angles;
 use crate::track::policy::{
@@ -48,7 +48,7 @@ impl PersonsEyes {
     /// Learns from the gaze of both eyes, and takes off what is always wrong with it.
     #[inline(never)]
     pub fn correct(&mut self, eyes: &mut Eyes, rotation: &Mat3, now_us: i64) {
-        let is_known = |gaze: &Gaze| gaze.unknown == EyeUnknown::Known;
+        let is_known = |gaze: &Gaze| gaze.unknown.is_none();
         let faces = rotation.z_axis.z >= NATURAL_GAZE_FACING_Z;
         if faces && is_known(&eyes.gaze) {
             let angles = gaze_angles(Vec3::from(eyes.gaze.head));
@@ -206,7 +206,7 @@ mod tests {
             -left.cos() * down.cos(),
         ];
         Gaze {
-            unknown: EyeUnknown::Known,
+            unknown: None,
             head,
             camera: head,
             sigma_deg: 5.0,

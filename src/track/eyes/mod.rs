@@ -181,27 +181,20 @@ impl Face<'_> {
     /// An eye that is seen; its gaze is unknown where it is shut or uncertain.
     fn known(&self, seen: &SeenEye) -> Eye {
         let sigma_deg = seen.sigma_rad.to_degrees();
-        let unknown = if seen.open < GAZE_MIN_OPEN {
-            EyeUnknown::Shut
+        let gaze = if seen.open < GAZE_MIN_OPEN {
+            Gaze::unknown(EyeUnknown::Shut)
         } else if sigma_deg > GAZE_MAX_SIGMA_DEG {
-            EyeUnknown::Uncertain
+            Gaze::unknown(EyeUnknown::Uncertain)
         } else {
-            EyeUnknown::Known
-        };
-        let gaze = match unknown {
-            EyeUnknown::Known => Gaze {
-                unknown,
+            Gaze {
+                unknown: None,
                 camera: seen.gaze.to_array(),
                 head: (self.rotation.transpose() * seen.gaze).to_array(),
                 sigma_deg,
-            },
-            _ => Gaze {
-                unknown,
-                ..Gaze::EMPTY
-            },
+            }
         };
         Eye {
-            unknown: EyeUnknown::Known,
+            unknown: None,
             open: seen.open,
             iris: seen.iris,
             gaze,
@@ -230,7 +223,7 @@ fn middle(points: &[[f32; 2]; 6]) -> [f32; 2] {
 
 /// The gaze of both eyes: their mean, weighted by the inverse of the variances.
 fn both(eyes: &[Eye; 2], rotation: &Mat3) -> Gaze {
-    let known = || (eyes.iter().map(|eye| &eye.gaze)).filter(|g| g.unknown == EyeUnknown::Known);
+    let known = || (eyes.iter().map(|eye| &eye.gaze)).filter(|g| g.unknown.is_none());
     let weight = |gaze: &Gaze| 1.0 / (gaze.sigma_deg * gaze.sigma_deg).max(1e-3);
     let sum: Vec3 = known().map(|g| weight(g) * Vec3::from(g.camera)).sum();
     let weights: f32 = known().map(weight).sum();
@@ -240,7 +233,7 @@ fn both(eyes: &[Eye; 2], rotation: &Mat3) -> Gaze {
         return Gaze {
             // A shut or hidden eye says more than one that is turned away.
             unknown: match unknown {
-                EyeUnknown::Turned => right.gaze.unknown,
+                Some(EyeUnknown::Turned) => right.gaze.unknown,
                 _ => unknown,
             },
             ..Gaze::EMPTY
@@ -251,7 +244,7 @@ fn both(eyes: &[Eye; 2], rotation: &Mat3) -> Gaze {
     let single = known().map(|g| g.sigma_deg).fold(f32::MAX, f32::min);
     let mean = libm::sqrtf(1.0 / weights);
     Gaze {
-        unknown: EyeUnknown::Known,
+        unknown: None,
         camera: camera.to_array(),
         head: (rotation.transpose() * camera).to_array(),
         sigma_deg: GAZE_SHARED * single + (1.0 - GAZE_SHARED) * mean,
@@ -262,8 +255,8 @@ fn both(eyes: &[Eye; 2], rotation: &Mat3) -> Gaze {
 fn look_weights(eyes: &[Eye; 2]) -> [f32; EYE_LOOKS] {
     // Angles to the person's left and down.
     let [left, right] = eyes.each_ref().map(|eye| match eye.gaze.unknown {
-        EyeUnknown::Known => gaze_angles(Vec3::from(eye.gaze.head)),
-        _ => [0.0; 2],
+        None => gaze_angles(Vec3::from(eye.gaze.head)),
+        Some(_) => [0.0; 2],
     });
     let weight = |angle: f32| (angle / EYE_LOOK_RAD).clamp(0.0, 1.0);
     [

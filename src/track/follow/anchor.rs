@@ -138,7 +138,7 @@ struct Square {
 }
 
 impl Square {
-    /// Centred on the face's box and so many times as wide as that is long.
+    /// Centred on the face's box, its side `widths` times the box's longer one.
     fn around(shape: &Shape, widths: f32) -> Square {
         let [left, top, width, height] = bounds(shape);
         let half = widths / 2.0 * width.max(height);

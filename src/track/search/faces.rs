@@ -4,7 +4,7 @@
 use super::{Excluded, Search};
 use crate::align::Workspace;
 use crate::detect::{Detection, ScanOutcome, TILE_UNITS};
-use crate::track::align::{Needed, Origin, Start, align};
+use crate::track::align::{Needed, Origin, Run, Start};
 use crate::track::config::Config;
 use crate::track::geometry::{bounds, detection_of, is_same_face};
 use crate::track::policy::FIRST_ATTEMPT_CONFIDENCE;
@@ -141,20 +141,20 @@ fn evaluate(
     excluded: &Excluded,
     work: &mut Workspace,
 ) -> (Option<FoundFace>, u32) {
-    let least = FIRST_ATTEMPT_CONFIDENCE;
-    let Some(start) = Start::at(step, face, Origin::NewFace, Needed::to_refine(least)) else {
+    let needed = Needed::to_refine(FIRST_ATTEMPT_CONFIDENCE);
+    let Some(start) = Start::at(step, face, Origin::NewFace, needed) else {
         return (None, 0);
     };
-    let aligned = align(step, &start, None, work);
-    let (shape, confidence) = (&aligned.shape, aligned.confidence.face);
-    let is_wanted = aligned.is_finite && confidence >= least && may_find(step, shape, excluded);
+    let mut run = Run::new(&start);
+    run.run(step, &start.needed, work);
+    let is_wanted = run.is_refined && may_find(step, &run.shape, excluded);
     let found = is_wanted.then(|| FoundFace {
-        face_box: bounds(shape),
+        face_box: bounds(&run.shape),
         yaw_deg: 90.0 * face.yaw,
-        roll_deg: detection_of(step.model, shape).roll.to_degrees(),
-        confidence,
+        roll_deg: detection_of(step.model, &run.shape).roll.to_degrees(),
+        confidence: run.confidence.face,
     });
-    (found, aligned.units)
+    (found, run.units)
 }
 
 /// Adds a face to the first `count`, unless it is among them with a higher confidence; returns how

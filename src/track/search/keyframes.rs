@@ -19,10 +19,6 @@ pub use kept::Keyframes;
 pub use none::Keyframes;
 
 /// A face whose keyframe matches this frame.
-#[cfg_attr(
-    not(feature = "keyframes"),
-    expect(dead_code, reason = "there is none")
-)]
 pub struct Match {
     /// Where its landmarks should be \[px\].
     pub shape: Shape,
@@ -35,8 +31,12 @@ pub struct Match {
 #[cfg(feature = "keyframes")]
 mod kept {
     use super::{Detection, Fitted, Frame, Match, Origin};
-    use crate::keyframe::{Keyframes as Table, Observation, Query};
+    use crate::keyframe::{Keyframes as Table, Observation, Query, SCRATCH_BYTES};
+    use crate::network::ARENA;
     use crate::track::policy::TRUST_CONFIDENCE;
+
+    // The reduced image is made in the networks' memory.
+    const _: () = assert!(SCRATCH_BYTES <= ARENA);
 
     /// Keyframes of the faces that were tracked. Plain data, all zero when empty.
     #[derive(Clone)]
