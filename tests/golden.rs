@@ -4,12 +4,16 @@
 mod common;
 
 use common::root;
-use posewise::{Config, State, TrackResult};
+use posewise::{Config, Eye, EyeUnknown, Eyes, Gaze, State, TrackResult};
 
 /// FNV-1a, 64 bits.
 struct Hash(u64);
 
 impl Hash {
+    fn new() -> Hash {
+        Hash(0xCBF2_9CE4_8422_2325)
+    }
+
     fn bytes(&mut self, bytes: &[u8]) {
         for byte in bytes {
             self.0 = (self.0 ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01B3);
@@ -41,7 +45,7 @@ impl Hash {
             landmarks,
             points_mm,
             animation,
-            // Nothing is seen of the eyes unless the settings ask for it.
+            // Hashed by themselves: nothing is seen of them unless the settings ask for it.
             eyes: _,
             facing_yaw_deg,
             facing_pitch_deg,
@@ -70,6 +74,46 @@ impl Hash {
             .chain(facing_sigma_deg)
             .for_each(|value| self.float(*value));
     }
+
+    fn eyes(&mut self, eyes: &Eyes) {
+        let Eyes {
+            each,
+            gaze,
+            glasses,
+            dark_glasses,
+            look,
+            ..
+        } = eyes;
+        for eye in each {
+            let Eye {
+                unknown,
+                open,
+                iris,
+                gaze,
+                ..
+            } = eye;
+            self.bytes(EyeUnknown::name_of(*unknown).as_bytes());
+            self.float(*open);
+            iris.iter().for_each(|value| self.float(*value));
+            self.gaze(gaze);
+        }
+        self.gaze(gaze);
+        let weights = [glasses, dark_glasses].into_iter().chain(look);
+        weights.for_each(|value| self.float(*value));
+    }
+
+    fn gaze(&mut self, gaze: &Gaze) {
+        let Gaze {
+            unknown,
+            camera,
+            head,
+            sigma_deg,
+            ..
+        } = gaze;
+        self.bytes(EyeUnknown::name_of(*unknown).as_bytes());
+        let numbers = camera.iter().chain(head).chain([sigma_deg]);
+        numbers.for_each(|value| self.float(*value));
+    }
 }
 
 /// A field that is added to the result must be hashed above too.
@@ -82,12 +126,12 @@ fn every_field_is_hashed() {
     assert_eq!(fields.filter(|line| !is_inner(line)).count(), 25);
 }
 
-#[test]
-fn demo_clip_gives_the_same_bits() {
+/// Hashes the demo clip's results by `hashed` and compares them with a file of `tests/data`.
+fn check(config: &Config, file: &str, hashed: impl Fn(&mut Hash, &TrackResult)) {
     let clip = common::demo();
     let model = common::model();
-    let mut tracker = common::tracker(&Config::default());
-    let mut hash = Hash(0xCBF2_9CE4_8422_2325);
+    let mut tracker = common::tracker(config);
+    let mut hash = Hash::new();
     let mut tracked = 0;
     for i in 0..clip.luma.len() {
         let (frame, timestamp_us) = (clip.frame(i), clip.time_us(i));
@@ -95,10 +139,10 @@ fn demo_clip_gives_the_same_bits() {
             .step(&model, &frame, timestamp_us)
             .expect("in order");
         tracked += usize::from(result.state == State::Tracking);
-        hash.result(result);
+        hashed(&mut hash, result);
     }
     let found = format!("{:016x} {tracked}/{} tracked\n", hash.0, clip.luma.len());
-    let path = root().join("tests/data/demo.hash");
+    let path = root().join("tests/data").join(file);
     if std::env::var_os("POSEWISE_BLESS").is_some() {
         std::fs::write(&path, &found).expect("tests/data is writable");
     }
@@ -107,4 +151,17 @@ fn demo_clip_gives_the_same_bits() {
         found, expected,
         "results changed (left: now); if that is meant: POSEWISE_BLESS=1 cargo test --test golden"
     );
+}
+
+#[test]
+fn demo_clip_gives_the_same_bits() {
+    check(&Config::default(), "demo.hash", Hash::result);
+}
+
+#[test]
+fn demo_clip_gives_the_same_bits_of_the_eyes() {
+    let config = Config::default().with_gaze(true).with_natural_gaze(true);
+    check(&config, "demo-eyes.hash", |hash, result| {
+        hash.eyes(&result.eyes)
+    });
 }

@@ -170,11 +170,13 @@ impl<'m> AlignModel<'m> {
     }
 
     /// Multiply-adds of one iteration of the global stage.
+    #[cfg(feature = "unstable-internals")]
     pub fn iteration_multiply_adds(&self) -> usize {
         self.global.multiply_adds() + self.second.multiply_adds()
     }
 
     /// Multiply-adds of the refiners.
+    #[cfg(feature = "unstable-internals")]
     pub fn refiner_multiply_adds(&self) -> usize {
         self.refiners.multiply_adds()
     }
@@ -182,6 +184,7 @@ impl<'m> AlignModel<'m> {
     /// Runs `iterations` iterations of the global stage and then the refiners, from the initial
     /// `shape` (frame px), which is updated in place. Returns false when the shape collapsed or is
     /// not finite; it is undefined then.
+    #[cfg(feature = "unstable-internals")]
     pub fn run(
         &self,
         frame: &Frame<'_>,

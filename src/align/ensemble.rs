@@ -45,6 +45,7 @@ impl<'m> EnsembleMember<'m> {
     }
 
     /// Multiply-adds of one run; 0 without a network.
+    #[cfg(feature = "unstable-internals")]
     pub(super) fn multiply_adds(&self) -> usize {
         let regressor = |section: &Section<'m>| Regressor::read(&mut section.clone(), LANDMARKS);
         let read = self.content.as_ref().and_then(|s| regressor(s).ok());

@@ -165,6 +165,7 @@ impl<'m> EyeModel<'m> {
     }
 
     /// Multiply-adds for both eyes.
+    #[cfg(feature = "unstable-internals")]
     pub fn multiply_adds(&self) -> usize {
         let network = self.numbers.as_ref().map(|numbers| numbers.network.clone());
         let read = network.map(|mut section| Regressor::read(&mut section, EYE_OUTPUTS));

@@ -84,6 +84,7 @@ impl<'m> Refiners<'m> {
     }
 
     /// Multiply-adds of one run: each refiner runs twice.
+    #[cfg(feature = "unstable-internals")]
     pub(super) fn multiply_adds(&self) -> usize {
         let Some(mut content) = self.content.clone() else {
             return 0;

@@ -142,6 +142,7 @@ impl<'m> Regressor<'m> {
     }
 
     /// Multiply-adds of one run: the network and its heads.
+    #[cfg(feature = "unstable-internals")]
     pub fn multiply_adds(&self) -> usize {
         let head = |head: &Head<'_>| head.project.len() + head.expand.len();
         let heads: usize = self.heads.iter().flatten().map(head).sum();

@@ -38,7 +38,7 @@ impl Scores {
         }
     }
 
-    /// The best score below those of the `cells` best cells. Sorting could panic.
+    /// The best score when the best `cells` are left out. Sorting could panic.
     fn after(&self, cells: usize) -> u8 {
         let mut at_score = [0u16; 256];
         for score in self.cells {

@@ -41,3 +41,15 @@ pub struct Detection {
     /// Logit of the network above its threshold: higher is better, 0 is the threshold.
     pub score: f32,
 }
+
+impl Detection {
+    /// All zero: no face.
+    pub const NONE: Detection = Detection {
+        x: 0.0,
+        y: 0.0,
+        size: 0.0,
+        roll: 0.0,
+        yaw: 0.0,
+        score: 0.0,
+    };
+}

@@ -88,6 +88,7 @@ impl<'m> DetectorModel<'m> {
 
     /// The same with another least probability of a hit: the trainer wants more false positives
     /// than a tracker.
+    #[cfg(feature = "unstable-internals")]
     pub fn with_threshold(self, probability: f32) -> Self {
         let [unit, ..] = self.units;
         let logit = libm::logf(probability / (1.0 - probability));
@@ -107,6 +108,7 @@ impl<'m> DetectorModel<'m> {
     }
 
     /// Multiply-adds of a tile.
+    #[cfg(feature = "unstable-internals")]
     pub fn multiply_adds(&self) -> usize {
         self.network().map_or(0, |(net, _)| net.multiply_adds())
     }

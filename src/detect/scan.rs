@@ -20,9 +20,9 @@ use crate::math::Similarity;
 /// one (`posewise bench`).
 pub const TILE_UNITS: u32 = 600;
 
-/// Tiles of other passes that are stepped over for [`PASSED_UNITS`] of work.
+/// Most tiles of other passes that are stepped over at once.
 const TILES_PASSED: u32 = 1024;
-/// Work of stepping over [`TILES_PASSED`] tiles \[units\].
+/// Work that this counts as \[units\].
 const PASSED_UNITS: u32 = 32;
 
 /// Score of a clear candidate \[logit above the detector's threshold\]: a probability of 0.5.
@@ -207,6 +207,7 @@ impl Scan {
 
     /// Continues the scan of the whole frame: evaluates as many tiles as the budget has, one at
     /// least, and ends early at a candidate. One that was found before is reported without work.
+    #[cfg(feature = "unstable-internals")]
     pub fn advance(
         &mut self,
         model: &DetectorModel<'_>,

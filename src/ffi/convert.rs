@@ -229,18 +229,18 @@ pub(super) fn result_to(result: &TrackResult) -> posewise_result {
     }
 }
 
-fn eye_unknown_to(unknown: EyeUnknown) -> u32 {
+fn eye_unknown_to(unknown: Option<EyeUnknown>) -> u32 {
     match unknown {
-        EyeUnknown::NotSeen => POSEWISE_EYE_NOT_SEEN,
-        EyeUnknown::Known => POSEWISE_EYE_KNOWN,
-        EyeUnknown::Turned => POSEWISE_EYE_TURNED,
-        EyeUnknown::Hidden => POSEWISE_EYE_HIDDEN,
-        EyeUnknown::Small => POSEWISE_EYE_SMALL,
-        EyeUnknown::Blurred => POSEWISE_EYE_BLURRED,
-        EyeUnknown::Glare => POSEWISE_EYE_GLARE,
-        EyeUnknown::DarkGlasses => POSEWISE_EYE_DARK_GLASSES,
-        EyeUnknown::Shut => POSEWISE_EYE_SHUT,
-        EyeUnknown::Uncertain => POSEWISE_EYE_UNCERTAIN,
+        Some(EyeUnknown::NotSeen) => POSEWISE_EYE_NOT_SEEN,
+        None => POSEWISE_EYE_KNOWN,
+        Some(EyeUnknown::Turned) => POSEWISE_EYE_TURNED,
+        Some(EyeUnknown::Hidden) => POSEWISE_EYE_HIDDEN,
+        Some(EyeUnknown::Small) => POSEWISE_EYE_SMALL,
+        Some(EyeUnknown::Blurred) => POSEWISE_EYE_BLURRED,
+        Some(EyeUnknown::Glare) => POSEWISE_EYE_GLARE,
+        Some(EyeUnknown::DarkGlasses) => POSEWISE_EYE_DARK_GLASSES,
+        Some(EyeUnknown::Shut) => POSEWISE_EYE_SHUT,
+        Some(EyeUnknown::Uncertain) => POSEWISE_EYE_UNCERTAIN,
     }
 }
 

@@ -139,7 +139,7 @@ pub(super) unsafe fn write_first<T>(
     Ok(())
 }
 
-/// The caller's bytes as a slice; `too_long` if no object can be that long.
+/// The caller's bytes as a slice; `too_long` if that length cannot exist.
 ///
 /// # Safety
 /// As at the file's head; the bytes live for `'a`.

@@ -34,7 +34,7 @@ pub struct FrameLayout {
     /// Rotation that makes the stored image upright.
     pub rotation: Rotation,
     /// Whether the stored image is mirrored left to right (a "selfie" preview). Mirroring is undone
-    /// before the rotation, so that the person's left stays left.
+    /// before the rotation, so that the person's left stays the left.
     pub mirrored: bool,
 }
 

@@ -79,5 +79,6 @@ pub struct KeyframeMatch {
     pub identity: u32,
     /// Keypoint matches that agree on the transform.
     pub inliers: usize,
-    pub(super) entry: usize,
+    /// The keyframe's place in the table.
+    pub entry: usize,
 }

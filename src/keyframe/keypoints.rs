@@ -3,7 +3,7 @@
 //! The response is the difference of two box filters, a fast stand-in for the difference of
 //! Gaussians (as in Agrawal et al., "CenSurE", 2008). Keypoints are its local extremes.
 
-use super::reduced_image::{HEIGHT, ReducedImage, WIDTH};
+use super::reduced_image::{ReducedImage, WIDTH};
 
 /// Half width of the spot \[px\].
 const INNER: usize = 1;
@@ -18,9 +18,6 @@ const CELL: usize = 16;
 /// … and the most keypoints in it, which spreads them over the image.
 const PER_CELL: usize = 2;
 const CELLS: usize = WIDTH.div_ceil(CELL);
-
-/// Most keypoints of a reduced image.
-pub const KEYPOINTS_MAX: usize = CELLS * HEIGHT.div_ceil(CELL) * PER_CELL;
 
 /// A spot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,7 +43,7 @@ type Row = [i16; WIDTH];
 type CellRow = [heapless::Vec<Keypoint, PER_CELL, u8>; CELLS];
 
 /// Calls `report` with the keypoints of an image, those with the strongest responses of each cell:
-/// at most [`KEYPOINTS_MAX`]. The work is some twenty additions per pixel.
+/// at most [`PER_CELL`] in each cell. The work is some twenty additions per pixel.
 #[inline(never)]
 pub fn keypoints(image: &ReducedImage<'_>, mut report: impl FnMut(Keypoint)) {
     let (width, height) = (image.width(), image.height());

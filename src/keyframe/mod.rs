@@ -26,7 +26,6 @@ mod reduced_image;
 mod table;
 
 pub use entry::{KEYFRAME_POINTS_MAX, KeyframeMatch};
-pub use keypoints::KEYPOINTS_MAX;
 pub use query::Query;
 pub use reduced_image::SCRATCH_BYTES;
 pub use table::{KEYFRAMES_MAX, Keyframes, Observation};

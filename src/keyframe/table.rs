@@ -1,7 +1,7 @@
 //! The table of keyframes: what is kept of a frame, and which entry is replaced.
 
 use super::descriptor::SteeredPattern;
-use super::entry::{Keyframe, KeyframeMatch, Point, q4};
+use super::entry::{Keyframe, Point, q4};
 use super::keypoints::keypoints;
 use super::outline::Outline;
 use super::reduced_image::{ReducedImage, SamplingGrid};
@@ -87,12 +87,8 @@ impl Keyframes {
         self.identity
     }
 
-    /// The matched face is tracked from here on.
-    pub fn mark_used(&mut self, found: &KeyframeMatch) {
-        self.mark_entry_used(found.entry);
-    }
-
-    fn mark_entry_used(&mut self, entry: usize) {
+    /// The face of a matched keyframe is tracked from here on.
+    pub fn mark_used(&mut self, entry: usize) {
         self.clock = self.clock.wrapping_add(1);
         if let Some(keyframe) = self.entries.get_mut(entry) {
             keyframe.used = self.clock;
@@ -252,7 +248,7 @@ mod tests {
             add(&mut keyframes, &luma, yaw, [-30.0, 0.0, 30.0][bin / 5], 0.5);
         }
         assert_eq!(filled(&keyframes), 17);
-        keyframes.mark_entry_used(0);
+        keyframes.mark_used(0);
         let first = keyframes.identity();
         for _ in 0..2 {
             keyframes.new_identity();

@@ -8,7 +8,7 @@ pub(super) const LONGEST_US: u32 = 3_600_000_000;
 pub(super) enum Passed {
     /// This is the first observation.
     Nothing,
-    /// So many µs.
+    /// This time \[µs\].
     Time(u32),
     /// The clock was set back; how long it was is unknown.
     Back,

@@ -135,11 +135,13 @@ impl Openness {
     fn new(lids: f32, eye: &Eye) -> Openness {
         let lids = if lids > 0.0 { distance(lids) } else { lids };
         match eye.unknown {
-            EyeUnknown::Known => Openness::of_seen(lids, eye.open),
-            EyeUnknown::DarkGlasses
-            | EyeUnknown::Glare
-            | EyeUnknown::Hidden
-            | EyeUnknown::Uncertain => Openness::always(-1.0),
+            None => Openness::of_seen(lids, eye.open),
+            Some(
+                EyeUnknown::DarkGlasses
+                | EyeUnknown::Glare
+                | EyeUnknown::Hidden
+                | EyeUnknown::Uncertain,
+            ) => Openness::always(-1.0),
             _ => Openness::always(lids),
         }
     }
@@ -181,7 +183,7 @@ pub fn fused_openness(lids: [f32; 2], eyes: &[Eye; 2]) -> [f32; 2] {
     let right = Openness::new(right_lids, right_eye);
     let beside = |this: Openness, other: Openness, other_eye: &Eye| match other_eye.unknown {
         _ if other.with_other >= 0.0 => this.with_other,
-        EyeUnknown::DarkGlasses | EyeUnknown::Glare => this.beside_lens,
+        Some(EyeUnknown::DarkGlasses | EyeUnknown::Glare) => this.beside_lens,
         _ => this.alone,
     };
     [
@@ -228,36 +230,36 @@ mod tests {
         };
         let near = |a: f32, b: f32| assert!((a - b).abs() < 1e-5, "{a} {b}");
         let both = |lids: f32, eye: Eye| fused_openness([lids; 2], &[eye; 2])[0];
-        near(both(0.4, eye(EyeUnknown::NotSeen, 0.0)), 0.496);
-        near(both(0.04, eye(EyeUnknown::NotSeen, 0.0)), 0.16);
-        assert_eq!(both(0.0, eye(EyeUnknown::NotSeen, 0.0)), 0.0);
+        near(both(0.4, eye(Some(EyeUnknown::NotSeen), 0.0)), 0.496);
+        near(both(0.04, eye(Some(EyeUnknown::NotSeen), 0.0)), 0.16);
+        assert_eq!(both(0.0, eye(Some(EyeUnknown::NotSeen), 0.0)), 0.0);
         for hides in [
             EyeUnknown::DarkGlasses,
             EyeUnknown::Glare,
             EyeUnknown::Hidden,
             EyeUnknown::Uncertain,
         ] {
-            assert_eq!(both(0.1, eye(hides, 0.0)), -1.0);
+            assert_eq!(both(0.1, eye(Some(hides), 0.0)), -1.0);
         }
-        near(both(0.0, eye(EyeUnknown::Known, 0.0)), 0.0);
-        near(both(1.0, eye(EyeUnknown::Known, 1.0)), 1.0);
-        near(both(0.0, eye(EyeUnknown::Known, 1.0)), 0.5);
+        near(both(0.0, eye(None, 0.0)), 0.0);
+        near(both(1.0, eye(None, 1.0)), 1.0);
+        near(both(0.0, eye(None, 1.0)), 0.5);
         // Odds of 1: half shut.
-        assert_eq!(both(1.0, eye(EyeUnknown::Known, 0.5)), -1.0);
-        let half = both(0.4, eye(EyeUnknown::Known, 0.5));
+        assert_eq!(both(1.0, eye(None, 0.5)), -1.0);
+        let half = both(0.4, eye(None, 0.5));
         assert!((0.4..0.5).contains(&half), "{half}");
         // Hidden landmarks: the network alone, if it is sure.
-        near(both(-1.0, eye(EyeUnknown::Known, 1.0)), 1.0);
-        assert_eq!(both(-1.0, eye(EyeUnknown::Known, 0.6)), -1.0);
+        near(both(-1.0, eye(None, 1.0)), 1.0);
+        assert_eq!(both(-1.0, eye(None, 0.6)), -1.0);
         let one = |lids: f32, open: f32| {
-            let eyes = [eye(EyeUnknown::Known, open), eye(EyeUnknown::Hidden, 0.0)];
+            let eyes = [eye(None, open), eye(Some(EyeUnknown::Hidden), 0.0)];
             fused_openness([lids, -1.0], &eyes)
         };
         near(one(0.0, 0.01)[0], 0.0);
         assert_eq!(one(0.4, 0.5), [-1.0; 2]);
         assert_eq!(one(0.4, 0.01), [-1.0; 2]);
         let beside_lens = |lids: f32, open: f32| {
-            let eyes = [eye(EyeUnknown::Known, open), eye(EyeUnknown::Glare, 0.0)];
+            let eyes = [eye(None, open), eye(Some(EyeUnknown::Glare), 0.0)];
             fused_openness([lids, -1.0], &eyes)
         };
         near(beside_lens(0.4, 0.01)[0], 0.0);

@@ -189,6 +189,7 @@ impl<'m> Network<'m> {
     }
 
     /// Multiply-adds of one run.
+    #[cfg(feature = "unstable-internals")]
     pub fn multiply_adds(&self) -> usize {
         let pixels = |n: &Node<'_>| n.output.side() * n.output.side() * n.weights.len();
         self.nodes.iter().flatten().map(pixels).sum()

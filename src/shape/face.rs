@@ -121,11 +121,6 @@ impl<'m> FaceModel<'m> {
         })
     }
 
-    /// Number of identity modes. Identity weights beyond it are ignored.
-    pub fn identities(&self) -> usize {
-        self.identities
-    }
-
     /// Standard deviation of each landmark's image position, measured on the face \[mm\].
     pub(super) fn noise_mm(&self) -> &'m [f32] {
         self.noise_mm
@@ -191,6 +186,7 @@ impl<'m> FaceModel<'m> {
     }
 
     /// A neutral face with animation weights applied.
+    #[cfg(feature = "unstable-internals")]
     pub fn animated(&self, neutral: &Shape, animation: &Animation) -> Shape {
         let mut shape = *neutral;
         self.animate(&mut shape, animation);

@@ -1,149 +1,268 @@
-//! Aligning a candidate or the target, at its predicted place and at its anchor.
+//! First part of an attempt: from a start to landmarks, and what the classifiers say of them.
 
-use super::alignment::Needed;
-use super::geometry::centre;
+use super::follow::Appearance;
+use super::geometry::{centre, initial_shape};
 use super::policy::{
-    CUT_SHARE, IN_PLACE_SHARES, ITERATION_UNITS, REFINE_UNITS, ROTATION_PRIOR_WEIGHT,
-    TRUST_CONFIDENCE, UNTRUSTED_KEEP_CONFIDENCE,
+    ACCEPT_CONFIDENCE, DISCARD_CONFIDENCE, FIT_WEIGHT_HIDDEN, FIT_WEIGHT_MIN, ITERATION_UNITS,
+    REFINE_UNITS, ROTATION_PRIOR_WEIGHT, TRUST_CONFIDENCE,
 };
+use super::search::Excluded;
 use super::step::Step;
-use super::{Model, Tracker};
 use crate::align::{Shape, Workspace};
-use crate::shape::RotationPrior;
+use crate::detect::Detection;
+use crate::shape::{LANDMARKS, Observed, RotationPrior};
 use crate::verifier::Confidence;
 
-impl Tracker {
-    /// Runs the global stage and verifies each iteration. A candidate ends where it has less
-    /// confidence than is needed to go on. Any other is refined. What comes of it is in
-    /// `self.alignment`. False when a landmark is not finite.
-    #[inline(never)]
-    pub(super) fn align(
-        &mut self,
-        step: &Step<'_>,
-        initial_shape: &Shape,
-        iterations: usize,
-        needed: Needed,
-    ) -> bool {
-        let (align, work) = (&step.model.align, &mut self.work);
-        let alignment = &mut self.alignment;
-        alignment.recognised = 0;
-        alignment.units = 0;
-        alignment.initial_shape = *initial_shape;
-        alignment.shape = *initial_shape;
-        for left in (0..iterations).rev() {
-            alignment.units += ITERATION_UNITS;
-            if !align.iterate(step.frame, &mut alignment.shape, work) {
-                return false;
-            }
-            alignment.global_shape = alignment.shape;
-            alignment.confidence = verify(step.model, work);
-            alignment.iterations_left = left;
-            let least = match left {
-                0 => needed.to_refine,
-                _ => needed.to_iterate,
-            };
-            if alignment.confidence.face < least {
-                return true;
-            }
-        }
-        alignment.units += REFINE_UNITS;
-        if !align.refine(step.frame, &mut alignment.shape, work) {
-            return false;
-        }
-        self.alignment.rotation = self.rotation_prior(step);
-        true
-    }
+/// Where a face on this frame comes from: what is known of it when the 3D face is fitted.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Origin {
+    /// A new identity: nothing is known.
+    NewFace,
+    /// The target, lost for a while: its identity is known, its pose is not.
+    Reacquired,
+    /// The target, tracked from the frame before: identity and pose are known.
+    Tracked,
+}
 
-    /// Aligns the target at its predicted place. Where its confidence is low there, the place where
-    /// it was last trusted is tried too, because whatever covers a face draws the landmarks along.
-    pub(super) fn align_target(&mut self, step: &Step<'_>) -> bool {
-        if !self.align_predicted(step) {
-            return false;
-        }
-        let confidence = self.alignment.confidence.face;
-        if self.target.is_trusted() && confidence < UNTRUSTED_KEEP_CONFIDENCE {
-            self.align_at_anchor(step);
-        }
-        true
-    }
+/// Confidence that an alignment needs to go on.
+#[derive(Clone, Copy)]
+pub(super) struct Needed {
+    /// After an iteration, for the next one.
+    pub(super) to_iterate: f32,
+    /// After the last iteration.
+    pub(super) to_refine: f32,
+}
 
-    #[inline(never)]
-    fn align_predicted(&mut self, step: &Step<'_>) -> bool {
-        let predicted = self.target.predict(step.now_us);
-        self.align_target_at(step, &predicted)
-    }
-
-    /// Replaces the alignment by one from where the target was last trusted, if that is the better
-    /// one.
-    #[inline(never)]
-    fn align_at_anchor(&mut self, step: &Step<'_>) {
-        let Some(anchor) = self.target.anchor.shape().copied() else {
-            return;
-        };
-        let first = self.alignment.clone();
-        let is_aligned = self.align_target_at(step, &anchor);
-        let is_free = !self.excluded.contains(centre(&self.alignment.shape));
-        let is_better = self.alignment.confidence.face > first.confidence.face;
-        if !(is_aligned && is_free && is_better) {
-            self.alignment = first;
-        }
-    }
-
-    /// Aligns the target from a shape and compares it with its appearance.
-    fn align_target_at(&mut self, step: &Step<'_>, initial_shape: &Shape) -> bool {
-        if !self.align(step, initial_shape, 1, Needed::to_refine(0.0)) {
-            return false;
-        }
-        let alignment = &mut self.alignment;
-        // The appearance must not follow another tracker's face.
-        if !self.excluded.contains(centre(&alignment.shape)) {
-            let is_trusted = alignment.confidence.face >= TRUST_CONFIDENCE;
-            let confidence = &mut alignment.confidence;
-            let appearance = &mut self.target.appearance;
-            alignment.recognised = appearance.update(self.work.features(), is_trusted, confidence);
-        }
-        true
-    }
-
-    /// The rotation by what the last alignment has seen. Landmarks that are hidden are estimates
-    /// whose errors are alike: the more there are, the more the prior counts.
-    fn rotation_prior(&self, step: &Step<'_>) -> Option<RotationPrior> {
-        let (work, mean) = (&self.work, step.model.align.mean());
-        let (regression, shape) = (&step.model.rotation, &self.alignment.shape);
-        let camera = &step.camera(&self.config);
-        let prior = regression.predict(work.features(), work.view(), mean, shape, camera)?;
-        let visible = self.alignment.confidence.visible_share();
-        Some(RotationPrior {
-            weight: ROTATION_PRIOR_WEIGHT * (1.0 - visible),
-            ..prior
-        })
-    }
-
-    /// Whether the last alignment of the target is good enough to go on with.
-    pub(super) fn is_kept(&self, step: &Step<'_>) -> bool {
-        let alignment = &self.alignment;
-        let confidence = &alignment.confidence;
-        let kept = confidence.face
-            >= self
-                .target
-                .min_confidence(alignment.recognised, step.now_us);
-        if !self.target.is_trusted() || confidence.face >= UNTRUSTED_KEEP_CONFIDENCE {
-            return kept;
-        }
-        let centre = centre(&alignment.shape);
-        let (anchor, last) = (&self.target.anchor, &self.target.last);
-        if last.unchanged(step.frame, centre).most() < CUT_SHARE {
-            return false;
-        }
-        let may_be_covered = anchor.is_set() && self.target.may_be_covered(step.now_us);
-        kept || may_be_covered && {
-            let share = anchor.unchanged(step.frame, centre).in_place;
-            confidence.visible_share() + share >= IN_PLACE_SHARES
+impl Needed {
+    /// All iterations are run, unless the candidate is discarded.
+    pub(super) fn to_refine(confidence: f32) -> Needed {
+        Needed {
+            to_iterate: DISCARD_CONFIDENCE.min(confidence),
+            to_refine: confidence,
         }
     }
 }
 
-/// Confidence of the last iteration.
-fn verify(model: &Model<'_>, work: &Workspace) -> Confidence {
-    model.verifier.evaluate(work.features(), work.view())
+/// Where an alignment starts, and what it needs.
+pub(super) struct Start {
+    pub(super) shape: Shape,
+    /// Iterations of the cascade.
+    pub(super) iterations: usize,
+    pub(super) needed: Needed,
+    pub(super) origin: Origin,
+    /// Whether a rejected candidate is worth another attempt.
+    pub(super) may_retry: bool,
+}
+
+impl Start {
+    /// A start near a face: one iteration.
+    pub(super) fn near(shape: Shape, origin: Origin) -> Start {
+        Start {
+            shape,
+            iterations: 1,
+            needed: Needed::to_refine(ACCEPT_CONFIDENCE),
+            origin,
+            may_retry: false,
+        }
+    }
+
+    /// The start at a detection; `None` where no shape fits into its box.
+    #[inline(never)]
+    pub(super) fn at(
+        step: &Step<'_>,
+        face: &Detection,
+        origin: Origin,
+        needed: Needed,
+    ) -> Option<Start> {
+        let align = &step.model.align;
+        let canonical = align.views().initial_shape(face.yaw)?;
+        Some(Start {
+            shape: initial_shape(&canonical, face)?,
+            iterations: align.iterations(),
+            needed,
+            origin,
+            may_retry: true,
+        })
+    }
+}
+
+/// How the target looked before, with which an alignment of it is compared. The appearance does not
+/// follow a face that belongs to another tracker.
+pub(super) struct Known<'a> {
+    pub(super) appearance: &'a mut Appearance,
+    pub(super) excluded: &'a Excluded,
+}
+
+/// Landmarks aligned on a frame, and not yet fitted.
+pub(super) struct Aligned {
+    /// Where it started.
+    pub(super) start: Shape,
+    /// Its landmarks.
+    pub(super) shape: Shape,
+    /// The landmarks after the global stage, before the refiners.
+    pub(super) global_shape: Shape,
+    /// The landmarks where a pinhole camera would show them, if they are refined.
+    pub(super) undistorted: Shape,
+    /// Their weights in the 3D fit.
+    weights: [f32; LANDMARKS],
+    /// False where a landmark is not finite: the rest has no meaning then, and no confidence.
+    pub(super) is_finite: bool,
+    /// The rotation by what it has seen.
+    pub(super) rotation: Option<RotationPrior>,
+    pub(super) confidence: Confidence,
+    /// Landmarks that are visible and match the target's appearance.
+    pub(super) recognised: u32,
+    /// Iterations that were not run, because the confidence was too low.
+    pub(super) iterations_left: usize,
+    /// What it has cost \[units of the detector\].
+    pub(super) units: u32,
+}
+
+impl Aligned {
+    /// What the 3D face is fitted to.
+    pub(super) fn observed(&self) -> Observed<'_> {
+        Observed {
+            points: &self.undistorted,
+            weights: &self.weights,
+        }
+    }
+}
+
+/// A run of the cascade.
+pub(super) struct Run {
+    pub(super) shape: Shape,
+    is_finite: bool,
+    /// Whether it came to its end, with the confidence that it needs.
+    pub(super) is_refined: bool,
+    pub(super) confidence: Confidence,
+    iterations_left: usize,
+    pub(super) units: u32,
+}
+
+impl Run {
+    pub(super) fn new(start: &Start) -> Run {
+        Run {
+            shape: start.shape,
+            is_finite: false,
+            is_refined: false,
+            confidence: Confidence::NONE,
+            iterations_left: start.iterations,
+            units: 0,
+        }
+    }
+
+    /// Runs the global stage and verifies each iteration. A candidate ends where it has less
+    /// confidence than is needed to go on. Any other is refined.
+    #[inline(never)]
+    pub(super) fn run(&mut self, step: &Step<'_>, needed: &Needed, work: &mut Workspace) {
+        if self.iterate(step, needed, work) {
+            self.units += REFINE_UNITS;
+            self.is_finite = (step.model.align).refine(step.frame, &mut self.shape, work);
+            self.is_refined = self.is_finite;
+        }
+    }
+
+    /// Whether all iterations were run, and the last one has the confidence that is needed.
+    #[inline(never)]
+    fn iterate(&mut self, step: &Step<'_>, needed: &Needed, work: &mut Workspace) -> bool {
+        let (cascade, verifier) = (&step.model.align, &step.model.verifier);
+        while self.iterations_left > 0 {
+            self.units += ITERATION_UNITS;
+            self.is_finite = cascade.iterate(step.frame, &mut self.shape, work);
+            if !self.is_finite {
+                return false;
+            }
+            self.confidence = verifier.evaluate(work.features(), work.view());
+            self.iterations_left -= 1;
+            let least = match self.iterations_left {
+                0 => needed.to_refine,
+                _ => needed.to_iterate,
+            };
+            if self.confidence.face < least {
+                return false;
+            }
+        }
+        true
+    }
+}
+
+/// Aligns a face from a start; what is refined is compared with what is known of it.
+#[inline(never)]
+pub(super) fn align(
+    step: &Step<'_>,
+    start: &Start,
+    known: Option<Known<'_>>,
+    work: &mut Workspace,
+) -> Aligned {
+    let mut run = Run::new(start);
+    run.run(step, &start.needed, work);
+    aligned(step, start, &run, known, work)
+}
+
+/// What a run has come to. Apart from the run, whose working memory is not on the stack any more.
+#[inline(never)]
+fn aligned(
+    step: &Step<'_>,
+    start: &Start,
+    run: &Run,
+    known: Option<Known<'_>>,
+    work: &Workspace,
+) -> Aligned {
+    let shape = &run.shape;
+    let mut confidence = match run.is_finite {
+        true => run.confidence,
+        false => Confidence::NONE,
+    };
+    let rotation = match run.is_refined {
+        true => rotation_prior(step, shape, &confidence, work),
+        false => None,
+    };
+    let is_own = |known: &Known<'_>| run.is_refined && !known.excluded.contains(centre(shape));
+    let recognised = known.filter(is_own).map_or(0, |known| {
+        let is_trusted = confidence.face >= TRUST_CONFIDENCE;
+        (known.appearance).update(work.features(), is_trusted, &mut confidence)
+    });
+    Aligned {
+        start: start.shape,
+        shape: *shape,
+        global_shape: *work.global_shape(),
+        undistorted: match run.is_refined {
+            true => step.camera.undistorted(shape),
+            false => *shape,
+        },
+        weights: fit_weights(&confidence),
+        is_finite: run.is_finite,
+        rotation,
+        confidence,
+        recognised,
+        iterations_left: run.iterations_left,
+        units: run.units,
+    }
+}
+
+/// Weights of the landmarks in the 3D fit.
+fn fit_weights(confidence: &Confidence) -> [f32; LANDMARKS] {
+    let mut weights = confidence.landmarks;
+    for (weight, visibility) in weights.iter_mut().zip(&confidence.visibility) {
+        let shown = FIT_WEIGHT_HIDDEN + (1.0 - FIT_WEIGHT_HIDDEN) * visibility;
+        *weight = FIT_WEIGHT_MIN + *weight * shown;
+    }
+    weights
+}
+
+/// The rotation by what the alignment has seen. Landmarks that are hidden are estimates whose
+/// errors are alike: the more there are, the more the prior counts.
+fn rotation_prior(
+    step: &Step<'_>,
+    shape: &Shape,
+    confidence: &Confidence,
+    work: &Workspace,
+) -> Option<RotationPrior> {
+    let (regression, mean) = (&step.model.rotation, step.model.align.mean());
+    let (features, view) = (work.features(), work.view());
+    let prior = regression.predict(features, view, mean, shape, &step.camera)?;
+    Some(RotationPrior {
+        weight: ROTATION_PRIOR_WEIGHT * (1.0 - confidence.visible_share()),
+        ..prior
+    })
 }

@@ -100,7 +100,7 @@ pub(super) fn face_width(shape: &Shape) -> f32 {
     2.0 * sum / LANDMARKS as f32
 }
 
-/// Angles of a gaze in the head frame to the subject's left and down \[rad\].
+/// Angles of a gaze in the head frame to the person's left and down \[rad\].
 pub(super) fn gaze_angles(gaze: Vec3) -> [f32; 2] {
     let across = libm::sqrtf(gaze.x * gaze.x + gaze.z * gaze.z);
     [libm::atan2f(gaze.x, -gaze.z), libm::atan2f(gaze.y, across)]

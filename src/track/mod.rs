@@ -1,58 +1,44 @@
 //! What is kept from frame to frame: the state machine Searching / Tracking / Coasting.
 //!
-//! A frame goes through these files:
+//! A frame goes through these rooms, from the first to the last:
 //!
-//! - `tracker` holds the API and the state machine; `step` its input, outcome and work budget.
-//! - `hint` is a place that the caller proposes; `scan`, `reacquire` and `motion` propose others,
-//!   by the detector, by keyframes, by the last frames.
-//! - `scanner`, `reacquirer` and `rejected` hold what the search keeps between frames.
-//! - `candidate` aligns and verifies a proposal; `accept` fits the 3D face; `target` and
-//!   `appearance` hold what is known of the tracked face; `output` writes the result; `one_euro`
-//!   smooths it; `event` and `record` log what happens to the face.
-//! - `eyes` looks at the eyes of a tracked face when asked, `eye` holds what it sees.
-//! - `detect` lists the faces of a frame; `excluded` holds those that other trackers follow.
-//! - `policy` holds every threshold, timeout and work cost.
+//! - `tracker`: the interface, the state machine and the walk of a frame.
+//! - `step`: what one step is given, why it may be refused, how much work it may do.
+//! - `follow`: the target on the next frame. `target` is what is known of it; `motion` predicts its
+//!   place, `appearance` and `anchor` compare its face and what surrounds it with earlier frames.
+//! - `search`: the places that a step attempts. `scan` is that of the detector, `keyframes` are
+//!   earlier views, `rejected` holds candidates to retry and where none is accepted; `faces` are
+//!   those that the caller expects, or has listed.
+//! - `align`: from a start to landmarks, and what the classifiers say of them.
+//! - `verify`: whether aligned landmarks may be a face.
+//! - `fit`: the 3D face that explains them, which all that follows takes.
+//! - `eyes`: lids, glasses and gaze of a fitted face; `learnt` is what many frames say of them,
+//!   `result` what one result says.
+//! - `output`: what the caller gets. `result` is written of a fitted face, `one_euro` smooths it,
+//!   `event` logs what happens to the face.
+//!
+//! All of them use `config`, the settings; `model`, the checked sections; `policy`, every
+//! threshold, timeout and work cost; and `geometry`, boxes and angles.
 
-mod accept;
 mod align;
-mod alignment;
-mod anchor;
-mod appearance;
-mod candidate;
 mod config;
-mod detect;
-mod error;
-mod event;
-mod excluded;
-mod eye;
 mod eyes;
+mod fit;
+mod follow;
 mod geometry;
-mod glasses;
-mod hint;
 mod model;
-mod motion;
-mod natural_gaze;
-mod one_euro;
 mod output;
 mod policy;
-mod reacquire;
-mod reacquirer;
-mod record;
-mod rejected;
-mod result;
-mod scan;
-mod scanner;
+mod search;
 mod step;
-mod target;
 mod tracker;
+mod verify;
 
 pub use config::{Config, ConfigError, MAX_EXCLUDED, Smoothing};
-pub use detect::{Detected, FoundFace};
-pub use error::StepError;
-pub use event::{EVENTS, Event, EventKind, EventLog};
-pub use eye::{EYE_LOOK_NAMES, EYE_LOOKS, Eye, EyeUnknown, Eyes, Gaze};
+pub use eyes::{EYE_LOOK_NAMES, EYE_LOOKS, Eye, EyeUnknown, Eyes, Gaze};
 pub use geometry::is_same_face;
-pub use hint::FaceHint;
 pub use model::Model;
-pub use result::{Landmark, Loss, State, TrackResult};
+pub use output::{EVENTS, Event, EventKind, EventLog, Landmark, Loss, State, TrackResult};
+pub use search::{Detected, FaceHint, FoundFace};
+pub use step::StepError;
 pub use tracker::Tracker;

@@ -9,6 +9,7 @@ use posewise_format::{Blob, ModelError};
 /// A checked model: views into the blob's bytes. Many trackers can share one.
 #[derive(Clone, Debug)]
 pub struct Model<'m> {
+    #[cfg(feature = "unstable-internals")]
     blob: Blob<'m>,
     /// The face detector.
     pub(crate) detector: DetectorModel<'m>,
@@ -34,13 +35,14 @@ impl<'m> Model<'m> {
         let blob = Blob::open(bytes)?;
         let align = AlignModel::open(&blob, EnsembleMember::open(&blob)?, Refiners::open(&blob)?)?;
         Ok(Model {
-            blob,
             detector: DetectorModel::open(blob.section(&detect::TAG)?)?,
             verifier: Verifier::open(&blob, align.features(), align.signed_views())?,
             rotation: RotationRegression::open(&blob, align.features(), align.signed_views())?,
             align,
             eyes: EyeModel::open(&blob)?,
             face: FaceModel::open(blob.section(&FACE_TAG)?)?,
+            #[cfg(feature = "unstable-internals")]
+            blob,
         })
     }
 }

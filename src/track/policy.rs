@@ -67,7 +67,8 @@ pub(super) const TRUSTED_KEEP_CONFIDENCE: f32 = 0.02;
 /// `TRUSTED_KEEP_CONFIDENCE`.
 pub(super) const RECOGNISED_KEEP_CONFIDENCE: f32 = 0.003;
 
-/// A target is recognised when at least so many landmarks are visible and match its appearance.
+/// A target is recognised when at least this number of landmarks is visible and matches its
+/// appearance.
 ///
 /// Source: clip `06_occluder` and `eval faceless --after`: with 6 two more faceless frames are
 /// tracked after a loss, with 8 no covered frame is lost (*Keeping an occluded face*).
@@ -85,7 +86,8 @@ pub(super) const LOW_CONFIDENCE_US: i64 = 250_000;
 /// of this cosine, with a confidence of at least `UNTRUSTED_KEEP_CONFIDENCE`. A head that turns
 /// farther shows ever less of its face without being covered.
 ///
-/// Source: validation sweeps, yaw of 60° to 95°: mean error 5.1°, 7.7° if the anchor stays.
+/// Source: validation clips of turning heads, yaw of 60° to 95°: mean error 5.1°, 7.7° if the
+/// anchor stays.
 pub(super) const ANCHOR_MIN_FACING: f32 = 0.707;
 
 /// A target is in place, whatever its confidence, when the share of its landmarks that are visible
@@ -180,20 +182,21 @@ pub(super) const EXPECT_US: i64 = 10_000_000;
 /// Source: chosen; a detection's size is within a step of the scan.
 pub(super) const EXPECTED_SIZES: [f32; 2] = [0.8, 1.25];
 
-/// While a face is expected back, one step of so many scans all sizes and not the expected ones.
-/// While none is expected, one step of so many compares keyframes.
+/// Of the steps while a face is expected back, one in this number scans all sizes and not the
+/// expected ones. While none is expected, one in this number compares keyframes.
 ///
 /// Source: chosen.
 pub(super) const EXPECT_PERIOD: u32 = 4;
 
-/// While no face is expected, one step of so many scans for large faces first, which takes two to
-/// four tiles at any frame size. A whole scan takes so many steps only in frames above 1280×720.
+/// Of the steps while no face is expected, one in this number scans for large faces first, which
+/// takes two to four tiles at any frame size. A whole scan takes as many steps only in frames above
+/// 1280×720.
 ///
 /// Source: chosen.
 pub(super) const LARGE_FACE_PERIOD: u32 = 8;
 
-/// While tiles are left to evaluate, one step of so many attempts candidates that are not clear
-/// too; otherwise these wait for the end of the scan.
+/// Of the steps with tiles left to evaluate, one in this number attempts candidates that are not
+/// clear too; otherwise these wait for the end of the scan.
 ///
 /// Source: faces of 60 px in photographs of 3840×2160 px; false candidates took most of each step.
 pub(super) const UNCLEAR_PERIOD: u32 = 8;
@@ -203,7 +206,8 @@ pub(super) const UNCLEAR_PERIOD: u32 = 8;
 /// Source: chosen.
 pub(super) const LARGE_FACE: f32 = 0.25;
 
-/// While coasting, one step of so many searches around the last fit, the others scan the frame.
+/// Of the steps that coast, one in this number searches around the last fit, the others scan the
+/// frame.
 ///
 /// Source: chosen.
 pub(super) const LOCAL_SEARCH_PERIOD: u32 = 2;
@@ -288,19 +292,20 @@ pub(super) const FIT_WEIGHT_HIDDEN: f32 = 0.2;
 /// Source: chosen.
 pub(super) const ROTATION_PRIOR_WEIGHT: f32 = 500.0;
 
-/// So many trusted frames after the acquisition each update the identity \[frames\].
+/// Trusted frames after the acquisition of which each updates the identity.
 ///
 /// Source: chosen.
 pub(super) const IDENTITY_FRAMES: u32 = 30;
 
-/// Of the trusted frames after those one in so many updates it: an update takes a part of a step.
+/// Of the trusted frames after those one in this number updates it: an update takes a part of a
+/// step.
 ///
 /// Source: chosen.
 pub(super) const IDENTITY_PERIOD: u32 = 4;
 
 // --- Appearance of the target's landmarks --------------------------------------------------------
 
-/// A frame moves means and variances of the features by one part of so many.
+/// A frame moves means and variances of the features by one part in this number.
 ///
 /// Source: `posewise-lab adaptive`, rendered clips: area under the ROC of visible and hidden 0.943
 /// with 1/50, 0.941 with 1/20, 0.940 with 1/10, 0.935 without (*Adaptive appearance*).
@@ -311,7 +316,7 @@ pub(super) const APPEARANCE_RATE: i32 = 64;
 /// Source: chosen.
 pub(super) const APPEARANCE_VARIANCE: f32 = 16.0;
 
-/// A landmark's appearance is used after so many updates \[frames\].
+/// A landmark's appearance is used after this number of updates.
 ///
 /// Source: chosen.
 pub(super) const APPEARANCE_MIN_FRAMES: u16 = 10;

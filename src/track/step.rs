@@ -1,10 +1,10 @@
-//! What one step is given, how much work it may do, and how an attempt to find a face ends.
+//! What one step is given, why it may be refused, and how much work it may do.
 
-use super::{Config, Loss, Model};
-use crate::align::Workspace;
-use crate::detect::{TILE_UNITS, TileMemory};
+use super::{Config, Model};
+use crate::detect::TILE_UNITS;
 use crate::image::{Frame, Roi};
 use crate::shape::Intrinsics;
+use core::fmt;
 
 /// The input of one step.
 #[derive(Clone, Copy)]
@@ -14,47 +14,61 @@ pub(super) struct Step<'s> {
     pub(super) frame: &'s Frame<'s>,
     /// The frame's timestamp \[µs\].
     pub(super) now_us: i64,
+    /// The configured camera, or the default one for frames of this size.
+    pub(super) camera: Intrinsics,
+    /// Whether it is the default one.
+    pub(super) camera_assumed: bool,
+    /// The configured region of interest.
+    pub(super) roi: Option<Roi>,
 }
 
-impl Step<'_> {
-    /// The configured camera, or the default one for frames of this size.
-    pub(super) fn camera(&self, config: &Config) -> Intrinsics {
-        match config.intrinsics {
-            Some(camera) => camera,
-            None => Intrinsics::of_frame(self.frame.width(), self.frame.height()),
+impl<'s> Step<'s> {
+    pub(super) fn new(
+        model: &'s Model<'s>,
+        frame: &'s Frame<'s>,
+        now_us: i64,
+        config: &Config,
+    ) -> Step<'s> {
+        let of_frame = || Intrinsics::of_frame(frame.width(), frame.height());
+        Step {
+            model,
+            frame,
+            now_us,
+            camera: config.intrinsics.unwrap_or_else(of_frame),
+            camera_assumed: config.intrinsics.is_none(),
+            roi: config.roi,
         }
     }
 
-    /// The configured region of interest, or the whole frame.
-    pub(super) fn roi(&self, config: &Config) -> Roi {
-        config.roi.unwrap_or_else(|| Roi::whole(self.frame))
+    /// The part of the frame that is scanned.
+    pub(super) fn scanned(&self) -> Roi {
+        self.roi.unwrap_or_else(|| Roi::whole(self.frame))
     }
 }
 
-/// How a step, or one attempt of a step to find a face, ends.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Outcome {
-    /// A face is fitted on this frame; target and result describe it.
-    Accept,
-    /// Rejected, but this confidence is worth a retry with one more iteration.
-    Retry { confidence: f32 },
-    /// No face, or no longer the target: why. Target and result are unchanged.
-    Reject(Loss),
-    /// There was no candidate. Target and result are unchanged.
-    NotFound,
+/// Why a frame is rejected. The tracker is then as before the call.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum StepError {
+    /// The timestamp is not after that of the frame before.
+    Time,
+    /// A number of the hint is out of range.
+    Hint,
+    /// The region of interest does not lie in the frame.
+    Roi,
 }
 
-impl Outcome {
-    pub(super) fn is_accept(self) -> bool {
-        self == Outcome::Accept
+impl fmt::Display for StepError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            StepError::Time => "the timestamp is not after that of the frame before",
+            StepError::Hint => "a number of the hint is out of range",
+            StepError::Roi => "the region of interest does not lie in the frame",
+        })
     }
 }
 
-/// The detector's memory: that of the alignment, between two of its runs.
-pub(super) fn tile_memory(work: &mut Workspace) -> TileMemory<'_> {
-    let (crop, maps) = work.network_memory();
-    TileMemory { crop, maps }
-}
+impl core::error::Error for StepError {}
 
 /// Work of one step, in units of which a tracking step has 3,000: a tile of the detector has
 /// [`TILE_UNITS`], costs of everything else are in `policy.rs`.
@@ -85,12 +99,13 @@ impl WorkBudget {
         self.limit
     }
 
-    /// Units that are left; 0 when more than the limit was spent.
+    /// Units that remain; 0 when more than the limit was spent.
     pub(super) fn left(&self) -> u32 {
         self.limit.saturating_sub(self.spent)
     }
 
-    /// Leaves so many units at least: each step advances the scan, whatever else it did.
+    /// Gives back what was spent beyond the limit less `units`: each step advances the scan,
+    /// whatever else it did.
     pub(super) fn leave(&mut self, units: u32) {
         self.spent = self.spent.min(self.limit.saturating_sub(units));
     }

@@ -9,54 +9,52 @@
 //! If a face is accepted, the next state is Tracking. Coasting is for a target that was trusted,
 //! until its last fit is `COAST_US` old.
 //!
-//! Every attempt at a face ends with an [`Outcome`]; [`Outcome::Accept`] has written the result.
+//! [`Tracker::step`] is the walk of a frame. The target is followed: aligned at its predicted
+//! place, verified. Where that fails, or there is none, candidates are searched for: each is
+//! proposed, aligned, verified. What passes is accepted if a 3D face fits: it becomes target,
+//! keyframe and result. Values go from room to room as arguments and come back as results; state
+//! and loss are those of the last result.
+//!
 //! All thresholds, timeouts and work costs are in `policy.rs`.
 //!
-//! The interface and the state machine stand together, which makes this file longer than others.
+//! The interface and the walk stand together, which makes this file longer than others.
 //!
-//! Stack: functions of this module that are `#[inline(never)]` hold whole shapes or fits. Kept
-//! apart, their frames are not on the stack at the same time.
+//! Stack: functions that are `#[inline(never)]` hold whole shapes or fits. Kept apart, their frames
+//! are not on the stack at the same time.
 
 use core::mem::MaybeUninit;
 
-use super::alignment::{Alignment, Needed};
-use super::event::{EventKind, EventLog};
-use super::excluded::Excluded;
-use super::geometry::{centre, detection_of, is_in_frame};
-use super::hint::FaceHint;
-use super::one_euro::Smoother;
-use super::policy::{ACCEPT_CONFIDENCE, COAST_US, LOCAL_SEARCH_PERIOD, NO_LONGER_NOISY, NOISY};
-use super::reacquirer::Reacquirer;
-use super::rejected::{PendingRetry, Suppressed};
-use super::scanner::{LastSeen, ScanPlan, Scanner};
-use super::step::{Outcome, Step, WorkBudget, tile_memory};
-use super::target::{Origin, Target};
+use super::align::{Aligned, Origin, align};
+use super::eyes::{Eyes, see};
+use super::fit::{Fitted, fit_face};
+use super::follow::{Target, align_target, verify_target};
+use super::output::{Event, EventKind, EventLog, Smoother, write};
+use super::policy::{COAST_US, NO_LONGER_NOISY, NOISY};
+use super::search::{Detected, Excluded, FaceHint, FoundFace};
+use super::search::{Proposals, Search, Suppressed, Wanted, list};
+use super::step::Step;
+use super::verify::{Verdict, verify};
 use super::{Config, ConfigError, Loss, Model, Smoothing, State, StepError, TrackResult};
 use crate::align::Workspace;
-use crate::detect::{Detection, local_search};
 use crate::image::{Frame, Roi, noise_share};
 use crate::shape::Intrinsics;
 
 /// All state of one tracked face. Plain data: a copy of it is an independent tracker.
 #[derive(Clone)]
 pub struct Tracker {
-    pub(super) config: Config,
-    pub(super) result: TrackResult,
+    config: Config,
+    result: TrackResult,
     smoother: Smoother,
-    pub(super) last_timestamp_us: Option<i64>,
+    last_timestamp_us: Option<i64>,
     /// Whether the last frame was box-filtered.
     is_noisy: bool,
-    pub(super) scanner: Scanner,
-    pub(super) retry: PendingRetry,
-    pub(super) suppressed: Suppressed,
-    pub(super) reacquirer: Reacquirer,
-    pub(super) excluded: Excluded,
+    search: Search,
+    suppressed: Suppressed,
+    excluded: Excluded,
     /// Meaningful unless Searching.
-    pub(super) target: Target,
-    /// The last alignment.
-    pub(super) alignment: Alignment,
-    pub(super) work: Workspace,
-    pub(super) events: EventLog,
+    target: Target,
+    work: Workspace,
+    events: EventLog,
 }
 
 impl Tracker {
@@ -80,13 +78,10 @@ impl Tracker {
         smoother: Smoother::EMPTY,
         last_timestamp_us: None,
         is_noisy: false,
-        scanner: Scanner::EMPTY,
-        retry: PendingRetry::NONE,
+        search: Search::EMPTY,
         suppressed: Suppressed::NONE,
-        reacquirer: Reacquirer::EMPTY,
         excluded: Excluded::NONE,
         target: Target::EMPTY,
-        alignment: Alignment::EMPTY,
         work: Workspace::new(),
         events: EventLog::EMPTY,
     };
@@ -128,7 +123,7 @@ impl Tracker {
         frame: &Frame<'_>,
         timestamp_us: i64,
     ) -> Result<&TrackResult, StepError> {
-        self.step_with(model, frame, timestamp_us, None)
+        self.step_with(model, frame, timestamp_us, &Wanted::Any)
     }
 
     /// As [`Tracker::step`], for a caller who expects a face somewhere: while searching, it is
@@ -146,27 +141,7 @@ impl Tracker {
         hint: &FaceHint,
     ) -> Result<&TrackResult, StepError> {
         let hint = hint.detection().ok_or(StepError::Hint)?;
-        self.step_with(model, frame, timestamp_us, Some(&hint))
-    }
-
-    fn step_with(
-        &mut self,
-        model: &Model<'_>,
-        frame: &Frame<'_>,
-        timestamp_us: i64,
-        hint: Option<&Detection>,
-    ) -> Result<&TrackResult, StepError> {
-        self.check_roi(frame)?;
-        self.advance_clock(timestamp_us)?;
-        let step = &Step {
-            model,
-            frame: &self.filtered(frame),
-            now_us: timestamp_us,
-        };
-        self.advance(step, hint);
-        self.look(step);
-        self.smoother.follow(&self.result, &self.config.smoothing);
-        Ok(&self.result)
+        self.step_with(model, frame, timestamp_us, &Wanted::Near(hint))
     }
 
     /// Attempts a face whose exact box is known, in whatever state the tracker is, and nothing
@@ -180,22 +155,39 @@ impl Tracker {
         model: &Model<'_>,
         frame: &Frame<'_>,
         timestamp_us: i64,
-        face: &Detection,
+        face: &crate::detect::Detection,
     ) -> Result<&TrackResult, StepError> {
-        self.advance_clock(timestamp_us)?;
-        let step = &Step {
-            model,
-            frame: &self.filtered(frame),
-            now_us: timestamp_us,
+        self.step_with(model, frame, timestamp_us, &Wanted::At(*face))
+    }
+
+    /// Looks for faces and writes them to `found`, the largest first. The tracker's own face stays
+    /// as it is, and no timestamp is needed.
+    ///
+    /// A call does the work of [`Config::scan_budget`] and at most one
+    /// alignment more, and ends early when `found` is full. The next call, on the same frame or
+    /// the next one of a video, goes on from there, until [`Detected::finished`]; the one after
+    /// that begins anew. A face is reported once or more in a whole scan, and once at most in a
+    /// call. Only faces in the region of interest, and none that is excluded, are reported.
+    ///
+    /// The scan is that of the search: a step that searches goes on with it, and restarts it when
+    /// it finds a face.
+    ///
+    /// # Errors
+    /// [`StepError::Roi`].
+    pub fn detect(
+        &mut self,
+        model: &Model<'_>,
+        frame: &Frame<'_>,
+        found: &mut [FoundFace],
+    ) -> Result<Detected, StepError> {
+        self.check_roi(frame)?;
+        let frame = &match noise_share(frame) >= NOISY {
+            true => frame.box_filtered(),
+            false => *frame,
         };
-        let needed = Needed::to_refine(ACCEPT_CONFIDENCE);
-        let outcome = self.attempt_detection(step, face, Origin::NewFace, needed);
-        if !outcome.is_accept() {
-            self.clear_result(timestamp_us);
-        }
-        self.look(step);
-        self.smoother.follow(&self.result, &self.config.smoothing);
-        Ok(&self.result)
+        let step = &Step::new(model, frame, 0, &self.config);
+        let (config, search, work) = (&self.config, &mut self.search, &mut self.work);
+        Ok(list(step, config, search, &self.excluded, work, found))
     }
 
     /// The result of the last step.
@@ -208,6 +200,21 @@ impl Tracker {
     /// [`Tracker::result`].
     pub fn smoothed(&self) -> &TrackResult {
         self.smoother.result()
+    }
+
+    /// The events that were not read yet. They outlive [`Tracker::reset`].
+    ///
+    /// ```
+    /// # use posewise::{Config, Tracker};
+    /// # let mut tracker = Box::new(Tracker::new(&Config::default()).unwrap());
+    /// while let Some(event) = tracker.events().pop() {
+    ///     println!("{} us: {}, {:?}", event.timestamp_us, event.kind.name(), event.loss);
+    /// }
+    /// let missed = tracker.events().take_overwritten();
+    /// # assert_eq!(missed, 0);
+    /// ```
+    pub fn events(&mut self) -> &mut EventLog {
+        &mut self.events
     }
 
     /// The settings.
@@ -223,10 +230,8 @@ impl Tracker {
         self.smoother = Smoother::EMPTY;
         self.last_timestamp_us = None;
         self.is_noisy = false;
-        self.scanner.reset();
-        self.retry.clear();
+        self.search.reset();
         self.suppressed = Suppressed::NONE;
-        self.reacquirer.reset();
     }
 
     /// Forgets the identity, as when somebody else takes the seat: it is estimated anew from the
@@ -234,7 +239,7 @@ impl Tracker {
     pub fn forget_identity(&mut self) {
         self.record(EventKind::Forgotten);
         self.target.forget_identity();
-        self.reacquirer.forget();
+        self.search.keyframes.forget();
     }
 
     /// Changes the camera from the next step on.
@@ -274,103 +279,126 @@ impl Tracker {
         Ok(())
     }
 
-    // --- The state machine -----------------------------------------------------------------------
+    // --- The walk of a frame ---------------------------------------------------------------------
 
-    /// One step of the state machine.
-    fn advance(&mut self, step: &Step<'_>, hint: Option<&Detection>) {
-        let state = self.result.state;
-        let outcome = match state {
-            State::Searching => self.search(step, hint),
-            State::Tracking => self.track(step),
-            State::Coasting => self.coast(step),
+    fn step_with(
+        &mut self,
+        model: &Model<'_>,
+        frame: &Frame<'_>,
+        timestamp_us: i64,
+        wanted: &Wanted,
+    ) -> Result<&TrackResult, StepError> {
+        self.check_roi(frame)?;
+        self.advance_clock(timestamp_us)?;
+        let frame = &self.filtered(frame);
+        let step = &Step::new(model, frame, timestamp_us, &self.config);
+        let followed = match (self.result.state, wanted) {
+            (State::Tracking, Wanted::Any | Wanted::Near(_)) => self.follow(step),
+            // There is nothing to follow.
+            _ => Err(Loss::None),
         };
-        match (state, outcome) {
-            (_, Outcome::Accept) => {}
-            (State::Searching, _) => self.clear_result(step.now_us),
-            (State::Tracking, Outcome::Reject(loss)) => self.on_loss(step, loss),
-            (State::Tracking | State::Coasting, _) => self.coast_or_search(step),
-        }
-    }
-
-    /// Searching: attempts the caller's hint, compares the keyframes of a lost target, then scans.
-    fn search(&mut self, step: &Step<'_>, hint: Option<&Detection>) -> Outcome {
-        if hint.is_some_and(|hint| self.attempt_hint(step, hint).is_accept()) {
-            self.end_search();
-            return Outcome::Accept;
-        }
-        self.scanner.count_step();
-        let plan = self.scanner.plan(&self.config, step);
-        let mut budget = WorkBudget::new(self.config.scan_budget);
-        if self.scanner.is_keyframe_step(&self.config, step.now_us) {
-            let last_seen = self.scanner.last_seen;
-            if self.reacquire(step, &last_seen, &mut budget).is_accept() {
-                return Outcome::Accept;
+        if let Err(loss) = followed {
+            // A target that left the frame is in no other place. Another one may have jumped.
+            if loss == Loss::LeftFrame || !self.search(step, wanted) {
+                self.find_nothing(step, wanted, loss);
             }
         }
-        self.scan(step, plan, &mut budget)
+        self.smoother.follow(&self.result, &self.config.smoothing);
+        Ok(&self.result)
     }
 
-    /// Tracking: aligns at the predicted place. A target that is not there may have jumped, and on
-    /// this frame only keyframes can find it.
-    fn track(&mut self, step: &Step<'_>) -> Outcome {
-        let outcome = self.attempt_predicted(step);
-        match outcome {
-            Outcome::Accept => self.add_keyframe(step),
-            Outcome::Reject(Loss::LeftFrame) => {}
-            _ => {
-                let place = detection_of(step.model, &self.target.shape);
-                let last_seen = LastSeen::at(&place, step.now_us);
-                let mut budget = WorkBudget::new(self.config.scan_budget);
-                if self.reacquire(step, &last_seen, &mut budget).is_accept() {
-                    return Outcome::Accept;
+    /// Follows the target to this frame; else says why it is lost.
+    #[inline(never)]
+    fn follow(&mut self, step: &Step<'_>) -> Result<(), Loss> {
+        let aligned = &align_target(step, &mut self.target, &self.excluded, &mut self.work);
+        verify_target(step, aligned, &self.target, &self.excluded)?;
+        self.accept(step, aligned, Origin::Tracked)
+    }
+
+    /// Attempts one place after the other, until a face is accepted. False where none is.
+    #[inline(never)]
+    fn search(&mut self, step: &Step<'_>, wanted: &Wanted) -> bool {
+        let (state, place) = (self.result.state, &self.target.place);
+        let mut proposals = Proposals::new(state, wanted, place, &self.config, step.now_us);
+        loop {
+            let (search, work) = (&mut self.search, &mut self.work);
+            let Some(start) = proposals.next(step, &self.config, search, work) else {
+                return false;
+            };
+            let aligned = &align(step, &start, None, work);
+            proposals.spend(aligned.units);
+            match verify(step, &start, aligned, &self.excluded, &self.suppressed) {
+                Verdict::Reject => {}
+                Verdict::Retry => search.offer(aligned),
+                Verdict::Fit => {
+                    if self.accept(step, aligned, start.origin).is_ok() {
+                        proposals.accepted(&mut self.search);
+                        return true;
+                    }
                 }
             }
         }
-        outcome
     }
 
-    /// Coasting: compares keyframes, then searches around the last fit and, by turns, the whole
-    /// frame at the target's size.
-    fn coast(&mut self, step: &Step<'_>) -> Outcome {
-        let place = detection_of(step.model, &self.target.shape);
-        let last_seen = LastSeen::at(&place, step.now_us);
-        let mut budget = WorkBudget::new(self.config.scan_budget);
-        if self.reacquire(step, &last_seen, &mut budget).is_accept() {
-            return Outcome::Accept;
+    /// Fits an aligned face, takes it as the target and writes the result; else says why not.
+    #[inline(never)]
+    fn accept(&mut self, step: &Step<'_>, aligned: &Aligned, origin: Origin) -> Result<(), Loss> {
+        let prior = &self.target.prior(origin, step.now_us);
+        let fit = fit_face(step, aligned, prior);
+        let fitted = (fit.as_ref()).and_then(|fit| Fitted::new(step, aligned, fit, prior));
+        let fitted = &fitted.ok_or(Loss::NoPose)?;
+        let (target, work) = (&mut self.target, &mut self.work);
+        target.accept(step, fitted, origin);
+        let keyframes = &mut self.search.keyframes;
+        keyframes.accept(
+            step.frame,
+            fitted,
+            origin,
+            target.place.size,
+            work.scratch(),
+        );
+        let (blur_px, natural) = (target.blur_px(), self.config.natural_gaze);
+        let eyes = match self.config.gaze {
+            true => see(step, fitted, blur_px, natural, &mut target.eyes, work),
+            false => Eyes::EMPTY,
+        };
+        write(&mut self.result, step, fitted, &eyes, blur_px);
+        match origin {
+            Origin::NewFace => self.record(EventKind::Acquired),
+            Origin::Reacquired => self.record(EventKind::Reacquired),
+            Origin::Tracked => {}
         }
-        self.scanner.count_step();
-        if !self.scanner.is_one_in(LOCAL_SEARCH_PERIOD) {
-            let plan = ScanPlan::expected(&last_seen, &self.config);
-            return self.scan(step, plan, &mut budget);
-        }
-        let memory = &mut tile_memory(&mut self.work);
-        match local_search(&step.model.detector, step.frame, &place, memory) {
-            Some(face) => {
-                let needed = Needed::to_refine(ACCEPT_CONFIDENCE);
-                self.attempt_detection(step, &face, Origin::Reacquired, needed)
-            }
-            None => Outcome::NotFound,
+        Ok(())
+    }
+
+    /// No face is accepted on this frame.
+    #[inline(never)]
+    fn find_nothing(&mut self, step: &Step<'_>, wanted: &Wanted, loss: Loss) {
+        match (self.result.state, wanted) {
+            (State::Searching, _) | (_, Wanted::At(_)) => self.clear_result(step.now_us),
+            (State::Tracking, _) => self.lose(step, loss),
+            (State::Coasting, _) => self.coast(step),
         }
     }
 
-    /// The target was lost on this frame and not reacquired.
-    fn on_loss(&mut self, step: &Step<'_>, loss: Loss) {
+    /// The target was lost on this frame.
+    fn lose(&mut self, step: &Step<'_>, loss: Loss) {
         self.result.loss = loss;
         if self.target.is_trusted() {
-            return self.coast_or_search(step);
+            return self.coast(step);
         }
         // It was probably no face. Coasting would keep the scan from faces of other sizes.
         if loss == Loss::LowConfidence {
-            let region = detection_of(step.model, &self.target.shape);
-            self.suppressed = Suppressed::at(&region, step.now_us);
+            self.suppressed = Suppressed::at(&self.target.place, step.now_us);
             self.record(EventKind::Suppressed);
         }
         self.record(EventKind::Lost);
         self.clear_result(step.now_us);
     }
 
-    /// Repeats the last fit until it is too old, then starts the search.
-    fn coast_or_search(&mut self, step: &Step<'_>) {
+    /// Repeats the last fit until it is too old, then starts the search. Nothing is seen of the
+    /// eyes.
+    fn coast(&mut self, step: &Step<'_>) {
         let age_us = step.now_us.saturating_sub(self.target.fitted_us);
         if age_us <= COAST_US {
             if self.result.state != State::Coasting {
@@ -379,9 +407,9 @@ impl Tracker {
             self.result.state = State::Coasting;
             self.result.timestamp_us = step.now_us;
             self.result.age_us = age_us;
+            self.result.eyes = Eyes::EMPTY;
         } else {
-            let place = detection_of(step.model, &self.target.shape);
-            self.scanner.expect(LastSeen::at(&place, step.now_us));
+            self.search.expect(&self.target.place, step.now_us);
             self.record(EventKind::Lost);
             self.clear_result(step.now_us);
         }
@@ -389,49 +417,7 @@ impl Tracker {
 
     // --- Parts of a step -------------------------------------------------------------------------
 
-    /// Attempts a face that the caller expects: where it says, then where the detector finds one
-    /// near there, because boxes of other detectors differ.
-    #[inline(never)]
-    fn attempt_hint(&mut self, step: &Step<'_>, hint: &Detection) -> Outcome {
-        let needed = Needed::to_refine(ACCEPT_CONFIDENCE);
-        let outcome = self.attempt_detection(step, hint, Origin::NewFace, needed);
-        if outcome.is_accept() {
-            return outcome;
-        }
-        let memory = &mut tile_memory(&mut self.work);
-        match local_search(&step.model.detector, step.frame, hint, memory) {
-            Some(face) => self.attempt_detection(step, &face, Origin::NewFace, needed),
-            None => Outcome::NotFound,
-        }
-    }
-
-    /// Attempts the target at its predicted place.
-    #[inline(never)]
-    fn attempt_predicted(&mut self, step: &Step<'_>) -> Outcome {
-        if !self.align_target(step) {
-            return Outcome::Reject(Loss::LowConfidence);
-        }
-        let alignment = &self.alignment;
-        if self.excluded.contains(centre(&alignment.shape)) {
-            return Outcome::Reject(Loss::Excluded);
-        }
-        let recognised = alignment.recognised;
-        if !self.is_kept(step) {
-            return Outcome::Reject(Loss::LowConfidence);
-        }
-        if !is_in_frame(&alignment.shape, step.frame) {
-            return Outcome::Reject(Loss::LeftFrame);
-        }
-        let outcome = self.accept(step, Origin::Tracked);
-        if outcome.is_accept() {
-            self.target
-                .tracked(&self.alignment.initial_shape, recognised, step.now_us);
-            self.reacquirer.tracked();
-        }
-        outcome
-    }
-
-    pub(super) fn check_roi(&self, frame: &Frame<'_>) -> Result<(), StepError> {
+    fn check_roi(&self, frame: &Frame<'_>) -> Result<(), StepError> {
         match self.config.roi {
             Some(roi) if !roi.is_in(frame) => Err(StepError::Roi),
             _ => Ok(()),
@@ -476,5 +462,13 @@ impl Tracker {
             loss: self.result.loss,
             ..TrackResult::EMPTY
         };
+    }
+
+    /// Adds an event with what the result says now.
+    #[inline(never)]
+    fn record(&mut self, kind: EventKind) {
+        let timestamp_us = self.last_timestamp_us.unwrap_or(0);
+        self.events
+            .push(Event::new(kind, timestamp_us, &self.result));
     }
 }

@@ -48,13 +48,6 @@ const MAX_VIEWS: usize = 7;
 /// First predictions are counted in these fractions, so that ±2.6 fit a byte.
 const PREDICTION_UNITS: f32 = 48.0;
 
-/// All probabilities 0.
-const NONE: Confidence = Confidence {
-    face: 0.0,
-    landmarks: [0.0; LANDMARKS],
-    visibility: [0.0; LANDMARKS],
-};
-
 impl<'m> Verifier<'m> {
     /// Name of the section.
     pub const TAG: [u8; 4] = *b"VRFY";
@@ -102,13 +95,15 @@ impl<'m> Verifier<'m> {
     /// view ([`crate::align::Workspace::view`]). All probabilities are 0 for an unknown view.
     pub fn evaluate(&self, features: &[i8], view: usize) -> Confidence {
         let Some(weights) = self.views.get(view) else {
-            return NONE;
+            return Confidence::NONE;
         };
-        let Some(weights) = weights else { return NONE };
+        let Some(weights) = weights else {
+            return Confidence::NONE;
+        };
         let logit = weights.face_scale * dot(weights.face, features) as f32 + weights.face_bias;
         let mut confidence = Confidence {
             face: sigmoid(logit),
-            ..NONE
+            ..Confidence::NONE
         };
         let n = self.features.max(1);
         weights.landmarks(features.chunks_exact(n), n, logit, &mut confidence);

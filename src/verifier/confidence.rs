@@ -17,6 +17,13 @@ pub struct Confidence {
 }
 
 impl Confidence {
+    /// All probabilities 0.
+    pub const NONE: Confidence = Confidence {
+        face: 0.0,
+        landmarks: [0.0; LANDMARKS],
+        visibility: [0.0; LANDMARKS],
+    };
+
     /// Mean of the landmarks' visibilities.
     pub fn visible_share(&self) -> f32 {
         self.visibility.iter().sum::<f32>() / LANDMARKS as f32

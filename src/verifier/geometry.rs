@@ -30,7 +30,7 @@ impl<'m> Verifier<'m> {
         Ok(Verifier(PhantomData))
     }
 
-    /// All probabilities 1: [`geometric_confidence`] replaces them after the fit.
+    /// All probabilities 1: after the fit there is [`geometric_confidence`].
     pub fn evaluate(&self, _: &[i8], _: usize) -> Confidence {
         Confidence {
             face: 1.0,
@@ -40,18 +40,18 @@ impl<'m> Verifier<'m> {
     }
 }
 
-/// Replaces a confidence by the goodness of fit of the 3D face: `face` and every landmark from 1,
-/// where the 3D face matches the landmarks, to 0 at [`LIMIT`]; `visibility` by the occlusion of the
-/// head by itself, 0 or 1. In place, for small stacks.
-#[inline(never)]
-pub fn geometric_confidence(confidence: &mut Confidence, fitted: &FaceFit, camera: &Intrinsics) {
+/// The goodness of fit of the 3D face as a confidence: `face` and every landmark from 1, where the
+/// 3D face matches the landmarks, to 0 at [`LIMIT`]; `visibility` by the occlusion of the head by
+/// itself, 0 or 1.
+pub fn geometric_confidence(fitted: &FaceFit, camera: &Intrinsics) -> Confidence {
     let [a, b] = EYES.map(|k| fitted.points_mm.get(k).copied().unwrap_or_default());
     let eyes_mm = libm::sqrtf((b - a).length_squared());
     let eyes_px = eyes_mm * camera.fx / fitted.state.pose.translation_mm.z.max(1.0);
     let distance = fitted.rms_px / (LIMIT * eyes_px).max(1e-6);
-    confidence.face = (1.0 - distance * distance).max(0.0);
-    confidence.landmarks.fill(confidence.face);
-    for (visibility, visible) in confidence.visibility.iter_mut().zip(fitted.visible) {
-        *visibility = f32::from(u8::from(visible));
+    let face = (1.0 - distance * distance).max(0.0);
+    Confidence {
+        face,
+        landmarks: [face; LANDMARKS],
+        visibility: fitted.visible.map(|visible| f32::from(u8::from(visible))),
     }
 }

@@ -10,7 +10,7 @@ use std::io::Write;
 use anyhow::{Context, Result, anyhow};
 use glam::{Mat3, Quat};
 use posewise::shape::{ANIMATION_NAMES, LANDMARKS};
-use posewise::track::{EYE_LOOK_NAMES, Eye, Eyes, Gaze, State, TrackResult};
+use posewise::track::{EYE_LOOK_NAMES, Eye, EyeUnknown, Eyes, Gaze, State, TrackResult};
 
 /// What one row is made of.
 #[derive(Clone, Copy)]
@@ -351,7 +351,7 @@ pub const COLUMNS: &[Column] = &[
         "gaze_unknown",
         "word",
         "`known`, or why the gaze of both eyes is unknown; it is 0 then",
-        |r, _| Cell::Word(r.result.eyes.gaze.unknown.name()),
+        |r, _| Cell::Word(EyeUnknown::name_of(r.result.eyes.gaze.unknown)),
     ),
     list(
         &["eye_open_p_left", "eye_open_p_right"],
@@ -363,7 +363,7 @@ pub const COLUMNS: &[Column] = &[
         &["eye_unknown_left", "eye_unknown_right"],
         "word",
         "`known`, or why the lids are unknown",
-        |r, i| Cell::Word(r.result.eyes.each[i].unknown.name()),
+        |r, i| Cell::Word(EyeUnknown::name_of(r.result.eyes.each[i].unknown)),
     ),
     list(
         &["iris_left_x", "iris_left_y"],

@@ -4,7 +4,7 @@ use std::io::Write;
 
 use anyhow::{Context, Result};
 use posewise::shape::ANIMATION_NAMES;
-use posewise::track::{EYE_LOOK_NAMES, Eyes, Gaze};
+use posewise::track::{EYE_LOOK_NAMES, EyeUnknown, Eyes, Gaze};
 use serde_json::{Map, Value, json};
 
 use crate::csv::{Row, state_name};
@@ -71,7 +71,7 @@ pub fn object(row: &Row<'_>) -> Value {
 fn eyes(eyes: &Eyes) -> Value {
     let gaze = |gaze: &Gaze| {
         json!({
-            "unknown": gaze.unknown.name(),
+            "unknown": EyeUnknown::name_of(gaze.unknown),
             "camera": numbers(&gaze.camera),
             "head": numbers(&gaze.head),
             "sigma_deg": number(gaze.sigma_deg),
@@ -84,7 +84,7 @@ fn eyes(eyes: &Eyes) -> Value {
         .collect();
     let [left, right] = eyes.each.each_ref().map(|eye| {
         json!({
-            "unknown": eye.unknown.name(),
+            "unknown": EyeUnknown::name_of(eye.unknown),
             "open": number(eye.open),
             "iris": numbers(&eye.iris),
             "gaze": gaze(&eye.gaze),

@@ -93,7 +93,7 @@ pub(super) use conv2d_by_tile;
 /// The eight numbers of a block.
 ///
 /// # Safety
-/// `of` has this block.
+/// `block` is below the number of blocks.
 #[target_feature(enable = "avx2")]
 #[inline]
 pub(super) unsafe fn eight(of: &[[i32; BLOCK]], block: usize) -> __m256i {

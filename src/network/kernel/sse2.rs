@@ -68,7 +68,7 @@ impl Wide {
     /// Widens the weights of `pairs` pairs of columns of `B` blocks, `block_weights` apart.
     ///
     /// # Safety
-    /// The weights of all these pairs and blocks are there from `weights` on.
+    /// The weights of these pairs lie from `weights` on.
     #[target_feature(enable = "sse2")]
     #[inline]
     unsafe fn fill<const B: usize>(
@@ -173,7 +173,7 @@ unsafe fn add_by_part<const P: usize, const B: usize>(
     }
 }
 
-/// Multiplies `groups` groups of values of the windows of `P` pixels, `step` bytes apart, by the
+/// Multiplies the groups of values of the windows of `P` pixels, `step` bytes apart, by the
 /// weights of `B` blocks, and adds the products of the first `C` columns of each group. Returns
 /// where the next group's weights are.
 ///

@@ -116,7 +116,7 @@ impl Columns {
     /// Angles of both eyes' gaze to the image right and down \[rad\], if it is known.
     fn gaze(&self, csv: &Table, row: usize) -> Result<Option<[f64; 2]>> {
         match self.gaze {
-            Some([unknown, x, y]) if csv.text(row, unknown) == EyeUnknown::Known.name() => {
+            Some([unknown, x, y]) if csv.text(row, unknown) == EyeUnknown::name_of(None) => {
                 Ok(Some([csv.number(row, x)?, csv.number(row, y)?]))
             }
             _ => Ok(None),
@@ -146,7 +146,10 @@ impl Columns {
             if let Some([unknown, open]) = network {
                 let word = csv.text(row, unknown);
                 let reason = EyeUnknown::ALL.into_iter().find(|u| u.name() == word);
-                eyes[k].unknown = reason.unwrap_or_default();
+                eyes[k].unknown = match word == EyeUnknown::name_of(None) {
+                    true => None,
+                    false => Some(reason.unwrap_or_default()),
+                };
                 eyes[k].open = number(open)?;
             }
         }

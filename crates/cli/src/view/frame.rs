@@ -89,7 +89,12 @@ fn result_of(r: &TrackResult) -> Value {
 fn eyes_of(eyes: &Eyes) -> Value {
     let [left, right] = &eyes.each;
     let gazes = [&left.gaze, &right.gaze, &eyes.gaze];
-    let number_of = |unknown| EyeUnknown::ALL.iter().position(|u| *u == unknown);
+    // As in C, where 1 is a known one.
+    let number_of = |unknown: Option<EyeUnknown>| match unknown {
+        None => 1,
+        Some(EyeUnknown::NotSeen) => 0,
+        Some(reason) => 1 + reason as u32,
+    };
     let unknown = [left.unknown, right.unknown].map(number_of);
     json!({
         "eyeOpenProbability": numbers(&[left.open, right.open]),

@@ -5,7 +5,7 @@ use crate::render::{self, Kind, SampleSpec};
 use anyhow::{Context, Result};
 use glam::Vec3;
 use posewise::image::{Frame, FrameLayout};
-use posewise::track::{Config, EyeUnknown, FaceHint, Model, State, Tracker};
+use posewise::track::{Config, FaceHint, Model, State, Tracker};
 use posewise_format::AlignedBytes;
 use rayon::prelude::*;
 use std::path::PathBuf;
@@ -114,7 +114,7 @@ fn look(
     let result = tracker.result();
     let seen = &result.eyes;
     let eyes = render::eye_cache::eyes_of(sample, truth);
-    let is_known = seen.gaze.unknown == EyeUnknown::Known;
+    let is_known = seen.gaze.unknown.is_none();
     let true_gaze = (truth[0].gaze + truth[1].gaze).normalize();
     let error = Vec3::from(seen.gaze.camera)
         .dot(true_gaze)
@@ -123,7 +123,7 @@ fn look(
     let open = |eye: &render::eye_cache::Eye| is_looking(eye) && is_open(eye) == Some(true);
     // The image left's eye is the person's right one, which is second in a result.
     let lids = eyes.iter().zip(seen.each.iter().rev()).map(|(eye, found)| {
-        let known = found.unknown == EyeUnknown::Known;
+        let known = found.unknown.is_none();
         (
             is_open(eye),
             known.then_some(found.open > 0.5),

@@ -6,13 +6,13 @@
 //! occludes the others. Drift is bounded: only the trained classifiers select the samples for an
 //! update, and the influence on a probability is limited.
 
-use super::policy::{
-    APPEARANCE_MATCH, APPEARANCE_MATCH_VISIBILITY, APPEARANCE_MAX_CHANGE, APPEARANCE_MIN_FRAMES,
-    APPEARANCE_MIN_VISIBILITY, APPEARANCE_RATE, APPEARANCE_VARIANCE,
-};
 use crate::math::sigmoid;
 use crate::network::MAX_FEATURES;
 use crate::shape::LANDMARKS;
+use crate::track::policy::{
+    APPEARANCE_MATCH, APPEARANCE_MATCH_VISIBILITY, APPEARANCE_MAX_CHANGE, APPEARANCE_MIN_FRAMES,
+    APPEARANCE_MIN_VISIBILITY, APPEARANCE_RATE, APPEARANCE_VARIANCE,
+};
 use crate::verifier::Confidence;
 
 /// Fixed-point scale of means: 1 / 128 of a feature's unit, so that ±127 fits an `i16`.
@@ -30,7 +30,7 @@ const MODELLED: usize = if cfg!(feature = "verifier") {
 
 /// The appearance models of one person's landmarks. Plain data, all zero at first.
 #[derive(Clone)]
-pub(super) struct Appearance {
+pub struct Appearance {
     /// Means \[1 / [`MEAN_SCALE`] feature units\].
     mean: [[i16; MAX_FEATURES]; MODELLED],
     /// Variances \[1 / [`VARIANCE_SCALE`] feature units²\].
@@ -41,7 +41,7 @@ pub(super) struct Appearance {
 
 impl Appearance {
     /// Models without any update.
-    pub(super) const EMPTY: Appearance = Appearance {
+    pub const EMPTY: Appearance = Appearance {
         mean: [[0; MAX_FEATURES]; MODELLED],
         variance: [[0; MAX_FEATURES]; MODELLED],
         frames: [0; MODELLED],
@@ -52,12 +52,7 @@ impl Appearance {
     /// updates the models of the landmarks that the classifiers find visible. Returns the number of
     /// landmarks that are visible and match their models.
     #[inline(never)]
-    pub(super) fn update(
-        &mut self,
-        features: &[i8],
-        trusted: bool,
-        confidence: &mut Confidence,
-    ) -> u32 {
+    pub fn update(&mut self, features: &[i8], trusted: bool, confidence: &mut Confidence) -> u32 {
         let each = features.len() / LANDMARKS;
         if !(1..=MAX_FEATURES).contains(&each) {
             return 0;

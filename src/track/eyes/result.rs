@@ -7,8 +7,6 @@ pub enum EyeUnknown {
     /// There is no face, or the model has no network for eyes.
     #[default]
     NotSeen,
-    /// It is known.
-    Known,
     /// The head is turned so that it hides the eye.
     Turned,
     /// Something covers the eye, or it is not in the picture.
@@ -28,10 +26,9 @@ pub enum EyeUnknown {
 }
 
 impl EyeUnknown {
-    /// All of them, in the order of their numbers.
-    pub const ALL: [EyeUnknown; 10] = [
+    /// All of them.
+    pub const ALL: [EyeUnknown; 9] = [
         EyeUnknown::NotSeen,
-        EyeUnknown::Known,
         EyeUnknown::Turned,
         EyeUnknown::Hidden,
         EyeUnknown::Small,
@@ -45,7 +42,6 @@ impl EyeUnknown {
     /// Its name in tables.
     pub fn name(self) -> &'static str {
         match self {
-            EyeUnknown::Known => "known",
             EyeUnknown::NotSeen => "not-seen",
             EyeUnknown::Turned => "turned",
             EyeUnknown::Hidden => "hidden",
@@ -57,14 +53,19 @@ impl EyeUnknown {
             EyeUnknown::Uncertain => "uncertain",
         }
     }
+
+    /// `known`, or the name of why it is not.
+    pub fn name_of(unknown: Option<EyeUnknown>) -> &'static str {
+        unknown.map_or("known", EyeUnknown::name)
+    }
 }
 
 /// A gaze.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Gaze {
-    /// Why it is unknown; all other numbers are 0 then.
-    pub unknown: EyeUnknown,
+    /// Why it is unknown, if it is; all other numbers are 0 then.
+    pub unknown: Option<EyeUnknown>,
     /// Unit direction in which the eye looks, camera frame.
     pub camera: [f32; 3],
     /// The same in the head frame: −z is where the nose points.
@@ -74,11 +75,11 @@ pub struct Gaze {
 }
 
 /// What is known of one eye.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Eye {
-    /// Why the state of the lids is unknown.
-    pub unknown: EyeUnknown,
+    /// Why the state of the lids is unknown, if it is.
+    pub unknown: Option<EyeUnknown>,
     /// Calibrated probability that the eye is open, 0..1; −1 where it is unknown.
     pub open: f32,
     /// Middle of the iris \[px of the upright frame\]; that of the eye where the gaze is unknown.
@@ -88,7 +89,7 @@ pub struct Eye {
 }
 
 /// What is known of both eyes.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Eyes {
     /// The person's left and right eye.
@@ -133,7 +134,7 @@ impl Eyes {
 impl Eye {
     /// Nothing seen.
     pub const EMPTY: Eye = Eye {
-        unknown: EyeUnknown::NotSeen,
+        unknown: Some(EyeUnknown::NotSeen),
         open: 0.0,
         iris: [0.0; 2],
         gaze: Gaze::EMPTY,
@@ -142,13 +143,10 @@ impl Eye {
     /// An eye at this place of which nothing more is known.
     pub(super) fn unknown(unknown: EyeUnknown, iris: [f32; 2]) -> Eye {
         Eye {
-            unknown,
+            unknown: Some(unknown),
             open: -1.0,
             iris,
-            gaze: Gaze {
-                unknown,
-                ..Gaze::EMPTY
-            },
+            gaze: Gaze::unknown(unknown),
         }
     }
 }
@@ -156,9 +154,34 @@ impl Eye {
 impl Gaze {
     /// Nothing seen.
     pub const EMPTY: Gaze = Gaze {
-        unknown: EyeUnknown::NotSeen,
+        unknown: Some(EyeUnknown::NotSeen),
         camera: [0.0; 3],
         head: [0.0; 3],
         sigma_deg: 0.0,
     };
+
+    pub(super) fn unknown(unknown: EyeUnknown) -> Gaze {
+        Gaze {
+            unknown: Some(unknown),
+            ..Gaze::EMPTY
+        }
+    }
+}
+
+impl Default for Eyes {
+    fn default() -> Self {
+        Self::EMPTY
+    }
+}
+
+impl Default for Eye {
+    fn default() -> Self {
+        Self::EMPTY
+    }
+}
+
+impl Default for Gaze {
+    fn default() -> Self {
+        Self::EMPTY
+    }
 }

@@ -1,7 +1,7 @@
 //! The result of a step.
 
-use super::eye::Eyes;
 use crate::shape::{ANIMATIONS, LANDMARKS};
+use crate::track::eyes::Eyes;
 
 /// What the tracker is doing. Complete: a program must handle each of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -1,15 +1,15 @@
 //! Where the face will be on the next frame: constant velocity of its centroid.
 
-use super::geometry::{centroid, face_width, length};
-use super::policy::{
-    CROP_FOLLOWS_AT, CROP_FOLLOWS_LEAST, EXPOSURE_US, MAX_PREDICTION, MAX_PREDICTION_US, MIN_MOTION,
-};
 use crate::align::Shape;
 use crate::shape::LANDMARKS;
+use crate::track::geometry::{centroid, face_width, length};
+use crate::track::policy::{
+    CROP_FOLLOWS_AT, CROP_FOLLOWS_LEAST, EXPOSURE_US, MAX_PREDICTION, MAX_PREDICTION_US, MIN_MOTION,
+};
 
 /// Velocity of a face's centroid \[px/µs\].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Motion {
+pub struct Motion {
     velocity: [f32; 2],
 }
 
@@ -51,7 +51,7 @@ impl Motion {
 /// The initial shape of the next alignment, between that of the last one and the prediction. The
 /// crop follows small distances slowly: they are mostly noise of the last fit, and a crop that
 /// followed them would add noise to the next fit.
-pub(super) fn damped(last: &Shape, predicted: &Shape) -> Shape {
+pub fn damped(last: &Shape, predicted: &Shape) -> Shape {
     let pairs = last.iter().zip(predicted);
     let sum: f32 = pairs.map(|(a, b)| length([b[0] - a[0], b[1] - a[1]])).sum();
     let distance = sum / LANDMARKS as f32 / face_width(predicted).max(1e-6);

@@ -1,39 +1,37 @@
-//! A fitted face, written as the result of a frame.
+//! What the caller gets: a fitted face as the result of a frame, the same smoothed, and events.
 
+mod event;
+mod one_euro;
+mod result;
+
+pub use event::{EVENTS, Event, EventKind, EventLog};
+pub use one_euro::Smoother;
+pub use result::{Landmark, Loss, State, TrackResult};
+
+use super::eyes::Eyes;
+use super::fit::Fitted;
 use super::geometry::{bounds, length};
+use super::step::Step;
 use super::policy::{EYE_MAX_BLUR, EYE_MIN_FACING, EYE_MIN_VISIBILITY};
-use super::{Landmark, Loss, State, TrackResult};
-use crate::align::Shape;
-use crate::shape::{FARTHEST_MM, FaceFit, FaceModel, Intrinsics, LANDMARKS, eye_open};
-use crate::shape::{Seen, Variances};
+use crate::shape::{FARTHEST_MM, LANDMARKS, Seen, Variances, eye_open};
 use crate::verifier::Confidence;
 
-/// Everything that a result is made of.
-pub(super) struct Fitted<'a> {
-    pub(super) face: &'a FaceModel<'a>,
-    pub(super) camera: &'a Intrinsics,
-    /// Whether that is the default one.
-    pub(super) camera_assumed: bool,
-    /// The landmarks in the picture.
-    pub(super) shape: &'a Shape,
-    /// The landmarks where a pinhole camera would show them.
-    pub(super) undistorted: &'a Shape,
-    pub(super) confidence: &'a Confidence,
-    pub(super) fit: &'a FaceFit,
-    /// How far the face moves while the frame is exposed, at most \[px\].
-    pub(super) blur_px: f32,
-}
-
-/// Writes all of a result.
-pub(super) fn write(to: &mut TrackResult, now_us: i64, fitted: &Fitted<'_>) {
+/// Writes all of a result: of a face that moves by `blur_px` while the frame is exposed, at most.
+pub fn write(
+    to: &mut TrackResult,
+    step: &Step<'_>,
+    fitted: &Fitted<'_>,
+    seen_eyes: &Eyes,
+    blur_px: f32,
+) {
     let pose = &fitted.fit.state.pose;
     let (angles, facing) = (pose.angles(), pose.facing_angles());
-    let visible = fitted.confidence.visible_share();
+    let visible = fitted.confidence().visible_share();
     let seen = Seen {
         visible_share: visible,
-        confidence: fitted.confidence.face,
+        confidence: fitted.confidence().face,
         focal_px: fitted.camera.fx,
-        is_assumed: fitted.camera_assumed,
+        is_assumed: step.camera_assumed,
     };
     let variances = Variances::of(pose, &fitted.fit.covariance, &seen);
     // Every field by name: a new one does not compile until it is written.
@@ -56,8 +54,7 @@ pub(super) fn write(to: &mut TrackResult, now_us: i64, fitted: &Fitted<'_>) {
         landmarks,
         points_mm,
         animation,
-        // By what is seen in the picture: see `eyes`.
-        eyes: _,
+        eyes,
         facing_yaw_deg,
         facing_pitch_deg,
         facing_roll_deg,
@@ -66,13 +63,13 @@ pub(super) fn write(to: &mut TrackResult, now_us: i64, fitted: &Fitted<'_>) {
         camera_assumed,
     } = to;
     *state = State::Tracking;
-    (*timestamp_us, *age_us) = (now_us, 0);
-    *confidence = fitted.confidence.face;
-    *face_box = bounds(fitted.shape);
+    (*timestamp_us, *age_us) = (step.now_us, 0);
+    *confidence = fitted.confidence().face;
+    *face_box = bounds(fitted.shape());
     *rotation = pose.quaternion();
     (*yaw_deg, *pitch_deg, *roll_deg) = (angles.yaw_deg, angles.pitch_deg, angles.roll_deg);
     *translation_mm = pose.translation_mm.to_array();
-    *eye_open = eyes(fitted);
+    *eye_open = openness(fitted, blur_px);
     *loss = Loss::None;
     *visible_share = visible;
     *rotation_sigma_deg = variances
@@ -89,7 +86,8 @@ pub(super) fn write(to: &mut TrackResult, now_us: i64, fitted: &Fitted<'_>) {
     *facing_sigma_deg = variances
         .facing
         .map(|v| sigma(v, MAX_SIGMA_RAD).to_degrees());
-    (*focal_px, *camera_assumed) = (fitted.camera.fx, fitted.camera_assumed);
+    (*focal_px, *camera_assumed) = (fitted.camera.fx, step.camera_assumed);
+    *eyes = *seen_eyes;
 }
 
 fn write_landmarks(to: &mut [Landmark; LANDMARKS], fitted: &Fitted<'_>) {
@@ -97,8 +95,8 @@ fn write_landmarks(to: &mut [Landmark; LANDMARKS], fitted: &Fitted<'_>) {
         landmarks,
         visibility,
         ..
-    } = fitted.confidence;
-    let values = fitted.shape.iter().zip(landmarks).zip(visibility);
+    } = fitted.confidence();
+    let values = fitted.shape().iter().zip(landmarks).zip(visibility);
     for (out, (([x, y], confidence), visibility)) in to.iter_mut().zip(values) {
         *out = Landmark {
             x: *x,
@@ -126,24 +124,25 @@ fn sigma(variance: f32, most: f32) -> f32 {
 /// Openness of the face's left and right eye; −1 (unknown) for an eye that the head or something
 /// else hides, so that a hand does not shut it, and for one that is blurred by motion.
 #[inline(never)]
-fn eyes(fitted: &Fitted<'_>) -> [f32; 2] {
-    let Fitted {
-        face,
-        camera,
-        shape,
-        undistorted,
-        fit,
-        ..
-    } = fitted;
+fn openness(fitted: &Fitted<'_>, blur_px: f32) -> [f32; 2] {
+    let (fit, shape) = (fitted.fit, fitted.shape());
+    let (face, camera) = (fitted.face, fitted.camera);
     let eye = |blink: usize, first: usize| {
         let points = fit.visible.iter().skip(first).take(6);
         let is_facing = points.filter(|v| **v).count() >= EYE_MIN_FACING;
-        let visibility = fitted.confidence.visibility.iter().skip(first).take(6);
+        let visibility = fitted.confidence().visibility.iter().skip(first).take(6);
         let is_visible = visibility.sum::<f32>() >= EYE_MIN_VISIBILITY;
         let corner = |k: usize| shape.get(first + k).copied().unwrap_or_default();
         let ([ax, ay], [bx, by]) = (corner(0), corner(3));
-        let is_sharp = fitted.blur_px <= EYE_MAX_BLUR * length([bx - ax, by - ay]);
-        let open = eye_open(face, camera, &fit.state, undistorted, first, blink);
+        let is_sharp = blur_px <= EYE_MAX_BLUR * length([bx - ax, by - ay]);
+        let open = eye_open(
+            face,
+            camera,
+            &fit.state,
+            &fitted.aligned.undistorted,
+            first,
+            blink,
+        );
         open.filter(|_| is_facing && is_visible && is_sharp)
             .unwrap_or(-1.0)
     };

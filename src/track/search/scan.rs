@@ -3,52 +3,66 @@
 //! Small faces take most of a scan's work. So every other step starts with large faces; and while a
 //! lost face is expected back, most steps start with its size, anywhere in the frame.
 
-use super::Config;
-use super::policy::{
+use crate::align::Workspace;
+use crate::detect::{
+    Detection, Scan, ScanBudget, ScanOutcome, Sizes, TILE_UNITS, TileMemory, local_search,
+};
+use crate::image::Frame;
+use crate::track::config::Config;
+use crate::track::policy::{
     EXPECT_PERIOD, EXPECT_US, EXPECTED_SIZES, ITERATION_UNITS, KEYFRAME_UNITS, LARGE_FACE,
     LARGE_FACE_PERIOD, UNCLEAR_PERIOD,
 };
-use super::step::{Step, WorkBudget};
-use crate::detect::{Detection, Scan, ScanBudget, ScanOutcome, Sizes, TILE_UNITS, TileMemory};
-use crate::image::{Frame, Roi};
+use crate::track::step::{Step, WorkBudget};
 
-/// How large the target was when it was last seen, how it was turned, and when.
+/// The detector's memory: that of the alignment, between two of its runs.
+fn tile_memory(work: &mut Workspace) -> TileMemory<'_> {
+    let (crop, maps) = work.network_memory();
+    TileMemory { crop, maps }
+}
+
+/// The face that the detector finds near a place.
+pub fn nearest(step: &Step<'_>, place: &Detection, work: &mut Workspace) -> Option<Detection> {
+    local_search(
+        &step.model.detector,
+        step.frame,
+        place,
+        &mut tile_memory(work),
+    )
+}
+
+/// Where the target was last seen, and when.
 #[derive(Clone, Copy)]
-pub(super) struct LastSeen {
-    /// As [`Detection::size`]; 0 if there was no target \[px\].
-    pub(super) size_px: f32,
-    /// In-plane rotation \[rad\].
-    #[cfg_attr(not(feature = "keyframes"), allow(dead_code))]
-    pub(super) roll: f32,
+pub struct LastSeen {
+    /// Of size 0 if there was no target.
+    pub place: Detection,
     when_us: i64,
 }
 
 impl LastSeen {
     const NEVER: LastSeen = LastSeen {
-        size_px: 0.0,
-        roll: 0.0,
+        place: Detection::NONE,
         when_us: 0,
     };
 
-    pub(super) fn at(face: &Detection, now_us: i64) -> LastSeen {
+    pub fn at(place: &Detection, now_us: i64) -> LastSeen {
         LastSeen {
-            size_px: face.size,
-            roll: face.roll,
+            place: *place,
             when_us: now_us,
         }
     }
 
     /// Whether the target is expected back at about this size.
     fn is_recent(&self, now_us: i64) -> bool {
-        self.size_px > 0.0 && now_us.saturating_sub(self.when_us) < EXPECT_US
+        self.place.size > 0.0 && now_us.saturating_sub(self.when_us) < EXPECT_US
     }
 
     /// Sizes at which it is expected.
     fn sizes(&self, config: &Config) -> Sizes {
         let [smallest, largest] = EXPECTED_SIZES;
         Sizes {
-            min_px: ((self.size_px * smallest) as i32).max(all_sizes(config).min_px),
-            max_px: (self.size_px * largest) as i32,
+            min_px: ((self.place.size * smallest) as i32).max(all_sizes(config).min_px),
+            max_px: (self.place.size * largest) as i32,
         }
     }
 }
@@ -58,7 +72,7 @@ fn all_sizes(config: &Config) -> Sizes {
 }
 
 /// Which sizes one step scans.
-pub(super) struct ScanPlan {
+pub struct ScanPlan {
     /// Scanned first, by a scan of their own.
     first: Option<Sizes>,
     all: Sizes,
@@ -78,7 +92,7 @@ impl ScanPlan {
     }
 
     /// While coasting: no face of another size takes the target's place.
-    pub(super) fn expected(last_seen: &LastSeen, config: &Config) -> ScanPlan {
+    pub fn expected(last_seen: &LastSeen, config: &Config) -> ScanPlan {
         ScanPlan {
             then_all: false,
             ..Self::all_after(Some(last_seen.sizes(config)), config)
@@ -88,16 +102,16 @@ impl ScanPlan {
 
 /// The scans of the frame, which go on over many steps.
 #[derive(Clone)]
-pub(super) struct Scanner {
+pub struct Scanner {
     all: Scan,
     first: Scan,
-    pub(super) last_seen: LastSeen,
+    pub last_seen: LastSeen,
     /// Counts steps without a face.
     steps: u32,
 }
 
 impl Scanner {
-    pub(super) const EMPTY: Scanner = Scanner {
+    pub const EMPTY: Scanner = Scanner {
         all: Scan::new(),
         first: Scan::new(),
         last_seen: LastSeen::NEVER,
@@ -105,36 +119,36 @@ impl Scanner {
     };
 
     /// A face was found: the next scan starts anew, and no face is expected back.
-    pub(super) fn restart(&mut self) {
+    pub fn restart(&mut self) {
         self.all.restart();
         self.first.restart();
         self.last_seen = LastSeen::NEVER;
     }
 
     /// As before the first step.
-    pub(super) fn reset(&mut self) {
+    pub fn reset(&mut self) {
         self.restart();
         self.steps = 0;
     }
 
     /// The target is gone and expected back.
-    pub(super) fn expect(&mut self, last_seen: LastSeen) {
+    pub fn expect(&mut self, last_seen: LastSeen) {
         self.all.restart();
         self.last_seen = last_seen;
     }
 
     /// Counts a step without a face.
-    pub(super) fn count_step(&mut self) {
+    pub fn count_step(&mut self) {
         self.steps = self.steps.wrapping_add(1);
     }
 
-    /// Whether this is the one of so many of those steps.
-    pub(super) fn is_one_in(&self, period: u32) -> bool {
+    /// Whether this is one of those steps in `period`.
+    pub fn is_one_in(&self, period: u32) -> bool {
         self.steps.is_multiple_of(period)
     }
 
     /// The plan of this step while searching.
-    pub(super) fn plan(&self, config: &Config, step: &Step<'_>) -> ScanPlan {
+    pub fn plan(&self, config: &Config, step: &Step<'_>) -> ScanPlan {
         let first = match self.last_seen.is_recent(step.now_us) {
             true => (!self.is_one_in(EXPECT_PERIOD)).then(|| self.last_seen.sizes(config)),
             // Not in the first step: where it scans the whole frame, all sizes are enough.
@@ -147,7 +161,7 @@ impl Scanner {
     }
 
     /// Whether this step compares keyframes while searching.
-    pub(super) fn is_keyframe_step(&self, config: &Config, now_us: i64) -> bool {
+    pub fn is_keyframe_step(&self, config: &Config, now_us: i64) -> bool {
         // Rarely where that would be most of a small budget.
         let affordable = KEYFRAME_UNITS.div_ceil(config.scan_budget.max(1));
         let wanted = match self.last_seen.is_recent(now_us) {
@@ -158,14 +172,15 @@ impl Scanner {
     }
 
     /// The next outcome of the scan of all sizes.
-    pub(super) fn next_of_all(
+    pub fn next_of_all(
         &mut self,
         config: &Config,
         step: &Step<'_>,
         budget: &mut WorkBudget,
-        memory: &mut TileMemory<'_>,
+        work: &mut Workspace,
     ) -> ScanOutcome {
-        let (roi, sizes) = (step.roi(config), all_sizes(config));
+        let (roi, sizes) = (step.scanned(), all_sizes(config));
+        let memory = &mut tile_memory(work);
         let (detector, given) = (&step.model.detector, budget.left());
         let tiles = ScanBudget::of_tiles(given);
         let outcome = (self.all).advance_in(detector, step.frame, roi, sizes, tiles, memory);
@@ -173,18 +188,18 @@ impl Scanner {
         outcome
     }
 
-    /// The next detection of the plan in a region; `None` when the budget is spent or the scan is
+    /// The next detection of the plan; `None` when the budget is spent or the scan is
     /// finished. A detection whose first iteration is more than what is left waits for a later
     /// step; tiles are evaluated meanwhile.
-    pub(super) fn next(
+    pub fn next(
         &mut self,
         step: &Step<'_>,
-        roi: Roi,
         plan: &mut ScanPlan,
         budget: &mut WorkBudget,
-        memory: &mut TileMemory<'_>,
+        work: &mut Workspace,
     ) -> Option<Detection> {
-        let steps = self.steps;
+        let (roi, steps) = (step.scanned(), self.steps);
+        let memory = &mut tile_memory(work);
         while budget.left() >= TILE_UNITS {
             let (scan, sizes) = match plan.first {
                 Some(sizes) => (&mut self.first, sizes),

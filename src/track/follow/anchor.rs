@@ -3,11 +3,11 @@
 //! A face that is covered as a whole shows nothing that could be verified. But hair, neck and what
 //! else is around it stay, whereas a person who leaves takes them along.
 
-use super::geometry::bounds;
-use super::policy::{COMMON_LUMA, UNCHANGED_LUMA};
 use crate::align::Shape;
 use crate::image::Frame;
 use crate::shape::LANDMARKS;
+use crate::track::geometry::bounds;
+use crate::track::policy::{COMMON_LUMA, UNCHANGED_LUMA};
 
 /// Cells along a side of the square around the face.
 const SIDE: usize = 16;
@@ -23,7 +23,7 @@ const CELLS: usize = 64;
 
 /// The landmarks of a frame and the mean luma of the cells around them.
 #[derive(Clone)]
-pub(super) struct Anchor {
+pub struct Anchor {
     /// Width of the square whose edge is compared \[widths of the face\].
     width: f32,
     is_set: bool,
@@ -33,7 +33,7 @@ pub(super) struct Anchor {
 
 impl Anchor {
     // All zeros, as most of a tracker that has not begun: else the whole of it would be data.
-    pub(super) const EMPTY: Anchor = Anchor {
+    pub const EMPTY: Anchor = Anchor {
         width: 0.0,
         is_set: false,
         shape: [[0.0; 2]; LANDMARKS],
@@ -41,18 +41,18 @@ impl Anchor {
     };
 
     /// Landmarks of the last trusted frame, if the face has not turned away since.
-    pub(super) fn shape(&self) -> Option<&Shape> {
+    pub fn shape(&self) -> Option<&Shape> {
         self.is_set.then_some(&self.shape)
     }
 
     /// Forgets it.
-    pub(super) fn clear(&mut self) {
+    pub fn clear(&mut self) {
         self.is_set = false;
     }
 
     /// Takes what surrounds the face on this frame: the edge of a square of this width, in widths
     /// of the face.
-    pub(super) fn set(&mut self, shape: &Shape, frame: &Frame<'_>, width: f32) {
+    pub fn set(&mut self, shape: &Shape, frame: &Frame<'_>, width: f32) {
         self.width = width;
         self.is_set = true;
         self.shape = *shape;
@@ -63,12 +63,12 @@ impl Anchor {
     }
 
     /// Whether there is one.
-    pub(super) fn is_set(&self) -> bool {
+    pub fn is_set(&self) -> bool {
         self.is_set
     }
 
     /// How much of what surrounded the face is as it was, in place and around this centre.
-    pub(super) fn unchanged(&self, frame: &Frame<'_>, centre: [f32; 2]) -> Unchanged {
+    pub fn unchanged(&self, frame: &Frame<'_>, centre: [f32; 2]) -> Unchanged {
         let in_place = Square::around(&self.shape, self.width);
         Unchanged {
             in_place: self.unchanged_in(frame, &in_place),
@@ -105,16 +105,16 @@ impl Anchor {
 }
 
 /// Shares of what surrounded a face that are as they were.
-pub(super) struct Unchanged {
+pub struct Unchanged {
     /// Where they were.
-    pub(super) in_place: f32,
+    pub in_place: f32,
     /// Where they are if they moved along with the face.
-    pub(super) moved: f32,
+    pub moved: f32,
 }
 
 impl Unchanged {
     /// The larger one.
-    pub(super) fn most(&self) -> f32 {
+    pub fn most(&self) -> f32 {
         self.in_place.max(self.moved)
     }
 }
@@ -138,7 +138,7 @@ struct Square {
 }
 
 impl Square {
-    /// Centred on the face's box and so many times as wide as that is long.
+    /// Centred on the face's box, its side `widths` times the box's longer one.
     fn around(shape: &Shape, widths: f32) -> Square {
         let [left, top, width, height] = bounds(shape);
         let half = widths / 2.0 * width.max(height);

@@ -3,7 +3,7 @@
 //! The log takes part in no decision. It holds [`EVENTS`] events; when it is full, the oldest one
 //! is overwritten and counted.
 
-use super::Loss;
+use super::{Loss, TrackResult};
 
 /// Unread events that a tracker keeps. Chosen: a face that comes and goes once a second fills it in
 /// half a minute.
@@ -80,6 +80,17 @@ impl Event {
         confidence: 0.0,
         face_box: [0.0; 4],
     };
+
+    /// What happened while this was the result.
+    pub(in crate::track) fn new(kind: EventKind, timestamp_us: i64, result: &TrackResult) -> Event {
+        Event {
+            timestamp_us,
+            kind,
+            loss: result.loss,
+            confidence: result.confidence,
+            face_box: result.face_box,
+        }
+    }
 }
 
 /// The unread events of a tracker, oldest first. Plain data.
@@ -93,7 +104,7 @@ pub struct EventLog {
 }
 
 impl EventLog {
-    pub(super) const EMPTY: EventLog = EventLog {
+    pub(in crate::track) const EMPTY: EventLog = EventLog {
         ring: [Event::EMPTY; EVENTS],
         first: 0,
         unread: 0,
@@ -121,7 +132,7 @@ impl EventLog {
         core::mem::take(&mut self.overwritten)
     }
 
-    pub(super) fn push(&mut self, event: Event) {
+    pub(in crate::track) fn push(&mut self, event: Event) {
         let place = (self.first + self.unread) as usize % EVENTS;
         if let Some(slot) = self.ring.get_mut(place) {
             *slot = event;

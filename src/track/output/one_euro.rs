@@ -6,15 +6,16 @@
 //! the face, radians and whole weights per second, of which a moving head reaches a few, so that
 //! one `beta` suits all quantities.
 
-use super::geometry::bounds;
-use super::policy::{FACE_WIDTH_MM, MAX_SMOOTHING_GAP_US, SPEED_CUTOFF_HZ};
-use super::{Smoothing, State, TrackResult};
+use super::{State, TrackResult};
 use crate::math::rotation_from_quaternion;
 use crate::shape::{ANIMATIONS, LANDMARKS, Pose};
+use crate::track::config::Smoothing;
+use crate::track::geometry::bounds;
+use crate::track::policy::{FACE_WIDTH_MM, MAX_SMOOTHING_GAP_US, SPEED_CUTOFF_HZ};
 
 /// Filtered results; all zero before the first.
 #[derive(Clone, Debug)]
-pub(super) struct Smoother {
+pub struct Smoother {
     result: TrackResult,
     fitted_us: i64,
     landmark_speed: [[f32; 2]; LANDMARKS],
@@ -26,7 +27,7 @@ pub(super) struct Smoother {
 }
 
 impl Smoother {
-    pub(super) const EMPTY: Smoother = Smoother {
+    pub const EMPTY: Smoother = Smoother {
         result: TrackResult::EMPTY,
         fitted_us: 0,
         landmark_speed: [[0.0; 2]; LANDMARKS],
@@ -38,13 +39,13 @@ impl Smoother {
     };
 
     /// The last result, filtered.
-    pub(super) fn result(&self) -> &TrackResult {
+    pub fn result(&self) -> &TrackResult {
         &self.result
     }
 
     /// Filters the next result.
     #[inline(never)]
-    pub(super) fn follow(&mut self, raw: &TrackResult, smoothing: &Smoothing) {
+    pub fn follow(&mut self, raw: &TrackResult, smoothing: &Smoothing) {
         match raw.state {
             State::Searching => self.result = *raw,
             State::Coasting => {

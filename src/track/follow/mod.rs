@@ -1,0 +1,102 @@
+//! The target on the next frame: where it should be, how it looks, and whether it is still there.
+
+mod anchor;
+mod appearance;
+mod motion;
+mod target;
+
+pub use appearance::Appearance;
+pub use target::Target;
+
+use super::align::{Aligned, Known, Origin, Start, align};
+use super::geometry::{centre, is_in_frame};
+use super::output::Loss;
+use super::policy::{CUT_SHARE, IN_PLACE_SHARES, UNTRUSTED_KEEP_CONFIDENCE};
+use super::search::Excluded;
+use super::step::Step;
+use crate::align::{Shape, Workspace};
+
+/// Aligns the target at its predicted place. Where its confidence is low there, the place where it
+/// was last trusted is tried too, because whatever covers a face draws the landmarks along.
+#[inline(never)]
+pub fn align_target(
+    step: &Step<'_>,
+    target: &mut Target,
+    excluded: &Excluded,
+    work: &mut Workspace,
+) -> Aligned {
+    let predicted = target.predict(step.now_us);
+    let first = align_at(step, predicted, target, excluded, work);
+    let is_low = first.is_finite && first.confidence.face < UNTRUSTED_KEEP_CONFIDENCE;
+    let Some(anchor) = target.anchor().filter(|_| is_low).copied() else {
+        return first;
+    };
+    let second = align_at(step, anchor, target, excluded, work);
+    let is_free = !excluded.contains(centre(&second.shape));
+    let is_better = second.confidence.face > first.confidence.face;
+    match second.is_finite && is_free && is_better {
+        true => second,
+        false => first,
+    }
+}
+
+fn align_at(
+    step: &Step<'_>,
+    shape: Shape,
+    target: &mut Target,
+    excluded: &Excluded,
+    work: &mut Workspace,
+) -> Aligned {
+    let mut start = Start::near(shape, Origin::Tracked);
+    start.needed.to_refine = 0.0;
+    let appearance = &mut target.appearance;
+    align(
+        step,
+        &start,
+        Some(Known {
+            appearance,
+            excluded,
+        }),
+        work,
+    )
+}
+
+/// Whether an alignment of the target is good enough to go on with; else why the target is lost.
+pub fn verify_target(
+    step: &Step<'_>,
+    aligned: &Aligned,
+    target: &Target,
+    excluded: &Excluded,
+) -> Result<(), Loss> {
+    if !aligned.is_finite {
+        return Err(Loss::LowConfidence);
+    }
+    if excluded.contains(centre(&aligned.shape)) {
+        return Err(Loss::Excluded);
+    }
+    if !is_kept(step, aligned, target) {
+        return Err(Loss::LowConfidence);
+    }
+    match is_in_frame(&aligned.shape, step.frame) {
+        true => Ok(()),
+        false => Err(Loss::LeftFrame),
+    }
+}
+
+/// Whether the target is still there by its confidence, or by what surrounds its face.
+fn is_kept(step: &Step<'_>, aligned: &Aligned, target: &Target) -> bool {
+    let confidence = &aligned.confidence;
+    let kept = confidence.face >= target.min_confidence(aligned.recognised, step.now_us);
+    if !target.is_trusted() || confidence.face >= UNTRUSTED_KEEP_CONFIDENCE {
+        return kept;
+    }
+    let centre = centre(&aligned.shape);
+    if target.last.unchanged(step.frame, centre).most() < CUT_SHARE {
+        return false;
+    }
+    let may_be_covered = target.anchor.is_set() && target.may_be_covered(step.now_us);
+    kept || may_be_covered && {
+        let share = target.anchor.unchanged(step.frame, centre).in_place;
+        confidence.visible_share() + share >= IN_PLACE_SHARES
+    }
+}

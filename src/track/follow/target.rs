@@ -1,0 +1,250 @@
+//! What is known of the tracked face, and the confidence below which it is lost.
+
+use super::anchor::Anchor;
+use super::appearance::Appearance;
+use super::motion::{Motion, damped};
+use crate::align::Shape;
+use crate::detect::Detection;
+use crate::shape::{FRAME_WEIGHT, FaceState, IdentityEstimator, LANDMARKS, MAX_IDENTITIES};
+use crate::track::align::Origin;
+use crate::track::eyes::PersonsEyes;
+use crate::track::fit::{Fitted, Prior};
+use crate::track::geometry::detection_of;
+use crate::track::policy::{
+    ACCEPT_CONFIDENCE, ANCHOR_MIN_FACING, COVERED_US, CUT_SURROUNDINGS, IDENTITY_FRAMES,
+    IDENTITY_PERIOD, LOW_CONFIDENCE_US, RECOGNISED_KEEP_CONFIDENCE, RECOGNISED_LANDMARKS,
+    SURROUNDINGS, TRUST_CONFIDENCE, TRUSTED_KEEP_CONFIDENCE, UNTRUSTED_KEEP_CONFIDENCE,
+};
+use crate::track::step::Step;
+
+/// The tracked face. Edited in place, because it would take much of a small stack.
+#[derive(Clone)]
+pub struct Target {
+    /// Landmarks of the last fit, from which the next frame's are predicted.
+    shape: Shape,
+    /// The same as the detector would report them.
+    pub place: Detection,
+    /// Initial shape of the last alignment: where the crop was.
+    initial_shape: Shape,
+    motion: Motion,
+    /// Pose, animation and identity of the last fit.
+    face: FaceState,
+    identity: IdentityEstimator,
+    pub(super) appearance: Appearance,
+    /// Of the last trusted frame.
+    pub(super) anchor: Anchor,
+    /// Of the last frame.
+    pub(super) last: Anchor,
+    /// When it was last fitted \[µs\].
+    pub fitted_us: i64,
+    /// Whether a frame was trusted since this identity began. Only then may the confidence fall as
+    /// low as that of a covered face, and only then does the tracker coast.
+    is_trusted: bool,
+    /// Trusted frames since this identity began.
+    trusted_frames: u32,
+    /// When it last had high confidence or was recognised \[µs\].
+    confirmed_us: i64,
+    /// What is learnt of this person's eyes.
+    pub eyes: PersonsEyes,
+}
+
+impl Target {
+    pub const EMPTY: Target = Target {
+        shape: [[0.0; 2]; LANDMARKS],
+        place: Detection::NONE,
+        initial_shape: [[0.0; 2]; LANDMARKS],
+        motion: Motion::STILL,
+        face: FaceState::EMPTY,
+        // Replaced with every new identity; zero until then, as all of `Tracker::EMPTY`.
+        identity: IdentityEstimator::with_memory(0.0),
+        appearance: Appearance::EMPTY,
+        anchor: Anchor::EMPTY,
+        last: Anchor::EMPTY,
+        fitted_us: 0,
+        is_trusted: false,
+        trusted_frames: 0,
+        confirmed_us: 0,
+        eyes: PersonsEyes::UNKNOWN,
+    };
+
+    pub fn is_trusted(&self) -> bool {
+        self.is_trusted
+    }
+
+    /// Where the face was last trusted, if it may be covered there.
+    pub fn anchor(&self) -> Option<&Shape> {
+        self.anchor.shape().filter(|_| self.is_trusted)
+    }
+
+    /// How far the face moves while a frame is exposed, at most \[px\].
+    pub fn blur_px(&self) -> f32 {
+        self.motion.blur_px()
+    }
+
+    /// Initial shape of the next alignment.
+    pub fn predict(&self, now_us: i64) -> Shape {
+        let elapsed_us = now_us.saturating_sub(self.fitted_us);
+        let predicted = self.motion.predict(&self.shape, elapsed_us);
+        damped(&self.initial_shape, &predicted)
+    }
+
+    /// Confidence below which the target is lost, when `recognised` landmarks are.
+    pub fn min_confidence(&self, recognised: u32, now_us: i64) -> f32 {
+        let is_late = now_us.saturating_sub(self.confirmed_us) > LOW_CONFIDENCE_US;
+        // Without `verifier` confidences are no probabilities and nothing is recognised, so that a
+        // covered face would be lost too.
+        let verifier = cfg!(feature = "verifier");
+        match self.is_trusted {
+            true if recognised >= RECOGNISED_LANDMARKS => RECOGNISED_KEEP_CONFIDENCE,
+            true if !(is_late && verifier) => TRUSTED_KEEP_CONFIDENCE,
+            false if is_late && verifier => ACCEPT_CONFIDENCE,
+            _ => UNTRUSTED_KEEP_CONFIDENCE,
+        }
+    }
+
+    /// Whether low confidence may yet be that of a covered face.
+    pub fn may_be_covered(&self, now_us: i64) -> bool {
+        self.is_trusted && now_us.saturating_sub(self.confirmed_us) <= COVERED_US
+    }
+
+    /// A new identity from here on.
+    pub fn begin_identity(&mut self) {
+        self.identity = IdentityEstimator::new();
+        self.appearance = Appearance::EMPTY;
+        self.eyes = PersonsEyes::UNKNOWN;
+        self.anchor.clear();
+        self.trusted_frames = 0;
+        self.is_trusted = false;
+    }
+
+    /// Forgets identity and appearance; the face goes on being tracked.
+    pub fn forget_identity(&mut self) {
+        self.identity = IdentityEstimator::new();
+        self.appearance = Appearance::EMPTY;
+        self.eyes = PersonsEyes::UNKNOWN;
+        self.face.identity = [0.0; MAX_IDENTITIES];
+    }
+
+    /// What is known of the face before it is fitted.
+    #[cfg_attr(
+        feature = "verifier",
+        expect(unused_variables, reason = "judged before")
+    )]
+    pub fn prior(&self, origin: Origin, now_us: i64) -> Prior<'_> {
+        Prior {
+            start: (origin == Origin::Tracked).then_some(&self.face),
+            identity: match origin {
+                Origin::NewFace => [0.0; MAX_IDENTITIES],
+                Origin::Reacquired | Origin::Tracked => self.face.identity,
+            },
+            #[cfg(not(feature = "verifier"))]
+            min_confidence: match origin {
+                Origin::Tracked => self.min_confidence(0, now_us),
+                Origin::NewFace | Origin::Reacquired => ACCEPT_CONFIDENCE,
+            },
+        }
+    }
+
+    /// Moves to a face that is fitted on this frame.
+    #[inline(never)]
+    pub fn accept(&mut self, step: &Step<'_>, fitted: &Fitted<'_>, origin: Origin) {
+        if origin == Origin::NewFace {
+            self.begin_identity();
+        }
+        self.set_anchors(step, fitted);
+        self.move_to(step, fitted, origin);
+        self.confirm(step, fitted);
+        self.update_identity(fitted);
+    }
+
+    /// Takes what surrounds the face.
+    fn set_anchors(&mut self, step: &Step<'_>, fitted: &Fitted<'_>) {
+        let (shape, confidence) = (fitted.shape(), fitted.confidence().face);
+        self.last.set(shape, step.frame, CUT_SURROUNDINGS);
+        let faces_camera = fitted.fit.state.pose.facing_cosine() >= ANCHOR_MIN_FACING;
+        if faces_camera && confidence >= TRUST_CONFIDENCE {
+            self.anchor.set(shape, step.frame, SURROUNDINGS);
+        } else if !faces_camera && confidence >= UNTRUSTED_KEEP_CONFIDENCE {
+            self.anchor.clear();
+        }
+    }
+
+    /// Takes place, motion and pose. The refiners of a covered face move its eyes anywhere, so the
+    /// next frame is not predicted from them.
+    fn move_to(&mut self, step: &Step<'_>, fitted: &Fitted<'_>, origin: Origin) {
+        let aligned = fitted.aligned;
+        let shape = match fitted.confidence().face >= UNTRUSTED_KEEP_CONFIDENCE {
+            true => &aligned.shape,
+            false => &aligned.global_shape,
+        };
+        (self.motion, self.initial_shape) = match origin {
+            Origin::Tracked => {
+                let elapsed_us = step.now_us.saturating_sub(self.fitted_us);
+                let motion = Motion::between(&self.shape, shape, elapsed_us);
+                (motion, aligned.start)
+            }
+            Origin::NewFace | Origin::Reacquired => (Motion::STILL, *shape),
+        };
+        self.shape = *shape;
+        self.place = detection_of(step.model, shape);
+        self.fitted_us = step.now_us;
+        self.face = fitted.fit.state;
+    }
+
+    /// Takes how sure it is that this is a face, and the same one.
+    fn confirm(&mut self, step: &Step<'_>, fitted: &Fitted<'_>) {
+        let confidence = fitted.confidence().face;
+        let is_trusted_frame = confidence >= TRUST_CONFIDENCE;
+        self.is_trusted |= is_trusted_frame;
+        self.trusted_frames = self
+            .trusted_frames
+            .wrapping_add(u32::from(is_trusted_frame));
+        let high = match self.is_trusted {
+            true => UNTRUSTED_KEEP_CONFIDENCE,
+            false => ACCEPT_CONFIDENCE,
+        };
+        if confidence >= high || fitted.aligned.recognised >= RECOGNISED_LANDMARKS {
+            self.confirmed_us = step.now_us;
+        }
+    }
+
+    /// Adds the fit that it has moved to to the identity, if the frame is trusted and due.
+    fn update_identity(&mut self, fitted: &Fitted<'_>) {
+        let is_due = self.identity.frames() < IDENTITY_FRAMES
+            || self.trusted_frames.is_multiple_of(IDENTITY_PERIOD);
+        if fitted.confidence().face >= TRUST_CONFIDENCE && is_due {
+            let (face, camera, observed) = (fitted.face, fitted.camera, fitted.aligned.observed());
+            (self.identity).add(face, camera, &observed, fitted.fit, FRAME_WEIGHT);
+            self.face.identity = self.identity.estimate();
+        }
+    }
+}
+
+#[cfg(all(test, feature = "verifier"))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn low_confidence_is_kept_for_a_while_and_longer_where_the_target_is_recognised() {
+        let untrusted = Target {
+            confirmed_us: 1_000_000,
+            ..Target::EMPTY
+        };
+        let trusted = Target {
+            is_trusted: true,
+            ..untrusted.clone()
+        };
+        let soon = 1_000_000 + LOW_CONFIDENCE_US;
+        let late = soon + 1;
+        let most = RECOGNISED_LANDMARKS;
+        assert_eq!(untrusted.min_confidence(0, soon), UNTRUSTED_KEEP_CONFIDENCE);
+        assert_eq!(untrusted.min_confidence(most, late), ACCEPT_CONFIDENCE);
+        assert_eq!(trusted.min_confidence(0, soon), TRUSTED_KEEP_CONFIDENCE);
+        for recognised in [0, most - 1] {
+            let kept = trusted.min_confidence(recognised, late);
+            assert_eq!(kept, UNTRUSTED_KEEP_CONFIDENCE);
+        }
+        let kept = trusted.min_confidence(most, late);
+        assert_eq!(kept, RECOGNISED_KEEP_CONFIDENCE);
+    }
+}

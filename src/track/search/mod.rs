@@ -1,0 +1,299 @@
+//! Where a step looks for a face: the places that it attempts one after the other, within its work.
+
+mod faces;
+mod keyframes;
+mod rejected;
+mod scan;
+
+pub use faces::{Detected, FaceHint, FoundFace, list};
+pub use rejected::{Excluded, Suppressed};
+
+use super::align::{Aligned, Needed, Origin, Start};
+use super::config::Config;
+use super::output::State;
+use super::policy::{
+    ACCEPT_CONFIDENCE, DISCARD_CONFIDENCE, FIRST_ATTEMPT_CONFIDENCE, ITERATION_UNITS,
+    KEYFRAME_UNITS, LOCAL_SEARCH_PERIOD, REFINE_UNITS, RETRY_CONFIDENCE,
+};
+use super::step::{Step, WorkBudget};
+use crate::align::Workspace;
+use crate::detect::{Detection, TILE_UNITS};
+use keyframes::Keyframes;
+use rejected::PendingRetry;
+use scan::{LastSeen, ScanPlan, Scanner, nearest};
+
+/// What the search keeps from frame to frame.
+#[derive(Clone)]
+pub struct Search {
+    scanner: Scanner,
+    retry: PendingRetry,
+    pub keyframes: Keyframes,
+}
+
+impl Search {
+    pub const EMPTY: Search = Search {
+        scanner: Scanner::EMPTY,
+        retry: PendingRetry::NONE,
+        keyframes: Keyframes::EMPTY,
+    };
+
+    /// As before the first step.
+    pub fn reset(&mut self) {
+        self.scanner.reset();
+        self.retry.clear();
+        self.keyframes.reset();
+    }
+
+    /// The target is gone from this place, and expected back.
+    pub fn expect(&mut self, place: &Detection, now_us: i64) {
+        self.scanner.expect(LastSeen::at(place, now_us));
+    }
+
+    /// Keeps a rejected candidate for a retry, if none is kept that is better.
+    pub fn offer(&mut self, rejected: &Aligned) {
+        let is_unfinished = rejected.iterations_left > 0;
+        let confidence = rejected.confidence.face;
+        (self.retry).offer(confidence, &rejected.global_shape, is_unfinished);
+    }
+
+    /// A face was found: ends scan and retry.
+    fn end(&mut self) {
+        self.scanner.restart();
+        self.retry.clear();
+    }
+
+    /// The rest of a first attempt, which may be retried once more, or the second and last attempt
+    /// at a rejected detection.
+    fn retried(&mut self) -> Option<Start> {
+        let (shape, is_unfinished) = self.retry.take()?;
+        let mut start = Start::near(shape, Origin::NewFace);
+        if is_unfinished {
+            start.needed = Needed::to_refine(FIRST_ATTEMPT_CONFIDENCE);
+            start.may_retry = true;
+        }
+        Some(start)
+    }
+}
+
+/// What the caller knows of the face that it wants.
+#[derive(Clone, Copy)]
+pub enum Wanted {
+    /// Nothing.
+    Any,
+    /// It is expected here, roughly. What other detectors report differs from this one's boxes.
+    Near(Detection),
+    /// It is exactly here, and nowhere else.
+    #[cfg_attr(
+        not(feature = "unstable-internals"),
+        expect(dead_code, reason = "only programs that measure know that")
+    )]
+    At(Detection),
+}
+
+/// What is proposed next.
+#[derive(Clone, Copy)]
+enum Stage {
+    /// The caller's place, and nothing else.
+    Exactly(Detection),
+    /// The caller's place …
+    Expected(Detection),
+    /// … and what the detector finds near it.
+    NearExpected(Detection),
+    /// Nothing yet: a step that searches begins.
+    Begin,
+    /// A keyframe in one window of the frame, after the target was last seen here.
+    Keyframe(LastSeen),
+    /// Nothing yet: steps that coast search around the target's place and the frame by turns.
+    Turn(LastSeen),
+    /// What the detector finds near the target's last place.
+    NearTarget(Detection),
+    /// The pending retry …
+    Retry,
+    /// … with work for one tile at least …
+    BeginScan,
+    /// … each detection of the scan …
+    Scan,
+    /// … and retries, on the same frame where work is left: a still picture is not shown again.
+    Retries,
+    End,
+}
+
+/// The places of one step.
+pub struct Proposals {
+    state: State,
+    stage: Stage,
+    plan: ScanPlan,
+    budget: WorkBudget,
+    /// The keyframe of the last proposal.
+    entry: Option<usize>,
+}
+
+impl Proposals {
+    /// Those of a step in this state, whose target was last fitted at `place`.
+    pub fn new(
+        state: State,
+        wanted: &Wanted,
+        place: &Detection,
+        config: &Config,
+        now_us: i64,
+    ) -> Proposals {
+        let last_seen = LastSeen::at(place, now_us);
+        let stage = match (wanted, state) {
+            (Wanted::At(face), _) => Stage::Exactly(*face),
+            (Wanted::Near(face), State::Searching) => Stage::Expected(*face),
+            (_, State::Searching) => Stage::Begin,
+            (_, State::Tracking | State::Coasting) => Stage::Keyframe(last_seen),
+        };
+        Proposals {
+            state,
+            stage,
+            plan: ScanPlan::expected(&last_seen, config),
+            budget: WorkBudget::new(config.scan_budget),
+            entry: None,
+        }
+    }
+
+    /// Counts work that an attempt took \[units\].
+    pub fn spend(&mut self, units: u32) {
+        self.budget.spend(units);
+    }
+
+    /// The next place; `None` when there is none or the step's work is done.
+    #[inline(never)]
+    pub fn next(
+        &mut self,
+        step: &Step<'_>,
+        config: &Config,
+        search: &mut Search,
+        work: &mut Workspace,
+    ) -> Option<Start> {
+        self.entry = None;
+        loop {
+            let (start, next) = match self.stage {
+                Stage::Exactly(face) => (first(step, &face, Origin::NewFace), Stage::End),
+                Stage::Expected(face) => {
+                    let start = first(step, &face, Origin::NewFace);
+                    (start, Stage::NearExpected(face))
+                }
+                Stage::NearExpected(face) => {
+                    let found = nearest(step, &face, work);
+                    let start = found.and_then(|face| first(step, &face, Origin::NewFace));
+                    (start, Stage::Begin)
+                }
+                Stage::NearTarget(face) => {
+                    let found = nearest(step, &face, work);
+                    let start = found.and_then(|face| first(step, &face, Origin::Reacquired));
+                    (start, Stage::End)
+                }
+                Stage::Begin => (None, self.begin(step, config, search)),
+                Stage::Keyframe(last) => self.keyframe(step, &last, search, work),
+                Stage::Turn(last) => (None, turn(&last, search)),
+                // If a keyframe match was rejected, the step has had its retry.
+                Stage::Retry if self.budget.spent() > KEYFRAME_UNITS => (None, Stage::BeginScan),
+                Stage::Retry => (search.retried(), Stage::BeginScan),
+                Stage::BeginScan => {
+                    self.budget.leave(TILE_UNITS);
+                    (None, Stage::Scan)
+                }
+                Stage::Scan => self.detection(step, search, work),
+                Stage::Retries if self.budget.left() >= ITERATION_UNITS + REFINE_UNITS => {
+                    let start = search.retried();
+                    let is_last = start.is_none();
+                    (start, if is_last { Stage::End } else { Stage::Retries })
+                }
+                Stage::Retries => (None, Stage::End),
+                Stage::End => return None,
+            };
+            self.stage = next;
+            if start.is_some() {
+                return start;
+            }
+        }
+    }
+
+    /// The last proposal was accepted as the target.
+    pub fn accepted(&self, search: &mut Search) {
+        match (self.entry, self.stage) {
+            (Some(entry), _) => {
+                search.keyframes.confirm(entry);
+                search.end();
+            }
+            // One place was searched and no frame: the scan goes on if the target is lost again.
+            (None, Stage::End) => {}
+            (None, _) => search.end(),
+        }
+    }
+
+    /// Plans a step that searches. What the caller's place took comes on top of its work.
+    fn begin(&mut self, step: &Step<'_>, config: &Config, search: &mut Search) -> Stage {
+        let scanner = &mut search.scanner;
+        scanner.count_step();
+        self.plan = scanner.plan(config, step);
+        self.budget = WorkBudget::new(config.scan_budget);
+        match scanner.is_keyframe_step(config, step.now_us) {
+            true => Stage::Keyframe(scanner.last_seen),
+            false => Stage::Retry,
+        }
+    }
+
+    /// The target, or another face that was tracked before, in one window of the frame.
+    fn keyframe(
+        &mut self,
+        step: &Step<'_>,
+        last: &LastSeen,
+        search: &mut Search,
+        work: &mut Workspace,
+    ) -> (Option<Start>, Stage) {
+        let next = match self.state {
+            State::Searching => Stage::Retry,
+            State::Tracking => Stage::End,
+            State::Coasting => Stage::Turn(*last),
+        };
+        if !search.keyframes.can_find(&last.place) {
+            return (None, next);
+        }
+        self.budget.spend(KEYFRAME_UNITS);
+        let found = (search.keyframes).find(step.frame, &last.place, work.scratch());
+        self.entry = found.as_ref().map(|found| found.entry);
+        (
+            found.map(|found| Start::near(found.shape, found.origin)),
+            next,
+        )
+    }
+
+    /// The next detection of the scan.
+    fn detection(
+        &mut self,
+        step: &Step<'_>,
+        search: &mut Search,
+        work: &mut Workspace,
+    ) -> (Option<Start>, Stage) {
+        let Some(face) = (search.scanner).next(step, &mut self.plan, &mut self.budget, work) else {
+            return (None, Stage::Retries);
+        };
+        let iterations = step.model.align.iterations() as u32;
+        let needed = Needed {
+            to_iterate: match self.budget.left() >= iterations * ITERATION_UNITS + REFINE_UNITS {
+                true => DISCARD_CONFIDENCE,
+                false => RETRY_CONFIDENCE,
+            },
+            to_refine: FIRST_ATTEMPT_CONFIDENCE,
+        };
+        (Start::at(step, &face, Origin::NewFace, needed), Stage::Scan)
+    }
+}
+
+/// The first attempt at a face that is expected.
+fn first(step: &Step<'_>, face: &Detection, origin: Origin) -> Option<Start> {
+    Start::at(step, face, origin, Needed::to_refine(ACCEPT_CONFIDENCE))
+}
+
+/// Where a step that coasts searches: around the target's last place or, by turns, in the whole
+/// frame at its size.
+fn turn(last: &LastSeen, search: &mut Search) -> Stage {
+    search.scanner.count_step();
+    match search.scanner.is_one_in(LOCAL_SEARCH_PERIOD) {
+        true => Stage::NearTarget(last.place),
+        false => Stage::Retry,
+    }
+}
