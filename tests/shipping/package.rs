@@ -30,7 +30,14 @@ const FILES: [&str; 19] = [
     "share/zsh/site-functions/_posewise",
 ];
 
+/// Writes what make would build another program for.
+pub fn write_notices() {
+    static WRITTEN: OnceLock<()> = OnceLock::new();
+    WRITTEN.get_or_init(|| xtask::notices::write().expect("sources of all crates"));
+}
+
 fn make(arguments: &[String]) -> String {
+    write_notices();
     let mut make = Command::new("make");
     make.arg("-s").arg("-C").arg(root());
     make.arg(format!("TARGET_DIR={}", scratch("dist").display()));

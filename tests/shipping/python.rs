@@ -3,6 +3,7 @@
 use crate::common::c::{exists, succeed};
 use crate::common::skip::need;
 use crate::common::{root, scratch};
+use crate::package::write_notices;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -22,6 +23,7 @@ fn python() -> Option<String> {
 
 /// Builds the wheel and unpacks it as pip does, into a folder of its own.
 fn install(python: &str) -> PathBuf {
+    write_notices();
     let (wheels, site) = (scratch("python/wheels"), scratch("python/site"));
     for folder in [&wheels, &site] {
         std::fs::remove_dir_all(folder).expect("a folder");

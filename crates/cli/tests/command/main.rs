@@ -11,4 +11,3 @@ mod monitor;
 mod outputs;
 mod streams;
 mod track;
-mod view;

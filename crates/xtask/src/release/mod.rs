@@ -15,7 +15,7 @@ mod mobile;
 mod sbom;
 mod tarball;
 
-use crate::{output_of, root};
+use crate::{notices, output_of, root};
 use anyhow::{Context, Result, bail};
 use sha2::{Digest, Sha256};
 use std::fmt;
@@ -73,6 +73,8 @@ impl Packer {
             std::fs::remove_dir_all(folder).with_context(|| format!("cannot empty {folder:?}"))?;
         }
         std::fs::create_dir_all(folder).with_context(|| format!("cannot create {folder:?}"))?;
+        // Make would build a program for that, one for each machine's folder.
+        notices::write()?;
         // Programs that the packer starts run elsewhere.
         Ok(Self {
             target_dir: std::path::absolute(target_dir)?,

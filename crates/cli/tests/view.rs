@@ -1,5 +1,11 @@
 //! `posewise view` with real clients: a WebSocket in Rust, and headless Chromium.
+//!
+//! A program of its own: what is live has the machine to itself.
 #![cfg(unix)]
+
+#[allow(dead_code)] // only a part is used here
+#[path = "command/common/mod.rs"]
+mod common;
 
 use std::collections::HashMap;
 use std::io::{BufRead, BufReader, Read, Write};
