@@ -11,8 +11,8 @@ pub use result::{Landmark, Loss, State, TrackResult};
 use super::eyes::Eyes;
 use super::fit::Fitted;
 use super::geometry::{bounds, length};
-use super::step::Step;
 use super::policy::{EYE_MAX_BLUR, EYE_MIN_FACING, EYE_MIN_VISIBILITY};
+use super::step::Step;
 use crate::shape::{FARTHEST_MM, LANDMARKS, Seen, Variances, eye_open};
 use crate::verifier::Confidence;
 
@@ -26,14 +26,7 @@ pub fn write(
 ) {
     let pose = &fitted.fit.state.pose;
     let (angles, facing) = (pose.angles(), pose.facing_angles());
-    let visible = fitted.confidence().visible_share();
-    let seen = Seen {
-        visible_share: visible,
-        confidence: fitted.confidence().face,
-        focal_px: fitted.camera.fx,
-        is_assumed: step.camera_assumed,
-    };
-    let variances = Variances::of(pose, &fitted.fit.covariance, &seen);
+    let variances = variances_of(step, fitted);
     // Every field by name: a new one does not compile until it is written.
     let TrackResult {
         state,
@@ -71,7 +64,7 @@ pub fn write(
     *translation_mm = pose.translation_mm.to_array();
     *eye_open = openness(fitted, blur_px);
     *loss = Loss::None;
-    *visible_share = visible;
+    *visible_share = fitted.confidence().visible_share();
     *rotation_sigma_deg = variances
         .rotation
         .map(|v| sigma(v, MAX_SIGMA_RAD).to_degrees());
@@ -88,6 +81,17 @@ pub fn write(
         .map(|v| sigma(v, MAX_SIGMA_RAD).to_degrees());
     (*focal_px, *camera_assumed) = (fitted.camera.fx, step.camera_assumed);
     *eyes = *seen_eyes;
+}
+
+/// Variances of the pose, by how it is seen.
+fn variances_of(step: &Step<'_>, fitted: &Fitted<'_>) -> Variances {
+    let seen = Seen {
+        visible_share: fitted.confidence().visible_share(),
+        confidence: fitted.confidence().face,
+        focal_px: fitted.camera.fx,
+        is_assumed: step.camera_assumed,
+    };
+    Variances::of(&fitted.fit.state.pose, &fitted.fit.covariance, &seen)
 }
 
 fn write_landmarks(to: &mut [Landmark; LANDMARKS], fitted: &Fitted<'_>) {

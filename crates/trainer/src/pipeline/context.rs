@@ -77,7 +77,11 @@ impl<'a> Context<'a> {
         }
         let output = {
             let photographed = self.fits.map(|fits| (fits, &self.whole[..]));
-            renders::make(self.store, &self.args.render(kind, &self.sources), photographed)?
+            renders::make(
+                self.store,
+                &self.args.render(kind, &self.sources),
+                photographed,
+            )?
         };
         Ok(cell.get_or_init(|| output))
     }
