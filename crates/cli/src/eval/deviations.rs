@@ -239,8 +239,8 @@ fn print_constants(out: &mut String, frames: &[Frame]) {
     let _ = writeln!(out, "\nconst SYSTEMATIC: [Terms; 6] = [");
     for (quantity, margin) in MARGINS.iter().enumerate() {
         let fitted = fit(frames, quantity);
-        let [base, a, b, c, d, e] = fitted.into();
-        let base: f64 = base + f64::ln(*margin);
+        let [base, a, b, c, d, e]: [f64; TERMS] = fitted.into();
+        let base = base + margin.ln();
         let _ = writeln!(
             out,
             "    terms({base:.2}, [{a:.2}, {b:.2}], [{c:.2}, {d:.2}, {e:.2}]),"
