@@ -7,6 +7,8 @@ use anyhow::{Context, Result, bail, ensure};
 use posewise::shape::{Distortion, Intrinsics};
 use yaml_rust2::{Yaml, YamlLoader};
 
+use crate::bounded;
+
 /// Names of the camera matrix: OpenCV's samples of today and of before, and what scripts use.
 const MATRIX: [&str; 4] = ["camera_matrix", "Camera_Matrix", "cameraMatrix", "K"];
 /// Names of the coefficients, likewise.
@@ -35,10 +37,12 @@ pub struct Calibration {
 }
 
 impl Calibration {
+    /// Largest file \[MB\].
+    pub const MOST_MB: u64 = 1;
+
     /// Reads a file. `fisheye` says that the coefficients are Kannala–Brandt's.
     pub fn read(path: &Path, fisheye: bool) -> Result<Self> {
-        let text = std::fs::read_to_string(path)
-            .with_context(|| format!("cannot read {}", path.display()))?;
+        let text = bounded::read_text("calibration", path, Self::MOST_MB)?;
         Self::parse(&text, fisheye).with_context(|| format!("--calibration {}", path.display()))
     }
 

@@ -210,6 +210,10 @@ pub struct ViewArgs {
     /// not encrypted
     #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:8041")]
     pub bind: SocketAddr,
+    /// Answer under this host name too, as behind a proxy; repeat for several [default: addresses
+    /// and localhost only]
+    #[arg(long, value_name = "NAME")]
+    pub host: Vec<String>,
     /// Widest picture that is sent [px]
     #[arg(long, value_name = "PX", default_value_t = 640,
         value_parser = clap::value_parser!(u32).range(16..=4096))]

@@ -10,12 +10,13 @@ use posewise_metrics::median;
 
 use crate::cli::{DemoArgs, TrackerArgs};
 use crate::csv::{CsvWriter, Row};
+use crate::destination::Destination;
 use crate::eval::pose;
 use crate::eval::pose_metrics::Summary;
 use crate::eval::table::Table;
 use crate::faces::Face;
 use crate::model_file::ModelFile;
-use crate::overlay::Painter;
+use crate::overlay::{Painter, save};
 use crate::picture::Picture;
 use crate::session::Session;
 use crate::{demo_clip, output};
@@ -52,10 +53,10 @@ pub fn run(args: &DemoArgs) -> Result<()> {
         frames.push((picture, result));
     }
     let csv = csv.into_inner()?;
-    std::fs::write(TABLE, &csv).with_context(|| format!("cannot write {TABLE}"))?;
-    let sheet = contact_sheet(&frames, &session)?;
-    let saved = sheet.save(Path::new(PICTURE));
-    saved.with_context(|| format!("cannot write {PICTURE}"))?;
+    let table = Destination::new(Path::new(TABLE));
+    std::fs::write(table.path(), &csv).with_context(|| format!("cannot write {TABLE}"))?;
+    table.finish()?;
+    save(&contact_sheet(&frames, &session)?, Path::new(PICTURE))?;
     let tracked = Table::parse(TABLE, csv.as_slice())?;
     let errors = pose::summarize_tables(&truth, &tracked)?;
     let model_bytes = model.blob().total_len();

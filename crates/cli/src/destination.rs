@@ -1,13 +1,20 @@
 //! Output files: written under a temporary name beside the target and renamed at the end, and never
 //! over an input or another output.
 
+use std::ffi::OsStr;
 use std::fs::Metadata;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
+use sha2::{Digest, Sha256};
 
-/// How the names of incomplete files begin; the process follows.
+/// How the names of incomplete files begin; the process and a mark of the name follow.
 const TEMPORARY: &str = ".posewise-";
+/// Digits and ending of the names of pictures in a folder.
+const DIGITS: usize = 6;
+const PICTURE: &str = ".png";
+/// Longest extension that incomplete files have \[bytes\].
+const MAX_EXTENSION: usize = 16;
 
 /// A file that appears under its name when it is complete. Dropped before, it leaves nothing.
 pub struct Destination {
@@ -26,9 +33,8 @@ impl Destination {
             Err(_) => path == Path::new("-"),
         };
         let temporary = target.file_name().filter(|_| !is_stream).map(|name| {
-            // The extension stays: it decides the format.
-            let name = format!("{TEMPORARY}{}-{}", std::process::id(), name.display());
-            target.with_file_name(name)
+            let start = format!("{TEMPORARY}{}-", std::process::id());
+            target.with_file_name(start + &mark(name))
         });
         Destination {
             path: target,
@@ -36,10 +42,17 @@ impl Destination {
         }
     }
 
-    /// Whether the name is that of an incomplete file.
-    pub fn is_temporary(path: &Path) -> bool {
-        let name = path.file_name().unwrap_or_default();
-        name.as_encoded_bytes().starts_with(TEMPORARY.as_bytes())
+    /// Whether a file is the incomplete one of `path`, of any process.
+    pub fn is_temporary(file: &Path, path: &Path) -> bool {
+        let names = (file.file_name().and_then(OsStr::to_str), path.file_name());
+        let (Some(name), Some(target)) = names else {
+            return false;
+        };
+        let rest = name
+            .strip_prefix(TEMPORARY)
+            .and_then(|rest| rest.split_once('-'));
+        rest.is_some_and(|(process, rest)| process.parse::<u32>().is_ok() && rest == mark(target))
+            && file.parent() == path.parent()
     }
 
     /// Where to write until it is finished.
@@ -70,6 +83,22 @@ impl Drop for Destination {
     }
 }
 
+/// What tells the incomplete file of this name from others, however long it is and whatever bytes it
+/// has. A short extension stays: it decides the format.
+fn mark(name: &OsStr) -> String {
+    let digest = Sha256::digest(name.as_encoded_bytes());
+    let mut mark: String = digest
+        .iter()
+        .take(8)
+        .map(|byte| format!("{byte:02x}"))
+        .collect();
+    let extension = Path::new(name).extension().and_then(OsStr::to_str);
+    if let Some(extension) = extension.filter(|e| e.len() <= MAX_EXTENSION) {
+        mark += &format!(".{extension}");
+    }
+    mark
+}
+
 /// A file that a command reads or writes, and the option that names it.
 pub struct Named<'a> {
     /// `--csv`, `INPUT`, …
@@ -97,6 +126,21 @@ pub fn check(inputs: &[Named<'_>], outputs: &[Named<'_>]) -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// Whether a file is one of the numbered pictures of a folder.
+pub fn is_numbered(file: &Path, folder: &Path) -> bool {
+    let name = file.file_name().and_then(OsStr::to_str).unwrap_or_default();
+    let number = name.strip_suffix(PICTURE).unwrap_or_default();
+    let parent = place(file).parent().map(Path::to_path_buf);
+    number.len() >= DIGITS
+        && number.bytes().all(|b| b.is_ascii_digit())
+        && parent.is_some_and(|parent| is_same(&parent, folder))
+}
+
+/// The name of a picture in a folder, from 1.
+pub fn numbered(folder: &Path, number: u64) -> PathBuf {
+    folder.join(format!("{number:0DIGITS$}{PICTURE}"))
 }
 
 fn is_same(a: &Path, b: &Path) -> bool {

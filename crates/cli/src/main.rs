@@ -14,12 +14,14 @@
 //! | `demo`, `demo_clip` | `posewise demo` |
 //! | `eval/` | `posewise eval …` |
 //! | `bench`, `scenes`, `steps`, `stages`, `stack` | `posewise bench` |
+//! | `bounded` | reading files that may be anything |
 //! | `destination`, `interrupt`, `output` | output files, signals, standard output |
 //! | `clip`, `random` | clips in memory and reproducible chance, for the two above |
 //! | `model_file`, `model_info` | reading models, `posewise model info` |
 //! | `manual` | manual pages and shell completions, for packages |
 
 mod bench;
+mod bounded;
 mod calibration;
 mod cli;
 mod clip;
@@ -79,8 +81,19 @@ fn detect_cpu() {
     }
 }
 
+/// Writing beyond the limit of a file's size becomes an error like others, in place of a signal
+/// that ends the program and leaves what is half-written.
+fn report_large_files() {
+    #[cfg(unix)]
+    // SAFETY: no handler is set, the signal is only ignored.
+    unsafe {
+        libc::signal(libc::SIGXFSZ, libc::SIG_IGN);
+    }
+}
+
 fn main() -> ExitCode {
     detect_cpu();
+    report_large_files();
     let cli = Cli::parse();
     let run = || {
         match cli.command {

@@ -2,9 +2,14 @@
 
 use std::path::Path;
 
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Result, anyhow};
 use posewise::track::Model;
 use posewise_format::AlignedBytes;
+
+use crate::bounded;
+
+/// Largest model file \[MB\]. Source: chosen; the models have 1 MB.
+const MOST_MB: u64 = 64;
 
 /// The bytes of a `.posewise` file, 64-byte aligned, or those of the embedded model.
 pub struct ModelFile {
@@ -22,8 +27,7 @@ impl ModelFile {
                 read: None,
             });
         };
-        let bytes =
-            std::fs::read(path).with_context(|| format!("cannot read model {}", path.display()))?;
+        let bytes = bounded::read("model", path, MOST_MB)?;
         Ok(ModelFile {
             name: path.display().to_string(),
             read: Some(AlignedBytes::new(&bytes)),

@@ -1,10 +1,11 @@
 //! Writing to files and standard output without surprises.
 
 use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::{BufWriter, Cursor, Write};
 use std::path::Path;
 
 use anyhow::{Context, Result};
+use image::{ImageFormat, RgbImage};
 
 use crate::destination::Destination;
 
@@ -38,6 +39,17 @@ pub fn write_json(path: &Path, value: &serde_json::Value) -> Result<()> {
         .and_then(|()| writeln!(out))
         .and_then(|()| out.flush())
         .with_context(|| format!("cannot write {}", path.display()))
+}
+
+/// Writes a PNG.
+pub fn write_png(path: &Path, image: &RgbImage) -> Result<()> {
+    let cannot = || format!("cannot write {}", path.display());
+    // In memory first: what a buffer holds at its end is written without a word if that fails.
+    let mut bytes = Cursor::new(Vec::new());
+    image
+        .write_to(&mut bytes, ImageFormat::Png)
+        .with_context(cannot)?;
+    std::fs::write(path, bytes.get_ref()).with_context(cannot)
 }
 
 /// Whether the reader of our output has gone away (`posewise … | head`), which is no failure.

@@ -11,7 +11,7 @@ use plotters_backend::{BackendColor, BackendStyle, BackendTextStyle, DrawingBack
 use plotters_backend::{BackendCoord, DrawingErrorKind};
 use posewise::track::{State, TrackResult};
 
-use crate::text;
+use crate::{output, text};
 
 const SIZE: (u32, u32) = (1200, 700);
 
@@ -59,20 +59,19 @@ pub fn write(path: &Path, samples: &[Sample]) -> Result<()> {
 
 /// Draws and writes the file.
 pub fn save(path: &Path, chart: &impl Chart) -> Result<()> {
-    let context = || format!("cannot write {}", path.display());
     if extension(path) == "svg" {
         let mut svg = String::new();
         let root = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
         let drawn = root.fill(&WHITE).and_then(|()| chart.draw(&root));
         drawn.map_err(|e| anyhow!("cannot draw the plot: {e}"))?;
         drop(root);
-        std::fs::write(path, svg).with_context(context)
+        std::fs::write(path, svg).with_context(|| format!("cannot write {}", path.display()))
     } else {
         let mut bitmap = Bitmap(RgbImage::from_pixel(SIZE.0, SIZE.1, image::Rgb([255; 3])));
         chart
             .draw(&(&mut bitmap).into_drawing_area())
             .map_err(|e| anyhow!("cannot draw the plot: {e}"))?;
-        bitmap.0.save(path).with_context(context)
+        output::write_png(path, &bitmap.0)
     }
 }
 

@@ -118,19 +118,10 @@ impl Outputs {
         camera: &Intrinsics,
         faces: &[Face],
     ) -> Result<()> {
-        let more = self.watch(picture, faces)?;
-        for Face { id, result } in faces {
-            let row = Row {
-                frame,
-                face_id: *id,
-                result,
-            };
-            if let Some(csv) = &mut self.csv {
-                csv.write(&row, &more)?;
-            }
-            if let Some(out) = &mut self.jsonl {
-                jsonl::write(out, &row)?;
-            }
+        if let Err(error) = self.write_rows(frame, picture, faces) {
+            // None of them gets its name that may miss a row.
+            self.destinations.clear();
+            return Err(error);
         }
         if let Some(overlay) = &mut self.overlay {
             let mut image = picture.upright_rgb()?;
@@ -146,6 +137,24 @@ impl Outputs {
         self.streams.send(&result)?;
         if self.live {
             self.flush()?;
+        }
+        Ok(())
+    }
+
+    fn write_rows(&mut self, frame: u64, picture: &Picture, faces: &[Face]) -> Result<()> {
+        let more = self.watch(picture, faces)?;
+        for Face { id, result } in faces {
+            let row = Row {
+                frame,
+                face_id: *id,
+                result,
+            };
+            if let Some(csv) = &mut self.csv {
+                csv.write(&row, &more)?;
+            }
+            if let Some(out) = &mut self.jsonl {
+                jsonl::write(out, &row)?;
+            }
         }
         Ok(())
     }
@@ -256,7 +265,20 @@ fn check_outputs(args: &TrackArgs) -> Result<()> {
         named("--monitor", file_of(&args.monitor)),
     ];
     let outputs: Vec<Named<'_>> = outputs.into_iter().flatten().collect();
-    destination::check(&inputs, &outputs)
+    destination::check(&inputs, &outputs)?;
+    // The pictures of an overlay's folder are outputs too.
+    let Some(folder) = args.overlay.as_deref().filter(|path| path.is_dir()) else {
+        return Ok(());
+    };
+    let mut files = inputs.iter().chain(&outputs);
+    match files.find(|file| destination::is_numbered(file.path, folder)) {
+        None => Ok(()),
+        Some(Named { option, path }) => bail!(
+            "--overlay {} would overwrite {option} {}",
+            folder.display(),
+            path.display()
+        ),
+    }
 }
 
 /// Runs the command; returns the exit status that a signal asked for.

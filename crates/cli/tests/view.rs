@@ -59,8 +59,15 @@ impl View {
 
     /// Status line, headers and body of an answer.
     fn ask(&self, request: &str) -> String {
+        let host = &self.address;
+        self.ask_with(request, &[&format!("Host: {host}")])
+    }
+
+    /// The same with other headers.
+    fn ask_with(&self, request: &str, headers: &[&str]) -> String {
         let mut stream = TcpStream::connect(&self.address).expect("it listens");
-        let head = format!("{request} HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n");
+        let headers = headers.join("\r\n");
+        let head = format!("{request} HTTP/1.1\r\n{headers}\r\nConnection: close\r\n\r\n");
         stream.write_all(head.as_bytes()).expect("it reads");
         let mut text = String::new();
         stream.read_to_string(&mut text).expect("it answers");
@@ -239,6 +246,137 @@ fn only_the_token_opens_the_page_and_viewers_are_limited() {
     let refused = view.connect(base).expect_err("too many");
     assert!(refused.contains("503"), "{refused}");
     drop(viewers);
+}
+
+/// Pages of other sites, also those whose name leads to this machine, see nothing.
+#[test]
+fn foreign_hosts_and_origins_are_refused() {
+    let view = View::start(&[DEMO, "--host", "camera.example"]);
+    let (base, own) = (&view.base, format!("Host: {}", view.address));
+    let status = |headers: &[&str]| {
+        let answer = view.ask_with(&format!("GET {base}"), headers);
+        answer.split(' ').nth(1).map(String::from)
+    };
+    let refused = Some("403".to_string());
+    assert_eq!(status(&["Host: evil.example"]), refused);
+    assert_eq!(status(&["Host: 127.0.0.1.evil.example:80"]), refused);
+    assert_eq!(status(&["Accept: */*"]), refused, "no host at all");
+    let two = [&own[..], "Host: evil.example"];
+    assert_eq!(status(&two), refused, "two hosts");
+    assert_eq!(status(&[&own, "Origin: http://evil.example"]), refused);
+    assert_eq!(status(&[&own, "Origin: null"]), refused);
+    let same = format!("Origin: http://{}", view.address);
+    for headers in [
+        &[&own[..]][..],
+        &[&own, &same],
+        // By way of `ssh -L`.
+        &["Host: localhost:9000", "Origin: http://localhost:9000"],
+        &["Host: [::1]:9000"],
+        &["Host: camera.example", "Origin: https://camera.example"],
+    ] {
+        assert_eq!(status(headers), Some("200".into()), "{headers:?}");
+    }
+    let frames = view.ask_with(
+        &format!("GET {base}frames"),
+        &[
+            &own,
+            "Origin: http://evil.example",
+            "Upgrade: websocket",
+            "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==",
+        ],
+    );
+    assert!(frames.starts_with("HTTP/1.1 403"), "{frames}");
+}
+
+/// What a hostile client does with its connection, until it is thrown out.
+fn attack(kind: usize, address: &str, stop: &std::sync::atomic::AtomicBool) {
+    let heads = [
+        "POST / HTTP/1.1\r\nHost: x\r\nContent-Length: 99999999999\r\n\r\n",
+        "POST / HTTP/1.1\r\nHost: x\r\nContent-Length: 18446744073709551615\r\n\r\n",
+        "GET / HTTP/1.1\r\nHost: x\r\nX-Endless: ",
+        "GET / HTTP/1.1\r\nHost: x\r\n\r\n",
+        "",
+    ];
+    let kind = kind % heads.len();
+    while !stop.load(std::sync::atomic::Ordering::Relaxed) {
+        let Ok(mut stream) = TcpStream::connect(address) else {
+            return;
+        };
+        let pause = Some(Duration::from_millis(50));
+        stream.set_write_timeout(pause).unwrap();
+        let _ = stream.write_all(heads[kind].as_bytes());
+        let more = match kind {
+            2 => "x".repeat(1 << 16),
+            3 => heads[3].repeat(1000),
+            _ => String::new(),
+        };
+        stream.set_read_timeout(pause).unwrap();
+        while !stop.load(std::sync::atomic::Ordering::Relaxed) {
+            // Those that send never read; the others wait for an answer.
+            let done = match more.is_empty() {
+                false => stream.write_all(more.as_bytes()),
+                true => stream.read_exact(&mut [0]),
+            };
+            match done {
+                Ok(()) => std::thread::sleep(Duration::from_millis(5)),
+                Err(e) if e.kind() == std::io::ErrorKind::WouldBlock => {}
+                Err(_) => break,
+            }
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
+/// Memory of a process \[MB\], where the system tells.
+fn peak_mb(pid: u32) -> Option<u64> {
+    let status = std::fs::read_to_string(format!("/proc/{pid}/status")).ok()?;
+    let line = status.lines().find(|line| line.starts_with("VmHWM"))?;
+    Some(line.split_whitespace().nth(1)?.parse::<u64>().ok()? / 1024)
+}
+
+#[test]
+fn hostile_clients_stop_nobody() {
+    let mut view = View::start(&[DEMO]);
+    let mut viewer = view.viewer();
+    viewer.ask();
+    viewer.frame();
+    let stop = std::sync::Arc::new(std::sync::atomic::AtomicBool::new(false));
+    let hostile: Vec<_> = (0..64)
+        .map(|kind| {
+            let (address, stop) = (view.address.clone(), std::sync::Arc::clone(&stop));
+            std::thread::spawn(move || attack(kind, &address, &stop))
+        })
+        .collect();
+    let start = Instant::now();
+    let (mut last, mut longest) = (Instant::now(), Duration::ZERO);
+    let mut newcomers = 0;
+    while start.elapsed() < Duration::from_secs(6) {
+        viewer.ask();
+        viewer.frame();
+        longest = longest.max(last.elapsed());
+        last = Instant::now();
+        // Others can still join.
+        if start.elapsed() > Duration::from_secs(newcomers + 1) {
+            let mut newcomer = view.viewer();
+            newcomer.ask();
+            newcomer.frame();
+            newcomers += 1;
+            last = Instant::now();
+        }
+    }
+    stop.store(true, std::sync::atomic::Ordering::Relaxed);
+    for thread in hostile {
+        thread.join().expect("an attack ends");
+    }
+    assert!(newcomers >= 3, "{newcomers} joined");
+    assert!(
+        longest < Duration::from_secs(2),
+        "{longest:?} without a frame"
+    );
+    if let Some(peak) = peak_mb(view.child.id()) {
+        assert!(peak < 200, "{peak} MB");
+    }
+    assert_eq!(view.interrupt(), Some(0));
 }
 
 #[test]

@@ -26,13 +26,14 @@ use sha2::{Digest, Sha256};
 use self::summary::Summary;
 use self::table::{Origin, Table};
 use self::videos::Video;
+use crate::calibration::Calibration;
 use crate::cli::IndexArgs;
 use crate::csv::Row;
 use crate::destination::Destination;
 use crate::interrupt::Interrupt;
 use crate::model_file::ModelFile;
 use crate::session::Session;
-use crate::{output, source};
+use crate::{bounded, output, source};
 
 /// The list of all videos, in the folder of the tables.
 const MANIFEST: &str = "manifest.jsonl";
@@ -59,7 +60,7 @@ pub fn run(args: &IndexArgs) -> Result<Option<u8>> {
     let model = file.model()?;
     let videos = videos::find(&args.input, &args.out)?;
     let settings = settings(args, file.bytes())?;
-    let _lock = open_folder(&args.out)?;
+    let _lock = open_folder(&args.out, &videos)?;
     let interrupt = Interrupt::listen().context("cannot listen for signals")?;
     let threads = rayon::ThreadPoolBuilder::new()
         .num_threads(args.threads)
@@ -96,8 +97,8 @@ pub fn run(args: &IndexArgs) -> Result<Option<u8>> {
 }
 
 /// Makes the folder of tables, and keeps other runs away from it until the result is dropped. What
-/// a run left half-written that was killed, is removed.
-fn open_folder(folder: &Path) -> Result<File> {
+/// a killed run left half-written of these tables, is removed.
+fn open_folder(folder: &Path, videos: &[Video]) -> Result<File> {
     let cannot = || format!("cannot make folder {}", folder.display());
     std::fs::create_dir_all(folder).with_context(cannot)?;
     let handle = File::open(folder).with_context(cannot)?;
@@ -105,7 +106,11 @@ fn open_folder(folder: &Path) -> Result<File> {
         Err(TryLockError::WouldBlock) => bail!("{}: another run writes there", folder.display()),
         // Some file systems have no locks.
         Err(TryLockError::Error(_)) => {}
-        Ok(()) => videos::remove_leftovers(folder)?,
+        Ok(()) => {
+            let manifest = folder.join(MANIFEST);
+            let tables = videos.iter().map(|video| &*video.table);
+            videos::remove_leftovers(tables.chain([&*manifest]))?;
+        }
     }
     Ok(handle)
 }
@@ -189,7 +194,7 @@ fn settings(args: &IndexArgs, model: &[u8]) -> Result<String> {
     let (tracker, frame) = (&args.tracker, &args.frame);
     let calibration = tracker.calibration.as_deref();
     let calibration = calibration
-        .map(|path| std::fs::read(path).with_context(|| format!("cannot read {}", path.display())))
+        .map(|path| bounded::read("calibration", path, Calibration::MOST_MB))
         .transpose()?;
     Ok(json!({
         "version": env!("CARGO_PKG_VERSION"),
@@ -200,6 +205,8 @@ fn settings(args: &IndexArgs, model: &[u8]) -> Result<String> {
         "fisheye": tracker.fisheye,
         "min_face": tracker.min_face,
         "scan_budget": tracker.scan_budget,
+        "gaze": tracker.gaze,
+        "natural_gaze": tracker.natural_gaze,
         "smooth": tracker.smooth,
         "smooth_cutoff": tracker.smooth_cutoff,
         "smooth_beta": tracker.smooth_beta,

@@ -5,6 +5,7 @@ use std::path::{Component, Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 
+use crate::bounded;
 use crate::destination::Destination;
 
 /// Endings of names that are videos.
@@ -14,6 +15,9 @@ const EXTENSIONS: [&str; 20] = [
 ];
 /// Added to the name of a video for that of its table.
 const TABLE: &str = "parquet";
+
+/// Largest list \[MB\].
+const MOST_MB: u64 = 64;
 
 /// A video and where its table goes.
 #[derive(Debug)]
@@ -82,12 +86,26 @@ fn files(folder: &Path, wanted: &dyn Fn(&Path) -> bool) -> Result<Vec<PathBuf>> 
     Ok(found)
 }
 
-/// Removes the files that a killed run began.
-pub fn remove_leftovers(folder: &Path) -> Result<()> {
-    for path in files(folder, &|_| true)? {
-        if Destination::is_temporary(&path) {
-            std::fs::remove_file(&path)
-                .with_context(|| format!("cannot remove {}", path.display()))?;
+/// Removes what killed runs began of these files, and nothing else.
+pub fn remove_leftovers<'a>(written: impl Iterator<Item = &'a Path>) -> Result<()> {
+    let mut by_folder: HashMap<&Path, Vec<&Path>> = HashMap::new();
+    for path in written {
+        by_folder
+            .entry(path.parent().unwrap_or(path))
+            .or_default()
+            .push(path);
+    }
+    for (folder, written) in by_folder {
+        // A folder that is not there yet has none.
+        for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+            let file = entry.path();
+            if written
+                .iter()
+                .any(|path| Destination::is_temporary(&file, path))
+            {
+                std::fs::remove_file(&file)
+                    .with_context(|| format!("cannot remove {}", file.display()))?;
+            }
         }
     }
     Ok(())
@@ -98,8 +116,7 @@ fn listed(list: &Path) -> Result<Vec<PathBuf>> {
     if is_video(list) {
         return Ok(vec![list.to_path_buf()]);
     }
-    let text = std::fs::read_to_string(list);
-    let text = text.with_context(|| format!("cannot read the list {}", list.display()))?;
+    let text = bounded::read_text("list", list, MOST_MB)?;
     let lines = text.lines().map(str::trim);
     Ok(lines
         .filter(|line| !line.is_empty() && !line.starts_with('#'))

@@ -6,6 +6,8 @@ use anyhow::{Context, Result, bail};
 use posewise::{Zone, ZoneShape};
 use serde::Deserialize;
 
+use crate::bounded;
+
 /// One zone of the file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -53,10 +55,12 @@ struct Plane {
     half_v_mm: [f32; 3],
 }
 
+/// Largest file of zones \[MB\].
+const MOST_MB: u64 = 1;
+
 /// Reads the zones of a file; the monitor checks their numbers.
 pub fn read(path: &Path) -> Result<Vec<Zone>> {
-    let text =
-        std::fs::read_to_string(path).with_context(|| format!("cannot open {}", path.display()))?;
+    let text = bounded::read_text("zones", path, MOST_MB)?;
     parse(&text).with_context(|| format!("{} is no list of zones", path.display()))
 }
 

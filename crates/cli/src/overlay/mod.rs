@@ -7,4 +7,4 @@ mod paint;
 mod sink;
 
 pub use paint::Painter;
-pub use sink::Overlay;
+pub use sink::{Overlay, save};

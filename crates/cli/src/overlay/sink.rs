@@ -8,7 +8,8 @@ use std::process::{Child, ChildStdin, Command, Stdio};
 use anyhow::{Context, Result, anyhow, bail};
 use image::RgbImage;
 
-use crate::destination::Destination;
+use crate::destination::{self, Destination};
+use crate::output;
 
 /// A place for pictures.
 pub struct Overlay {
@@ -74,15 +75,19 @@ impl Overlay {
         match &mut self.sink {
             Sink::Folder(count) => {
                 *count += 1;
-                let file = self.path.join(format!("{count:06}.png"));
-                image
-                    .save(&file)
-                    .with_context(|| format!("cannot write {}", file.display()))
+                let file = destination::numbered(&self.path, *count);
+                save(image, &file)
             }
-            Sink::Y4m(out) => out
-                .write_all(b"FRAME\n")
-                .and_then(|()| out.write_all(&yuv444(image)))
-                .with_context(|| format!("cannot write {name}")),
+            Sink::Y4m(out) => {
+                let written = (out.write_all(b"FRAME\n"))
+                    .and_then(|()| out.write_all(&yuv444(image)))
+                    .with_context(|| format!("cannot write {name}"));
+                if written.is_err() {
+                    // Nothing of it gets its name.
+                    self.destination = None;
+                }
+                written
+            }
             Sink::Ffmpeg(_, pipe) => {
                 if pipe.write_all(image.as_raw()).is_err() {
                     // The pipe is shut: finish() has ffmpeg's reason.
@@ -176,6 +181,13 @@ impl Overlay {
         let pipe = BufWriter::with_capacity(1 << 20, pipe);
         Ok(Sink::Ffmpeg(child, pipe))
     }
+}
+
+/// Writes a picture, which has its name when it is complete.
+pub fn save(image: &RgbImage, path: &Path) -> Result<()> {
+    let destination = Destination::new(path);
+    output::write_png(destination.path(), image)?;
+    destination.finish()
 }
 
 /// A frame rate as a ratio: whole numbers, the NTSC rates, else thousandths.

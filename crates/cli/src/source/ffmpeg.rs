@@ -22,6 +22,9 @@ use crate::picture::Picture;
 /// `ffmpeg` has such settings too, but names them differently from version to version.
 const PATIENCE: Duration = Duration::from_secs(10);
 
+/// Most bytes that are kept of its messages.
+const MAX_MESSAGES: u64 = 64 << 10;
+
 /// A running `ffmpeg`.
 pub struct FfmpegSource {
     name: String,
@@ -83,8 +86,9 @@ impl FfmpegSource {
         let mut stderr = child.stderr.take().ok_or_else(|| anyhow!("no pipe"))?;
         let messages = std::thread::spawn(move || {
             let mut bytes = Vec::new();
-            // What cannot be read of the messages is no reason to fail.
-            let _ = stderr.read_to_end(&mut bytes);
+            // What cannot be read of the messages is no reason to fail; only the first is shown.
+            let _ = (&mut stderr).take(MAX_MESSAGES).read_to_end(&mut bytes);
+            let _ = std::io::copy(&mut stderr, &mut std::io::sink());
             String::from_utf8_lossy(&bytes).into_owned()
         });
         let stdout = child.stdout.take().ok_or_else(|| anyhow!("no pipe"))?;
@@ -195,6 +199,13 @@ fn frame_count(path: &Path) -> Option<u64> {
     String::from_utf8_lossy(&out.stdout).trim().parse().ok()
 }
 
+/// The first message, without the address in `[mov,mp4 @ 0x5578abcd]`, which is another each time.
 fn first_line(text: &str) -> String {
-    text.lines().next().unwrap_or("").trim().to_string()
+    let line = text.lines().next().unwrap_or("").trim();
+    let mut parts = line.split(" @ 0x");
+    let mut out = parts.next().unwrap_or("").to_string();
+    for part in parts {
+        out += part.trim_start_matches(|c: char| c.is_ascii_hexdigit());
+    }
+    out
 }

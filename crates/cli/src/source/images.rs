@@ -12,8 +12,12 @@ use crate::picture::Picture;
 /// File name extensions that are read as pictures.
 pub const EXTENSIONS: [&str; 8] = ["bmp", "jpeg", "jpg", "pbm", "pgm", "png", "ppm", "webp"];
 
-/// Most pixels of a picture. Chosen: more than cameras have. Decoding takes 12 bytes each at most.
+/// Most pixels of a picture. Chosen: more than cameras have.
 const MAX_PIXELS: u64 = 128_000_000;
+/// Most memory for a pixel while a picture is decoded \[bytes\].
+const PIXEL_BYTES: u64 = 12;
+/// Most memory beside its pixels, as for a colour profile \[bytes\]. Chosen.
+const MAX_EXTRA: u64 = 32 << 20;
 
 /// Whether the file's name is that of a picture.
 pub fn is_image(path: &Path) -> bool {
@@ -24,22 +28,27 @@ pub fn is_image(path: &Path) -> bool {
 
 /// Decodes one picture; the file's content decides the format, not its name.
 pub fn read_rgb(path: &Path) -> Result<RgbImage> {
-    let reader = || -> Result<_> {
-        image::ImageReader::open(path)
+    let reader = |pixels: u64| -> Result<_> {
+        let mut reader = image::ImageReader::open(path)
             .with_context(|| format!("cannot open picture {}", path.display()))?
             .with_guessed_format()
-            .with_context(|| format!("cannot read picture {}", path.display()))
+            .with_context(|| format!("cannot read picture {}", path.display()))?;
+        let mut limits = image::Limits::no_limits();
+        limits.max_alloc = Some(MAX_EXTRA + pixels * PIXEL_BYTES);
+        reader.limits(limits);
+        Ok(reader)
     };
     let cannot_decode = || format!("cannot decode picture {}", path.display());
     // Before anything is decoded: a small file may describe a picture of any size.
-    let (width, height) = reader()?.into_dimensions().with_context(cannot_decode)?;
-    if u64::from(width) * u64::from(height) > MAX_PIXELS {
+    let (width, height) = reader(0)?.into_dimensions().with_context(cannot_decode)?;
+    let pixels = u64::from(width) * u64::from(height);
+    if pixels > MAX_PIXELS {
         bail!(
             "picture {}: {width}×{height} px are more than {MAX_PIXELS} pixels",
             path.display()
         );
     }
-    let image = reader()?.decode().with_context(cannot_decode)?;
+    let image = reader(pixels)?.decode().with_context(cannot_decode)?;
     Ok(image.into_rgb8())
 }
 

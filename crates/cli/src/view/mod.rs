@@ -1,6 +1,7 @@
 //! `posewise view`: tracks INPUT here and shows it in browsers, through a local web server.
 
 mod frame;
+mod http;
 mod latest;
 mod page;
 mod playback;
@@ -28,7 +29,7 @@ pub fn run(args: &ViewArgs) -> Result<()> {
     let mut session = Session::new(&model, &args.tracker, playback.is_live())?;
     session.set_roi(args.frame.roi)?;
     let interrupt = Interrupt::listen().context("cannot listen for signals")?;
-    let server = Server::start(args.bind)?;
+    let server = Server::start(args.bind, &args.host)?;
     output::print(&announcement(&server))?;
     let ended = follow(args, &mut playback, &mut session, &server, &interrupt);
     server.end(match &ended {

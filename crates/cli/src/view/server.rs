@@ -1,39 +1,46 @@
 //! The web server: the page, and a WebSocket on which a viewer asks for one frame after the other.
 //!
 //! Everything is below a path with a random token, so that other pages of the viewer's browser and
-//! other users of the machine, who may reach the port, see nothing. A viewer is sent a frame only
-//! when it asks, so a slow one skips frames, and at most one is in memory for each.
+//! other users of the machine, who may reach the port, see nothing. Whoever does not know it is
+//! bounded in time, size and number ([`http`]), and cannot keep others out: of the clients that
+//! have not said yet what they want, the oldest must go when there are too many. A viewer is sent
+//! a frame only when it asks, so a slow one skips frames, and at most one is in memory for each.
 
-use std::io::Cursor;
-use std::net::SocketAddr;
-use std::sync::Arc;
+use std::collections::VecDeque;
+use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use anyhow::{Result, anyhow};
-use tiny_http::{Header, Method, Request, Response};
+use anyhow::{Context, Result, anyhow};
 use tungstenite::handshake::derive_accept_key;
 use tungstenite::protocol::frame::coding::CloseCode;
 use tungstenite::protocol::{CloseFrame, Role, WebSocketConfig};
 use tungstenite::{Message, WebSocket};
 
+use super::http::{self, Head};
 use super::latest::Latest;
 use super::page;
 
-/// Most requests that are answered at the same time, viewers included.
-const MAX_REQUESTS: usize = 24;
+/// Most connections, viewers included.
+const MAX_CONNECTIONS: usize = 64;
+/// Most connections whose request is not read yet.
+const MAX_UNREAD: usize = 32;
 /// Most viewers.
 const MAX_VIEWERS: usize = 8;
 /// Longest message of a viewer, who sends only words \[bytes\].
 const MAX_MESSAGE: usize = 1024;
 /// How long the end waits for viewers that do not ask.
 const FAREWELL: Duration = Duration::from_millis(500);
+/// Rest after a connection that could not be taken, as where file descriptors have run out.
+const REST: Duration = Duration::from_millis(20);
+/// Stack of a connection's thread \[bytes\].
+const STACK: usize = 256 << 10;
 /// Bytes of the token: too many to be guessed.
 const TOKEN_BYTES: usize = 16;
 
 /// A running server.
 pub struct Server {
-    http: Arc<tiny_http::Server>,
     shared: Arc<Shared>,
     address: SocketAddr,
 }
@@ -44,39 +51,40 @@ struct Shared {
     /// `/TOKEN/`.
     base: String,
     index: String,
-    requests: AtomicUsize,
+    /// Names under which this machine may be asked.
+    names: Vec<String>,
+    connections: AtomicUsize,
     viewers: AtomicUsize,
+    unread: Mutex<VecDeque<Arc<TcpStream>>>,
 }
 
 impl Server {
     /// Binds and answers from now on.
-    pub fn start(bind: SocketAddr) -> Result<Self> {
-        let http = tiny_http::Server::http(bind).map_err(|e| anyhow!("--bind {bind}: {e}"))?;
-        let address = http.server_addr().to_ip();
+    pub fn start(bind: SocketAddr, names: &[String]) -> Result<Self> {
+        let listener = TcpListener::bind(bind).map_err(|e| anyhow!("--bind {bind}: {e}"))?;
+        let address = listener.local_addr().context("no address")?;
         let mut token = [0; TOKEN_BYTES];
         getrandom::fill(&mut token).map_err(|e| anyhow!("no random numbers: {e}"))?;
         let token: String = token.iter().map(|byte| format!("{byte:02x}")).collect();
+        let shared = Arc::new(Shared {
+            latest: Latest::default(),
+            base: format!("/{token}/"),
+            index: page::index()?,
+            names: names.to_vec(),
+            connections: AtomicUsize::new(0),
+            viewers: AtomicUsize::new(0),
+            unread: Mutex::default(),
+        });
         let server = Server {
-            http: Arc::new(http),
-            shared: Arc::new(Shared {
-                latest: Latest::default(),
-                base: format!("/{token}/"),
-                index: page::index()?,
-                requests: AtomicUsize::new(0),
-                viewers: AtomicUsize::new(0),
-            }),
-            address: address.unwrap_or(bind),
+            shared: Arc::clone(&shared),
+            address,
         };
-        let (http, shared) = (Arc::clone(&server.http), Arc::clone(&server.shared));
+        // It ends with the program.
         std::thread::spawn(move || {
-            for request in http.incoming_requests() {
-                let shared = Arc::clone(&shared);
-                // Dropped, a request is answered with an error.
-                if let Some(permit) = Permit::take(&shared, |s| &s.requests, MAX_REQUESTS) {
-                    std::thread::spawn(move || {
-                        answer(request, &shared);
-                        drop(permit);
-                    });
+            for stream in listener.incoming() {
+                match stream {
+                    Ok(stream) => take(stream, &shared),
+                    Err(_) => std::thread::sleep(REST),
                 }
             }
         });
@@ -105,7 +113,6 @@ impl Server {
         while self.shared.viewers.load(Ordering::Relaxed) > 0 && start.elapsed() < FAREWELL {
             std::thread::sleep(Duration::from_millis(10));
         }
-        self.http.unblock();
     }
 }
 
@@ -132,65 +139,90 @@ impl Drop for Permit {
     }
 }
 
-/// A browser that goes away in the middle of an answer is no reason for anything.
-fn answer(request: Request, shared: &Arc<Shared>) {
-    let path = request.url().split('?').next().unwrap_or_default();
-    let path = match request.method() {
-        Method::Get => path.strip_prefix(&shared.base),
-        _ => None,
-    };
-    let file = page::FILES.iter().find(|file| Some(file.path) == path);
-    let _ = match (path, file) {
-        (Some("frames"), _) => {
-            show(request, shared);
-            Ok(())
+/// A connection whose request is not read yet, in the list of these until dropped.
+struct Unread {
+    shared: Arc<Shared>,
+    handle: Arc<TcpStream>,
+}
+
+impl Unread {
+    /// Enters it; the oldest one must go if they are too many.
+    fn enter(stream: &TcpStream, shared: &Arc<Shared>) -> std::io::Result<Self> {
+        let unread = Unread {
+            shared: Arc::clone(shared),
+            handle: Arc::new(stream.try_clone()?),
+        };
+        let mut list = unread.list();
+        list.push_back(Arc::clone(&unread.handle));
+        if list.len() > MAX_UNREAD {
+            let oldest = list.pop_front();
+            // Its thread reads the end.
+            let _ = oldest.map(|stream| stream.shutdown(Shutdown::Both));
         }
-        (Some(""), _) => request.respond(document("text/html; charset=utf-8", &shared.index)),
-        (_, Some(file)) => request.respond(document(file.kind, file.text)),
-        _ => request.respond(Response::empty(404)),
+        drop(list);
+        Ok(unread)
+    }
+
+    fn list(&self) -> MutexGuard<'_, VecDeque<Arc<TcpStream>>> {
+        let list = self.shared.unread.lock();
+        list.unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Drop for Unread {
+    fn drop(&mut self) {
+        self.list()
+            .retain(|other| !Arc::ptr_eq(other, &self.handle));
+    }
+}
+
+/// Gives a connection its thread.
+fn take(mut stream: TcpStream, shared: &Arc<Shared>) {
+    let permit = Permit::take(shared, |s| &s.connections, MAX_CONNECTIONS);
+    let (Some(permit), Ok(unread)) = (permit, Unread::enter(&stream, shared)) else {
+        return;
     };
+    let shared = Arc::clone(shared);
+    let thread = std::thread::Builder::new().stack_size(STACK);
+    // Without a thread it is dropped.
+    let _ = thread.spawn(move || {
+        let head = Head::read(&mut stream);
+        drop(unread);
+        if let Some(head) = head {
+            answer(stream, head, &shared);
+        }
+        drop(permit);
+    });
 }
 
-fn document(kind: &str, text: &str) -> Response<Cursor<Vec<u8>>> {
-    let headers = [
-        ("Content-Type", kind),
-        ("Cache-Control", "no-store"),
-        ("Referrer-Policy", "no-referrer"),
-        ("X-Content-Type-Options", "nosniff"),
-    ];
-    let response = Response::from_data(text);
-    headers
-        .into_iter()
-        .filter_map(|(name, value)| header(name, value))
-        .fold(response, Response::with_header)
-}
-
-fn header(name: &str, value: &str) -> Option<Header> {
-    Header::from_bytes(name, value).ok()
+fn answer(mut stream: TcpStream, head: Head, shared: &Arc<Shared>) {
+    let path = head.path().and_then(|path| path.strip_prefix(&shared.base));
+    let file = page::FILES.iter().find(|file| Some(file.path) == path);
+    match (path, file) {
+        (None, _) => http::refuse(&mut stream, "404 Not Found"),
+        _ if !head.is_own(&shared.names) => http::refuse(&mut stream, "403 Forbidden"),
+        (Some("frames"), _) => show(stream, head, shared),
+        (Some(""), _) => http::document(&mut stream, "text/html; charset=utf-8", &shared.index),
+        (_, Some(file)) => http::document(&mut stream, file.kind, file.text),
+        _ => http::refuse(&mut stream, "404 Not Found"),
+    }
 }
 
 /// Sends frames to a viewer until it goes away.
-fn show(request: Request, shared: &Arc<Shared>) {
-    let mut headers = request.headers().iter();
-    let key = headers.find(|h| h.field.equiv("Sec-WebSocket-Key"));
-    let Some(accept) = key.map(|key| derive_accept_key(key.value.as_str().as_bytes())) else {
-        let _ = request.respond(Response::empty(426));
-        return;
+fn show(mut stream: TcpStream, head: Head, shared: &Arc<Shared>) {
+    let Some(key) = head.header("sec-websocket-key") else {
+        return http::refuse(&mut stream, "426 Upgrade Required");
     };
     let Some(_permit) = Permit::take(shared, |s| &s.viewers, MAX_VIEWERS) else {
-        let _ = request.respond(Response::empty(503));
-        return;
+        return http::refuse(&mut stream, "503 Service Unavailable");
     };
-    let mut response = Response::empty(101);
-    response.add_header(match header("Sec-WebSocket-Accept", &accept) {
-        Some(header) => header,
-        None => return,
-    });
-    let stream = request.upgrade("websocket", response);
+    if http::upgrade(&mut stream, &derive_accept_key(key.as_bytes())).is_err() {
+        return;
+    }
     let config = WebSocketConfig::default()
         .max_message_size(Some(MAX_MESSAGE))
         .max_frame_size(Some(MAX_MESSAGE));
-    let mut socket = WebSocket::from_raw_socket(stream, Role::Server, Some(config));
+    let mut socket = WebSocket::from_partially_read(stream, head.rest, Role::Server, Some(config));
     while let Ok(message) = socket.read() {
         if !matches!(message, Message::Text(_) | Message::Binary(_)) {
             continue;

@@ -7,6 +7,7 @@ use crate::common::{arg, gradient_clip, posewise};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
 use serde_json::Value;
+use sha2::Digest;
 
 /// A rendered head; 20 frames a second.
 const DEMO: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/demo.y4m.gz");
@@ -105,7 +106,8 @@ fn tables_manifest_and_resuming() {
             .unwrap()
     };
     let before = changed("a.y4m.gz.parquet");
-    std::fs::write(out.join("sub/.posewise-1-c.parquet"), "half").unwrap();
+    let left = temporary(&out.join("sub/b.y4m.gz.parquet"));
+    std::fs::write(&left, "half").unwrap();
     let (_, said, _) = index(&args);
     assert!(
         said.contains("tracked  0 videos") && said.contains("present  3"),
@@ -119,6 +121,75 @@ fn tables_manifest_and_resuming() {
     assert!(said.contains("tracked  1 videos, 6 frames"), "{said}");
     let (_, said, _) = index(&[&args[..], &["--min-face", "60"]].concat());
     assert!(said.contains("tracked  3 videos"), "{said}");
+    let (_, said, _) = index(&[&args[..], &["--min-face", "60", "--gaze"]].concat());
+    assert!(said.contains("tracked  3 videos"), "gaze counts: {said}");
+    let natural = ["--min-face", "60", "--gaze", "--natural-gaze"];
+    let (_, said, _) = index(&[&args[..], &natural].concat());
+    assert!(said.contains("tracked  3 videos"), "this too: {said}");
+}
+
+/// The name under which process 1 writes a file until it is complete.
+fn temporary(path: &Path) -> PathBuf {
+    let name = path.file_name().unwrap().as_encoded_bytes();
+    let digest = sha2::Sha256::digest(name);
+    let mark: String = digest[..8].iter().map(|b| format!("{b:02x}")).collect();
+    let ending = path.extension().unwrap().display();
+    path.with_file_name(format!(".posewise-1-{mark}.{ending}"))
+}
+
+/// Only what a killed run left of these tables is removed.
+#[test]
+fn files_of_others_stay() {
+    let dir = tempfile::tempdir().unwrap();
+    let (folder, out) = (dir.path().join("videos"), dir.path().join("out"));
+    std::fs::create_dir(&folder).unwrap();
+    std::fs::write(folder.join("a.y4m"), gradient_clip(64, 48, 2)).unwrap();
+    std::fs::create_dir_all(out.join("mine")).unwrap();
+    let others = [
+        ".posewise-notes",
+        ".posewise-1-a.csv",
+        ".posewise-77-0123456789abcdef.csv",
+        "mine/.posewise-1-0123456789abcdef.parquet",
+    ];
+    for name in others {
+        std::fs::write(out.join(name), "kept").unwrap();
+    }
+    let left = ["a.y4m.parquet", "manifest.jsonl"].map(|name| temporary(&out.join(name)));
+    for left in &left {
+        std::fs::write(left, "half").unwrap();
+    }
+    let (status, _, errors) = index(&[arg(&folder), "--out", arg(&out)]);
+    assert_eq!(status, Some(0), "{errors}");
+    let mut expected: Vec<PathBuf> = others.map(PathBuf::from).to_vec();
+    expected.extend(["a.y4m.parquet", "manifest.jsonl"].map(PathBuf::from));
+    expected.sort();
+    assert_eq!(files(&out), expected);
+}
+
+/// Two runs on the same videos write the same, whatever addresses ffmpeg's messages hold.
+#[cfg(unix)]
+#[test]
+fn manifests_of_equal_runs_are_equal() {
+    use std::os::unix::fs::PermissionsExt;
+    let dir = tempfile::tempdir().unwrap();
+    let ffmpeg = dir.path().join("ffmpeg");
+    let script = "#!/bin/sh\necho \"[mov,mp4 @ 0x5578$$] moov atom not found\" >&2\nexit 1\n";
+    std::fs::write(&ffmpeg, script).unwrap();
+    std::fs::set_permissions(&ffmpeg, std::fs::Permissions::from_mode(0o755)).unwrap();
+    let video = dir.path().join("broken.mp4");
+    std::fs::write(&video, "no video").unwrap();
+    let paths = std::env::var("PATH").unwrap();
+    let lines = ["one", "two"].map(|name| {
+        let out = dir.path().join(name);
+        let mut command = posewise();
+        command.args(["index", arg(&video), "--out", arg(&out)]);
+        command.env("PATH", format!("{}:{paths}", dir.path().display()));
+        command.assert().code(1);
+        manifest(&out)
+    });
+    assert_eq!(lines[0], lines[1]);
+    let said = lines[0][0]["error"].as_str().unwrap();
+    assert!(said.contains("[mov,mp4] moov atom not found"), "{said}");
 }
 
 /// The numbers are those of `track --csv`, with the model and the settings beside them.

@@ -72,3 +72,31 @@ fn bad_models_are_named_by_every_command() {
         &["cannot read model"],
     );
 }
+
+/// Files without an end are given up, long before memory is.
+#[cfg(unix)]
+#[test]
+fn endless_files_are_refused() {
+    let dir = tempfile::tempdir().unwrap();
+    let clip = dir.path().join("clip.y4m");
+    std::fs::write(&clip, gradient_clip(32, 32, 1)).unwrap();
+    let (clip, out) = (arg(&clip), dir.path().join("out"));
+    let zero = "/dev/zero";
+    for args in [
+        &["model", "info", zero][..],
+        &["track", clip, "--model", zero],
+        &["track", clip, "--calibration", zero],
+        &["track", clip, "--monitor", "--monitor-zones", zero],
+        &["index", zero, "--out", arg(&out)],
+        &["index", clip, "--calibration", zero, "--out", arg(&out)],
+    ] {
+        // 2 GB of addresses.
+        let run = common::limited("-v 2000000").args(args).assert();
+        let said = String::from_utf8_lossy(&run.get_output().stderr).into_owned();
+        assert_eq!(run.get_output().status.code(), Some(1), "{args:?}: {said}");
+        assert!(
+            said.contains("/dev/zero") && said.contains("MB"),
+            "{args:?}: {said}"
+        );
+    }
+}

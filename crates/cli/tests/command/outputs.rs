@@ -2,7 +2,7 @@
 //! order when a signal ends the command.
 #![cfg(unix)]
 
-use crate::common::{arg, fails_with, gradient_clip, posewise};
+use crate::common::{arg, fails_with, gradient_clip, limited, posewise};
 use std::io::Write;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -56,6 +56,13 @@ fn inputs_are_not_overwritten() {
         &["--csv", arg(&path("pictures/000001.png"))],
     );
     refused(arg(&path("pictures/*.png")), &["--overlay", arg(&pictures)]);
+    let picture = path("pictures/000001.png");
+    refused(arg(&picture), &["--overlay", arg(&pictures)]);
+    let plot = path("pictures/000002.png");
+    refused(
+        arg(&clip_path),
+        &["--plot", arg(&plot), "--overlay", arg(&pictures)],
+    );
     let (new, same) = (path("new.csv"), path("pictures/../new.csv"));
     refused(
         arg(&clip_path),
@@ -180,4 +187,69 @@ fn pipes_with_names_are_read() {
     let out = run.success().get_output().stdout.clone();
     assert_eq!(String::from_utf8(out).unwrap().lines().count(), 4);
     writer.join().unwrap().unwrap();
+}
+
+/// What does not fit leaves what was there, and nothing half-written.
+#[test]
+fn a_full_disk_replaces_nothing() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = |name: &str| dir.path().join(name);
+    let clip = path("clip.y4m");
+    std::fs::write(&clip, gradient_clip(64, 48, 40)).unwrap();
+    for name in ["old.y4m", "old.csv"] {
+        std::fs::write(path(name), "old").unwrap();
+    }
+    // A frame of the overlay has 9 KB, a row of the CSV some 4 KB.
+    for (option, name) in [("--overlay", "old.y4m"), ("--csv", "old.csv")] {
+        let file = path(name);
+        let args = ["track", arg(&clip), option, arg(&file)];
+        let run = limited("-f 20").args(args).assert();
+        let said = String::from_utf8_lossy(&run.get_output().stderr).into_owned();
+        assert_eq!(run.get_output().status.code(), Some(1), "{name}: {said}");
+        assert!(said.contains("cannot write"), "{said}");
+        assert_eq!(std::fs::read(&file).unwrap(), b"old", "{name}");
+    }
+    assert_eq!(names(dir.path()), ["clip.y4m", "old.csv", "old.y4m"]);
+}
+
+#[test]
+fn pictures_and_the_demo_are_whole_or_not_there() {
+    let dir = tempfile::tempdir().unwrap();
+    let folder = dir.path().join("pictures");
+    std::fs::write(dir.path().join("clip.y4m"), gradient_clip(640, 480, 2)).unwrap();
+    std::fs::write(dir.path().join("posewise-demo.csv"), "old").unwrap();
+    let mut track = limited("-f 4");
+    track.args(["track", "clip.y4m", "--overlay", "pictures"]);
+    track.current_dir(dir.path()).assert().code(1);
+    assert!(names(&folder).is_empty(), "{:?}", names(&folder));
+    let mut demo = limited("-f 4");
+    demo.arg("demo").current_dir(dir.path()).assert().code(1);
+    let demo = std::fs::read(dir.path().join("posewise-demo.csv")).unwrap();
+    assert_eq!(demo, b"old");
+    assert_eq!(
+        names(dir.path()),
+        ["clip.y4m", "pictures", "posewise-demo.csv"]
+    );
+}
+
+/// Names of any bytes, as long as the system allows.
+#[test]
+fn every_name_can_be_written() {
+    use std::os::unix::ffi::OsStrExt;
+    let dir = tempfile::tempdir().unwrap();
+    let clip = dir.path().join("clip.y4m");
+    std::fs::write(&clip, gradient_clip(64, 48, 3)).unwrap();
+    let path = |name: &[u8]| dir.path().join(std::ffi::OsStr::from_bytes(name));
+    let (csv, jsonl) = (path(b"t\xff.txt"), path(b"t\xfe.txt"));
+    let mut two = posewise();
+    two.arg("track").arg(&clip).arg("--csv").arg(&csv);
+    two.arg("--jsonl").arg(&jsonl).assert().success();
+    let rows = |path: &Path| std::fs::read_to_string(path).unwrap().lines().count();
+    assert_eq!((rows(&csv), rows(&jsonl)), (1 + 3, 3));
+    let long = path(&[b'x'; 255]);
+    let mut one = posewise();
+    one.arg("track").arg(&clip).arg("--csv").arg(&long);
+    one.assert().success();
+    assert_eq!(rows(&long), 1 + 3);
+    assert_eq!(names(dir.path()).len(), 4);
 }

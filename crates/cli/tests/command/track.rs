@@ -364,3 +364,48 @@ fn a_picture_of_absurd_size_is_refused_before_it_is_decoded() {
     let words = ["huge.png", "100000×100000", "128000000"];
     fails_with(&["track", arg(&path)], Vec::new(), &words);
 }
+
+/// A chunk of a PNG: its length, name, content and checksum.
+fn chunk(name: &[u8; 4], content: &[u8]) -> Vec<u8> {
+    let mut crc = flate2::Crc::new();
+    crc.update(name);
+    crc.update(content);
+    let length = (content.len() as u32).to_be_bytes();
+    [&length[..], name, content, &crc.sum().to_be_bytes()].concat()
+}
+
+/// What describes the colours takes no more memory than the picture may.
+#[cfg(unix)]
+#[test]
+fn a_colour_profile_that_unpacks_to_much_is_refused() {
+    use std::io::Write;
+    let packed = |bytes: &mut dyn std::io::Read| {
+        let mut out = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::fast());
+        std::io::copy(bytes, &mut out).unwrap();
+        out.flush().unwrap();
+        out.finish().unwrap()
+    };
+    let zeros = |count| std::io::Read::take(std::io::repeat(0), count);
+    let header = [0, 0, 0, 8, 0, 0, 0, 8, 8, 0, 0, 0, 0];
+    let profile = [b"x\0\0", &packed(&mut zeros(256 << 20))[..]].concat();
+    let png = [
+        &b"\x89PNG\r\n\x1a\n"[..],
+        &chunk(b"IHDR", &header),
+        &chunk(b"iCCP", &profile),
+        &chunk(b"IDAT", &packed(&mut zeros(8 * 9))),
+        &chunk(b"IEND", &[]),
+    ];
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("bomb.png");
+    std::fs::write(&path, png.concat()).unwrap();
+    let run = posewise()
+        .args(["track", arg(&path), "--csv", "-"])
+        .assert();
+    let said = String::from_utf8_lossy(&run.get_output().stderr).into_owned();
+    assert!(
+        matches!(run.get_output().status.code(), Some(0 | 1)),
+        "{said}"
+    );
+    let peak = common::peak_memory_mb();
+    assert!(peak < 200, "{peak} MB");
+}

@@ -50,3 +50,24 @@ pub fn fails_with(args: &[&str], stdin: Vec<u8>, words: &[&str]) {
 pub fn arg(path: &Path) -> &str {
     path.to_str().expect("temporary paths are UTF-8")
 }
+
+/// The command under a limit of the shell's `ulimit`, as "-f 20" for files of 20 KB.
+#[cfg(unix)]
+pub fn limited(limit: &str) -> Command {
+    let mut command = Command::new("bash");
+    let program = assert_cmd::cargo::cargo_bin("posewise");
+    command.args(["-c", &format!("ulimit {limit} && exec \"$0\" \"$@\"")]);
+    command.arg(program);
+    command
+}
+
+/// Greatest memory that a process of this test needed so far \[MB\].
+#[cfg(unix)]
+pub fn peak_memory_mb() -> i64 {
+    // SAFETY: all bytes zero are a valid `rusage`, which the call fills.
+    unsafe {
+        let mut usage: libc::rusage = std::mem::zeroed();
+        libc::getrusage(libc::RUSAGE_CHILDREN, &mut usage);
+        usage.ru_maxrss / 1024
+    }
+}
