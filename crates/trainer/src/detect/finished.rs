@@ -1,6 +1,6 @@
 //! The network of a finished model as the parameters of a training that goes on.
 
-use super::layer::{BACK, FIRST_KERNEL, Op};
+use super::layer::{ADDEND_BACK, FIRST_KERNEL, Op};
 use super::network::Network;
 use super::quantize::output_unit;
 use crate::dequantized::{UnitLayer, Units, read_layer};
@@ -39,7 +39,7 @@ pub fn parameters(s: &mut Section<'_>, network: &Network) -> Result<Vec<f32>> {
             Op::Add => read_layer(s, 0, 2, Order::Plain),
         }?;
         if l.op == Op::Add {
-            units.tie(k + 1, 1.0 / layer.shares[1], k - BACK);
+            units.tie(k + 1, 1.0 / layer.shares[1], k - ADDEND_BACK);
             units.tie(k, layer.shares[0], k + 1);
         }
         layers.push(layer);

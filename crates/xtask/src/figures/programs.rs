@@ -19,19 +19,19 @@ pub struct Programs {
 }
 
 impl Programs {
-    /// Builds the programs, and copies them and the model to the folder, so that they do not change
-    /// while the source is worked on.
-    pub fn build(root: &Path, model: &Path, scratch: PathBuf) -> Result<Self> {
-        let names = ["posewise", "posewise-train"];
+    /// Builds the programs (their packages and names), and copies them and the model to the folder,
+    /// so that they do not change while the source is worked on.
+    pub fn build(
+        root: &Path,
+        model: &Path,
+        scratch: PathBuf,
+        programs: &[(&str, &str)],
+    ) -> Result<Self> {
         let mut cargo = Command::new("cargo");
-        cargo.args([
-            "build",
-            "--release",
-            "-p",
-            "posewise-cli",
-            "-p",
-            "posewise-train",
-        ]);
+        cargo.args(["build", "--release"]);
+        for (package, _) in programs {
+            cargo.args(["-p", package]);
+        }
         succeed(cargo.current_dir(root))?;
         let target = std::env::var_os("CARGO_TARGET_DIR");
         let built = target
@@ -40,7 +40,8 @@ impl Programs {
         let mut hasher = DefaultHasher::new();
         let folder = scratch.join("programs");
         std::fs::create_dir_all(&folder)?;
-        for name in names.map(|name| format!("{name}{}", std::env::consts::EXE_SUFFIX)) {
+        for (_, name) in programs {
+            let name = format!("{name}{}", std::env::consts::EXE_SUFFIX);
             // A copy that still runs cannot be written to, but it can be replaced.
             let copy = folder.join(&name);
             if copy.exists() {

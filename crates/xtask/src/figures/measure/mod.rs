@@ -6,9 +6,9 @@ mod photographs;
 mod search;
 mod sweeps;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use serde_json::{Map, Value, json};
 
 use super::programs::Programs;
@@ -30,6 +30,9 @@ pub struct Args {
     /// The JSON to write; docs/figures/MODEL.json unless given.
     #[arg(long)]
     out: Option<PathBuf>,
+    /// Measure only these parts, separated by commas, and keep the others in the JSON.
+    #[arg(long, value_delimiter = ',')]
+    only: Vec<String>,
 }
 
 /// Runs the command.
@@ -40,7 +43,12 @@ pub fn run(args: &Args) -> Result<()> {
     let model = args.model.canonicalize()?;
     let data = args.data.canonicalize()?;
     let scratch = root().join("target/measure").join(&name);
-    let programs = Programs::build(&root(), &model, scratch)?;
+    let is_wanted = |key: &str| args.only.is_empty() || args.only.iter().any(|name| name == key);
+    let mut built = vec![("posewise-cli", "posewise")];
+    if is_wanted("real_eyes") {
+        built.push(("posewise-train", "posewise-train"));
+    }
+    let programs = Programs::build(&root(), &model, scratch, &built)?;
     let clips = clips::rendered_clips(&data.join("clips-rendered"), "mp4", &programs.scratch)?;
     let sweeps = match &args.sweeps {
         Some(folder) => clips::rendered_clips(folder, "y4m.gz", &programs.scratch)?,
@@ -52,11 +60,38 @@ pub fn run(args: &Args) -> Result<()> {
         clips,
         sweeps,
     };
-    let mut figures = Map::new();
     let crc = super::value::checksum(&std::fs::read(&model)?)?;
-    figures.insert("model".into(), json!({"name": name, "crc32": crc}));
-    let parts: [(&str, Part); 14] = [
+    let mut figures = match args.only.is_empty() {
+        true => Map::new(),
+        false => others(&out, &crc)?,
+    };
+    figures.insert("model".into(), json!({"crc32": crc}));
+    let parts = parts(!bench.sweeps.is_empty());
+    for name in &args.only {
+        ensure!(parts.iter().any(|(key, _)| key == name), "no part {name}");
+    }
+    for (key, measure) in parts.into_iter().filter(|(key, _)| is_wanted(key)) {
+        figures.insert(key.into(), bench.part(key, measure)?);
+    }
+    if is_wanted("bench") {
+        figures.insert("processor".into(), processor().into());
+    }
+    let all = bench.programs.scratch.join("all.json");
+    let figures = Value::Object(figures);
+    std::fs::write(all, serde_json::to_string_pretty(&figures)?)?;
+    if let Some(folder) = out.parent() {
+        std::fs::create_dir_all(folder)?;
+    }
+    let shown = super::pages::shown(&name, figures)?;
+    std::fs::write(&out, super::value::lines(&shown)).with_context(|| out.display().to_string())
+}
+
+/// What is measured, in the order of the JSON.
+fn parts(has_sweeps: bool) -> Vec<(&'static str, Part)> {
+    let mut parts: Vec<(&str, Part)> = vec![
         ("photographs_manual", photographs::manual),
+        ("profiles", photographs::profiles),
+        ("angles", photographs::angles),
         ("photographs", |b| b.photographs(&[])),
         ("photographs_turned", photographs::photographs_turned),
         ("photographs_poor", photographs::photographs_poor),
@@ -71,18 +106,23 @@ pub fn run(args: &Args) -> Result<()> {
         ("drift", clips::drift),
         ("bench", |b| b.programs.json("posewise", &["bench"], true)),
     ];
-    for (key, measure) in parts {
-        figures.insert(key.into(), bench.part(key, measure)?);
+    if has_sweeps {
+        parts.push(("sweeps", sweeps::sweeps));
     }
-    if !bench.sweeps.is_empty() {
-        figures.insert("sweeps".into(), bench.part("sweeps", sweeps::sweeps)?);
-    }
-    figures.insert("processor".into(), processor().into());
-    if let Some(folder) = out.parent() {
-        std::fs::create_dir_all(folder)?;
-    }
-    let text = serde_json::to_string_pretty(&Value::Object(figures))?;
-    std::fs::write(&out, text + "\n").with_context(|| out.display().to_string())
+    parts
+}
+
+/// The figures that a file has, which must be those of this model.
+fn others(file: &Path, crc: &str) -> Result<Map<String, Value>> {
+    let text = std::fs::read_to_string(file).with_context(|| file.display().to_string())?;
+    let figures: Map<String, Value> = serde_json::from_str(&text)?;
+    let measured = figures.get("model").map(|model| &model["crc32"]);
+    ensure!(
+        measured == Some(&Value::from(crc)),
+        "{} has the figures of another model",
+        file.display()
+    );
+    Ok(figures)
 }
 
 /// The name of the processor that the times are of, where the system has it.

@@ -3,7 +3,7 @@
 use anyhow::Result;
 use serde_json::{Value, json};
 
-use super::bench::Bench;
+use super::bench::{Bench, text, words};
 
 /// Options of `eval landmarks` for photographs that are turned.
 const ROLLS: [&str; 3] = ["30", "45", "-45"];
@@ -16,9 +16,39 @@ const POOR: [&[&str]; 5] = [
     &["--blur", "3"],
 ];
 
+/// Focal length of the pictures with labelled angles \[px\].
+const POINTING_FOCAL: &str = "1300";
+
 /// Photographs whose landmarks people set: the first figures.
 pub fn manual(bench: &Bench) -> Result<Value> {
     bench.photographs_of("faces300w/dev", &[])
+}
+
+/// Real profiles, found as `posewise track` finds faces.
+pub fn profiles(bench: &Bench) -> Result<Value> {
+    heads(bench, "profiles", "profiles/dev.csv", "profiles/dev", &[])
+}
+
+/// Real heads with labelled angles, with the camera left unknown and told.
+pub fn angles(bench: &Bench) -> Result<Value> {
+    let of = |options: &[&str]| {
+        let csv = "pointing04/labels.csv";
+        heads(bench, "angles", csv, "pointing04", options)
+    };
+    let unknown = of(&["--yaw-left"])?;
+    Ok(json!({"unknown": unknown, "told": of(&["--yaw-left", "--focal", POINTING_FOCAL])?}))
+}
+
+/// What `eval` says of labelled pictures.
+fn heads(bench: &Bench, what: &str, csv: &str, images: &str, options: &[&str]) -> Result<Value> {
+    let mut args = words(&["eval", what, "--min-face", "40", "--csv"]);
+    args.extend([
+        text(&bench.at(csv)),
+        "--images".into(),
+        text(&bench.at(images)),
+    ]);
+    args.extend(words(options));
+    bench.programs.json("posewise", &args, true)
 }
 
 pub fn photographs_turned(bench: &Bench) -> Result<Value> {

@@ -3,10 +3,8 @@
 use std::fmt::Write as _;
 
 use anyhow::{Context, Result};
-use serde_json::Value;
 
-use super::super::value::at;
-use super::table::{Model, by_model, side_by_side, table, word};
+use super::table::{Model, by_model, side_by_side, table};
 
 pub fn clips(models: &[Model]) -> Result<String> {
     let angle = |m: &Model, band: &str| m.at(&format!("/clips/pose/yaw_bands/{band}/e_m_deg"));
@@ -70,11 +68,9 @@ pub fn clips(models: &[Model]) -> Result<String> {
 pub fn clip_by_clip(models: &[Model]) -> Result<String> {
     let mut out = String::new();
     for model in models {
-        let clips = model.figures.pointer("/clips/pose/clips");
-        let clips = clips.and_then(Value::as_object).context("no clips")?;
         let mut rows = vec![];
-        for (name, figures) in clips {
-            let at = |key: &str| at(figures, key);
+        for name in model.keys("/clips/pose/clips")? {
+            let at = |key: &str| model.at(&format!("/clips/pose/clips/{name}{key}"));
             rows.push(vec![
                 name.trim_end_matches(".csv").to_string(),
                 at("/counted")?.count(),
@@ -154,8 +150,8 @@ pub fn real_eyes(models: &[Model]) -> Result<String> {
 pub fn stills(models: &[Model]) -> Result<String> {
     let first = models.first().context("no models")?;
     let mut rows = vec![];
-    for index in 0..first.list("/stills")?.len() {
-        let pointer = |key: &str| format!("/stills/{index}/{key}");
+    for still in first.list("/stills")? {
+        let pointer = |key: &str| format!("{still}/{key}");
         let mut row = vec![
             format!("to {}°", first.at(&pointer("to_deg"))?.count()),
             first.at(&pointer("stills"))?.count(),
@@ -197,10 +193,10 @@ pub fn webcams(models: &[Model]) -> Result<String> {
 pub fn smoothed(models: &[Model]) -> Result<String> {
     let mut rows = vec![];
     for model in models {
-        for (index, item) in model.list("/smoothed_clips")?.iter().enumerate() {
-            let name = word(item, "clip")?;
+        for item in model.list("/smoothed_clips")? {
+            let name = model.word(&format!("{item}/clip"))?;
             let raw = format!("/clips/pose/clips/{name}.csv");
-            let smoothed = format!("/smoothed_clips/{index}/result");
+            let smoothed = format!("{item}/result");
             let at = |pointer: &str, key: &str| model.at(&format!("{pointer}/{key}"));
             rows.push(vec![
                 name,

@@ -1,6 +1,8 @@
 //! Writes the pages' Markdown from the figures of all models.
 
 mod clips;
+mod heads;
+mod model;
 mod photographs;
 mod search;
 mod sweeps;
@@ -13,13 +15,18 @@ use table::{Render, fill, side_by_side};
 
 /// `docs/accuracy.md`.
 pub fn accuracy(models: &[Model]) -> Result<String> {
-    let tables: [(&str, Render); 22] = [
+    let tables: [(&str, Render); 27] = [
         ("labels", photographs::labels),
         ("manual", photographs::manual),
         ("automatic", photographs::automatic),
         ("photographs", photographs::photographs),
         ("parts", photographs::parts),
         ("calibration", photographs::calibration),
+        ("profiles", heads::profiles),
+        ("profile-yaw", heads::profile_yaw),
+        ("angles", heads::angles),
+        ("slopes", heads::slopes),
+        ("pitch", heads::pitch),
         ("turned", photographs::turned),
         ("poor", photographs::poor),
         ("clips", clips::clips),
@@ -85,6 +92,17 @@ pub fn readme(models: &[Model]) -> Result<String> {
             (
                 "… mean error of 68 landmarks, in % of the distance between the outer eye corners",
                 &error,
+            ),
+            ("168 photographs of profiles: faces found", &|m| {
+                Ok(m.at(&format!("{}/found", heads::PROFILES))?.percent(1) + " %")
+            }),
+            (
+                "… mean error of the jaw, in % of the distance from chin to brow",
+                &|m| Ok(m.at(&format!("{}/jaw", heads::PROFILES))?.percent(1)),
+            ),
+            (
+                "heads turned by 30°, 60°, 90°: median yaw to the line of sight",
+                &heads::medians,
             ),
             ("12 rendered clips, 4,093 frames: tracked", &|m| {
                 Ok(m.at("/clips/pose/p_s")?.percent(2) + " %")

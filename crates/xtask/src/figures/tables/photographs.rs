@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result};
 
-use super::table::{Model, Render, Row, by_model, fill, side_by_side, table, word};
+use super::table::{Model, Render, Row, by_model, fill, side_by_side, table};
 
 const LANDMARK_HEADER: [&str; 5] = ["found %", "NME68 %", "median %", "NME51 %", "failures %"];
 
@@ -24,7 +24,7 @@ const AUTOMATIC: &str = "/photographs";
 
 /// Whether all models were measured on manual labels; figures of an earlier `measure` were not.
 fn has_manual(models: &[Model]) -> bool {
-    models.iter().all(|m| m.figures.pointer(MANUAL).is_some())
+    models.iter().all(|m| m.has(MANUAL))
 }
 
 /// Where the first figures of photographs are, and what they are.
@@ -171,9 +171,9 @@ pub fn turned(models: &[Model]) -> Result<String> {
 pub fn poor(models: &[Model]) -> Result<String> {
     let mut rows = vec![];
     let first = models.first().context("no models")?;
-    for (index, item) in first.list("/photographs_poor")?.iter().enumerate() {
-        let options = format!("`{}`", word(item, "options")?);
-        let pointer = format!("/photographs_poor/{index}/result");
+    for item in first.list("/photographs_poor")? {
+        let options = format!("`{}`", first.word(&format!("{item}/options"))?);
+        let pointer = format!("{item}/result");
         rows.extend(by_model(models, &[(&options, &pointer)], landmark_cells)?);
     }
     let mut header = vec!["options", "model"];
@@ -195,10 +195,7 @@ mod tests {
             "parts": {"jaw": 0.1, "brows": 0.1, "nose": 0.1, "eyes": 0.1, "mouth": 0.1}});
         let mut manual_set = set.clone();
         manual_set["yaw_bands"] = json!({"frontal": set, "turned": set, "far_turned": set});
-        let model = |figures| Model {
-            name: "default".into(),
-            figures,
-        };
+        let model = |figures| Model::new("default", figures);
         let without = [model(json!({}))];
         assert_eq!(
             manual(&without).unwrap() + &automatic(&without).unwrap(),

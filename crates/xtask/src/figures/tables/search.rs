@@ -2,7 +2,8 @@
 
 use anyhow::{Context, Result};
 
-use super::table::{Model, by_model, side_by_side, table, word};
+use super::super::value::Figure;
+use super::table::{Model, by_model, side_by_side, table};
 
 pub fn recovery(models: &[Model]) -> Result<String> {
     let items = [
@@ -76,8 +77,8 @@ fn tracked_table(case: &str, models: &[Model], rows: &[Vec<String>]) -> String {
 pub fn fast(models: &[Model]) -> Result<String> {
     let first = models.first().context("no models")?;
     let mut rows = vec![];
-    for index in 0..first.list("/fast_motion")?.len() {
-        let pointer = |key: &str| format!("/fast_motion/{index}/{key}");
+    for item in first.list("/fast_motion")? {
+        let pointer = |key: &str| format!("{item}/{key}");
         let mut row = vec![
             first.at(&pointer("every"))?.count(),
             first.at(&pointer("frames"))?.count(),
@@ -93,9 +94,9 @@ pub fn fast(models: &[Model]) -> Result<String> {
 pub fn faceless(models: &[Model]) -> Result<String> {
     let first = models.first().context("no models")?;
     let mut rows = vec![];
-    for (index, item) in first.list("/lost_and_found/faceless")?.iter().enumerate() {
-        let options = word(item, "options")?;
-        let pointer = |key: &str| format!("/lost_and_found/faceless/{index}/result/{key}");
+    for item in first.list("/lost_and_found/faceless")? {
+        let options = first.word(&format!("{item}/options"))?;
+        let pointer = |key: &str| format!("{item}/result/{key}");
         let mut row = vec![
             if options.is_empty() {
                 "none".into()
@@ -113,12 +114,15 @@ pub fn faceless(models: &[Model]) -> Result<String> {
 }
 
 pub fn departure(models: &[Model]) -> Result<String> {
-    let sum = |m: &Model, key: &str| -> Result<f64> {
-        let list = m.list("/lost_and_found/departure")?;
-        Ok(list.iter().filter_map(|way| way[key].as_f64()).sum())
+    let sum = |m: &Model, key: &str| -> Result<Figure> {
+        let ways = m.list("/lost_and_found/departure")?;
+        let counts = ways.iter().map(|way| m.at(&format!("{way}/{key}")));
+        let sum = counts.reduce(|a, b| Ok(a?.plus(b?)));
+        sum.context("no ways")?
     };
     let of = |m: &Model, tracked: &str, frames: &str| -> Result<String> {
-        Ok(format!("{} of {}", sum(m, tracked)?, sum(m, frames)?))
+        let (tracked, frames) = (sum(m, tracked)?, sum(m, frames)?);
+        Ok(format!("{} of {}", tracked.count(), frames.count()))
     };
     side_by_side(
         models,
@@ -150,7 +154,12 @@ pub fn cost(models: &[Model]) -> Result<String> {
                 ms(m, "searching/median_ns")
             }),
             ("the worst-case step", &|m| ms(m, "worst_ns")),
+            ("processor", &|m| m.word("/processor")),
+            ("kernel", &|m| m.word("/bench/kernel")),
             ("model", &|m| bytes(m, "model_bytes")),
+            ("model: CRC-32", &|m| m.word("/model/crc32")),
+            ("tracker memory", &|m| bytes(m, "tracker_bytes")),
+            ("stack of the steps", &|m| bytes(m, "peak_stack_bytes")),
         ],
     )
 }

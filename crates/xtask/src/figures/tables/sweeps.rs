@@ -6,7 +6,7 @@ use super::table::{Model, Render, Row, by_model, fill, table};
 
 /// The section of these clips; nothing unless all models were measured on them.
 pub fn sweeps(models: &[Model]) -> Result<String> {
-    if models.iter().any(|m| m.figures.get("sweeps").is_none()) {
+    if !models.iter().all(|m| m.has("/sweeps")) {
         return Ok(String::new());
     }
     let tables: [(&str, Render); 2] = [("heads", heads), ("covers", covers)];
@@ -49,11 +49,10 @@ fn heads(models: &[Model]) -> Result<String> {
 
 fn covers(models: &[Model]) -> Result<String> {
     let first = models.first().context("no models")?;
-    let kinds = first.figures["sweeps"].as_object();
-    let kinds = kinds.context("sweeps are no object")?.keys();
+    let kinds = first.keys("/sweeps")?;
     let open = ["heads", "yaw", "pitch", "candide", "covered"];
     let mut items: Vec<(&str, &str)> = vec![("all covers", "covered")];
-    let covers = kinds.filter(|kind| !open.contains(&kind.as_str()));
+    let covers = kinds.iter().filter(|kind| !open.contains(&kind.as_str()));
     items.extend(covers.map(|kind| (kind.as_str(), kind.as_str())));
     let rows = by_model(models, &items, |model, kind| -> Result<Row> {
         let at = |key: &str| model.at(&format!("/sweeps/{kind}/occluded/{key}"));
@@ -90,10 +89,7 @@ mod tests {
         let steps: serde_json::Map<_, _> = names.map(|n| (n, numbers.clone())).collect();
         let of = json!({"yaw_steps": steps, "occluded": numbers});
         let measured = json!({"sweeps": {"heads": of, "candide": of, "covered": of, "scarf": of}});
-        let model = |figures| Model {
-            name: "default".into(),
-            figures,
-        };
+        let model = |figures| Model::new("default", figures);
         assert_eq!(sweeps(&[model(json!({}))]).unwrap(), "");
         let text = sweeps(&[model(measured)]).unwrap();
         assert!(text.contains("| heads, 90° to 100° | default | 120 | 90.0 | 4.0 | 2.0 |"));

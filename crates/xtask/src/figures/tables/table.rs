@@ -2,31 +2,9 @@
 
 use std::fmt::Write as _;
 
-use anyhow::{Context, Result};
-use serde_json::Value;
+use anyhow::Result;
 
-use super::super::value::{Figure, at};
-
-/// The figures of one model.
-pub struct Model {
-    /// The name of its file.
-    pub name: String,
-    /// What `measure` wrote.
-    pub figures: Value,
-}
-
-impl Model {
-    /// The figure at a JSON pointer.
-    pub fn at(&self, pointer: &str) -> Result<Figure> {
-        at(&self.figures, pointer).with_context(|| format!("model {}", self.name))
-    }
-
-    /// The list at a JSON pointer.
-    pub fn list(&self, pointer: &str) -> Result<&Vec<Value>> {
-        let list = self.figures.pointer(pointer).and_then(Value::as_array);
-        list.with_context(|| format!("model {}: no list {pointer}", self.name))
-    }
-}
+pub use super::model::Model;
 
 /// The cells of one row.
 pub type Row = Vec<String>;
@@ -45,12 +23,6 @@ pub fn table(header: &[&str], rows: &[Row]) -> String {
         let _ = writeln!(out, "| {} |", row.join(" | "));
     }
     out
-}
-
-/// A word in a list of figures.
-pub fn word(value: &Value, key: &str) -> Result<String> {
-    let word = value[key].as_str();
-    Ok(word.with_context(|| format!("no word {key}"))?.to_string())
 }
 
 /// One row per model and item: `row(model)` gives the cells after the item's and the model's name.
