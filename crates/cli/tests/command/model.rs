@@ -91,7 +91,7 @@ fn endless_files_are_refused() {
         &["index", clip, "--calibration", zero, "--out", arg(&out)],
     ] {
         // 2 GB of addresses.
-        let run = common::limited("-v 2000000").args(args).assert();
+        let run = crate::common::limited("-v 2000000").args(args).assert();
         let said = String::from_utf8_lossy(&run.get_output().stderr).into_owned();
         assert_eq!(run.get_output().status.code(), Some(1), "{args:?}: {said}");
         assert!(

@@ -406,6 +406,6 @@ fn a_colour_profile_that_unpacks_to_much_is_refused() {
         matches!(run.get_output().status.code(), Some(0 | 1)),
         "{said}"
     );
-    let peak = common::peak_memory_mb();
+    let peak = crate::common::peak_memory_mb();
     assert!(peak < 200, "{peak} MB");
 }

@@ -364,6 +364,8 @@ mod tests {
             weight: 1.0,
             share: 1.0,
             visible: [true; LANDMARKS],
+            known: [true; LANDMARKS],
+            is_single_eye: false,
         }
     }
 

@@ -13,7 +13,7 @@ use crate::render::{Kind, eye_cache};
 use crate::sources::Terms;
 use anyhow::{Context as _, Result};
 use posewise::align::EYES_TAG;
-use posewise_format::{AlignedBytes, Blob, SectionWriter};
+use posewise_format::{AlignedBytes, Blob, SectionWriter, Tag};
 use std::path::PathBuf;
 
 /// Renders of other people, by which probabilities are calibrated.
@@ -126,6 +126,25 @@ pub fn add(add: &AddArgs) -> Result<()> {
 
 /// Where the part of a data sheet begins that is about the section.
 const HEADING: &str = "\n\nEyes (section EYES):\n";
+
+/// The section of the finished model that a training goes on from, and what its data sheet says of
+/// it: no stage of a whole model makes it.
+pub fn finished(context: &Context<'_>) -> Result<Option<(SectionWriter, String)>> {
+    let Some((bytes, _)) = &context.finished else {
+        return Ok(None);
+    };
+    let all = Blob::open(bytes)?;
+    let find = |wanted: Tag| all.sections().find(|(tag, _)| *tag == wanted);
+    let Some((tag, section)) = find(EYES_TAG) else {
+        return Ok(None);
+    };
+    let sheet = find(*b"INFO").map_or(&[][..], |(_, bytes)| bytes);
+    let sheet = String::from_utf8_lossy(sheet);
+    let about = sheet.split_once(HEADING).map_or("", |(_, about)| about);
+    let about = about.trim_end_matches(['\0', '\n']);
+    let section = SectionWriter::of_bytes(tag, section.to_vec());
+    Ok(Some((section, format!("{HEADING}{about}\n"))))
+}
 
 /// What a data sheet says of the section.
 fn about(args: &Args, figures: &serde_json::Value) -> String {

@@ -4,7 +4,7 @@ use super::args::{Args, Until};
 use super::context::Context;
 use super::store::Store;
 use super::{
-    data_sheet, detector, ensemble_member, face, fits, global_network, pack, refiners,
+    data_sheet, detector, ensemble_member, eyes, face, fits, global_network, pack, refiners,
     rotation_regression, sections, shape_regression, verifier,
 };
 use crate::render::Kind;
@@ -51,8 +51,8 @@ pub fn run(args: &Args) -> Result<()> {
     let rotation = rotation_regression::make(&context, &cascade)?;
     let verifier = verifier::make(&context, &cascade, &detector)?;
     let sheet = data_sheet::make(&context, &cascade)?;
-    let sheet = data_sheet::text(args, &sources, &data_sheet::read(&sheet)?);
-    let sections = [(&face, FACE_TAG), (&detector, detect::TAG)]
+    let mut sheet = data_sheet::text(args, &sources, &data_sheet::read(&sheet)?);
+    let mut sections = [(&face, FACE_TAG), (&detector, detect::TAG)]
         .iter()
         .chain(&cascade)
         .chain(&[
@@ -61,6 +61,10 @@ pub fn run(args: &Args) -> Result<()> {
         ])
         .map(sections::read)
         .collect::<Result<Vec<_>>>()?;
+    if let Some((section, about)) = eyes::finished(&context)? {
+        sections.push(section);
+        sheet += &about;
+    }
     let size = pack::write(args, sections, &sheet)?;
     println!(
         "{}: {size} bytes, in {:.0?}",

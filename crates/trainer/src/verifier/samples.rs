@@ -133,7 +133,13 @@ fn on_faces(model: &AlignModel<'_>, faces: &[Face], seed: u64) -> Vec<Sample> {
                 let mut rng = ChaCha8Rng::seed_from_u64(seed);
                 rng.set_stream(index as u64);
                 let fit = |k| on_face(model, faces, face, index + k, k, &mut rng, work);
-                (0..per_face).filter_map(fit).collect::<Vec<_>>()
+                // Real profiles are rare.
+                let fits = if is_half(face) {
+                    MAX_PER_FACE
+                } else {
+                    per_face
+                };
+                (0..fits).filter_map(fit).collect::<Vec<_>>()
             },
         )
         .flatten()
@@ -174,7 +180,7 @@ fn on_face(
     // Hidden landmarks are estimates: hardly a profile would be well fitted if they counted.
     let visible = (0..LANDMARKS).filter(|k| bare.visible[*k]);
     let well_fitted = mean_error(face, &shape, visible, face.scale()) < CORRECT_PERCENT;
-    let known = face.yaw_deg.is_some() || face.turn().abs() < FRONTAL_TURN;
+    let known = face.yaw_deg.is_some() || is_half(face) || face.turn().abs() < FRONTAL_TURN;
     Some(Sample {
         features: work.features().to_vec(),
         correct: correct.collect(),
@@ -187,6 +193,11 @@ fn on_face(
         fold: face.person.wrapping_mul(0x9E37_79B9) >> 16 & (FOLDS - 1),
         view: work.view(),
     })
+}
+
+/// Whether a half of the face is labelled; the fitted head then says what is hidden.
+fn is_half(face: &Face) -> bool {
+    face.known.contains(&false)
 }
 
 /// A start shape for a face, from a box as far off as a detector's or farther.
