@@ -148,7 +148,7 @@ impl Default for Pose {
 
 impl Pose {
     /// The pose of these angles and this position.
-    #[cfg(any(test, feature = "unstable-internals"))]
+    #[cfg(any(test, feature = "monitor", feature = "unstable-internals"))]
     pub fn of_angles(angles: HeadAngles, translation_mm: Vec3) -> Self {
         Pose {
             rotation: head_rotation(angles),
