@@ -83,8 +83,8 @@ impl Drop for Destination {
     }
 }
 
-/// What tells the incomplete file of this name from others, however long it is and whatever bytes it
-/// has. A short extension stays: it decides the format.
+/// What tells the incomplete file of this name from others, however long it is and whatever bytes
+/// it /// has. A short extension stays: it decides the format.
 fn mark(name: &OsStr) -> String {
     let digest = Sha256::digest(name.as_encoded_bytes());
     let mut mark: String = digest

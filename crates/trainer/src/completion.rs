@@ -2,7 +2,7 @@
 //! known, and says where the others are. What is made up so has no loss; it places the crop.
 
 use crate::face_section::{face_section, open};
-use crate::faces::Face;
+use crate::faces::{self, Face};
 use crate::fit::{FitSettings, Fits, camera};
 use crate::head::Head;
 use crate::photographs::Set;
@@ -29,7 +29,7 @@ pub fn faces(head: &Head, fits: &Fits, data: &Path, set: &Set) -> Result<Vec<Fac
     let bytes = AlignedBytes::new(&blob(&[face_section(head, Some(&fits.offsets_mm))?]));
     let blob = Blob::open(&bytes)?;
     let face = open(&blob)?;
-    let labelled = set.faces(data)?;
+    let labelled = faces::of_set(set, data)?;
     let count = labelled.len();
     let completed: Vec<Face> = labelled
         .into_par_iter()

@@ -23,8 +23,8 @@ pub struct UnitLayer {
     pub shares: [f32; 2],
 }
 
-/// Reads a node that has so many weights by row and channel; 0 rows of a sum, whose channels are
-/// its two inputs.
+/// Reads a node of `rows` times `channels` weights. A sum has no rows, and its channels are its two
+/// inputs.
 pub fn read_layer(
     s: &mut Section<'_>,
     rows: usize,
@@ -83,7 +83,7 @@ pub fn read_layer(
 pub struct Units(Vec<f32>);
 
 impl Units {
-    /// Of so many maps; the first is the input.
+    /// Of this number of maps; the first is the input.
     pub fn new(maps: usize) -> Units {
         let mut units = vec![UNIT; maps];
         units[0] = INPUT_SCALE;
@@ -95,7 +95,7 @@ impl Units {
         self.0[map]
     }
 
-    /// Ties a map's unit to so many units of another one.
+    /// Ties a map's unit to `share` units of another one.
     pub fn tie(&mut self, map: usize, share: f32, to: usize) {
         self.0[map] = share * self.0[to];
     }

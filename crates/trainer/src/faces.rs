@@ -138,6 +138,12 @@ pub fn photographs(csv_path: &Path, images: &Path) -> Result<Vec<Face>> {
     labelled(&labels::read(csv_path)?, images, &set)
 }
 
+/// The faces of a set below the data folder; those whose landmarks are labelled in part need
+/// [`crate::completion`].
+pub fn of_set(set: &Set, data: &Path) -> Result<Vec<Face>> {
+    labelled(&set.labels(data)?, data, set)
+}
+
 /// Faces of the labels of a set, whose pictures are below the data folder.
 pub fn labelled(labels: &[Label], data: &Path, set: &Set) -> Result<Vec<Face>> {
     labels

@@ -4,7 +4,6 @@
 //! [`MANUAL`], [`MANUAL_MORE`] and [`PROFILES`] were made by people, the others by networks that
 //! were mapped to the convention, with a spread.
 
-use crate::faces::{self, Face};
 use crate::labels::{self, Label};
 use anyhow::Result;
 use std::path::Path;
@@ -86,8 +85,8 @@ pub const PROFILES: Set = Set {
     ..MANUAL
 };
 
-/// Portraits in the public domain: 3,490 pictures of some 3,000 people. Their spread is the distance
-/// of another network from the one that labelled them: a bound that is three times as wide.
+/// Portraits in the public domain: 3,490 pictures of some 3,000 people. Their spread is how far
+/// another network is from the one that labelled them: a bound that is three times as wide.
 pub const PORTRAITS: Set = Set {
     table: "free/portraits.csv",
     images: "free/portraits",
@@ -119,12 +118,6 @@ impl Set {
     pub fn person_in(&self, image: &str) -> String {
         let name = image.rsplit_once('/').map_or(image, |(_, name)| name);
         format!("{}/{}", self.images, (self.person)(name))
-    }
-
-    /// Its faces; those of a set whose landmarks are labelled in part need
-    /// [`crate::completion`].
-    pub fn faces(&self, data: &Path) -> Result<Vec<Face>> {
-        faces::labelled(&self.labels(data)?, data, self)
     }
 }
 

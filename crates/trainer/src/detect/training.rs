@@ -208,8 +208,8 @@ fn message(sum: &Losses, options: &Options) -> String {
     )
 }
 
-/// Parameters with normalisation that compute what these compute without it, on some tiles: layer by
-/// layer, its factors and biases undo the moments of its sums.
+/// Parameters with normalisation that compute what these compute without it, on some tiles: layer
+/// by layer, its factors and biases undo the moments of its sums.
 fn normalised(
     network: &Network,
     pictures: &Pictures,

@@ -158,7 +158,7 @@ impl<'a> Context<'a> {
     /// The photographs of a set; where a half is labelled, completed.
     pub fn photographed(&self, set: &Set) -> Result<Vec<Face>> {
         if set.framing != Framing::Half {
-            return set.faces(&self.args.data);
+            return faces::of_set(set, &self.args.data);
         }
         let fits = self
             .fits

@@ -7,7 +7,7 @@ use super::stage::Stage;
 use super::store::Output;
 use super::{global_network, sections};
 use crate::align::{self, Accuracy, Trained};
-use crate::faces::Face;
+use crate::faces::{self, Face};
 use crate::photographs::DEV;
 use crate::sources::{Sources, Terms};
 use anyhow::Result;
@@ -28,7 +28,7 @@ pub fn make(context: &Context<'_>, cascade: &[(&Output, Tag); 4]) -> Result<Outp
         stage = stage.input(name, context.store.data(&context.data(name))?);
     }
     let output = context.store.make(&stage, &[ACCURACY, REPORT], |folder| {
-        let dev = DEV.faces(&context.args.data)?;
+        let dev = faces::of_set(&DEV, &context.args.data)?;
         let network = cascade[0].0.path(global_network::NETWORK);
         let trained = Trained::read(&network, &global_network::options(context).sizes);
         let mut report = Vec::new();
@@ -134,7 +134,8 @@ fn made_from(args: &Args, sources: &Sources) -> String {
         text += &format!("- {}: {};\n", source.name, source.sheet);
     }
     text += &format!(
-        "- {renders} rendered faces of these heads, with procedural skins and skins from\n  those photographs that show whole heads.\n"
+        "- {renders} rendered faces of these heads, with procedural skins and \
+         skins from\n  those photographs that show whole heads.\n"
     );
     text + match sources.terms() {
         Terms::Free => "\nThe terms of all of these allow any use, also in products.\n",

@@ -4,6 +4,7 @@
 use super::fits;
 use super::store::Store;
 use crate::align::{self, Boxes, Jitter};
+use crate::faces;
 use crate::fit::PhotoFit;
 use crate::head::marks_mm;
 use crate::photographs::MANUAL;
@@ -54,7 +55,7 @@ pub fn run(args: &Args) -> Result<()> {
     let member = EnsembleMember::open(&blob)?;
     let model = AlignModel::open(&blob, member, Refiners::open(&blob)?)?;
     let labels = MANUAL.labels(&args.data)?;
-    let faces = MANUAL.faces(&args.data)?;
+    let faces = faces::of_set(&MANUAL, &args.data)?;
     let boxes = Boxes {
         jitter: Jitter::DETECTOR,
         count: 1,
