@@ -6,7 +6,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
 
-/// The bytes of a file of at most so many MB; `what` it is, for messages.
+/// The bytes of a file of at most `most_mb` MB; `what` it is, for messages.
 pub fn read(what: &str, path: &Path, most_mb: u64) -> Result<Vec<u8>> {
     let name = format!("{what} {}", path.display());
     let cannot = || format!("cannot read {name}");

@@ -112,7 +112,7 @@ pub fn summarize<'a>(outcomes: impl Iterator<Item = &'a Outcome>) -> Summary {
 }
 
 impl Summary {
-    /// So many of the pictures as a share.
+    /// `part` of the pictures, as a share.
     pub fn share(&self, part: usize) -> Option<f64> {
         (self.count > 0).then(|| part as f64 / self.count as f64)
     }

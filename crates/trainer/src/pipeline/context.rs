@@ -22,6 +22,9 @@ use std::path::PathBuf;
 /// Procedural backgrounds of a model that is trained without photographs.
 const MADE_UP_BACKGROUNDS: u64 = 600;
 
+/// Share of the usual rate at which a network that is trained already goes on.
+const CONTINUED_RATE: f32 = 0.4;
+
 /// Options, store and training faces of one run.
 pub struct Context<'a> {
     pub args: &'a Args,
@@ -105,6 +108,14 @@ impl<'a> Context<'a> {
         match &self.finished {
             Some((_, hash)) => stage.input("from", hash.clone()),
             None => stage,
+        }
+    }
+
+    /// The largest rate of a network's training, which usually has this one.
+    pub fn rate(&self, usual: f32) -> f32 {
+        match self.finished {
+            Some(_) => CONTINUED_RATE * usual,
+            None => usual,
         }
     }
 

@@ -16,8 +16,6 @@ const NEAR_PROFILES: usize = 2_000;
 const NEAR_FRONTS: usize = 1_000;
 /// Most renders from the front.
 const FRONTS: usize = 8_000;
-/// Share of the usual rate at which a network that is trained already goes on.
-const CONTINUED_RATE: f32 = 0.4;
 /// Procedural scenes beside the photographs without people.
 const MADE_UP: u64 = 60;
 
@@ -30,16 +28,14 @@ struct Options {
 
 /// Makes the section.
 pub fn make(context: &Context<'_>) -> Result<Output> {
-    let mut detector = detect::Options {
-        seed: context.args.seed,
-        steps: context.args.detector_steps,
-        ..detect::Options::default()
-    };
-    if context.finished.is_some() {
-        detector.rate *= CONTINUED_RATE;
-    }
+    let usual = detect::Options::default();
     let options = Options {
-        detector,
+        detector: detect::Options {
+            seed: context.args.seed,
+            steps: context.args.detector_steps,
+            rate: context.rate(usual.rate),
+            ..usual
+        },
         profiles: [PROFILES, NEAR_PROFILES],
         fronts: [FRONTS, NEAR_FRONTS],
     };

@@ -14,14 +14,12 @@ pub const NETWORK: &str = "network.checkpoint";
 /// How much more often renders seen from the front are drawn than profiles where there are no
 /// photographs. Faces are mostly seen from the front, which photographs show by themselves.
 const FRONT_WITHOUT_PHOTOGRAPHS: f32 = 4.0;
-/// Share of the usual rate at which a network that is trained already goes on.
-const CONTINUED_RATE: f32 = 0.4;
 
 /// How it is trained.
 pub fn options(context: &Context<'_>) -> align::Options {
     let usual = align::Options::default();
     let has_photographs = context.sources.sets().next().is_some();
-    let options = align::Options {
+    align::Options {
         seed: context.args.seed,
         steps: context.args.steps,
         front: if has_photographs {
@@ -29,18 +27,16 @@ pub fn options(context: &Context<'_>) -> align::Options {
         } else {
             FRONT_WITHOUT_PHOTOGRAPHS
         },
-        ..usual
-    };
-    if context.finished.is_none() {
-        return options;
-    }
-    align::Options {
-        rate: CONTINUED_RATE * options.rate,
+        rate: context.rate(usual.rate),
         aperture: align::Aperture {
-            from: 0.0,
-            ..options.aperture
+            // Apertures count late because landmarks come first; those are trained already.
+            from: match context.finished {
+                Some(_) => 0.0,
+                None => usual.aperture.from,
+            },
+            ..usual.aperture
         },
-        ..options
+        ..usual
     }
 }
 

@@ -37,7 +37,7 @@ const NAMES: [&str; 18] = [
     "workshop",
 ];
 
-/// Light above so many times the mean belongs to the key light.
+/// Light above this multiple of the mean belongs to the key light.
 const BRIGHT: f32 = 12.0;
 /// Share of the light that an eye's surface mirrors.
 const CORNEA: f32 = 0.03;

@@ -64,7 +64,7 @@ pub struct Family {
 }
 
 impl Family {
-    /// Reads the folder, for so many people of a seed. `morphable` says what an angle of 0 is, and
+    /// Reads the folder, for `people` people of a seed. `morphable` says what an angle of 0 is, and
     /// `moved_mm` how far photographs' labels sit from where the convention has them.
     pub fn load(
         folder: &Path,
