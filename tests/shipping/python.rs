@@ -21,6 +21,12 @@ fn python() -> Option<String> {
     need(&format!("{own} that can {needs}"), can).then_some(own)
 }
 
+/// Held while a wheel is built: setuptools works in one folder beside the sources.
+pub fn building_a_wheel() -> std::sync::MutexGuard<'static, ()> {
+    static BUILDING: std::sync::Mutex<()> = std::sync::Mutex::new(());
+    BUILDING.lock().unwrap_or_else(|failed| failed.into_inner())
+}
+
 /// Builds the wheel and unpacks it as pip does, into a folder of its own.
 fn install(python: &str) -> PathBuf {
     write_notices();
@@ -48,7 +54,10 @@ fn install(python: &str) -> PathBuf {
     build
         .args(["--no-build-isolation", "--wheel-dir"])
         .arg(&wheels);
-    succeed(build.arg(root().join("python")));
+    {
+        let _alone = building_a_wheel();
+        succeed(build.arg(root().join("python")));
+    }
     let mut entries = std::fs::read_dir(&wheels).expect("a folder");
     let wheel = entries.next().expect("a wheel").expect("an entry").path();
     let name = wheel.file_name().expect("a name").to_string_lossy();

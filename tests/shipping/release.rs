@@ -4,6 +4,7 @@
 use crate::common::c::{cc, command, library, require, succeed};
 use crate::common::skip::need;
 use crate::common::{root, scratch};
+use crate::python::building_a_wheel;
 use std::fmt::Debug;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -32,7 +33,10 @@ fn packing_is_reproducible() {
     let pack = |folder: &str| {
         let folder = scratch("release").join(folder);
         let packer = Packer::new(target(), &folder).expect("target/ is writable");
-        let mut files = made("wheel", packer.wheel());
+        let mut files = {
+            let _alone = building_a_wheel();
+            made("wheel", packer.wheel())
+        };
         files.extend(made("npm", packer.npm()));
         files.extend(made("crates", packer.crates()));
         files.extend(made("SBOM", packer.sbom()));

@@ -44,7 +44,7 @@ fn figures_are_those_of_the_table() {
     let page = report(&run);
     let figures = json(&page.with_extension("json"));
     lab(run
-        .arguments(&["merge", "--results", "results"])
+        .arguments(&["compare", "--results", "results"])
         .args(["--json", "rows.json"]));
     assert_eq!(
         figures["systems"][0]["row"],

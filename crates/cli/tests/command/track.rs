@@ -398,7 +398,8 @@ fn a_colour_profile_that_unpacks_to_much_is_refused() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("bomb.png");
     std::fs::write(&path, png.concat()).unwrap();
-    let run = posewise()
+    // 380 MB of addresses; unpacked, the profile is copied and takes more.
+    let run = crate::common::limited("-v 380000")
         .args(["track", arg(&path), "--csv", "-"])
         .assert();
     let said = String::from_utf8_lossy(&run.get_output().stderr).into_owned();
@@ -406,6 +407,4 @@ fn a_colour_profile_that_unpacks_to_much_is_refused() {
         matches!(run.get_output().status.code(), Some(0 | 1)),
         "{said}"
     );
-    let peak = crate::common::peak_memory_mb();
-    assert!(peak < 200, "{peak} MB");
 }

@@ -60,14 +60,3 @@ pub fn limited(limit: &str) -> Command {
     command.arg(program);
     command
 }
-
-/// Greatest memory that a process of this test needed so far \[MB\].
-#[cfg(unix)]
-pub fn peak_memory_mb() -> i64 {
-    // SAFETY: all bytes zero are a valid `rusage`, which the call fills.
-    unsafe {
-        let mut usage: libc::rusage = std::mem::zeroed();
-        libc::getrusage(libc::RUSAGE_CHILDREN, &mut usage);
-        usage.ru_maxrss / 1024
-    }
-}
