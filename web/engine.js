@@ -5,7 +5,7 @@ import {
   ABI, ALIGN, ANIMATIONS, CONFIG, EVENT, FACE, FORMATS, FRAME, HINT, INTRINSICS, LANDMARK,
   LANDMARKS, LENS, RESULT, ROI, STATUS, UNREAD_EVENTS,
 } from './layout.js';
-import { readStruct, writeStruct } from './struct.js';
+import { clearStruct, readStruct, writeStruct } from './struct.js';
 
 /** @typedef {import('./layout.js').Config} Config */
 /** @typedef {import('./layout.js').Face} Face */
@@ -210,8 +210,10 @@ export class Engine {
     const format = FORMATS[frame.format ?? 'GREY'];
     if (data.length > this.#frameLength) {
       // Twice the size, so that growing frames do not leave much unused memory behind.
-      this.#frameLength = this.#frameLength ? 2 * data.length : data.length;
-      this.#frame = this.allocate(FRAME.size + this.#frameLength);
+      const length = this.#frameLength ? 2 * data.length : data.length;
+      this.#frame = this.allocate(FRAME.size + length);
+      // Only now: there may not be so much.
+      this.#frameLength = length;
     }
     const pixels = this.#frame + FRAME.size;
     this.bytes(pixels, data.length).set(data);
@@ -228,8 +230,8 @@ export class Engine {
    */
   createTracker(config = {}) {
     const size = this.call('memory_size', 0);
-    const memory = this.#freed.pop() ?? this.allocate(size);
     writeStruct(this.view, this.scratch + 8, CONFIG, config);
+    const memory = this.#freed.pop() ?? this.allocate(size);
     const status = this.call(
       'init', this.scratch, memory, size, this.#model, this.#modelLength, this.scratch + 8);
     if (status !== STATUS.OK) this.#freed.push(memory);
@@ -299,7 +301,7 @@ export class Tracker {
    */
   #result(name, ...args) {
     const at = this.#engine.scratch;
-    writeStruct(this.#engine.view, at, RESULT, {});
+    clearStruct(this.#engine.view, at, RESULT);
     this.#call(name, ...args, at);
     return readStruct(this.#engine.view, at, RESULT);
   }
@@ -397,6 +399,8 @@ export class Tracker {
    */
   setExcluded(boxes) {
     const at = this.#engine.scratch;
+    if (boxes.some((box) => box.length !== 4)) throw new TypeError('a box must have 4 numbers');
+    // The library refuses more than it has room for, whatever they are.
     const numbers = boxes.slice(0, SCRATCH / 16).flat();
     new Float32Array(this.#engine.memory, at, numbers.length).set(numbers);
     this.#call('set_excluded', at, boxes.length);

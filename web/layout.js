@@ -163,15 +163,15 @@ export const LENS = {
 export const CONFIG = {
   size: 68,
   fields: {
-    structSize: { at: 0, type: 'u32' },
-    flags: { at: 4, type: 'u32' },
-    minFacePx: { at: 8, type: 'u32' },
-    scanBudget: { at: 12, type: 'u32' },
-    intrinsics: { at: 16, struct: INTRINSICS },
-    smoothingHz: { at: 32, type: 'f32' },
-    smoothingBeta: { at: 36, type: 'f32' },
-    lens: { at: 40, struct: LENS },
-    gaze: { at: 64, type: 'u32' },
+    structSize: { at: 0, type: 'u32', optional: true },
+    flags: { at: 4, type: 'u32', optional: true },
+    minFacePx: { at: 8, type: 'u32', optional: true },
+    scanBudget: { at: 12, type: 'u32', optional: true },
+    intrinsics: { at: 16, struct: INTRINSICS, optional: true },
+    smoothingHz: { at: 32, type: 'f32', optional: true },
+    smoothingBeta: { at: 36, type: 'f32', optional: true },
+    lens: { at: 40, struct: LENS, optional: true },
+    gaze: { at: 64, type: 'u32', optional: true },
   },
 };
 /** @type {import('./struct.js').Layout} */
@@ -334,10 +334,10 @@ export const RESULT = {
 export const HINT = {
   size: 28,
   fields: {
-    structSize: { at: 0, type: 'u32' },
+    structSize: { at: 0, type: 'u32', optional: true },
     faceBox: { at: 4, type: 'f32', count: 4 },
-    yawDeg: { at: 20, type: 'f32' },
-    rollDeg: { at: 24, type: 'f32' },
+    yawDeg: { at: 20, type: 'f32', optional: true },
+    rollDeg: { at: 24, type: 'f32', optional: true },
   },
 };
 

@@ -33,6 +33,8 @@ export function startWorker() {
 export class FaceTracker {
   #worker;
   #count = 0;
+  /** @type {Promise<void> | undefined} Once there, no further call is sent. */
+  #closing;
   /** @type {Map<number, { resolve: (value: any) => void, reject: (error: Error) => void }>} */
   #waiting = new Map();
 
@@ -79,9 +81,11 @@ export class FaceTracker {
    */
   #call(call, args, transfer = []) {
     return new Promise((resolve, reject) => {
+      if (this.#closing) throw new Error('the tracker is closed');
       const id = this.#count++;
-      this.#waiting.set(id, { resolve, reject });
+      // First, because it throws for what cannot be sent. No answer comes before this has ended.
       this.#worker.postMessage({ id, call, args }, transfer);
+      this.#waiting.set(id, { resolve, reject });
     });
   }
 
@@ -105,7 +109,10 @@ export class FaceTracker {
     }
     const isElement = picture instanceof HTMLElement;
     const sent = isElement ? await grabbed(picture, timestampUs) : picture;
-    return this.#call('track', [sent, timestampUs], [sent]);
+    const answer = this.#call('track', [sent, timestampUs], [sent]);
+    // What was sent is no longer here; what could not be sent is not needed.
+    sent.close();
+    return answer;
   }
 
   /** Forgets the face, its identity and the time, as for another video. */
@@ -133,10 +140,10 @@ export class FaceTracker {
     await this.#call('setLens', [lens]);
   }
 
-  /** Ends the worker when it has answered what was asked before. */
-  async close() {
-    await this.#call('close', []);
-    this.#worker.terminate();
+  /** Ends the worker when it has answered what was asked before. Later calls are rejected. */
+  close() {
+    this.#closing ??= this.#call('close', []).then(() => this.#worker.terminate());
+    return this.#closing;
   }
 }
 

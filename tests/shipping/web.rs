@@ -102,6 +102,18 @@ fn node_gives_the_same_bits() {
     }
 }
 
+/// Wrong arguments, memory that cannot grow, and calls in the wrong order.
+#[test]
+fn faults_of_callers_do_no_harm() {
+    let (Some(site), true) = (site(), require("node")) else {
+        return;
+    };
+    let mut node = Command::new("node");
+    node.arg(root().join("web/test/faults.mjs"));
+    node.arg(site.join("posewise-simd128.wasm"));
+    succeed(node.arg(site.join("default.posewise")));
+}
+
 /// The unit tests of the library as WebAssembly, those of the kernels among them.
 #[test]
 fn unit_tests_pass_in_node() {

@@ -32,6 +32,11 @@ const STATES: [&str; 3] = ["SEARCHING", "TRACKING", "COASTING"];
 /// Structs of which a caller may leave out fields.
 const OPTIONAL: [&str; 2] = ["config", "hint"];
 
+/// Whether a caller may leave out a field.
+fn is_optional(item: &Struct, field: &Field) -> bool {
+    OPTIONAL.contains(&&*item.name) && field.name != "face_box"
+}
+
 /// What the file has to hold.
 pub fn text() -> Result<String> {
     let header = read()?;
@@ -188,7 +193,7 @@ fn write_type(out: &mut String, item: &Struct) -> Result<()> {
             _ => "number".to_owned(),
         };
         let name = camel(&field.name);
-        let name = match OPTIONAL.contains(&&*item.name) && field.name != "face_box" {
+        let name = match is_optional(item, field) {
             true => format!("[{name}]"),
             false => name,
         };
@@ -234,8 +239,15 @@ fn write_layout(out: &mut String, item: &Struct, all: &[Struct]) -> Result<()> {
             .count
             .map_or(String::new(), |n| format!(", count: {n}"));
         let names = list_of(item, field).map_or(String::new(), |list| format!(", names: {list}"));
+        let optional = match is_optional(item, field) {
+            true => ", optional: true",
+            false => "",
+        };
         let name = camel(&field.name);
-        writeln!(out, "    {name}: {{ at: {start}, {kind}{count}{names} }},")?;
+        writeln!(
+            out,
+            "    {name}: {{ at: {start}, {kind}{count}{names}{optional} }},"
+        )?;
     }
     out.push_str("  },\n};\n");
     Ok(())
