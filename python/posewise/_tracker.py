@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-import threading
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -12,11 +11,11 @@ from typing import Any, Optional, Sequence, Union
 import numpy as np
 import numpy.typing as npt
 
+from . import _arguments as arguments
 from . import _layout as layout
+from ._arguments import Floats, Pixels
+from ._forking import new_lock
 from ._library import FOLDER, aligned, call, lib
-
-Floats = npt.NDArray[np.float32]
-Pixels = npt.NDArray[Any]
 
 #: Formats by name, for ``Tracker.step(format=…)``.
 FORMATS: dict[str, int] = layout.FORMATS
@@ -28,21 +27,6 @@ EYE_LOOK_NAMES: tuple[str, ...] = tuple(
 ANIMATION_NAMES: tuple[str, ...] = tuple(
     lib.posewise_animation_name(i).decode() for i in range(layout.ANIMATIONS)
 )
-
-# What an array is by its kind and number of channels, unless the caller says otherwise.
-_DEFAULT_FORMATS = {("u1", 1): "GREY", ("u2", 1): "Y16", ("u1", 3): "BGR3", ("u1", 4): "AR24"}
-# Channels and bytes per channel of each format that comes as an array.
-_SHAPES = {
-    "GREY": (1, 1),
-    "Y10": (1, 2),
-    "Y16": (1, 2),
-    "RGB3": (3, 1),
-    "BGR3": (3, 1),
-    "YUYV": (2, 1),
-    "UYVY": (2, 1),
-    **{name: (4, 1) for name in FORMATS if name[0] in "XABR" and name.endswith("24")},
-}
-_LANDMARK = np.dtype((np.float32, (layout.LANDMARKS, 7)))
 # Most faces of one call of Tracker.detect.
 _MOST_FACES = 16
 
@@ -211,19 +195,19 @@ class Tracker:
     ) -> None:
         config = layout.Config()
         config.struct_size = ctypes.sizeof(config)
-        config.min_face_px = min_face_px
-        config.scan_budget = scan_budget
+        config.min_face_px = arguments.u32("min_face_px", min_face_px)
+        config.scan_budget = arguments.u32("scan_budget", scan_budget)
         config.smoothing_hz = smoothing_hz
         config.smoothing_beta = smoothing_beta
         config.gaze = 2 if natural_gaze else int(gaze)
         if intrinsics is not None:
-            config.intrinsics = layout.Intrinsics(*intrinsics)
+            config.intrinsics = arguments.intrinsics(intrinsics)
         if lens is not None:
-            config.lens = _lens(*lens)
+            config.lens = arguments.lens(*lens)
         known = model in ("default", "clean")
         self._model = _model(FOLDER / f"{model}.posewise" if known else Path(model).resolve())
         self._memory = aligned(lib.posewise_memory_size(None))
-        self._lock = threading.Lock()
+        self._lock = new_lock()
         tracker = ctypes.c_void_p()
         call(
             "init",
@@ -256,15 +240,13 @@ class Tracker:
         is read in place where pixels lie one after the other in each row, and else copied.
         ``hint`` is where a face is expected: box of the landmarks, yaw and roll [deg].
         """
-        given, pixels = _frame(frame, timestamp_us, format, rotation_deg, mirrored)
+        given, pixels = arguments.frame(frame, timestamp_us, format, rotation_deg, mirrored)
+        where = None if hint is None else arguments.hint(*hint)
         out = _empty_result()
         with self._lock:
-            if hint is None:
+            if where is None:
                 call("step", self._tracker, ctypes.byref(given), ctypes.byref(out))
             else:
-                box, yaw_deg, roll_deg = hint
-                where = layout.Hint(0, tuple(box), yaw_deg, roll_deg)
-                where.struct_size = ctypes.sizeof(where)
                 frame_at, hint_at = ctypes.byref(given), ctypes.byref(where)
                 call("step_at", self._tracker, frame_at, hint_at, ctypes.byref(out))
             del pixels
@@ -331,7 +313,7 @@ class Tracker:
         mirrored: bool = False,
     ) -> Detected:
         """Lists faces of a frame, whatever the tracker does, in calls of bounded work."""
-        given, pixels = _frame(frame, 0, format, rotation_deg, mirrored)
+        given, pixels = arguments.frame(frame, 0, format, rotation_deg, mirrored)
         found = (layout.Face * _MOST_FACES)()
         count, finished = ctypes.c_size_t(), ctypes.c_uint32()
         frame_at, count_at = ctypes.byref(given), ctypes.byref(count)
@@ -366,25 +348,25 @@ class Tracker:
 
     def set_excluded(self, boxes: Sequence[Sequence[float]]) -> None:
         """Keeps this tracker from faces that others follow: boxes of x, y, width, height [px]."""
-        numbers = np.array(boxes, dtype=np.float32).reshape(-1, 4)
+        numbers = arguments.boxes(boxes)
         with self._lock:
             call("set_excluded", self._tracker, numbers.ctypes.data, len(numbers))
 
     def set_roi(self, roi: Optional[tuple[int, int, int, int]]) -> None:
         """Looks for faces in x, y, width, height [px] only; None: the whole frame."""
-        given = None if roi is None else ctypes.byref(layout.Roi(*roi))
+        given = None if roi is None else ctypes.byref(arguments.roi(roi))
         with self._lock:
             call("set_roi", self._tracker, given)
 
     def set_intrinsics(self, intrinsics: Optional[Sequence[float]]) -> None:
         """The camera: fx, fy, cx, cy [px]; None: a horizontal field of view of 60 degrees."""
-        given = None if intrinsics is None else ctypes.byref(layout.Intrinsics(*intrinsics))
+        given = None if intrinsics is None else ctypes.byref(arguments.intrinsics(intrinsics))
         with self._lock:
             call("set_intrinsics", self._tracker, given)
 
     def set_lens(self, lens: Optional[tuple[str, Sequence[float]]]) -> None:
         """The lens: "brown" or "fisheye" with OpenCV's coefficients; None: none."""
-        given = None if lens is None else ctypes.byref(_lens(*lens))
+        given = None if lens is None else ctypes.byref(arguments.lens(*lens))
         with self._lock:
             call("set_lens", self._tracker, given)
 
@@ -399,45 +381,7 @@ class Tracker:
             call("forget_identity", self._tracker)
 
 
-def _lens(model: str, coefficients: Sequence[float]) -> layout.Lens:
-    five = tuple(coefficients) + (0.0,) * (5 - len(coefficients))
-    return layout.Lens(layout.LENSES.index(model), five)
-
-
 def _empty_result() -> layout.Result:
     out = layout.Result()
     out.struct_size = ctypes.sizeof(out)
     return out
-
-
-def _frame(
-    frame: Pixels, timestamp_us: int, format: Optional[str], rotation_deg: int, mirrored: bool
-) -> tuple[layout.Frame, Pixels]:
-    """The frame as the library reads it, and the array that holds its pixels."""
-    pixels = np.asarray(frame)
-    if pixels.ndim == 3 and pixels.shape[2] == 1:
-        pixels = pixels[:, :, 0]
-    if pixels.ndim not in (2, 3) or pixels.size == 0:
-        raise ValueError(f"a frame is (height, width) or (height, width, n), not {pixels.shape}")
-    channels = 1 if pixels.ndim == 2 else pixels.shape[2]
-    kind = f"{pixels.dtype.kind}{pixels.dtype.itemsize}"
-    name = format or _DEFAULT_FORMATS.get((kind, channels))
-    if name not in _SHAPES or (channels, pixels.dtype.itemsize) != _SHAPES[name]:
-        raise ValueError(f"{pixels.dtype} with {channels} channels is not a frame of {name}")
-    height, width = pixels.shape[:2]
-    if pixels.dtype.byteorder == ">":
-        pixels = pixels.astype(pixels.dtype.newbyteorder("<"))
-    pixel = channels * pixels.dtype.itemsize
-    packed = (pixel, pixels.dtype.itemsize)[: pixels.ndim - 1]
-    if pixels.strides[1:] != packed or pixels.strides[0] < width * pixel:
-        pixels = np.ascontiguousarray(pixels)
-    given = layout.Frame()
-    given.struct_size = ctypes.sizeof(given)
-    given.format = FORMATS[name]
-    given.timestamp_us = timestamp_us
-    given.width, given.height, given.stride = width, height, pixels.strides[0]
-    given.rotation_deg = rotation_deg
-    given.flags = 1 if mirrored else 0
-    given.data_len = pixels.strides[0] * (height - 1) + width * pixel
-    given.data = pixels.ctypes.data
-    return given, pixels

@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, Iterator, Optional, Union
 
-from ._tracker import Pixels, Result, Tracker
+from ._arguments import Pixels
+from ._tracker import Result, Tracker
 
 
 def track(

@@ -77,7 +77,7 @@ def test_slices_are_read_in_place(clip):
         large = np.zeros((300, 400), np.uint8)
         large[30:270, 50:370] = frame
         view = large[30:270, 50:370]
-        given, pixels = posewise._tracker._frame(view, 0, None, 0, False)
+        given, pixels = posewise._arguments.frame(view, 0, None, 0, False)
         assert given.data == view.ctypes.data and pixels is view
         a = whole.step(frame, i * clip[1])
         b = part.step(view, i * clip[1])

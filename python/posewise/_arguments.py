@@ -1,0 +1,129 @@
+"""Arguments as the library's structs, checked where C could not tell that they were others."""
+
+from __future__ import annotations
+
+import ctypes
+from operator import index
+from typing import Any, Optional, Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _layout as layout
+
+Floats = npt.NDArray[np.float32]
+Pixels = npt.NDArray[Any]
+
+# What an array is by its kind and number of channels, unless the caller says otherwise.
+_DEFAULT_FORMATS = {("u1", 1): "GREY", ("u2", 1): "Y16", ("u1", 3): "BGR3", ("u1", 4): "AR24"}
+# Channels and bytes per channel of each format that comes as an array.
+_SHAPES = {
+    "GREY": (1, 1),
+    "Y10": (1, 2),
+    "Y16": (1, 2),
+    "RGB3": (3, 1),
+    "BGR3": (3, 1),
+    "YUYV": (2, 1),
+    "UYVY": (2, 1),
+    **{name: (4, 1) for name in layout.FORMATS if name[0] in "XABR" and name.endswith("24")},
+}
+_U32 = (0, 2**32 - 1)
+_I64 = (-(2**63), 2**63 - 1)
+
+
+def _integer(name: str, value: Any, limits: tuple[int, int]) -> int:
+    """An integer of C, in which ctypes would drop the upper bits."""
+    number = index(value)
+    if not limits[0] <= number <= limits[1]:
+        raise ValueError(f"{name} must be {limits[0]}..{limits[1]}, not {number}")
+    return number
+
+
+def u32(name: str, value: Any) -> int:
+    """An integer of 32 bits without a sign."""
+    return _integer(name, value, _U32)
+
+
+def four(name: str, numbers: Sequence[Any]) -> tuple[Any, ...]:
+    """Four numbers; ctypes would take fewer, and the rest as 0."""
+    if len(numbers) != 4:
+        raise ValueError(f"{name} must have 4 numbers, not {len(numbers)}")
+    return tuple(numbers)
+
+
+def intrinsics(numbers: Sequence[float]) -> layout.Intrinsics:
+    """fx, fy, cx, cy [px]."""
+    return layout.Intrinsics(*four("intrinsics", numbers))
+
+
+def lens(model: str, coefficients: Sequence[float]) -> layout.Lens:
+    """A lens by its name, with up to five coefficients; the rest are 0."""
+    if model not in layout.LENSES:
+        raise ValueError(f"a lens is one of {', '.join(layout.LENSES)}, not {model}")
+    if len(coefficients) > 5:
+        raise ValueError(f"a lens has at most 5 coefficients, not {len(coefficients)}")
+    five = tuple(coefficients) + (0.0,) * (5 - len(coefficients))
+    return layout.Lens(layout.LENSES.index(model), five)
+
+
+def roi(numbers: Sequence[int]) -> layout.Roi:
+    """x, y, width, height [px]."""
+    return layout.Roi(*(u32("roi", number) for number in four("roi", numbers)))
+
+
+def hint(box: Sequence[float], yaw_deg: float, roll_deg: float) -> layout.Hint:
+    """Where a face is expected."""
+    where = layout.Hint(0, four("the box of a hint", box), yaw_deg, roll_deg)
+    where.struct_size = ctypes.sizeof(where)
+    return where
+
+
+def boxes(rows: Sequence[Sequence[float]]) -> Floats:
+    """Rows of x, y, width, height [px]."""
+    numbers = np.array(rows, dtype=np.float32)
+    if numbers.size == 0:
+        return numbers.reshape(0, 4)
+    if numbers.ndim != 2 or numbers.shape[1] != 4:
+        raise ValueError(f"boxes are rows of 4 numbers, not {numbers.shape}")
+    return np.ascontiguousarray(numbers)
+
+
+def frame(
+    array: Pixels, timestamp_us: int, format: Optional[str], rotation_deg: int, mirrored: bool
+) -> tuple[layout.Frame, Pixels]:
+    """The frame as the library reads it, and the array that holds its pixels."""
+    given = layout.Frame()
+    given.struct_size = ctypes.sizeof(given)
+    given.timestamp_us = _integer("timestamp_us", timestamp_us, _I64)
+    given.rotation_deg = u32("rotation_deg", rotation_deg)
+    given.flags = 1 if mirrored else 0
+    pixels = np.asarray(array)
+    if pixels.ndim == 3 and pixels.shape[2] == 1:
+        pixels = pixels[:, :, 0]
+    if pixels.ndim not in (2, 3) or pixels.size == 0:
+        raise ValueError(f"a frame is (height, width) or (height, width, n), not {pixels.shape}")
+    channels = 1 if pixels.ndim == 2 else pixels.shape[2]
+    kind = f"{pixels.dtype.kind}{pixels.dtype.itemsize}"
+    name = format or _DEFAULT_FORMATS.get((kind, channels))
+    if name not in _SHAPES or (channels, pixels.dtype.itemsize) != _SHAPES[name]:
+        raise ValueError(f"{pixels.dtype} with {channels} channels is not a frame of {name}")
+    given.format = layout.FORMATS[name]
+    given.height = u32("the height", pixels.shape[0])
+    given.width = u32("the width", pixels.shape[1])
+    pixels = _readable(pixels, channels * pixels.dtype.itemsize)
+    row = given.width * channels * pixels.dtype.itemsize
+    given.stride = u32("the stride", pixels.strides[0])
+    given.data_len = given.stride * (given.height - 1) + row
+    given.data = pixels.ctypes.data
+    return given, pixels
+
+
+def _readable(pixels: Pixels, pixel: int) -> Pixels:
+    """The same pixels, of these bytes each, so that the library can read them."""
+    if pixels.dtype.byteorder == ">":
+        pixels = pixels.astype(pixels.dtype.newbyteorder("<"))
+    packed = (pixel, pixels.dtype.itemsize)[: pixels.ndim - 1]
+    row = pixels.shape[1] * pixel
+    if pixels.strides[1:] == packed and row <= pixels.strides[0] <= _U32[1]:
+        return pixels
+    return np.array(pixels, order="C")
