@@ -592,7 +592,7 @@ typedef struct posewise_monitor_state {
     uint32_t struct_size;
     // POSEWISE_EYES_*.
     uint32_t eyes;
-    // Timestamp of the last observation [us].
+    // Timestamp of the last observation [us]; 0 before the first.
     int64_t timestamp_us;
     // POSEWISE_UNKNOWN_*: why the eyes are unknown.
     uint32_t eyes_unknown;
@@ -648,9 +648,12 @@ typedef struct posewise_monitor_state {
 typedef struct posewise_monitor_event {
     // Timestamp of the observation at which it was noticed [us].
     int64_t timestamp_us;
-    // Timestamp at which what it is about began [us].
+    // Timestamp at which what it is about began [us]. If the clock was set back since: for what
+    // ends with that, in the time before, so it may be after timestamp_us; for what lasts on, the
+    // first timestamp after it.
     int64_t start_us;
-    // Known duration of it so far [us], without what was unknown in between.
+    // Known duration of it so far [us], without what was unknown in between, and without the
+    // jump of a clock that was set back. At most 0xFFFFFFFF, 71 minutes.
     uint32_t duration_us;
     // POSEWISE_DRIVER_*.
     uint32_t kind;
@@ -675,7 +678,9 @@ typedef struct posewise_zone {
     uint32_t grace_us;
     // As the kind says, the rest 0. Angles are those from the direction of the road, within
     // -180..180: yaw > 0 to the image right, pitch > 0 up. Boxes, along the axes, and planes, the
-    // parallelogram centre +- u +- v, are in the camera frame, within -20000..20000 mm.
+    // parallelogram centre +- u +- v, are in the camera frame, within -20000..20000 mm. Each min
+    // is below its max. The cross product of u and v is at least 100 mm2, and at least 0.1 |u|
+    // |v|: they are at least 5.74 degrees from parallel.
     float numbers[9];
 } posewise_zone;
 
@@ -748,8 +753,8 @@ posewise_status posewise_step_at(posewise_tracker *tracker,
 // A call does the work of posewise_config.scan_budget and at most one alignment more, and ends
 // early when out is full. The next call, on the same frame or the next one of a video, goes on
 // from there, until *finished is 1: then every place was searched, and the call after that begins
-// anew. Only faces in the region of interest that are not excluded are found. A face may be found
-// again by a later call.
+// anew. With capacity 0 a call searches nothing, so *finished stays 0. Only faces in the region of
+// interest that are not excluded are found. A face may be found again by a later call.
 posewise_status posewise_detect(posewise_tracker *tracker,
                                 const posewise_frame *frame,
                                 posewise_face *out,
@@ -850,8 +855,9 @@ posewise_status posewise_observe(const posewise_tracker *tracker,
 
 // Takes one observation at its time [us], on any clock. Times may be irregular; frames without a
 // face are observations too, and frames that were dropped need none. A time before the last one
-// means that the clock was set back: what goes on ends, measures stay. The time of the last
-// observation again is POSEWISE_E_TIME. The work of a call is bounded.
+// means that the clock was set back: closures, yawns and glances end, measures stay, drowsiness
+// and unknown eyes last on. The time of the last observation again is POSEWISE_E_TIME. The work of
+// a call is bounded.
 posewise_status posewise_monitor_update(posewise_monitor *monitor,
                                         const posewise_observation *observation,
                                         int64_t timestamp_us);
@@ -875,8 +881,8 @@ posewise_status posewise_monitor_set_zones(posewise_monitor *monitor,
                                            const posewise_zone *zones,
                                            size_t count);
 
-// Another person drives: forgets open eye, natural pose and all measures. Settings, zones and
-// unread events stay.
+// Another person drives: forgets open eye, natural pose, all measures and the last timestamp, so
+// that the next observation may have any. Settings, zones and unread events stay.
 posewise_status posewise_monitor_forget_driver(posewise_monitor *monitor);
 
 // Name of a kind of event, as "long-closure". Static; NULL for a kind that the library lacks.

@@ -625,7 +625,7 @@ export const PERCLOS = {
  * What a driver monitor knows after an observation.
  * @typedef {object} Monitor_state
  * @property {number} eyes POSEWISE_EYES_*.
- * @property {number} timestampUs Timestamp of the last observation [us].
+ * @property {number} timestampUs Timestamp of the last observation [us]; 0 before the first.
  * @property {number} eyesUnknown POSEWISE_UNKNOWN_*: why the eyes are unknown.
  * @property {number} openness Both eyes, relative to this person's open ones: 0 shut .. 1 open, -1
  *   unknown.
@@ -696,9 +696,11 @@ export const MONITOR_STATE = {
  *   same. Later libraries may have kinds that this header lacks.
  * @typedef {object} Monitor_event
  * @property {number} timestampUs Timestamp of the observation at which it was noticed [us].
- * @property {number} startUs Timestamp at which what it is about began [us].
+ * @property {number} startUs Timestamp at which what it is about began [us]. If the clock was set
+ *   back since: for what ends with that, in the time before, so it may be after timestamp_us; for
+ *   what lasts on, the first timestamp after it.
  * @property {number} durationUs Known duration of it so far [us], without what was unknown in
- *   between.
+ *   between, and without the jump of a clock that was set back. At most 0xFFFFFFFF, 71 minutes.
  * @property {number} kind POSEWISE_DRIVER_*.
  * @property {number} zone Zone of a glance, else POSEWISE_ZONE_UNKNOWN.
  * @property {number} value As the kind says, else 0.
@@ -728,7 +730,9 @@ export const MONITOR_EVENT = {
  * @property {[number, number, number, number, number, number, number, number, number]} numbers As
  *   the kind says, the rest 0. Angles are those from the direction of the road, within -180..180:
  *   yaw > 0 to the image right, pitch > 0 up. Boxes, along the axes, and planes, the parallelogram
- *   centre +- u +- v, are in the camera frame, within -20000..20000 mm.
+ *   centre +- u +- v, are in the camera frame, within -20000..20000 mm. Each min is below its max.
+ *   The cross product of u and v is at least 100 mm2, and at least 0.1 |u| |v|: they are at least
+ *   5.74 degrees from parallel.
  */
 /** @type {import('./struct.js').Layout} */
 export const ZONE = {

@@ -96,9 +96,9 @@ export function writeStruct(view, start, layout, object) {
   }
   clearStruct(view, start, layout);
   for (const [name, place] of Object.entries(layout.fields)) {
-    const value = object[name];
     if (HIDDEN.includes(name)) continue;
-    if (value !== undefined && value !== null) writeField(view, start + place.at, name, place, value);
+    const value = object[name] ?? undefined;
+    if (value !== undefined) writeField(view, start + place.at, name, place, value);
     else if (!place.optional) throw new TypeError(`${name} is missing`);
   }
 }

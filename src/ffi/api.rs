@@ -270,8 +270,8 @@ pub unsafe extern "C" fn posewise_step_at(
 /// A call does the work of posewise_config.scan_budget and at most one alignment more, and ends
 /// early when out is full. The next call, on the same frame or the next one of a video, goes on
 /// from there, until *finished is 1: then every place was searched, and the call after that begins
-/// anew. Only faces in the region of interest that are not excluded are found. A face may be found
-/// again by a later call.
+/// anew. With capacity 0 a call searches nothing, so *finished stays 0. Only faces in the region of
+/// interest that are not excluded are found. A face may be found again by a later call.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn posewise_detect(
     tracker: *mut posewise_tracker,

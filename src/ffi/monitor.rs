@@ -109,8 +109,9 @@ pub unsafe extern "C" fn posewise_observe(
 
 /// Takes one observation at its time \[us\], on any clock. Times may be irregular; frames without a
 /// face are observations too, and frames that were dropped need none. A time before the last one
-/// means that the clock was set back: what goes on ends, measures stay. The time of the last
-/// observation again is POSEWISE_E_TIME. The work of a call is bounded.
+/// means that the clock was set back: closures, yawns and glances end, measures stay, drowsiness
+/// and unknown eyes last on. The time of the last observation again is POSEWISE_E_TIME. The work of
+/// a call is bounded.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn posewise_monitor_update(
     monitor: *mut posewise_monitor,
@@ -196,8 +197,8 @@ pub unsafe extern "C" fn posewise_monitor_set_zones(
     })
 }
 
-/// Another person drives: forgets open eye, natural pose and all measures. Settings, zones and
-/// unread events stay.
+/// Another person drives: forgets open eye, natural pose, all measures and the last timestamp, so
+/// that the next observation may have any. Settings, zones and unread events stay.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn posewise_monitor_forget_driver(
     monitor: *mut posewise_monitor,

@@ -196,7 +196,9 @@ pub struct posewise_zone {
     pub grace_us: u32,
     /// As the kind says, the rest 0. Angles are those from the direction of the road, within
     /// -180..180: yaw > 0 to the image right, pitch > 0 up. Boxes, along the axes, and planes, the
-    /// parallelogram centre +- u +- v, are in the camera frame, within -20000..20000 mm.
+    /// parallelogram centre +- u +- v, are in the camera frame, within -20000..20000 mm. Each min
+    /// is below its max. The cross product of u and v is at least 100 mm2, and at least 0.1 |u|
+    /// |v|: they are at least 5.74 degrees from parallel.
     pub numbers: [f32; 9],
 }
 
@@ -254,7 +256,7 @@ pub struct posewise_monitor_state {
     pub struct_size: u32,
     /// POSEWISE_EYES_*.
     pub eyes: u32,
-    /// Timestamp of the last observation \[us\].
+    /// Timestamp of the last observation \[us\]; 0 before the first.
     pub timestamp_us: i64,
     /// POSEWISE_UNKNOWN_*: why the eyes are unknown.
     pub eyes_unknown: u32,
@@ -308,9 +310,12 @@ pub struct posewise_monitor_state {
 pub struct posewise_monitor_event {
     /// Timestamp of the observation at which it was noticed \[us\].
     pub timestamp_us: i64,
-    /// Timestamp at which what it is about began \[us\].
+    /// Timestamp at which what it is about began \[us\]. If the clock was set back since: for what
+    /// ends with that, in the time before, so it may be after timestamp_us; for what lasts on, the
+    /// first timestamp after it.
     pub start_us: i64,
-    /// Known duration of it so far \[us\], without what was unknown in between.
+    /// Known duration of it so far \[us\], without what was unknown in between, and without the
+    /// jump of a clock that was set back. At most 0xFFFFFFFF, 71 minutes.
     pub duration_us: u32,
     /// POSEWISE_DRIVER_*.
     pub kind: u32,

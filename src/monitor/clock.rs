@@ -1,7 +1,7 @@
 //! Time of a monitor, from timestamps that may stop or jump.
 
 /// A gap counts as at most this \[µs\]: an hour, longer than every window.
-pub(super) const LONGEST_US: u32 = 3_600_000_000;
+const LONGEST_US: u32 = 3_600_000_000;
 
 /// What lies between two observations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,7 +1,7 @@
 //! The monitor: takes observations in the order of time, and lets each of its parts see them.
 
 use super::baseline::Baseline;
-use super::clock::{Clock, LONGEST_US, Passed};
+use super::clock::{Clock, Passed};
 use super::closure::Closures;
 use super::config::{MonitorConfig, MonitorConfigError};
 use super::drowsiness;
@@ -50,6 +50,7 @@ pub struct Monitor {
     natural: Natural,
     drowsiness: Drowsiness,
     drowsy_since_us: i64,
+    drowsy_us: u32,
     sight: Sight,
     log: MonitorEventLog,
 }
@@ -101,6 +102,7 @@ impl Monitor {
             natural: Natural::NEW,
             drowsiness: Drowsiness::Unknown,
             drowsy_since_us: 0,
+            drowsy_us: 0,
             sight: Sight::default(),
             log: MonitorEventLog::EMPTY,
         })
@@ -123,8 +125,8 @@ impl Monitor {
         &mut self.log
     }
 
-    /// Another person drives: forgets open eye, natural pose and all measures. Settings, zones and
-    /// unread events stay.
+    /// Another person drives: forgets open eye, natural pose, all measures and the last timestamp,
+    /// so that the next observation may have any. Settings, zones and unread events stay.
     pub fn forget_driver(&mut self) {
         (self.windows, self.closures) = (Windows::EMPTY, Closures::NONE);
         (self.yawns, self.nods, self.glances) = (Yawns::NONE, Nods::NONE, Glances::NONE);
@@ -133,8 +135,9 @@ impl Monitor {
         (self.drowsiness, self.sight) = (Drowsiness::Unknown, Sight::default());
     }
 
-    /// Takes one observation. Timestamps may come at any rate; one that is before the last one ends
-    /// what goes on, keeps the measures, and time goes on from there.
+    /// Takes one observation. Timestamps may come at any rate. One that is before the last one ends
+    /// closures, yawns and glances, keeps the measures, and time goes on from there: drowsiness and
+    /// unknown eyes last on, and begin at that timestamp.
     pub fn update(&mut self, seen: &Observation, now_us: i64) -> Result<(), MonitorTimeError> {
         match self.clock.pass(now_us).ok_or(MonitorTimeError)? {
             Passed::Nothing => self.sight.since_us = now_us,
@@ -155,6 +158,7 @@ impl Monitor {
     fn pass(&mut self, time_us: u32, held: Reading, is_directed: bool, now_us: i64) {
         let (config, log) = (&self.config, &mut self.log);
         self.windows.pass(time_us, held.openness);
+        self.drowsy_us = self.drowsy_us.saturating_add(time_us);
         let ended = (self.closures).pass(time_us, held.openness, now_us, config, log);
         if let Some(closed_us) = ended {
             self.windows.add_closure(closed_us);
@@ -258,13 +262,12 @@ impl Monitor {
             _ => return,
         };
         if next == Drowsiness::Drowsy {
-            self.drowsy_since_us = now_us;
+            (self.drowsy_since_us, self.drowsy_us) = (now_us, 0);
         }
-        let duration = now_us.abs_diff(self.drowsy_since_us);
         self.log.push(MonitorEvent {
             timestamp_us: now_us,
             start_us: self.drowsy_since_us,
-            duration_us: duration.min(u64::from(LONGEST_US)) as u32,
+            duration_us: self.drowsy_us,
             kind,
             value: windows[0].p80,
             ..MonitorEvent::default()
@@ -300,7 +303,7 @@ impl Monitor {
         self.glances.end(now_us, true, log);
         self.glances.interrupt();
         (self.reading, self.direction) = (Reading::NONE, None);
-        self.sight.since_us = now_us;
+        (self.sight.since_us, self.drowsy_since_us) = (now_us, now_us);
         log.push(MonitorEvent {
             timestamp_us: now_us,
             start_us: now_us,

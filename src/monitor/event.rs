@@ -45,7 +45,7 @@ pub enum MonitorEventKind {
     OpenEyeLearnt,
     /// The natural pose of this person is learnt; `value` is the offset in yaw \[deg\].
     NaturalLearnt,
-    /// A timestamp was before the last one: what went on has ended.
+    /// A timestamp was before the last one: closures, yawns and glances have ended.
     ClockBack,
 }
 
@@ -105,9 +105,12 @@ impl MonitorEventKind {
 pub struct MonitorEvent {
     /// Timestamp of the observation at which it was noticed \[µs\].
     pub timestamp_us: i64,
-    /// Timestamp at which what it is about began \[µs\].
+    /// Timestamp at which what it is about began \[µs\]. If the clock was set back since: for what
+    /// ends with that, in the time before, so it may be after `timestamp_us`; for what lasts on,
+    /// the first timestamp after it.
     pub start_us: i64,
-    /// Known duration of it so far \[µs\]: without what was unknown in between.
+    /// Known duration of it so far \[µs\]: without what was unknown in between, and without the
+    /// jump of a clock that was set back.
     pub duration_us: u32,
     /// What happened.
     pub kind: MonitorEventKind,

@@ -67,7 +67,7 @@ pub struct Perclos {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct MonitorState {
-    /// Timestamp of the last observation \[µs\].
+    /// Timestamp of the last observation \[µs\]; 0 before the first.
     pub timestamp_us: i64,
     /// What the eyes do.
     pub eyes: EyeState,

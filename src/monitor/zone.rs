@@ -36,7 +36,8 @@ pub enum ZoneShape {
         /// Its largest corner.
         max_mm: [f32; 3],
     },
-    /// A parallelogram in the camera frame \[mm\]: centre ± `half_u_mm` ± `half_v_mm`.
+    /// A parallelogram in the camera frame \[mm\]: centre ± `half_u_mm` ± `half_v_mm`, whose cross
+    /// product is at least 100 mm² and a tenth of the product of their lengths.
     Plane {
         /// Its centre.
         centre_mm: [f32; 3],

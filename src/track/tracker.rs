@@ -163,11 +163,12 @@ impl Tracker {
     /// Looks for faces and writes them to `found`, the largest first. The tracker's own face stays
     /// as it is, and no timestamp is needed.
     ///
-    /// A call does the work of [`Config::scan_budget`] and at most one
-    /// alignment more, and ends early when `found` is full. The next call, on the same frame or
-    /// the next one of a video, goes on from there, until [`Detected::finished`]; the one after
-    /// that begins anew. A face is reported once or more in a whole scan, and once at most in a
-    /// call. Only faces in the region of interest, and none that is excluded, are reported.
+    /// A call does the work of [`Config::scan_budget`] and at most one alignment more, and ends
+    /// early when `found` is full. The next call, on the same frame or the next one of a video,
+    /// goes on from there, until [`Detected::finished`]; the one after that begins anew. With an
+    /// empty `found` a call searches nothing, so it never finishes. A face is reported once or more
+    /// in a whole scan, and once at most in a call. Only faces in the region of interest, and none
+    /// that is excluded, are reported.
     ///
     /// The scan is that of the search: a step that searches goes on with it, and restarts it when
     /// it finds a face.

@@ -605,6 +605,94 @@ fn a_clock_that_is_set_back_ends_what_goes_on() {
     );
 }
 
+/// What goes on over a clock that is set back lasts as long as it did, and begins in the new time.
+#[test]
+fn durations_outlast_a_clock_that_is_set_back() {
+    use MonitorEventKind::*;
+    let mut show = Show::new(&fixed(), 10);
+    show.show(200.0, &face(Some(0.9), 0.0));
+    let mut events = Vec::new();
+    for _ in 0..60 {
+        events.extend(show.show(0.8, &face(Some(0.05), 0.0)));
+        events.extend(show.show(3.2, &face(Some(0.9), 0.0)));
+    }
+    let drowsy = *events.iter().find(|e| e.kind == Drowsy).expect("drowsy");
+    let before_us = show.now_us - drowsy.timestamp_us;
+    let back_us = show.now_us - 3_000_000_000;
+    show.now_us = back_us;
+    let mut events = Vec::new();
+    for _ in 0..20 {
+        events.extend(show.show(10.0, &face(Some(0.9), 0.0)));
+    }
+    let end = *events.iter().find(|e| e.kind == DrowsyEnd).expect("awake");
+    assert_eq!(end.start_us, back_us);
+    // The time of the jump itself is unknown.
+    let lasted_us = before_us - show.step_us + (end.timestamp_us - back_us);
+    assert_eq!(i64::from(end.duration_us), lasted_us);
+
+    // Eyes that are unknown before the jump and after it.
+    show.show(7.0, &face(None, 0.0));
+    let back_us = show.now_us - 3_000_000_000;
+    show.now_us = back_us;
+    let events = show.show(7.0, &face(None, 0.0));
+    let degraded = *events.iter().find(|e| e.kind == Degraded).expect("unknown");
+    assert_eq!(degraded.start_us, back_us);
+    assert_eq!(degraded.duration_us, fixed().degraded_us);
+}
+
+/// Another driver comes with a clock of his own.
+#[test]
+fn the_clock_is_forgotten_with_the_driver() {
+    let mut show = Show::new(&fixed(), 10);
+    show.show(5.0, &face(Some(0.9), 0.0));
+    for now_us in [show.now_us - show.step_us, -40_000_000] {
+        show.monitor.forget_driver();
+        assert_eq!(show.monitor.state().timestamp_us, 0);
+        let updated = show.monitor.update(&face(Some(0.9), 0.0), now_us);
+        assert_eq!(updated, Ok(()));
+        assert_eq!(kinds(&drain(&mut show.monitor)), []);
+    }
+}
+
+/// The limits that the header states, and what is just beyond them.
+#[test]
+fn planes_have_limits() {
+    let mut monitor = Monitor::new(&fixed()).expect("good settings");
+    let mut is_plane = |centre_mm: [f32; 3], half_u_mm: [f32; 3], half_v_mm: [f32; 3]| {
+        let shape = ZoneShape::Plane {
+            centre_mm,
+            half_u_mm,
+            half_v_mm,
+        };
+        monitor.set_zones(&[Zone::new(shape)]).is_ok()
+    };
+    let origin = [0.0; 3];
+    assert!(is_plane(origin, [10.0, 0.0, 0.0], [0.0, 10.0, 0.0]));
+    assert!(!is_plane(origin, [10.0, 0.0, 0.0], [0.0, 9.99, 0.0]));
+    // A sine of 0.1 is 5.74 degrees.
+    let at = |deg: f32| {
+        [
+            500.0 * deg.to_radians().cos(),
+            500.0 * deg.to_radians().sin(),
+            0.0,
+        ]
+    };
+    for (deg, is_one) in [(5.7, false), (5.8, true), (174.2, true), (174.3, false)] {
+        assert_eq!(
+            is_plane(origin, [500.0, 0.0, 0.0], at(deg)),
+            is_one,
+            "{deg}"
+        );
+    }
+    let far = [0.0, 0.0, 20_000.0];
+    assert!(is_plane(far, [20_000.0, 0.0, 0.0], [0.0, 20_000.0, 0.0]));
+    for far in [20_001.0, -20_001.0, f32::NAN] {
+        let beyond = [0.0, 0.0, far];
+        assert!(!is_plane(beyond, [10.0, 0.0, 0.0], [0.0, 10.0, 0.0]));
+        assert!(!is_plane(origin, [10.0, 0.0, far], [0.0, 10.0, 0.0]));
+    }
+}
+
 #[test]
 fn presets_differ_as_their_rules_do() {
     let config = |preset: Preset| preset.config();
