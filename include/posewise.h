@@ -79,6 +79,16 @@
 #define POSEWISE_E_MONITOR_CONFIG    (-27)        // A setting of the monitor is out of range
 #define POSEWISE_E_ZONES             (-28)        // Zones: too many, or not those of their kind
 
+#define POSEWISE_PART_REFINERS       1u           // Part: networks that see closer crops
+#define POSEWISE_PART_VERIFIER       2u           // Part: calibrated probabilities
+#define POSEWISE_PART_KEYFRAMES      4u           // Part: a lost face is found by its looks
+#define POSEWISE_PART_MONITOR        8u           // Part: the driver monitor
+#define POSEWISE_PART_DEFAULT_MODEL  16u          // Part: posewise_default_model()
+
+#define POSEWISE_TERMS_UNKNOWN       0u           // Terms of a model: its sheet lacks them
+#define POSEWISE_TERMS_FREE          1u           // Any use, in products too
+#define POSEWISE_TERMS_RESEARCH      2u           // Some data may restrict it to research
+
 #define POSEWISE_FMT_GREY            0x59455247u  // 8-bit grey
 #define POSEWISE_FMT_Y10             0x20303159u  // 10-bit grey in 16-bit little-endian words
 #define POSEWISE_FMT_Y16             0x20363159u  // 16-bit grey, little-endian
@@ -259,6 +269,41 @@ typedef struct posewise_config {
 // Initialises a posewise_config: struct_size is set, all other fields are 0.
 #define POSEWISE_CONFIG_INIT \
     {sizeof(posewise_config), 0, 0, 0, {0, 0, 0, 0}, 0, 0, {0, {0, 0, 0, 0, 0}}, 0}
+
+// What a model says of itself, and what is wrong with it. The texts are UTF-8 without a NUL; name
+// and sheet lie in the model, check is static.
+typedef struct posewise_model_details {
+    // sizeof(posewise_model_details), set by the caller.
+    uint32_t struct_size;
+    // Version of the model format. If it is another than that of the library, or the bytes are no
+    // whole model, the fields down to sections are 0, and name and sheet are empty.
+    uint32_t format_version;
+    // Length of the model, which may be less than that of the memory it is in [bytes].
+    uint32_t length;
+    // CRC-32 by which models are told apart.
+    uint32_t checksum;
+    // POSEWISE_TERMS_*: what the terms of the data that it was trained on allow.
+    uint32_t terms;
+    // Number of sections, and the name of each: four characters, the first in the lowest byte.
+    uint32_t section_count;
+    uint32_t sections[32];
+    // Name of the section that is missing or wrong, 0 where it is another fault.
+    uint32_t wrong_section;
+    // 0. Keeps the struct free of padding.
+    uint32_t reserved;
+    // Name of the model, as "default.posewise".
+    const char *name;
+    size_t name_len;
+    // Its data sheet, in Markdown: what it was trained on, with which terms.
+    const char *sheet;
+    size_t sheet_len;
+    // Which check the model failed, in English; empty for a model that the library can track with.
+    const char *check;
+    size_t check_len;
+} posewise_model_details;
+// Initialises a posewise_model_details: struct_size is set, all other fields are 0.
+#define POSEWISE_MODEL_DETAILS_INIT \
+    {sizeof(posewise_model_details), 0, 0, 0, 0, 0, {0}, 0, 0, NULL, 0, NULL, 0, NULL, 0}
 
 // One camera frame. The library reads it only during the call.
 typedef struct posewise_frame {
@@ -694,6 +739,9 @@ uint32_t posewise_version(void);
 // POSEWISE_ABI of the linked library.
 uint32_t posewise_abi(void);
 
+// The optional parts that the linked library was built with: bits POSEWISE_PART_*.
+uint32_t posewise_parts(void);
+
 // Says which instructions the processor has beyond those that the library was compiled for: bits
 // POSEWISE_CPU_*, or 0. Steps get faster; results have the same bits. It holds for all trackers
 // from their next step on, so call it once at the start. Without it, a library for AArch64 uses
@@ -722,6 +770,12 @@ const void *posewise_default_model(size_t *len);
 
 // Checks a whole model as posewise_init() does: POSEWISE_OK, or the error.
 posewise_status posewise_model_check(const void *model, size_t model_len);
+
+// Writes name, terms and sections of a model and, of one that posewise_model_check() refuses,
+// which section and which check failed. Returns POSEWISE_OK for such a model too.
+posewise_status posewise_model_info(const void *model,
+                                    size_t model_len,
+                                    posewise_model_details *out);
 
 // Checks the model and the settings (NULL: defaults), then creates a tracker in memory. Memory and
 // model must outlive the tracker. The model is not copied; trackers may share it. Nothing needs to

@@ -45,6 +45,11 @@ inline posewise_result result() {
     return r;
 }
 
+inline posewise_model_details model_details() {
+    posewise_model_details d = POSEWISE_MODEL_DETAILS_INIT;
+    return d;
+}
+
 inline posewise_monitor_config monitor_config() {
     posewise_monitor_config c = POSEWISE_MONITOR_CONFIG_INIT;
     return c;
@@ -87,6 +92,10 @@ struct Model {
     }
 
     posewise_status check() const { return posewise_model_check(data, size); }
+
+    posewise_status info(posewise_model_details &out) const {
+        return posewise_model_info(data, size, &out);
+    }
 };
 
 // Tracks one face of one camera. Movable; copy() gives a second, independent tracker.

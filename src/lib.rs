@@ -34,7 +34,8 @@
 //!
 //! `DEFAULT_MODEL` is embedded by the feature `default-model`. Another model is embedded with
 //! [`Aligned`], or read from a file into an `AlignedBytes` (feature `alloc`): a model must start at
-//! a multiple of 64 bytes.
+//! a multiple of 64 bytes. [`ModelInfo`] has its name and its terms, and [`ModelError`] what is
+//! wrong with one.
 //!
 //! # Modules
 //!
@@ -117,7 +118,7 @@ pub use monitor::{
     MonitorEvent, MonitorEventKind, MonitorEventLog, MonitorState, MonitorTimeError, Observation,
     Perclos, Preset, Unknown, Zone, ZoneShape, ZoneState,
 };
-pub use posewise_format::{Aligned, ModelError};
+pub use posewise_format::{Aligned, ModelError, ModelInfo, ModelTerms};
 pub use shape::{ANIMATION_NAMES, ANIMATIONS, Distortion, Intrinsics, LANDMARKS};
 pub use track::{
     Config, ConfigError, Detected, EVENTS, EYE_LOOK_NAMES, EYE_LOOKS, Event, EventKind, EventLog,
@@ -128,6 +129,15 @@ pub use track::{State, StepError, TrackResult, Tracker};
 
 #[cfg(feature = "alloc")]
 pub use posewise_format::AlignedBytes;
+
+/// The optional parts, by the names of their features, and whether this build has them.
+pub const PARTS: [(&str, bool); 5] = [
+    ("refiners", cfg!(feature = "refiners")),
+    ("verifier", cfg!(feature = "verifier")),
+    ("keyframes", cfg!(feature = "keyframes")),
+    ("monitor", cfg!(feature = "monitor")),
+    ("default-model", cfg!(feature = "default-model")),
+];
 
 #[cfg(feature = "default-model")]
 static DEFAULT: &Aligned<[u8]> = &Aligned(*include_bytes!(concat!(

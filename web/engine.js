@@ -3,7 +3,7 @@
 
 import {
   ABI, ALIGN, ANIMATIONS, CONFIG, EVENT, FACE, FORMATS, FRAME, HINT, INTRINSICS, LANDMARK,
-  LANDMARKS, LENS, RESULT, ROI, STATUS, UNREAD_EVENTS,
+  LANDMARKS, LENS, MODEL_DETAILS, PARTS, RESULT, ROI, STATUS, UNREAD_EVENTS,
 } from './layout.js';
 import { clearStruct, readStruct, writeStruct } from './struct.js';
 
@@ -38,6 +38,18 @@ import { clearStruct, readStruct, writeStruct } from './struct.js';
  *   default.posewise beside this file.
  */
 
+/**
+ * What a model says of itself.
+ * @typedef {object} ModelInfo
+ * @property {string} name As `default.posewise`; empty where it has none.
+ * @property {import('./layout.js').Terms} terms What the terms of its training data allow.
+ * @property {string} sheet Its data sheet, in Markdown.
+ * @property {number} formatVersion Version of the model format.
+ * @property {number} length Length [bytes].
+ * @property {number} checksum CRC-32 by which models are told apart.
+ * @property {string[]} sections Names of its sections.
+ */
+
 /** A call that the library rejected. */
 export class PosewiseError extends Error {
   /**
@@ -69,6 +81,14 @@ export function hasSimd() {
 /** The name of the module that suits this browser. */
 export function moduleName() {
   return hasSimd() ? 'posewise-simd128.wasm' : 'posewise.wasm';
+}
+
+/**
+ * The four characters of a section's name.
+ * @param {number} number
+ */
+function sectionName(number) {
+  return String.fromCharCode(...[0, 8, 16, 24].map((shift) => (number >>> shift) & 0xff));
 }
 
 /**
@@ -136,9 +156,14 @@ export class Engine {
     this.#model = this.allocate(model.length);
     this.#modelLength = model.length;
     this.bytes(this.#model, model.length).set(model);
-    this.check(this.call('model_check', this.#model, model.length));
     /** Address of a place for one argument or result. */
     this.scratch = this.allocate(SCRATCH);
+    /** @type {ModelInfo} What the model says of itself. */
+    this.model = this.#checkedModel();
+    /** The optional parts that the module was built with. */
+    this.parts = Object.entries(PARTS)
+      .filter(([, bit]) => this.call('parts') & bit)
+      .map(([name]) => name);
     /** Names of the animation weights, ARKit's. */
     this.animationNames = Array.from({ length: ANIMATIONS }, (_, i) =>
       this.text(this.call('animation_name', i)));
@@ -189,6 +214,31 @@ export class Engine {
     if (status !== STATUS.OK) {
       throw new PosewiseError(status, this.text(this.call('strerror', status)));
     }
+  }
+
+  /** @returns {ModelInfo} */
+  #checkedModel() {
+    clearStruct(this.view, this.scratch, MODEL_DETAILS);
+    this.check(this.call('model_info', this.#model, this.#modelLength, this.scratch));
+    const info = readStruct(this.view, this.scratch, MODEL_DETAILS);
+    /** @type {(at: number, length: number) => string} */
+    const text = (at, length) => new TextDecoder().decode(this.bytes(at, length).slice());
+    const status = this.call('model_check', this.#model, this.#modelLength);
+    if (status !== STATUS.OK) {
+      const section = info.wrongSection ? `${sectionName(info.wrongSection)}: ` : '';
+      const check = `${section}${text(info.check, info.checkLen)}`;
+      throw new PosewiseError(status, `${this.text(this.call('strerror', status))}: ${check}`);
+    }
+    const { terms, formatVersion, length, checksum } = info;
+    return {
+      name: text(info.name, info.nameLen),
+      terms,
+      sheet: text(info.sheet, info.sheetLen),
+      formatVersion,
+      length,
+      checksum,
+      sections: info.sections.slice(0, info.sectionCount).map(sectionName),
+    };
   }
 
   /**

@@ -67,6 +67,15 @@ export const FORMATS = {
   RA24: 0x34324152,
 };
 
+/** Bits of the optional parts by name. */
+export const PARTS = {
+  refiners: 1,
+  verifier: 2,
+  keyframes: 4,
+  monitor: 8,
+  default_model: 16,
+};
+
 /** @typedef {(typeof STATES)[number]} State */
 export const STATES = /** @type {const} */ ([
   'searching', 'tracking', 'coasting',
@@ -88,6 +97,11 @@ export const EVENTS = /** @type {const} */ ([
 /** @typedef {(typeof LENSES)[number]} LensModel */
 export const LENSES = /** @type {const} */ ([
   'pinhole', 'brown', 'fisheye',
+]);
+
+/** @typedef {(typeof TERMS)[number]} Terms */
+export const TERMS = /** @type {const} */ ([
+  'unknown', 'free', 'research',
 ]);
 
 /**
@@ -172,6 +186,27 @@ export const CONFIG = {
     smoothingBeta: { at: 36, type: 'f32', optional: true },
     lens: { at: 40, struct: LENS, optional: true },
     gaze: { at: 64, type: 'u32', optional: true },
+  },
+};
+/** @type {import('./struct.js').Layout} */
+export const MODEL_DETAILS = {
+  size: 184,
+  fields: {
+    structSize: { at: 0, type: 'u32' },
+    formatVersion: { at: 4, type: 'u32' },
+    length: { at: 8, type: 'u32' },
+    checksum: { at: 12, type: 'u32' },
+    terms: { at: 16, type: 'u32', names: TERMS },
+    sectionCount: { at: 20, type: 'u32' },
+    sections: { at: 24, type: 'u32', count: 32 },
+    wrongSection: { at: 152, type: 'u32' },
+    reserved: { at: 156, type: 'u32' },
+    name: { at: 160, type: 'u32' },
+    nameLen: { at: 164, type: 'u32' },
+    sheet: { at: 168, type: 'u32' },
+    sheetLen: { at: 172, type: 'u32' },
+    check: { at: 176, type: 'u32' },
+    checkLen: { at: 180, type: 'u32' },
   },
 };
 /** @type {import('./struct.js').Layout} */

@@ -49,7 +49,7 @@ export class FaceTracker {
     const absolute = Object.entries(source).map(([name, value]) =>
       [name, typeof value === 'string' ? new URL(value, document.baseURI).href : value]);
     const created = await tracker.#call('create', [Object.fromEntries(absolute), config]);
-    tracker.animationNames = created.animationNames;
+    Object.assign(tracker, created);
     return tracker;
   }
 
@@ -58,6 +58,10 @@ export class FaceTracker {
     this.#worker = worker;
     /** @type {string[]} Names of the animation weights, ARKit's. */
     this.animationNames = [];
+    /** @type {import('./engine.js').ModelInfo | undefined} What the model says of itself. */
+    this.model = undefined;
+    /** @type {string[]} The optional parts that the library was built with. */
+    this.parts = [];
     worker.onmessage = ({ data: { id, value, error } }) => {
       const waiting = this.#waiting.get(id);
       this.#waiting.delete(id);

@@ -55,7 +55,8 @@ const CALLS = {
   async create(options, config) {
     engine = await load(options);
     tracker = engine.createTracker(config);
-    return { animationNames: engine.animationNames };
+    const { animationNames, model, parts } = engine;
+    return { animationNames, model, parts };
   },
 
   /**

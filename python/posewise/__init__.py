@@ -12,6 +12,7 @@ frame (x right, y down, z away from the camera), degrees. Left and right are the
 
 from ._library import PosewiseError
 from ._layout import EYE_UNKNOWN
+from ._model import PARTS, ModelInfo, model_info
 from ._tracker import (
     ANIMATION_NAMES,
     EYE_LOOK_NAMES,
@@ -32,9 +33,12 @@ __all__ = [
     "Event",
     "FORMATS",
     "Face",
+    "ModelInfo",
+    "PARTS",
     "PosewiseError",
     "Result",
     "Tracker",
+    "model_info",
     "track",
 ]
 __version__ = "0.1.0"

@@ -50,6 +50,11 @@ EYE_UNKNOWN = (
     "shut",
     "uncertain",
 )
+TERMS = (
+    "unknown",
+    "free",
+    "research",
+)
 
 # Pixel formats by name.
 FORMATS = {
@@ -71,6 +76,15 @@ FORMATS = {
     "BA24": 0x34324142,
     "RX24": 0x34325852,
     "RA24": 0x34324152,
+}
+
+# Bits of the optional parts by name.
+PARTS = {
+    "refiners": 1,
+    "verifier": 2,
+    "keyframes": 4,
+    "monitor": 8,
+    "default_model": 16,
 }
 
 
@@ -101,6 +115,26 @@ class Config(Structure):
         ("smoothing_beta", c_float),
         ("lens", Lens),
         ("gaze", c_uint32),
+    ]
+
+
+class Model_details(Structure):
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("format_version", c_uint32),
+        ("length", c_uint32),
+        ("checksum", c_uint32),
+        ("terms", c_uint32),
+        ("section_count", c_uint32),
+        ("sections", c_uint32 * 32),
+        ("wrong_section", c_uint32),
+        ("reserved", c_uint32),
+        ("name", c_void_p),
+        ("name_len", c_size_t),
+        ("sheet", c_void_p),
+        ("sheet_len", c_size_t),
+        ("check", c_void_p),
+        ("check_len", c_size_t),
     ]
 
 

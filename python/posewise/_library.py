@@ -25,7 +25,9 @@ for _name, _returns, _arguments in [
     ("abi", c_uint32, []),
     ("strerror", c_char_p, [c_int32]),
     ("memory_size", c_size_t, [c_void_p]),
+    ("parts", c_uint32, []),
     ("model_check", c_int32, [c_void_p, c_size_t]),
+    ("model_info", c_int32, [c_void_p, c_size_t, POINTER(layout.Model_details)]),
     (
         "init",
         c_int32,
@@ -63,8 +65,9 @@ if lib.posewise_abi() != layout.ABI:
 class PosewiseError(Exception):
     """A call that the library rejected. ``status`` is the code of posewise.h."""
 
-    def __init__(self, status: int) -> None:
-        super().__init__(lib.posewise_strerror(status).decode())
+    def __init__(self, status: int, detail: str = "") -> None:
+        text = lib.posewise_strerror(status).decode()
+        super().__init__(f"{text}: {detail}" if detail else text)
         self.status = status
 
 
@@ -79,4 +82,5 @@ def aligned(size: int) -> npt.NDArray[np.uint8]:
     """Zeroed memory at the alignment that the library asks for."""
     memory = np.zeros(size + layout.ALIGN, dtype=np.uint8)
     start = -memory.ctypes.data % layout.ALIGN
-    return memory[start : start + size]
+    # In two steps, because numpy does not move the start of an empty slice.
+    return memory[start:][:size]

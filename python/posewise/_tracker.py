@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import ctypes
 from dataclasses import dataclass
-from functools import lru_cache
 from pathlib import Path
 from typing import Any, Optional, Sequence, Union
 
 import numpy as np
-import numpy.typing as npt
 
 from . import _arguments as arguments
 from . import _layout as layout
 from ._arguments import Floats, Pixels
 from ._forking import new_lock
-from ._library import FOLDER, aligned, call, lib
+from ._library import aligned, call, lib
+from ._model import checked, path_of
 
 #: Formats by name, for ``Tracker.step(format=…)``.
 FORMATS: dict[str, int] = layout.FORMATS
@@ -160,16 +159,6 @@ def _numbers(array: Any) -> Floats:
     return np.array(array, dtype=np.float32)
 
 
-@lru_cache(maxsize=None)
-def _model(path: Path) -> npt.NDArray[np.uint8]:
-    """A model, which all trackers share."""
-    file = np.fromfile(path, dtype=np.uint8)
-    model = aligned(len(file))
-    model[:] = file
-    call("model_check", model.ctypes.data, len(model))
-    return model
-
-
 class Tracker:
     """Follows one face. Several threads may share a tracker: they wait for each other.
 
@@ -204,8 +193,7 @@ class Tracker:
             config.intrinsics = arguments.intrinsics(intrinsics)
         if lens is not None:
             config.lens = arguments.lens(*lens)
-        known = model in ("default", "clean")
-        self._model = _model(FOLDER / f"{model}.posewise" if known else Path(model).resolve())
+        self._model = checked(path_of(model))
         self._memory = aligned(lib.posewise_memory_size(None))
         self._lock = new_lock()
         tracker = ctypes.c_void_p()

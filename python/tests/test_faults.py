@@ -4,6 +4,7 @@ import os
 import signal
 import threading
 import time
+import zlib
 
 import numpy as np
 import pytest
@@ -129,3 +130,27 @@ def test_a_child_may_be_forked_while_a_thread_steps():
     finally:
         is_over.set()
         thread.join()
+
+
+def test_models_say_their_names_terms_and_faults(tmp_path, root):
+    info = posewise.model_info()
+    assert (info.name, info.terms) == ("default.posewise", "research")
+    assert "ALGN" in info.sections and "Trained on" in info.sheet
+    assert info.check == "" and info.wrong_section == ""
+    assert posewise.model_info("clean").name == "clean.posewise"
+    assert "verifier" in posewise.PARTS
+    whole = bytearray((root / "models/default.posewise").read_bytes())
+    assert info.length == len(whole)
+    # A section of another name, in a file that is whole.
+    table = whole.index(b"ALGN")
+    whole[table : table + 4] = b"ABCD"
+    whole[16:20] = zlib.crc32(whole[64:]).to_bytes(4, "little")
+    spoilt = tmp_path / "spoilt.posewise"
+    spoilt.write_bytes(whole)
+    info = posewise.model_info(spoilt)
+    assert (info.name, info.wrong_section) == ("default.posewise", "ALGN")
+    assert info.check == "the section is missing"
+    with pytest.raises(posewise.PosewiseError, match="ALGN: the section is missing"):
+        posewise.Tracker(spoilt)
+    spoilt.write_bytes(b"")
+    assert posewise.model_info(spoilt).check == "truncated"

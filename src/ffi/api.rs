@@ -9,11 +9,12 @@
 use super::block::{self, BLOCK_SIZE};
 use super::convert::{
     camera_from, config_error, config_from, distortion_from, event_to, face_of, frame_from,
-    hint_from, landmarks_of, load, model_bytes, result_to, roi_from, step_error,
+    hint_from, landmarks_of, load, model_bytes, model_info_to, result_to, roi_from, step_error,
 };
 use super::events::Places;
 use super::types::*;
 use super::{float_env, memory};
+use crate::PARTS;
 use crate::network;
 use crate::shape::{ANIMATION_NAMES, ANIMATIONS, Distortion, LANDMARKS};
 use crate::track::{Config, EVENTS, FoundFace, MAX_EXCLUDED};
@@ -24,6 +25,7 @@ const _: () = assert!(POSEWISE_ANIMATIONS as usize == ANIMATIONS);
 const _: () = assert!(POSEWISE_EVENTS as usize == EVENTS);
 const _: () = assert!(POSEWISE_EXCLUDED as usize == MAX_EXCLUDED);
 const _: () = assert!(POSEWISE_ALIGN as usize == posewise_format::ALIGN);
+const _: () = assert!(POSEWISE_PART_DEFAULT_MODEL == 1 << (PARTS.len() - 1));
 
 /// POSEWISE_VERSION of the linked library.
 #[unsafe(no_mangle)]
@@ -35,6 +37,13 @@ pub extern "C" fn posewise_version() -> u32 {
 #[unsafe(no_mangle)]
 pub extern "C" fn posewise_abi() -> u32 {
     POSEWISE_ABI
+}
+
+/// The optional parts that the linked library was built with: bits POSEWISE_PART_*.
+#[unsafe(no_mangle)]
+pub extern "C" fn posewise_parts() -> u32 {
+    let bits = PARTS.iter().zip(0u32..);
+    bits.fold(0, |parts, ((_, has), bit)| parts | u32::from(*has) << bit)
 }
 
 /// Says which instructions the processor has beyond those that the library was compiled for: bits
@@ -176,6 +185,24 @@ pub unsafe extern "C" fn posewise_model_check(
     status(|| {
         // SAFETY: the caller's contract.
         load(unsafe { model_bytes(model, model_len)? }).map(|_| ())
+    })
+}
+
+/// Writes name, terms and sections of a model and, of one that posewise_model_check() refuses,
+/// which section and which check failed. Returns POSEWISE_OK for such a model too.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn posewise_model_info(
+    model: *const c_void,
+    model_len: usize,
+    out: *mut posewise_model_details,
+) -> posewise_status {
+    status(|| {
+        // SAFETY: the caller's contract, here and below.
+        let size = unsafe { memory::checked_size(out)? };
+        let bytes = unsafe { model_bytes(model, model_len)? };
+        memory::require_disjoint(bytes.as_ptr(), bytes.len(), out, size)?;
+        unsafe { memory::write_struct(out, size, &model_info_to(bytes)) };
+        Ok(())
     })
 }
 

@@ -8,8 +8,8 @@ use crate::track::{
     Config, ConfigError, Event, EventKind, EyeUnknown, Eyes, FaceHint, FoundFace, Loss, Model,
     Smoothing, State, StepError, TrackResult,
 };
-use core::ffi::c_void;
-use posewise_format::ModelError;
+use core::ffi::{c_char, c_void};
+use posewise_format::{FORMAT_VERSION, ModelError, ModelInfo, ModelTerms};
 
 /// The bytes of a model; or the error.
 ///
@@ -34,6 +34,63 @@ pub(super) fn load(bytes: &'static [u8]) -> Result<Model<'static>, posewise_stat
         // Table, Missing, Section.
         _ => POSEWISE_E_MODEL,
     })
+}
+
+/// What a model says of itself, and what is wrong with it, with `struct_size` 0.
+pub(super) fn model_info_to(bytes: &'static [u8]) -> posewise_model_details {
+    let mut to = posewise_model_details {
+        struct_size: 0, // write_struct() keeps the caller's
+        format_version: 0,
+        length: 0,
+        checksum: 0,
+        terms: POSEWISE_TERMS_UNKNOWN,
+        section_count: 0,
+        sections: [0; 32],
+        wrong_section: 0,
+        reserved: 0,
+        name: core::ptr::null(),
+        name_len: 0,
+        sheet: core::ptr::null(),
+        sheet_len: 0,
+        check: core::ptr::null(),
+        check_len: 0,
+    };
+    let error = match ModelInfo::read(bytes) {
+        Ok(info) => {
+            describe(&info, &mut to);
+            Model::load(bytes).err()
+        }
+        Err(error) => Some(error),
+    };
+    if let Some(ModelError::Version { found }) = error {
+        to.format_version = found;
+    }
+    let section = error.and_then(|error| error.section());
+    to.wrong_section = section.map_or(0, u32::from_le_bytes);
+    (to.check, to.check_len) = text_to(error.map_or("", |error| error.check()));
+    to
+}
+
+/// What a model says of itself.
+fn describe(info: &ModelInfo<'_>, to: &mut posewise_model_details) {
+    to.format_version = FORMAT_VERSION;
+    to.length = info.blob.total_len() as u32;
+    to.checksum = info.checksum;
+    to.terms = match info.terms {
+        ModelTerms::Free => POSEWISE_TERMS_FREE,
+        ModelTerms::Research => POSEWISE_TERMS_RESEARCH,
+        _ => POSEWISE_TERMS_UNKNOWN,
+    };
+    for (name, (tag, _)) in to.sections.iter_mut().zip(info.blob.sections()) {
+        *name = u32::from_le_bytes(tag);
+        to.section_count += 1;
+    }
+    (to.name, to.name_len) = text_to(info.name);
+    (to.sheet, to.sheet_len) = text_to(info.sheet);
+}
+
+fn text_to(text: &str) -> (*const c_char, usize) {
+    (text.as_ptr().cast(), text.len())
 }
 
 /// Checked settings; the default where the caller's pointer is NULL or a field is 0.
@@ -299,6 +356,13 @@ pub(super) fn landmarks_of(result: &TrackResult) -> impl Iterator<Item = posewis
         z_mm,
     })
 }
+
+const _: () = {
+    assert!(
+        posewise_format::MAX_SECTIONS == 32,
+        "posewise_model_details.sections"
+    );
+};
 
 #[cfg(test)]
 mod tests {

@@ -33,6 +33,10 @@ unsafe impl Growing for posewise_hint {
     const EARLIER_SIZES: &'static [usize] = &[];
 }
 // SAFETY: as above.
+unsafe impl Growing for posewise_model_details {
+    const EARLIER_SIZES: &'static [usize] = &[];
+}
+// SAFETY: as above.
 unsafe impl Growing for posewise_result {
     // Before `eye_open_probability`.
     const EARLIER_SIZES: &'static [usize] = &[128];

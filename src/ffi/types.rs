@@ -4,6 +4,8 @@
 //! Nothing here refers to the rest of the crate, so a test can compare the layouts with a C
 //! compiler's.
 
+use core::ffi::c_char;
+
 /// 0xMMmmpp; compare with posewise_version().
 pub const POSEWISE_VERSION: u32 = 0x0000_0100;
 /// Changes when programs must be recompiled.
@@ -87,6 +89,24 @@ pub const POSEWISE_E_MONITOR: i32 = -26;
 pub const POSEWISE_E_MONITOR_CONFIG: i32 = -27;
 /// Zones: too many, or not those of their kind.
 pub const POSEWISE_E_ZONES: i32 = -28;
+
+/// Part: networks that see closer crops.
+pub const POSEWISE_PART_REFINERS: u32 = 1;
+/// Part: calibrated probabilities.
+pub const POSEWISE_PART_VERIFIER: u32 = 2;
+/// Part: a lost face is found by its looks.
+pub const POSEWISE_PART_KEYFRAMES: u32 = 4;
+/// Part: the driver monitor.
+pub const POSEWISE_PART_MONITOR: u32 = 8;
+/// Part: posewise_default_model().
+pub const POSEWISE_PART_DEFAULT_MODEL: u32 = 16;
+
+/// Terms of a model: its sheet lacks them.
+pub const POSEWISE_TERMS_UNKNOWN: u32 = 0;
+/// Any use, in products too.
+pub const POSEWISE_TERMS_FREE: u32 = 1;
+/// Some data may restrict it to research.
+pub const POSEWISE_TERMS_RESEARCH: u32 = 2;
 
 /// 8-bit grey.
 pub const POSEWISE_FMT_GREY: u32 = 0x5945_5247;
@@ -455,6 +475,40 @@ pub struct posewise_face {
     pub confidence: f32,
 }
 
+/// What a model says of itself, and what is wrong with it. The texts are UTF-8 without a NUL; name
+/// and sheet lie in the model, check is static.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct posewise_model_details {
+    /// sizeof(posewise_model_details), set by the caller.
+    pub struct_size: u32,
+    /// Version of the model format. If it is another than that of the library, or the bytes are no
+    /// whole model, the fields down to sections are 0, and name and sheet are empty.
+    pub format_version: u32,
+    /// Length of the model, which may be less than that of the memory it is in \[bytes\].
+    pub length: u32,
+    /// CRC-32 by which models are told apart.
+    pub checksum: u32,
+    /// POSEWISE_TERMS_*: what the terms of the data that it was trained on allow.
+    pub terms: u32,
+    /// Number of sections, and the name of each: four characters, the first in the lowest byte.
+    pub section_count: u32,
+    pub sections: [u32; 32],
+    /// Name of the section that is missing or wrong, 0 where it is another fault.
+    pub wrong_section: u32,
+    /// 0. Keeps the struct free of padding.
+    pub reserved: u32,
+    /// Name of the model, as "default.posewise".
+    pub name: *const c_char,
+    pub name_len: usize,
+    /// Its data sheet, in Markdown: what it was trained on, with which terms.
+    pub sheet: *const c_char,
+    pub sheet_len: usize,
+    /// Which check the model failed, in English; empty for a model that the library can track with.
+    pub check: *const c_char,
+    pub check_len: usize,
+}
+
 /// A tracker, opaque. It starts at the start of the caller's memory and holds no pointer into
 /// itself: a memcpy of posewise_memory_size() bytes to memory of the same alignment is a second,
 /// independent tracker. No output of a call may lie in that memory.
@@ -498,6 +552,10 @@ assert_no_padding!(posewise_result: struct_size: u32, state: u32, timestamp_us: 
     gaze_right: [f32; 3], gaze: [f32; 3], gaze_head: [f32; 3], glasses: f32, dark_glasses: f32,
     eye_look: [f32; 8], facing_yaw_deg: f32, facing_pitch_deg: f32, facing_roll_deg: f32,
     facing_sigma_deg: [f32; 3], focal_px: f32, camera_assumed: u32);
+assert_no_padding!(posewise_model_details: struct_size: u32, format_version: u32, length: u32,
+    checksum: u32, terms: u32, section_count: u32, sections: [u32; 32], wrong_section: u32,
+    reserved: u32, name: *const c_char, name_len: usize, sheet: *const c_char, sheet_len: usize,
+    check: *const c_char, check_len: usize);
 assert_no_padding!(posewise_face: face_box: [f32; 4], yaw_deg: f32, roll_deg: f32,
     confidence: f32);
 assert_no_padding!(posewise_landmark: x: f32, y: f32, confidence: f32, visibility: f32,

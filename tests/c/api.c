@@ -219,6 +219,46 @@ static void test_model(void) {
     guarded_free(copy);
 }
 
+static int is_text(const char *text, size_t len, const char *expected) {
+    return len == strlen(expected) && memcmp(text, expected, len) == 0;
+}
+
+static void test_model_info(void) {
+    const posewise_model_details empty = POSEWISE_MODEL_DETAILS_INIT;
+    guarded copy = guarded_new(model.len, 0);
+    posewise_model_details info = empty, *inside;
+    CHECK_STATUS(posewise_model_info(model.start, model.len, &info), POSEWISE_OK);
+    CHECK(is_text(info.name, info.name_len, "default.posewise"));
+    CHECK(info.terms == POSEWISE_TERMS_RESEARCH && info.sheet_len > info.name_len);
+    CHECK(info.length == model.len && info.format_version > 0);
+    CHECK(memcmp(&info.checksum, model.start + 16, 4) == 0);
+    CHECK(info.section_count > 6 && info.sections[0] != 0 && info.sections[31] == 0);
+    CHECK(info.sections[info.section_count - 1] == 0x4F464E49); /* INFO */
+    CHECK(info.check_len == 0 && info.wrong_section == 0);
+    /* Of no model only the fault is known. */
+    info = empty;
+    memcpy(copy.start, model.start, model.len);
+    copy.start[8] = 77;
+    CHECK_STATUS(posewise_model_info(copy.start, model.len, &info), POSEWISE_OK);
+    CHECK(info.format_version == 77 && info.name_len == 0 && info.section_count == 0);
+    CHECK(is_text(info.check, info.check_len, "another format version"));
+    CHECK_STATUS(posewise_model_info(model.start, 5, &info), POSEWISE_OK);
+    CHECK(is_text(info.check, info.check_len, "truncated") && info.format_version == 0);
+    /* Wrong calls. */
+    info = empty;
+    CHECK_STATUS(posewise_model_info(NULL, model.len, &info), POSEWISE_E_NULL);
+    CHECK_STATUS(posewise_model_info(model.start, model.len, NULL), POSEWISE_E_NULL);
+    CHECK_STATUS(posewise_model_info(model.start, SIZE_MAX, &info), POSEWISE_E_MODEL_TRUNCATED);
+    inside = (posewise_model_details *)(void *)(copy.start + 64);
+    inside->struct_size = sizeof *inside;
+    CHECK_STATUS(posewise_model_info(copy.start, model.len, inside), POSEWISE_E_OVERLAP);
+    info.struct_size--;
+    CHECK_STATUS(posewise_model_info(model.start, model.len, &info), POSEWISE_E_STRUCT_SIZE);
+    CHECK(info.length == 0 && info.check == NULL);
+    CHECK((posewise_parts() & POSEWISE_PART_VERIFIER) != 0 && posewise_parts() < 32);
+    guarded_free(copy);
+}
+
 static void test_init(void) {
     const size_t need = posewise_memory_size(NULL);
     guarded memory = guarded_new(need + 64, 0xA5);
@@ -1003,6 +1043,7 @@ int main(int argc, char **argv) {
     test_default_model();
     test_config();
     test_model();
+    test_model_info();
     test_init();
     test_codes();
     test_wrong_order();

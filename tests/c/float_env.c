@@ -35,6 +35,7 @@ static void track(uint32_t env, outputs *all) {
     const posewise_intrinsics camera = {333, 334, 160.3f, 119.7f};
     posewise_config config = POSEWISE_CONFIG_INIT, wrong = POSEWISE_CONFIG_INIT;
     guarded memory = guarded_new(POSEWISE_MEMORY_SIZE, 0);
+    posewise_model_details info = POSEWISE_MODEL_DETAILS_INIT;
     posewise_tracker *t;
     size_t i;
     memset(all, 0, frames.count * sizeof *all);
@@ -42,6 +43,7 @@ static void track(uint32_t env, outputs *all) {
     config.smoothing_hz = 1.3f;
     wrong.smoothing_beta = NAN; /* a comparison with it is an invalid operation */
     IN_ENV(posewise_model_check(model.start, model.len));
+    IN_ENV(posewise_model_info(model.start, model.len, &info));
     IN_ENV(posewise_init(&t, memory.start, memory.len, model.start, model.len, &config));
     for (i = 0; i < frames.count; i++) {
         const posewise_frame f = clip_frame(&frames, i);

@@ -20,6 +20,8 @@ int main(int argc, char **argv) {
     const posewise::Model model = posewise::Model::built_in();
     CHECK(model.check() == POSEWISE_OK);
     CHECK(posewise::Model{}.check() == POSEWISE_E_NULL);
+    posewise_model_details info = posewise::model_details();
+    CHECK(model.info(info) == POSEWISE_OK && info.check_len == 0 && info.length == model.size);
     CHECK(!posewise::Tracker(posewise::Model{}));
     posewise_config wrong = posewise::config();
     wrong.min_face_px = 1;

@@ -95,6 +95,8 @@ fn layouts_agree() {
         gaze_right gaze gaze_head glasses dark_glasses eye_look
         facing_yaw_deg facing_pitch_deg facing_roll_deg facing_sigma_deg focal_px
         camera_assumed);
+    layout!(posewise_model_details: struct_size format_version length checksum terms section_count
+        sections wrong_section reserved name name_len sheet sheet_len check check_len);
     layout!(posewise_face: face_box yaw_deg roll_deg confidence);
     layout!(posewise_landmark: x y confidence visibility x_mm y_mm z_mm);
     layout!(posewise_event: timestamp_us kind loss face_box confidence reserved);

@@ -47,7 +47,11 @@ fn with_initialisers(header: &str) -> String {
 /// The initial value of a field, given by its declaration.
 fn zero(field: &str) -> String {
     let (kind, name) = field.rsplit_once(' ').expect("a type and a name");
-    let zeros = |count: usize| format!("{{{}}}", vec!["0"; count].join(", "));
+    // Of an array that does not fit into a line, the elements that are not named are 0 too.
+    let zeros = |count: usize| match count {
+        0..=16 => format!("{{{}}}", vec!["0"; count].join(", ")),
+        _ => "{0}".into(),
+    };
     match (kind, name.split_once('[')) {
         (_, Some((_, count))) => zeros(count.trim_end_matches(']').parse().expect("a number")),
         _ if name == "struct_size" => "sizeof".into(),
@@ -124,9 +128,9 @@ fn tidy(header: &str) -> String {
 }
 
 /// Second words of the names of families.
-const FAMILIES: [&str; 13] = [
+const FAMILIES: [&str; 15] = [
     "E", "EVENT", "FMT", "FRAME", "LENS", "LOSS", "MONITOR", "PRESET", "ZONE", "EYES", "UNKNOWN",
-    "LEVEL", "DRIVER",
+    "LEVEL", "DRIVER", "PART", "TERMS",
 ];
 
 /// Constants of one family stand together.

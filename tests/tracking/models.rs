@@ -2,7 +2,7 @@
 
 use crate::common::random::Random;
 use crate::common::{demo, root, tracker};
-use posewise::{Config, Model, State};
+use posewise::{Config, Model, ModelInfo, ModelTerms, State};
 use posewise_format::{AlignedBytes, Blob, SectionWriter, blob};
 
 /// Frames of the demo clip, at most `most`, in which a face is tracked.
@@ -33,6 +33,49 @@ fn every_model_tracks_the_demo_clip() {
         assert!(tracked * 10 >= frames * 9, "{name}: {tracked} of {frames}");
     }
     assert!(models > 0);
+}
+
+#[test]
+fn models_say_their_names_and_terms() {
+    // The clean model's sheet may be older than the line on terms.
+    let research = [("default.posewise", true), ("clean.posewise", false)];
+    for (name, is_research) in research {
+        let bytes = std::fs::read(root().join("models").join(name)).expect("a model");
+        let bytes = AlignedBytes::new(&bytes);
+        let info = ModelInfo::read(&bytes).expect("a valid model");
+        assert_eq!(info.name, name);
+        assert_eq!(info.terms == ModelTerms::Research, is_research, "{name}");
+        assert!(info.sheet.contains("Trained on"));
+        assert_eq!(info.checksum, posewise_format::crc32(&bytes[64..]));
+    }
+}
+
+/// A model without one section, or with one of no bytes.
+#[test]
+fn the_wrong_section_is_named() {
+    let valid = Blob::open(posewise::DEFAULT_MODEL).expect("the default model is valid");
+    for (wrong, _) in valid.sections().filter(|(tag, _)| tag != b"INFO") {
+        for is_there in [false, true] {
+            let kept = valid
+                .sections()
+                .filter(|(tag, _)| is_there || *tag != wrong);
+            let sections = kept.map(|(tag, content)| match tag == wrong {
+                true => SectionWriter::of_bytes(tag, Vec::new()),
+                false => SectionWriter::of_bytes(tag, content.to_vec()),
+            });
+            let bytes = AlignedBytes::new(&blob(&sections.collect::<Vec<_>>()));
+            let info = ModelInfo::read(&bytes).expect("a whole file");
+            assert_eq!(info.name, "default.posewise");
+            match Model::load(&bytes) {
+                // Optional sections may be missing.
+                Ok(_) => assert!(!is_there),
+                Err(error) => {
+                    assert_eq!(error.section(), Some(wrong), "{error}");
+                    assert!(!error.check().is_empty());
+                }
+            }
+        }
+    }
 }
 
 /// Changes what a checksum would have found: bytes of the sections, mostly of their heads, where

@@ -169,3 +169,17 @@ test('integers do not wrap', async () => {
   // Clocks of browsers have fractions.
   assert.equal(tracker.step(frame, 33_333.6).timestampUs, 33_333);
 });
+
+test('a model says its name, its terms and its faults', async () => {
+  const { engine } = await bounded();
+  assert.equal(engine.model.name, 'default.posewise');
+  assert.equal(engine.model.terms, 'research');
+  assert.equal(engine.model.length, model.length);
+  assert.ok(engine.model.sections.includes('ALGN') && engine.model.sheet.includes('Trained on'));
+  assert.ok(engine.parts.includes('verifier'));
+  const instance = await WebAssembly.instantiate(compiled, {});
+  const spoilt = Uint8Array.from(model);
+  spoilt[5000] ^= 1;
+  const corrupt = /corrupt: the checksum does not match/;
+  assert.throws(() => new Engine(instance, spoilt), corrupt);
+});

@@ -12,6 +12,7 @@ export async function inAWorker(video: HTMLVideoElement): Promise<string[]> {
   if (state === 'lost') console.log('never');
   const nose = tracked.landmarks[30];
   console.log(nose.x, nose.xMm, nose.visibility, tracked.animation[0]);
+  if (tracker.model?.terms === 'research') console.log(tracker.model.name, tracker.parts);
   tracker.close();
   return tracker.animationNames;
 }

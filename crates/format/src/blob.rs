@@ -82,6 +82,11 @@ impl<'m> Blob<'m> {
         self.bytes.len()
     }
 
+    /// CRC-32 of what follows the header, as the header states.
+    pub fn checksum(&self) -> u32 {
+        u32_at(self.bytes, 16).unwrap_or_default()
+    }
+
     /// Tags and bytes of all sections, in file order.
     pub fn sections(&self) -> impl Iterator<Item = (Tag, &'m [u8])> + '_ {
         self.table

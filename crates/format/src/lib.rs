@@ -24,6 +24,7 @@ extern crate alloc;
 
 mod aligned;
 mod blob;
+mod info;
 mod section;
 #[cfg(feature = "write")]
 mod write;
@@ -32,6 +33,7 @@ pub use aligned::Aligned;
 #[cfg(feature = "alloc")]
 pub use aligned::AlignedBytes;
 pub use blob::{ALIGN, Blob, FORMAT_VERSION, HEADER_LEN, MAGIC, MAX_SECTIONS, crc32};
+pub use info::{ModelInfo, ModelTerms, SHEET_FREE, SHEET_RESEARCH, SHEET_TAG, SHEET_TITLE};
 pub use section::{LARGEST, Section};
 #[cfg(feature = "write")]
 pub use write::{SectionWriter, Value, blob, reseal, without};
@@ -67,6 +69,30 @@ pub enum ModelError {
         /// What is wrong.
         why: &'static str,
     },
+}
+
+impl ModelError {
+    /// The section that is missing or wrong.
+    pub fn section(&self) -> Option<Tag> {
+        match *self {
+            ModelError::Missing(tag) | ModelError::Section { tag, .. } => Some(tag),
+            _ => None,
+        }
+    }
+
+    /// What was found wrong, without the section and in a few words.
+    pub fn check(&self) -> &'static str {
+        match self {
+            ModelError::Misaligned => "not 64-byte aligned",
+            ModelError::Truncated => "truncated",
+            ModelError::Magic => "not a .posewise model",
+            ModelError::Version { .. } => "another format version",
+            ModelError::Checksum => "the checksum does not match",
+            ModelError::Table => "the section table is corrupt",
+            ModelError::Missing(_) => "the section is missing",
+            ModelError::Section { why, .. } => why,
+        }
+    }
 }
 
 impl core::fmt::Display for ModelError {

@@ -20,11 +20,12 @@ from ctypes import Structure, c_float, c_int64, c_size_t, c_uint32, c_void_p
 ";
 
 /// Lists of words for numbers from 0 on: name, and what its constants begin with.
-const LISTS: [(&str, &str); 4] = [
+const LISTS: [(&str, &str); 5] = [
     ("LOSSES", "LOSS_"),
     ("LENSES", "LENS_"),
     ("EVENTS", "EVENT_"),
     ("EYE_UNKNOWN", "EYE_"),
+    ("TERMS", "TERMS_"),
 ];
 
 /// What the file has to hold.
@@ -47,6 +48,10 @@ pub fn text() -> Result<String> {
     out.push_str("\n# Pixel formats by name.\nFORMATS = {\n");
     for (name, value) in header.with_prefix("FMT_") {
         writeln!(out, "    \"{name}\": 0x{value:08X},")?;
+    }
+    out.push_str("}\n\n# Bits of the optional parts by name.\nPARTS = {\n");
+    for (name, value) in header.with_prefix("PART_") {
+        writeln!(out, "    \"{}\": {value},", name.to_lowercase())?;
     }
     out.push_str("}\n");
     for item in &header.structs {

@@ -84,6 +84,7 @@ pub(super) fn tracked_with(blob: &[u8], content: u8) -> Option<usize> {
     };
     // SAFETY: as many bytes as stated.
     let status = unsafe { posewise_model_check(model.ptr().cast(), blob.len()) };
+    check_info(&model, blob.len(), status);
     let frames = match Tracker::new(&model, Some(&config), 0xA5) {
         Ok(mut tracker) => {
             assert_eq!(status, POSEWISE_OK);
@@ -96,6 +97,20 @@ pub(super) fn tracked_with(blob: &[u8], content: u8) -> Option<usize> {
     };
     assert!(model.get() == blob, "the model was written to");
     frames
+}
+
+/// What a model says of itself can be read of any bytes; a fault is named where there is one.
+fn check_info(model: &Exact, len: usize, status: i32) {
+    // SAFETY: plain numbers, and pointers that are not followed.
+    let mut info: posewise_model_details = unsafe { std::mem::zeroed() };
+    info.struct_size = size_of::<posewise_model_details>() as u32;
+    // SAFETY: as many bytes as stated.
+    let read = unsafe { posewise_model_info(model.ptr().cast(), len, &mut info) };
+    assert_eq!(read, POSEWISE_OK);
+    assert_eq!(info.check_len == 0, status == POSEWISE_OK);
+    assert!(info.wrong_section == 0 || status == POSEWISE_E_MODEL);
+    assert!(info.section_count as usize <= info.sections.len() && info.length as usize <= len);
+    assert!(info.name_len <= info.sheet_len && info.sheet_len <= len);
 }
 
 /// Start and length of a section, or of header and table.

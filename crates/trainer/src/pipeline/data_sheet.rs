@@ -12,7 +12,7 @@ use crate::photographs::DEV;
 use crate::sources::{Sources, Terms};
 use anyhow::Result;
 use posewise::align::AlignModel;
-use posewise_format::Tag;
+use posewise_format::{SHEET_FREE, SHEET_RESEARCH, SHEET_TITLE, Tag};
 use posewise_metrics::BoxJitter;
 
 /// Errors that the data sheet names.
@@ -90,7 +90,7 @@ fn report_global(
 pub fn text(args: &Args, sources: &Sources, dev: &Accuracy) -> String {
     format!(
         "\
-# Data sheet of {name}
+{SHEET_TITLE}{name}
 
 Made by `cargo run --release -p posewise-train -- model --terms {terms} --seed {seed}
 --renders {plain} --near-renders {near} --steps {steps} --detector-steps {detector}{from}`.
@@ -137,10 +137,10 @@ fn made_from(args: &Args, sources: &Sources) -> String {
         "- {renders} rendered faces of these heads, with procedural skins and \
          skins from\n  those photographs that show whole heads.\n"
     );
-    text + match sources.terms() {
-        Terms::Free => "\nThe terms of all of these allow any use, also in products.\n",
+    text + &match sources.terms() {
+        Terms::Free => format!("\n{SHEET_FREE}, also in products.\n"),
         Terms::Research => {
-            "\nResearch terms on some of these may restrict the use of a model trained on them.\n"
+            format!("\n{SHEET_RESEARCH} may restrict the use of a model trained on them.\n")
         }
     }
 }

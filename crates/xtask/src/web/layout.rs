@@ -18,12 +18,13 @@ const HEAD: &str = "\
 const HIDDEN: [&str; 5] = ["struct_size", "flags", "reserved", "data", "data_len"];
 
 /// Fields whose numbers are named: struct, field, prefix of the constants, name of the list.
-const NAMED: [(&str, &str, &str, &str); 5] = [
+const NAMED: [(&str, &str, &str, &str); 6] = [
     ("result", "state", "", "STATES"),
     ("result", "loss", "LOSS_", "LOSSES"),
     ("event", "kind", "EVENT_", "EVENTS"),
     ("event", "loss", "LOSS_", "LOSSES"),
     ("lens", "model", "LENS_", "LENSES"),
+    ("model_details", "terms", "TERMS_", "TERMS"),
 ];
 
 /// The states have no prefix in common.
@@ -99,6 +100,10 @@ fn write_constants(out: &mut String, header: &Header) -> Result<()> {
     for (name, value) in header.with_prefix("FMT_") {
         writeln!(out, "  {name}: 0x{value:08x},")?;
     }
+    out.push_str("};\n\n/** Bits of the optional parts by name. */\nexport const PARTS = {\n");
+    for (name, value) in header.with_prefix("PART_") {
+        writeln!(out, "  {}: {value},", name.to_lowercase())?;
+    }
     out.push_str("};\n");
     let mut written = Vec::new();
     for (_, _, prefix, list) in NAMED {
@@ -148,6 +153,7 @@ fn type_of_list(list: &str) -> &'static str {
         "STATES" => "State",
         "LOSSES" => "Loss",
         "EVENTS" => "EventKind",
+        "TERMS" => "Terms",
         _ => "LensModel",
     }
 }
@@ -174,9 +180,10 @@ fn list_of(item: &Struct, field: &Field) -> Option<&'static str> {
     named.map(|n| n.3)
 }
 
-/// A typedef for JSDoc. The frame's is written by hand, because its pixels are an array.
+/// A typedef for JSDoc. Those of frames and of what a model says are written by hand: pixels are an
+/// array, and texts are strings.
 fn write_type(out: &mut String, item: &Struct) -> Result<()> {
-    if item.name == "frame" {
+    if ["frame", "model_details"].contains(&&*item.name) {
         return Ok(());
     }
     out.push_str("\n/**\n");
