@@ -68,11 +68,7 @@ fn px_per_mm(fit: &FaceFit, focal: f32) -> f32 {
 }
 
 /// Pose, identity and expression that explain the known landmarks.
-fn fit(
-    model: &FaceModel<'_>,
-    focal: f32,
-    face: &Face,
-) -> Option<FaceFit> {
+fn fit(model: &FaceModel<'_>, focal: f32, face: &Face) -> Option<FaceFit> {
     let camera = camera(face.picture.size, focal);
     let weights = face.known.map(|known| if known { 1.0 } else { 0.0 });
     let observed = Observed {

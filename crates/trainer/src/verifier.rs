@@ -116,8 +116,9 @@ fn train_correct(
         .map(|landmark| {
             let labelled = samples.iter().zip(&face_logits);
             let labelled = labelled.filter_map(|(s, l)| Some((*s, *l, s.correct[landmark]?)));
-            let (samples, rest): (Vec<&Sample>, Vec<(f32, bool)>) =
-                labelled.map(|(s, logit, label)| (s, (logit, label))).unzip();
+            let (samples, rest): (Vec<&Sample>, Vec<(f32, bool)>) = labelled
+                .map(|(s, logit, label)| (s, (logit, label)))
+                .unzip();
             let (face_logits, labels): (Vec<f32>, Vec<bool>) = rest.into_iter().unzip();
             let examples = own_examples(&samples, &labels, landmark, features);
             let (classifier, scores) = cross_fitted(&examples, CORRECT_RIDGE)?;
