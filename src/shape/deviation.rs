@@ -6,6 +6,7 @@
 //! is seen: [`SYSTEMATIC`]. Without intrinsics the focal length is unknown too: [`LENS`].
 
 use super::Pose;
+use crate::math::towards;
 use glam::Vec3;
 
 /// The natural logarithm of a standard deviation is the sum of these, times what they are of.
@@ -32,18 +33,19 @@ const fn terms(base: f32, turn: [f32; 2], [hidden, small, doubt]: [f32; 3]) -> T
     }
 }
 
-/// Deviations of facing yaw, pitch and roll \[deg\], of the position to the right and down, across
-/// the line of sight \[mm\], and of the distance as a share of it.
+/// Deviations of the rotation about axes to the right, down and along the line of sight \[deg\], of
+/// the position to the right and down, across that line \[mm\], and of the distance as a share of it.
+/// The rotation about the line is a rotation in the picture: it errs least, however a face is turned.
 ///
 /// `posewise eval deviations --fit` prints them (docs/accuracy.md): default model, five people of
 /// rendered clips, whole, small, blurred and covered. Those of the other five chose nothing.
 const SYSTEMATIC: [Terms; 6] = [
-    terms(0.21, [0.78, -0.37], [1.50, 0.04, 1.66]),
-    terms(1.15, [0.14, -0.36], [0.92, 0.06, 0.62]),
-    terms(-0.50, [1.31, 0.34], [1.19, 0.14, 1.31]),
-    terms(-0.04, [0.41, 0.41], [1.13, 0.00, 2.12]),
-    terms(0.38, [-0.16, -0.29], [0.87, -0.05, 1.21]),
-    terms(-3.09, [0.00, 0.00], [0.31, 0.01, 0.69]),
+    terms(1.35, [0.05, 0.03], [0.61, 0.04, 0.42]),
+    terms(0.71, [0.53, -0.18], [1.12, 0.40, 1.12]),
+    terms(0.15, [0.58, 0.12], [0.99, 0.18, 0.77]),
+    terms(0.11, [0.53, 0.08], [1.17, 0.53, 1.14]),
+    terms(0.44, [0.31, 0.07], [1.33, 0.62, 1.11]),
+    terms(-2.52, [0.00, 0.00], [0.29, 0.52, 0.50]),
 ];
 
 /// Largest negative logarithm of a confidence: below 0.5 errors grow no more.
@@ -85,24 +87,24 @@ pub(crate) struct Variances {
 impl Variances {
     /// Those of a pose with this covariance of the fit.
     pub(crate) fn of(pose: &Pose, covariance: &[[f32; 6]; 6], seen: &Seen) -> Variances {
-        let [yaw, pitch, roll, right, down, range] = systematic(pose, seen);
-        let turns = [yaw, pitch, roll].map(f32::to_radians);
-        let mut facing = pose.facing_variances(covariance);
-        let [mut rotation, mut translation] = fit_variances(covariance);
-        let mut add = |axis: Vec3| {
-            let squares = (axis * axis).to_array();
-            rotation.iter_mut().zip(squares).for_each(|(v, s)| *v += s);
-        };
-        for ((axis, turn), facing) in pose.facing_axes().iter().zip(turns).zip(&mut facing) {
-            add(*axis * turn);
-            *facing += turn * turn;
-        }
+        let [over, aside, round, right, down, range] = systematic(pose, seen);
         let t = pose.translation_mm;
+        let sight = towards(t);
+        let mut covariance = *covariance;
+        for (axis, turn) in [
+            (sight.x_axis, over),
+            (sight.y_axis, aside),
+            (sight.z_axis, round),
+        ] {
+            add_turn(&mut covariance, axis * turn.to_radians());
+        }
+        let facing = pose.facing_variances(&covariance);
         if seen.is_assumed {
             // A longer lens has the face nearer to its axis.
             let across = Vec3::new(-t.y, t.x, 0.0) * (t.z / t.length_squared().max(1.0));
-            add(across * LENS);
+            add_turn(&mut covariance, across * LENS);
         }
+        let [rotation, mut translation] = diagonal(&covariance);
         let lens = if seen.is_assumed { LENS_RANGE } else { 0.0 };
         // The distance moves a face along its line of sight; the lens does not move it aside.
         let more = [
@@ -119,8 +121,18 @@ impl Variances {
     }
 }
 
-/// Variances of rotation and translation of the fit alone.
-fn fit_variances(covariance: &[[f32; 6]; 6]) -> [[f32; 3]; 2] {
+/// Adds the error of a rotation about one axis, whose length is the deviation \[rad\].
+fn add_turn(covariance: &mut [[f32; 6]; 6], axis: Vec3) {
+    let axis = axis.to_array();
+    for (row, a) in covariance.iter_mut().zip(axis) {
+        for (v, b) in row.iter_mut().zip(axis) {
+            *v += a * b;
+        }
+    }
+}
+
+/// Variances of rotation and translation.
+fn diagonal(covariance: &[[f32; 6]; 6]) -> [[f32; 3]; 2] {
     let [a, b, c, d, e, f] = covariance;
     [[a[0], b[1], c[2]], [d[3], e[4], f[5]]]
 }

@@ -54,14 +54,6 @@ impl Pose {
         })
     }
 
-    /// Axes that yaw, pitch and roll relative to the line of sight turn the head about, camera
-    /// frame.
-    pub(super) fn facing_axes(&self) -> [Vec3; 3] {
-        let to_camera = towards(self.translation_mm);
-        let (_, [sin, cos], back) = self.level(&to_camera);
-        [-Vec3::Y, -Vec3::new(cos, 0.0, sin), back].map(|axis| to_camera * axis)
-    }
-
     /// Cosine of the facing pitch, sine and cosine of the facing yaw, and the head's z axis, from
     /// axes along the line of sight.
     fn level(&self, to_camera: &Mat3) -> (f32, [f32; 2], Vec3) {
@@ -117,19 +109,6 @@ mod tests {
         // the line of sight, on which the face looks 10° to the left when it looks into the lens.
         let beside = pose(40.0, 0.0, 0.0, [173.648, 0.0, 984.808]);
         assert!((beside.facing_angles().yaw_deg - 50.0).abs() < 1e-2);
-    }
-
-    #[test]
-    fn each_angle_turns_about_its_axis() {
-        let at = pose(55.0, 15.0, -20.0, [60.0, -40.0, 600.0]);
-        let before = numbers(at.facing_angles());
-        for (k, axis) in at.facing_axes().into_iter().enumerate() {
-            let after = numbers(at.moved(axis * 0.01, Vec3::ZERO).facing_angles());
-            for (i, (a, b)) in after.iter().zip(before).enumerate() {
-                let expected = if i == k { 0.01 } else { 0.0 };
-                assert!(((a - b).to_radians() - expected).abs() < 4e-4, "{k} {i}");
-            }
-        }
     }
 
     #[test]

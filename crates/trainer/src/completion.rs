@@ -6,7 +6,6 @@ use crate::faces::{self, Face};
 use crate::fit::{FitSettings, Fits, camera};
 use crate::head::Head;
 use crate::photographs::Set;
-use crate::picture::Picture;
 use anyhow::Result;
 use posewise::shape::{
     self, FaceFit, FaceModel, FitOptions, IdentityEstimator, LANDMARKS, MAX_IDENTITIES, Observed,
@@ -14,7 +13,6 @@ use posewise::shape::{
 use posewise_format::{AlignedBytes, Blob, blob};
 use rayon::prelude::*;
 use std::path::Path;
-use std::sync::Arc;
 
 /// Fits whose known landmarks are farther off on average explain no face \[face sizes, see
 /// [`Face::scale`]\].
@@ -44,7 +42,9 @@ pub fn faces(head: &Head, fits: &Fits, data: &Path, set: &Set) -> Result<Vec<Fac
 }
 
 fn complete(model: &FaceModel<'_>, settings: &FitSettings, mut face: Face) -> Option<Face> {
-    let fit = fit(model, settings, &face.picture, &face)?;
+    let [w, h] = face.picture.size;
+    let focal = settings.focal_per_side * w.max(h) as f32;
+    let fit = fit(model, focal, &face)?;
     for (i, point) in face.landmarks.iter_mut().enumerate() {
         if !face.known[i] {
             *point = fit.image_px[i];
@@ -56,19 +56,20 @@ fn complete(model: &FaceModel<'_>, settings: &FitSettings, mut face: Face) -> Op
         (a[0] - b[0]).hypot(a[1] - b[1])
     };
     let error = known.clone().map(distance).sum::<f32>() / known.count() as f32;
+    face.yaw_deg = Some(fit.state.pose.facing_angles().yaw_deg);
+    face.px_per_mm = Some(px_per_mm(&fit, focal));
     face.visible = std::array::from_fn(|i| face.known[i] || fit.visible[i]);
     (error <= LARGEST_ERROR * face.scale()).then_some(face)
 }
 
+/// Pixels per millimetre at the head's distance.
+fn px_per_mm(fit: &FaceFit, focal: f32) -> f32 {
+    focal / fit.state.pose.translation_mm.z
+}
+
 /// Pose, identity and expression that explain the known landmarks.
-fn fit(
-    model: &FaceModel<'_>,
-    settings: &FitSettings,
-    picture: &Arc<Picture>,
-    face: &Face,
-) -> Option<FaceFit> {
-    let [w, h] = picture.size;
-    let camera = camera([w, h], settings.focal_per_side * w.max(h) as f32);
+fn fit(model: &FaceModel<'_>, focal: f32, face: &Face) -> Option<FaceFit> {
+    let camera = camera(face.picture.size, focal);
     let weights = face.known.map(|known| if known { 1.0 } else { 0.0 });
     let observed = Observed {
         points: &face.landmarks,

@@ -26,12 +26,12 @@ pub struct Face {
     pub landmarks: Shape,
     /// Which person, for splits.
     pub person: u32,
-    /// Yaw \[deg\] where it is known (renders).
+    /// Yaw \[deg\] where it is known: of renders, and of photographs that the 3D head was fitted to.
     pub yaw_deg: Option<f32>,
     /// The head's rotation as a camera sees it that looks straight at the landmarks' middle, where
     /// it is known (renders).
     pub rotation: Option<Mat3>,
-    /// Pixels per millimetre at the middle of the landmarks, where it is known (renders).
+    /// Pixels per millimetre at the middle of the landmarks, where it is known, as `yaw_deg`.
     pub px_per_mm: Option<f32>,
     /// What an error against its label weighs.
     pub weight: f32,
@@ -44,7 +44,11 @@ pub struct Face {
     pub known: [bool; LANDMARKS],
     /// Whether it is the picture of a single eye.
     pub is_single_eye: bool,
+    pub is_render: bool,
 }
+
+/// Distance between the outer eye corners of the mean head \[mm\].
+const INTER_OCULAR_MM: f32 = 90.0;
 
 impl Face {
     /// The face in a mirror.
@@ -75,6 +79,13 @@ impl Face {
     pub fn inter_ocular(&self) -> f32 {
         let [a, b] = [self.landmarks[36], self.landmarks[45]];
         (a[0] - b[0]).hypot(a[1] - b[1])
+    }
+
+    /// Distance between the outer eye corners if the face looked into the camera \[px\]; where
+    /// the head's size is not known at least [`Face::scale`].
+    pub fn frontal_inter_ocular(&self) -> f32 {
+        let known = self.px_per_mm.map(|scale| INTER_OCULAR_MM * scale);
+        known.unwrap_or_else(|| self.scale())
     }
 
     /// Size that an error is measured against \[px\]: the inter-ocular distance of a face that
@@ -161,6 +172,7 @@ pub fn labelled(labels: &[Label], data: &Path, set: &Set) -> Result<Vec<Face>> {
                 visible: [true; LANDMARKS],
                 known: label.known,
                 is_single_eye: false,
+                is_render: false,
             })
         })
         .collect()
@@ -199,6 +211,7 @@ pub fn rendered(path: &Path, count: usize) -> Result<Vec<Face>> {
             visible: sample.visible,
             known: [true; LANDMARKS],
             is_single_eye: false,
+            is_render: true,
         })
         .collect())
 }

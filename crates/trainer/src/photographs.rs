@@ -79,7 +79,7 @@ pub const CROPS: Set = Set {
 pub const PROFILES: Set = Set {
     table: "profiles/train.csv",
     images: "profiles/train",
-    share: 4.0,
+    share: 6.0,
     framing: Framing::Half,
     person: between_underscores,
     ..MANUAL

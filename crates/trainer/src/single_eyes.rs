@@ -85,6 +85,7 @@ pub fn for_training(model: &AlignModel<'_>, folder: &Path) -> Result<Vec<Single>
                     visible,
                     known: visible,
                     is_single_eye: true,
+                    is_render: false,
                 },
                 found,
             }

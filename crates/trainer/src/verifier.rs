@@ -114,7 +114,12 @@ fn train_correct(
     let landmarks = (0..LANDMARKS)
         .into_par_iter()
         .map(|landmark| {
-            let labels: Vec<bool> = samples.iter().map(|s| s.correct[landmark]).collect();
+            let labelled = samples.iter().zip(&face_logits);
+            let labelled = labelled.filter_map(|(s, l)| Some((*s, *l, s.correct[landmark]?)));
+            let (samples, rest): (Vec<&Sample>, Vec<(f32, bool)>) = labelled
+                .map(|(s, logit, label)| (s, (logit, label)))
+                .unzip();
+            let (face_logits, labels): (Vec<f32>, Vec<bool>) = rest.into_iter().unzip();
             let examples = own_examples(&samples, &labels, landmark, features);
             let (classifier, scores) = cross_fitted(&examples, CORRECT_RIDGE)?;
             let (slopes, offset) = platt(&scores, &labels, None, Some(&face_logits));

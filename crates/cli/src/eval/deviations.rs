@@ -36,8 +36,8 @@ struct Frame {
     box_px: f64,
     /// What the constants are multiplied by: see `SYSTEMATIC` of the core.
     terms: [f64; TERMS],
-    /// Errors of facing yaw, pitch and roll \[deg\], across the line of sight \[mm\], and of the
-    /// distance as a share.
+    /// Errors of the rotation about axes to the right, down and along the line of sight \[deg\], across
+    /// that line \[mm\], and of the distance as a share.
     systematic: [f64; 6],
 }
 
@@ -153,16 +153,17 @@ fn errors(said: &Pose, is: &Pose) -> [f64; 9] {
 }
 
 fn systematic(said: &Pose, is: &Pose) -> [f64; 6] {
-    let [yaw, pitch, roll] = facing_errors(said, is);
+    let turn = rotation_vector(&(said.facing() * is.facing().transpose()));
+    let [over, aside, round] = turn.to_array().map(|v| f64::from(v.to_degrees()));
     let (at, off) = (said.translation_mm, said.translation_mm - is.translation_mm);
     let range = off.z / at.z;
-    let aside = off - at * range;
+    let across = off - at * range;
     [
-        yaw,
-        pitch,
-        roll,
-        aside.x.into(),
-        aside.y.into(),
+        over,
+        aside,
+        round,
+        across.x.into(),
+        across.y.into(),
         range.into(),
     ]
 }
@@ -223,24 +224,26 @@ fn report(out: &mut String, bands: &mut Map<String, Value>, frames: &[Frame]) {
     }
 }
 
-/// Factors on the fitted deviations: the people are few, and others err more. Pitch, whose errors
-/// have short tails, has none; the place to the right, whose errors have long ones, more.
-const MARGINS: [f64; 6] = [1.2, 1.0, 1.2, 1.5, 1.2, 1.2];
 /// The distance: how large a head is does not depend on where it is turned.
 const RANGE: usize = 5;
 /// What holds a factor at 0 where the frames say little of it.
 const PRIOR: f64 = 20.0;
 /// Frames that each clip counts as, however long it is.
 const CLIP_FRAMES: f64 = 100.0;
-/// Largest squared error \[variances\]: larger ones count as this.
-const LARGEST: f64 = 9.0;
+/// Share of the errors that lie within two of the fitted deviations.
+const WITHIN: f64 = 0.955;
+/// Newton steps, and their greatest length.
+const STEPS: usize = 200;
+const LONGEST_STEP: f64 = 0.3;
+/// Keeps a step finite where no error is near its limit.
+const LEAST_CURVATURE: f64 = 1e-3;
+/// Width of the step between within and without \[natural logarithm of an error\].
+const SMOOTHING: f64 = 0.2;
 
 fn print_constants(out: &mut String, frames: &[Frame]) {
     let _ = writeln!(out, "\nconst SYSTEMATIC: [Terms; 6] = [");
-    for (quantity, margin) in MARGINS.iter().enumerate() {
-        let fitted = fit(frames, quantity);
-        let [base, a, b, c, d, e]: [f64; TERMS] = fitted.into();
-        let base = base + margin.ln();
+    for quantity in 0..6 {
+        let [base, a, b, c, d, e]: [f64; TERMS] = fit(frames, quantity).into();
         let _ = writeln!(
             out,
             "    terms({base:.2}, [{a:.2}, {b:.2}], [{c:.2}, {d:.2}, {e:.2}]),"
@@ -249,7 +252,9 @@ fn print_constants(out: &mut String, frames: &[Frame]) {
     let _ = writeln!(out, "];");
 }
 
-/// The most likely factors of the logarithm of a deviation: Fisher scoring.
+/// The factors of the logarithm of a deviation with which [`WITHIN`] of the errors lie within two of
+/// it, whatever the terms: a smoothed quantile regression (Koenker and Bassett 1978) by Newton's
+/// method. How far off a lost face is does not count, as in a variance.
 fn fit(frames: &[Frame], quantity: usize) -> SVector<f64, TERMS> {
     let clips = frames
         .iter()
@@ -259,33 +264,27 @@ fn fit(frames: &[Frame], quantity: usize) -> SVector<f64, TERMS> {
     let mut counts = vec![0.0; clips];
     frames.iter().for_each(|f| counts[f.clip] += 1.0);
     let weight = |f: &Frame| CLIP_FRAMES / counts[f.clip];
-    let sum: f64 = frames.iter().map(weight).sum();
-    let squares = frames
-        .iter()
-        .map(|f| weight(f) * f.systematic[quantity].powi(2));
     let mut factors = SVector::<f64, TERMS>::zeros();
-    factors[0] = (squares.sum::<f64>() / sum).max(1e-12).sqrt().ln();
-    for _ in 0..60 {
-        let mut slope = SVector::<f64, TERMS>::zeros();
-        let mut information = SMatrix::<f64, TERMS, TERMS>::identity() * PRIOR;
-        information[(0, 0)] = 1e-9;
-        for k in 1..TERMS {
-            slope[k] = -PRIOR * factors[k];
-        }
+    for _ in 0..STEPS {
+        let mut slope = factors * -PRIOR;
+        let mut curvature = SMatrix::<f64, TERMS, TERMS>::identity() * PRIOR;
+        (slope[0], curvature[(0, 0)]) = (0.0, LEAST_CURVATURE);
         for frame in frames {
             let mut terms = SVector::from(frame.terms);
             if quantity == RANGE {
                 (terms[1], terms[2]) = (0.0, 0.0);
             }
-            let sigma = factors.dot(&terms).exp();
-            let ratio = (frame.systematic[quantity] / sigma).powi(2).min(LARGEST);
-            slope += terms * (weight(frame) * (ratio - 1.0));
-            information += terms * terms.transpose() * (2.0 * weight(frame));
+            let error = frame.systematic[quantity].abs().max(1e-9);
+            let beyond = (error / 2.0).ln() - factors.dot(&terms);
+            let outside = 1.0 / (1.0 + (-beyond / SMOOTHING).exp());
+            slope += terms * (weight(frame) * (outside - (1.0 - WITHIN)));
+            let bend = (outside * (1.0 - outside)).max(LEAST_CURVATURE) / SMOOTHING;
+            curvature += terms * terms.transpose() * (weight(frame) * bend);
         }
-        let Some(step) = information.cholesky().map(|c| c.solve(&slope)) else {
+        let Some(step) = curvature.cholesky().map(|c| c.solve(&slope)) else {
             break;
         };
-        factors += step;
+        factors += step.cap_magnitude(LONGEST_STEP);
     }
     factors
 }

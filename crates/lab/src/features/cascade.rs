@@ -366,6 +366,7 @@ mod tests {
             visible: [true; LANDMARKS],
             known: [true; LANDMARKS],
             is_single_eye: false,
+            is_render: true,
         }
     }
 

@@ -182,6 +182,7 @@ mod tests {
             visible: [true; LANDMARKS],
             known: [true; LANDMARKS],
             is_single_eye: false,
+            is_render: false,
         };
         let mut rng = ChaCha8Rng::seed_from_u64(3);
         for _ in 0..50 {

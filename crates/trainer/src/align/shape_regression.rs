@@ -83,9 +83,9 @@ impl Row {
         Some(Row {
             result,
             correction,
-            weight: match face.yaw_deg {
-                Some(_) => RENDERED * weight,
-                None => weight,
+            weight: match face.is_render {
+                true => RENDERED * weight,
+                false => weight,
             },
         })
     }

@@ -67,7 +67,7 @@ impl Draw {
     pub fn new(faces: &[Face], options: &Options, interest: impl Fn(&Face) -> f32) -> Result<Draw> {
         ensure!(!faces.is_empty(), "no faces to train on");
         let of = |rendered: bool| {
-            let chosen = |k: &usize| faces[*k].yaw_deg.is_some() == rendered;
+            let chosen = |k: &usize| faces[*k].is_render == rendered;
             (0..faces.len()).filter(chosen).collect::<Vec<_>>()
         };
         Ok(Draw {

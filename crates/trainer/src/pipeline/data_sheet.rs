@@ -93,7 +93,7 @@ pub fn text(args: &Args, sources: &Sources, dev: &Accuracy) -> String {
 {SHEET_TITLE}{name}
 
 Made by `cargo run --release -p posewise-train -- model --terms {terms} --seed {seed}
---renders {plain} --near-renders {near} --steps {steps} --detector-steps {detector}{from}`.
+--renders {plain} --near-renders {near} --steps {steps} --detector-steps {detector}{without}{from}`.
 
 Trained on:
 {made_from}
@@ -112,6 +112,10 @@ inter-ocular distance, median {median:.2} %, above 10 %: {failure:.2} %.
             Terms::Research => "research",
         },
         detector = args.detector_steps,
+        without = match args.without.is_empty() {
+            true => String::new(),
+            false => format!("\n--without {}", args.without.join(" --without ")),
+        },
         from = match &args.from {
             Some(path) => format!("\n--from {}", path.display()),
             None => String::new(),

@@ -39,7 +39,7 @@ pub fn make(context: &Context<'_>) -> Result<Output> {
         profiles: [PROFILES, NEAR_PROFILES],
         fronts: [FRONTS, NEAR_FRONTS],
     };
-    let stage = context.with_near(Stage::new("detector", 6).options(&options)?)?;
+    let stage = context.with_near(Stage::new("detector", 7).options(&options)?)?;
     let stage = context.with_backgrounds(context.with_faces(stage)?)?;
     let stage = context.with_finished(stage);
     context.store.make(&stage, &[sections::FILE], |folder| {

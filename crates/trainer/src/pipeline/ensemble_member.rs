@@ -12,7 +12,7 @@ use posewise::align::{AlignModel, EnsembleMember};
 /// Makes the section.
 pub fn make(context: &Context<'_>) -> Result<Output> {
     let options = global_network::options(context).ensemble_member();
-    let stage = context.with_faces(Stage::new("ensemble-member", 4).options(&options)?)?;
+    let stage = context.with_faces(Stage::new("ensemble-member", 5).options(&options)?)?;
     let stage = context.with_finished(stage);
     context.store.make(&stage, &[sections::FILE], |folder| {
         let checkpoint = folder.join(global_network::NETWORK);

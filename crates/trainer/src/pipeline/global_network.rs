@@ -43,7 +43,7 @@ pub fn options(context: &Context<'_>) -> align::Options {
 /// Makes section and network.
 pub fn make(context: &Context<'_>) -> Result<Output> {
     let options = options(context);
-    let stage = context.with_faces(Stage::new("global-network", 3).options(&options)?)?;
+    let stage = context.with_faces(Stage::new("global-network", 4).options(&options)?)?;
     let stage = context.with_finished(stage);
     context
         .store

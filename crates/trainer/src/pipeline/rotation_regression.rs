@@ -19,7 +19,7 @@ struct Options {
 pub fn make(context: &Context<'_>, cascade: &[(&Output, Tag); 4]) -> Result<Output> {
     let seed = context.args.seed;
     let plain = context.renders(Kind::Plain)?.hash(super::renders::FILE)?;
-    let stage = Stage::new("rotation-regression", 1)
+    let stage = Stage::new("rotation-regression", 2)
         .options(&Options { seed })?
         .input("renders", plain);
     let stage = context.with_near(sections::with_cascade(stage, cascade)?)?;

@@ -13,7 +13,7 @@ use posewise::align::{AlignModel, EnsembleMember, Refiners, Shape};
 
 /// Makes the section for a cascade of these: global network, ensemble member, refiners.
 pub fn make(context: &Context<'_>, [global, member, refiners]: [&Output; 3]) -> Result<Output> {
-    let stage = Stage::new("shape-regression", 3)
+    let stage = Stage::new("shape-regression", 4)
         .input("global-network", global.hash(sections::FILE)?)
         .input("ensemble-member", member.hash(sections::FILE)?)
         .input("refiners", refiners.hash(sections::FILE)?);

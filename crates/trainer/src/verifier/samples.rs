@@ -60,8 +60,8 @@ const MIN_FACE_PX: i32 = 30;
 pub struct Sample {
     /// Of all landmarks, where the last iteration read them.
     pub features: Vec<i8>,
-    /// Per landmark: within [`CORRECT_PERCENT`]. Empty without a face.
-    pub correct: Vec<bool>,
+    /// Per landmark: within [`CORRECT_PERCENT`], where it has a label. Empty without a face.
+    pub correct: Vec<Option<bool>>,
     /// Per landmark. Empty where it is not known.
     pub visible: Vec<bool>,
     /// A face, well fitted.
@@ -174,16 +174,20 @@ fn on_face(
     if !fitted {
         return None;
     }
-    let limit = CORRECT_PERCENT / 100.0 * face.scale();
-    let pairs = face.landmarks.iter().zip(&shape);
-    let correct = pairs.map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1]) <= limit);
+    let unit = face.frontal_inter_ocular();
+    let correct = |k: usize| {
+        let (a, b) = (face.landmarks[k], shape[k]);
+        (a[0] - b[0]).hypot(a[1] - b[1]) <= CORRECT_PERCENT / 100.0 * unit
+    };
     // Hidden landmarks are estimates: hardly a profile would be well fitted if they counted.
-    let visible = (0..LANDMARKS).filter(|k| bare.visible[*k]);
-    let well_fitted = mean_error(face, &shape, visible, face.scale()) < CORRECT_PERCENT;
-    let known = face.yaw_deg.is_some() || is_half(face) || face.turn().abs() < FRONTAL_TURN;
+    let visible = (0..LANDMARKS).filter(|k| bare.visible[*k] && bare.known[*k]);
+    let well_fitted = mean_error(face, &shape, visible, unit) < CORRECT_PERCENT;
+    let known = face.yaw_deg.is_some() || face.turn().abs() < FRONTAL_TURN;
     Some(Sample {
         features: work.features().to_vec(),
-        correct: correct.collect(),
+        correct: (0..LANDMARKS)
+            .map(|k| face.known[k].then(|| correct(k)))
+            .collect(),
         visible: match known && well_fitted {
             true => face.visible.to_vec(),
             false => vec![],

@@ -83,7 +83,7 @@ impl Refiner {
         let ratio = |ends, aperture: &[_]| ratio(&face.landmarks, ends, aperture);
         if face.is_single_eye {
             SINGLE
-        } else if self.mirrored && face.yaw_deg.is_none() {
+        } else if self.mirrored && !face.is_render {
             1.0
         } else if self.mirrored {
             let right = ratio([36, 39], &[[37, 41], [38, 40]]);

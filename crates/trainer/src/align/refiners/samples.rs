@@ -39,9 +39,8 @@ pub struct RefinerFaces<'a> {
 impl RefinerFaces<'_> {
     /// The lids among an eye's landmarks, where their labels are unreliable.
     fn unreliable_lids(&self, face: &Face, [a, b, c, d, e, f]: [usize; 6]) -> Vec<usize> {
-        let photograph = face.yaw_deg.is_none();
         let narrow = ratio(&face.landmarks, [a, d], &[[b, f], [c, e]]) < NARROW;
-        match self.refiner.mirrored && photograph && narrow && !face.is_single_eye {
+        match self.refiner.mirrored && !face.is_render && narrow && !face.is_single_eye {
             true => vec![b, c, e, f],
             false => vec![],
         }
