@@ -118,12 +118,13 @@ pub use monitor::{
     MonitorEvent, MonitorEventKind, MonitorEventLog, MonitorState, MonitorTimeError, Observation,
     Perclos, Preset, Unknown, Zone, ZoneShape, ZoneState,
 };
+pub use network::set_dotprod;
 pub use posewise_format::{Aligned, ModelError, ModelInfo, ModelTerms};
 pub use shape::{ANIMATION_NAMES, ANIMATIONS, Distortion, Intrinsics, LANDMARKS};
 pub use track::{
     Config, ConfigError, Detected, EVENTS, EYE_LOOK_NAMES, EYE_LOOKS, Event, EventKind, EventLog,
     Eye, EyeUnknown, Eyes, FaceHint, FoundFace, Gaze, Landmark, Loss, MAX_EXCLUDED, Model,
-    Smoothing,
+    Smoothing, is_same_face,
 };
 pub use track::{State, StepError, TrackResult, Tracker};
 

@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
-use posewise::shape::{Distortion, Intrinsics};
+use posewise::{Distortion, Intrinsics};
 use yaml_rust2::{Yaml, YamlLoader};
 
 use crate::bounded;

@@ -9,8 +9,8 @@ use std::io::Write;
 
 use anyhow::{Context, Result, anyhow};
 use glam::{Mat3, Quat};
-use posewise::shape::{ANIMATION_NAMES, LANDMARKS};
-use posewise::track::{EYE_LOOK_NAMES, Eye, EyeUnknown, Eyes, Gaze, State, TrackResult};
+use posewise::{ANIMATION_NAMES, LANDMARKS};
+use posewise::{EYE_LOOK_NAMES, Eye, EyeUnknown, Eyes, Gaze, State, TrackResult};
 
 /// What one row is made of.
 #[derive(Clone, Copy)]
@@ -111,7 +111,7 @@ fn num(value: f32, decimals: usize) -> Cell {
     Cell::Number(f64::from(value), decimals)
 }
 
-fn landmark(row: &Row<'_>, i: usize) -> posewise::track::Landmark {
+fn landmark(row: &Row<'_>, i: usize) -> posewise::Landmark {
     row.result.landmarks.get(i).copied().unwrap_or_default()
 }
 
@@ -589,7 +589,7 @@ impl<W: Write> CsvWriter<W> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use posewise::math::{HeadAngles, head_rotation};
+    use glam::EulerRot;
 
     #[test]
     fn docs_list_the_columns() {
@@ -619,13 +619,9 @@ mod tests {
 
     #[test]
     fn openface_signs_by_hand() {
-        let angles = |yaw_deg, pitch_deg, roll_deg| {
-            let rotation = head_rotation(HeadAngles {
-                yaw_deg,
-                pitch_deg,
-                roll_deg,
-            });
-            let rotation = Quat::from_mat3(&Mat3::from_cols_array(&rotation.to_cols_array()));
+        let angles = |yaw_deg: f32, pitch_deg: f32, roll_deg: f32| {
+            let [yaw, pitch, roll] = [yaw_deg, pitch_deg, roll_deg].map(f32::to_radians);
+            let rotation = Quat::from_euler(EulerRot::YXZ, -yaw, -pitch, roll);
             let mut result = TrackResult::default();
             result.rotation = rotation.to_array();
             openface_angles(&result).map(|a| a.to_degrees().round() as i32)

@@ -12,9 +12,9 @@
 use std::time::Duration;
 
 use anyhow::Result;
+use posewise::Intrinsics;
 use posewise::Roi;
-use posewise::shape::Intrinsics;
-use posewise::track::{EventLog, FoundFace, Model, State, TrackResult, is_same_face};
+use posewise::{EventLog, FoundFace, Model, State, TrackResult, is_same_face};
 
 use crate::cli::TrackerArgs;
 use crate::picture::Picture;

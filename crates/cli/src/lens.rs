@@ -3,7 +3,7 @@
 use std::fmt;
 
 use anyhow::Result;
-use posewise::shape::Intrinsics;
+use posewise::Intrinsics;
 
 use crate::calibration::Calibration;
 use crate::cli::TrackerArgs;

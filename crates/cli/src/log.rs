@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use posewise::track::{Event, EventLog, Loss};
+use posewise::{Event, EventLog, Loss};
 
 /// Writes the unread events, one a line, and how many were overwritten unread; with the tracker's
 /// number where there are several.

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Result, anyhow};
-use posewise::track::Model;
+use posewise::Model;
 use posewise_format::AlignedBytes;
 
 use crate::bounded;

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use anyhow::{Result, anyhow};
-use posewise::track::Model;
+use posewise::Model;
 use posewise_format::{Blob, FORMAT_VERSION};
 
 use crate::model_file::ModelFile;

@@ -5,7 +5,7 @@
 
 use anyhow::{Result, anyhow};
 use image::{GrayImage, RgbImage};
-use posewise::image::{Frame, FrameLayout, PixelFormat, Rotation};
+use posewise::{Frame, FrameLayout, PixelFormat, Rotation};
 
 /// How the bytes after a picture's luma say its colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

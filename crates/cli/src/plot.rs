@@ -9,7 +9,7 @@ use plotters::prelude::*;
 use plotters_backend::text_anchor::{HPos, VPos};
 use plotters_backend::{BackendColor, BackendStyle, BackendTextStyle, DrawingBackend};
 use plotters_backend::{BackendCoord, DrawingErrorKind};
-use posewise::track::{State, TrackResult};
+use posewise::{State, TrackResult};
 
 use crate::{output, text};
 

@@ -3,11 +3,9 @@
 use std::time::{Duration, Instant};
 
 use anyhow::{Result, anyhow};
-use posewise::image::{Frame, Roi};
-use posewise::shape::Intrinsics;
-use posewise::track::{
-    Config, Detected, EventLog, FoundFace, Model, StepError, TrackResult, Tracker,
-};
+use posewise::Intrinsics;
+use posewise::{Config, Detected, EventLog, FoundFace, Model, StepError, TrackResult, Tracker};
+use posewise::{Frame, Roi};
 
 use crate::cli::TrackerArgs;
 use crate::lens::Lens;

@@ -6,8 +6,8 @@ use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
-use posewise::shape::Intrinsics;
-use posewise::track::{EventLog, State, TrackResult};
+use posewise::Intrinsics;
+use posewise::{EventLog, State, TrackResult};
 
 use crate::cli::{TrackArgs, TrackerArgs};
 use crate::csv::{CsvWriter, Row};

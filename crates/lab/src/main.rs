@@ -1,10 +1,28 @@
-//! `posewise-lab`: experiments that no model needs. They measure what was considered for the models
-//! and left out, or not yet taken in; docs/accuracy.md holds their figures.
+//! `posewise-lab`: the developer's program. It measures accuracy and cost, renders clips with exact
+//! truth, and runs trackers of the thesis beside posewise.
+//!
+//! | module | what it does |
+//! |---|---|
+//! | `eval/` | accuracy against labels and truth |
+//! | `bench/` | time, memory and stack of a step |
+//! | `sweeps/` | renders clips with exact truth |
+//! | `compare/`, `templates/`, `report/` | trackers of the thesis beside posewise, and their page |
+//! | `features/` | kinds of local features in small linear cascades |
+//! | `protocol/` | measures of public data sets |
+//! | `footage/` | clips in memory, pictures without people |
+//! | `product`, `tracked`, `truth`, `table`, `store`, `video` | what several of them read and run |
+//! | `random`, `rigid` | reproducible chance, the rotation between two sets of points |
+//!
+//! Inputs, settings of the tracker and output are those of the command (`posewise_cli`).
 
+mod bench;
 mod compare;
+mod eval;
 mod features;
+mod footage;
 mod product;
 mod protocol;
+mod random;
 mod report;
 mod rigid;
 #[cfg(test)]
@@ -19,10 +37,11 @@ mod tracked;
 mod truth;
 mod video;
 
-use anyhow::Result;
 use clap::{Parser, Subcommand};
+use posewise_cli::program;
+use std::process::ExitCode;
 
-/// Experiments with posewise.
+/// Measures posewise, and experiments with it.
 #[derive(Parser)]
 #[command(version)]
 struct Cli {
@@ -32,6 +51,11 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    /// Measure accuracy against labelled data.
+    #[command(subcommand)]
+    Eval(eval::Command),
+    /// Measure time, memory and stack of a step.
+    Bench(bench::Args),
     /// Compare kinds of local features in small linear cascades; prints a table.
     Features(features::Args),
     /// Render clips with exact truth to validate pose and covered faces, harder than training.
@@ -52,16 +76,22 @@ enum Command {
     RenderU3pt(sweeps::U3ptArgs),
 }
 
-fn main() -> Result<()> {
-    match Cli::parse().command {
-        Command::Features(args) => features::run(&args),
-        Command::Track(args) => compare::run_track(&args),
-        Command::Compare(args) => compare::run_table(&args),
-        Command::Report(args) => report::run(&args),
-        Command::Protocol(args) => protocol::run(&args),
-        Command::Sweeps(args) => sweeps::run(&args),
-        Command::Crossings(args) => sweeps::run_crossings(&args),
-        Command::DriverClips(args) => sweeps::run_driver_clips(&args),
-        Command::RenderU3pt(args) => sweeps::run_u3pt(&args),
-    }
+fn main() -> ExitCode {
+    let command = Cli::parse().command;
+    program::run("posewise-lab", || {
+        match command {
+            Command::Eval(command) => eval::run(&command),
+            Command::Bench(args) => bench::run(&args),
+            Command::Features(args) => features::run(&args),
+            Command::Track(args) => compare::run_track(&args),
+            Command::Compare(args) => compare::run_table(&args),
+            Command::Report(args) => report::run(&args),
+            Command::Protocol(args) => protocol::run(&args),
+            Command::Sweeps(args) => sweeps::run(&args),
+            Command::Crossings(args) => sweeps::run_crossings(&args),
+            Command::DriverClips(args) => sweeps::run_driver_clips(&args),
+            Command::RenderU3pt(args) => sweeps::run_u3pt(&args),
+        }
+        .map(|()| None)
+    })
 }

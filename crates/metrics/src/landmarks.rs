@@ -1,6 +1,7 @@
 //! Errors of landmarks: distances over a unit, which is the distance of the outer eye corners or a
 //! size that does not shorten with yaw.
 
+use crate::statistics::mean;
 use num_traits::Float;
 
 /// The first of the 68 landmarks that is not on the jaw.
@@ -45,6 +46,18 @@ pub fn box_size<T: Float>(points: &[[T; 2]]) -> T {
     ((right - left) * (bottom - top)).sqrt()
 }
 
+/// Mean distance of the inner landmarks that are seen, over the [`box_size`] of all labels; `None`
+/// when no inner landmark is seen.
+pub fn seen_error(
+    label: &[[f64; 2]; 68],
+    seen: &[bool; 68],
+    found: &[[f64; 2]; 68],
+) -> Option<f64> {
+    let inner = (INNER..68).filter(|i| seen[*i]);
+    let distances: Vec<f64> = inner.map(|i| distance(label[i], found[i])).collect();
+    mean(&distances).map(|d| d / box_size(label).max(1e-9))
+}
+
 /// Distance of the outer eye corners.
 pub fn outer_corners<T: Float>(points: &[[T; 2]; 68]) -> T {
     distance(points[36], points[45])
@@ -79,6 +92,16 @@ mod tests {
         let pairs = || label.into_iter().zip(found);
         assert_eq!(nme_percent(pairs(), 10.0), 30.0);
         assert_eq!(nme_percent(pairs().take(0), 10.0), 0.0);
+    }
+
+    #[test]
+    fn only_seen_inner_landmarks_count() {
+        let label = std::array::from_fn(|i| [i as f64, i as f64]);
+        let found = label.map(|[x, y]: [f64; 2]| [x + if x < 30.0 { 6.7 } else { 60.0 }, y]);
+        let seen = std::array::from_fn(|i| i < 30);
+        let error = seen_error(&label, &seen, &found).expect("some are seen");
+        assert!((error - 0.1).abs() < 1e-12, "{error}");
+        assert_eq!(seen_error(&label, &[false; 68], &found), None);
     }
 
     #[test]

@@ -18,7 +18,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use indicatif::{ParallelProgressIterator, ProgressBar, ProgressStyle};
-use posewise::track::Model;
+use posewise::Model;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};

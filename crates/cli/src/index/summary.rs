@@ -1,6 +1,6 @@
 //! What the manifest says of a video: spans with a face, where it looks, gaps between them.
 
-use posewise::track::{State, TrackResult};
+use posewise::{State, TrackResult};
 use serde_json::{Value, json};
 
 /// A face whose nose points to the camera within this angle faces it \[deg\].

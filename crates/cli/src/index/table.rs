@@ -12,7 +12,7 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
-use posewise::track::TrackResult;
+use posewise::TrackResult;
 use serde_json::Value;
 
 use crate::csv::{self, Cell, Row};

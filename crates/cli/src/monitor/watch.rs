@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::Path;
 
 use anyhow::{Context, Result, anyhow};
-use posewise::track::TrackResult;
+use posewise::TrackResult;
 use posewise::{Monitor, MonitorEvent, MonitorState, Observation, Preset};
 
 use super::zones;

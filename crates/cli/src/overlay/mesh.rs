@@ -2,7 +2,7 @@
 
 use delaunator::{Point, triangulate};
 use glam::{Quat, Vec3};
-use posewise::track::TrackResult;
+use posewise::TrackResult;
 
 /// Corners of each triangle, all turned the same way when seen from in front of the face.
 pub type Triangles = Vec<[usize; 3]>;

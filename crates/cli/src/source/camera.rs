@@ -20,7 +20,7 @@ pub fn open(device: &str) -> Result<Box<dyn Source>> {
 #[cfg(target_os = "linux")]
 mod linux {
     use anyhow::{Context, Result, anyhow};
-    use posewise::image::{FrameLayout, PixelFormat};
+    use posewise::{FrameLayout, PixelFormat};
     use rscam::{Camera, Config, ResolutionInfo};
 
     use super::{Source, bail};

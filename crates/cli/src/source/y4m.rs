@@ -5,10 +5,10 @@ use std::io::{Cursor, Read};
 use std::rc::Rc;
 
 use anyhow::{Result, anyhow, bail};
-use posewise::image::{FrameLayout, MAX_SIDE, PixelFormat};
+use posewise::{FrameLayout, MAX_SIDE, PixelFormat};
 
 use super::stream::{Source, timestamp_us};
-use crate::cli::MAX_FPS;
+use crate::parse::MAX_FPS;
 use crate::picture::{Chroma, Picture};
 
 /// Longest stream header that the decoder reads \[bytes\].

@@ -7,7 +7,7 @@ use std::net::{SocketAddr, ToSocketAddrs, UdpSocket};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, anyhow};
-use posewise::track::TrackResult;
+use posewise::TrackResult;
 
 /// The datagrams of one frame.
 type Encode = fn(&TrackResult) -> Result<Vec<Vec<u8>>>;

@@ -6,7 +6,7 @@
 //! up, roll > 0 tilts the head clockwise in the image. Its angles are composed as ours.
 
 use anyhow::Result;
-use posewise::track::{State, TrackResult};
+use posewise::{State, TrackResult};
 
 const CM_PER_MM: f64 = 0.1;
 

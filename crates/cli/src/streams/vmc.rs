@@ -6,8 +6,8 @@
 //! three: a rotation has the same matrix, and the same quaternion, in both.
 
 use anyhow::{Result, anyhow};
-use posewise::shape::ANIMATION_NAMES;
-use posewise::track::{State, TrackResult};
+use posewise::ANIMATION_NAMES;
+use posewise::{State, TrackResult};
 use rosc::{OscBundle, OscMessage, OscPacket, OscTime, OscType};
 
 /// OSC's time tag for "at once".
@@ -83,22 +83,16 @@ fn bundle(content: Vec<OscPacket>) -> Result<Vec<u8>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::{Quat, Vec3};
-    use posewise::math::{HeadAngles, head_rotation};
+    use glam::{EulerRot, Quat, Vec3};
 
     /// Largest payload of UDP over IPv4 in an Ethernet frame \[bytes\].
     const MOST: usize = 1500 - 20 - 8;
 
     /// Where the avatar's forward and up axes point, in Unity's frame.
     fn turned(yaw_deg: f32, pitch_deg: f32, roll_deg: f32) -> (Vec3, Vec3) {
-        let rotation = head_rotation(HeadAngles {
-            yaw_deg,
-            pitch_deg,
-            roll_deg,
-        });
-        let matrix = glam::Mat3::from_cols_array(&rotation.to_cols_array());
+        let [yaw, pitch, roll] = [yaw_deg, pitch_deg, roll_deg].map(f32::to_radians);
         let mut result = TrackResult::default();
-        result.rotation = Quat::from_mat3(&matrix).to_array();
+        result.rotation = Quat::from_euler(EulerRot::YXZ, -yaw, -pitch, roll).to_array();
         let OscPacket::Message(OscMessage { args, .. }) = head(&result) else {
             panic!("a message");
         };

@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use anyhow::{Context, Result};
 use image::codecs::jpeg::JpegEncoder;
-use posewise::shape::{ANIMATION_NAMES, Intrinsics};
-use posewise::track::{EyeUnknown, Eyes, TrackResult};
+use posewise::{ANIMATION_NAMES, Intrinsics};
+use posewise::{EyeUnknown, Eyes, TrackResult};
 use serde_json::{Value, json};
 use tungstenite::Bytes;
 

@@ -1,7 +1,7 @@
 //! Frames at the rate at which they were taken. Files begin again at their end.
 
 use anyhow::Result;
-use posewise::image::Rotation;
+use posewise::Rotation;
 
 use crate::cli::ViewArgs;
 use crate::picture::Picture;

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use crate::common::{arg, posewise};
-use ::posewise::track::is_same_face;
+use ::posewise::is_same_face;
 
 /// Faces of which less is seen are not counted.
 const UNCOVERED: f32 = 0.5;

@@ -2,7 +2,6 @@
 
 mod common;
 mod demo;
-mod eval;
 mod faces;
 mod index;
 mod manual;

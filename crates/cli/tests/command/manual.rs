@@ -39,7 +39,7 @@ fn pages_and_completions_are_whole() {
         .success();
     let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).expect(name);
 
-    for page in ["posewise", "posewise-track", "posewise-eval-landmarks"] {
+    for page in ["posewise", "posewise-track", "posewise-model-info"] {
         let path = folder.path().join(format!("man/man1/{page}.1"));
         // groff prints its warnings, of which there must be none.
         if let Some(text) = said("groff", &["-Kutf8", "-man", "-ww", "-Tutf8", arg(&path)]) {

@@ -55,11 +55,6 @@ fn bad_models_are_named_by_every_command() {
             Vec::new(),
             &["bad.posewise", why],
         );
-        fails_with(
-            &["bench", "--model", model],
-            Vec::new(),
-            &["bad.posewise", why],
-        );
     }
     fails_with(
         &["model", "info", "none.posewise"],

@@ -1,0 +1,20 @@
+//! What `posewise track --csv` wrote against per-frame truth. Nothing is tracked here.
+//!
+//! ```text
+//! pairs ─► truth, tables ─► *_metrics, spans, registration (the formulas) ─► report
+//! ```
+
+pub mod deviations;
+pub mod eyes;
+mod gaze_metrics;
+pub mod jitter;
+pub mod monitor;
+mod monitor_metrics;
+mod pairs;
+pub mod pose;
+pub mod pose_metrics;
+mod registration;
+mod spans;
+pub mod truth;
+
+pub use pairs::ClipsArgs;

@@ -1,0 +1,17 @@
+//! Labelled pictures, each of which is a still for a fresh tracker.
+//!
+//! ```text
+//! labels ─► cut, turned, camera ─► still (the tracker) ─► *_metrics (the formulas) ─► report, ced
+//! ```
+
+pub mod angle_metrics;
+pub mod angles;
+mod ced;
+mod cut;
+pub mod labels;
+pub mod landmark_metrics;
+pub mod landmarks;
+mod profile_metrics;
+pub mod profiles;
+mod still;
+mod turned;

@@ -1,0 +1,6 @@
+//! The program, as developers run it.
+
+mod bench;
+mod common;
+mod eval;
+mod report;
