@@ -62,8 +62,6 @@
 #![deny(missing_docs)]
 #![deny(unsafe_code)]
 #![warn(clippy::too_many_lines)]
-// Some names are exported for the training and developer programs only.
-#![cfg_attr(not(feature = "unstable-internals"), allow(unused_imports))]
 
 // Each module is declared twice: rustfmt does not find modules that a macro declares.
 #[cfg(feature = "unstable-internals")]
@@ -93,7 +91,6 @@ mod monitor;
 #[cfg(feature = "unstable-internals")]
 pub mod network;
 #[cfg(not(feature = "unstable-internals"))]
-#[allow(dead_code, reason = "no machine has all kernels")]
 mod network;
 #[cfg(feature = "unstable-internals")]
 pub mod shape;

@@ -28,13 +28,26 @@ mod shape;
 mod shape_regression;
 mod views;
 
-pub use cascade::{AlignModel, MAX_VIEWS, Workspace};
+pub use cascade::{AlignModel, Workspace};
 pub use ensemble::EnsembleMember;
-pub use eyes::{EYE_OUTPUTS, EYES_TAG, EyeModel, EyePlace, SeenEye};
-pub use placement::{Placement, mirror, place};
-pub use refiners::{MAX_POINTS, MAX_REFINERS, Refiners, place_refiner};
-pub use regressor::{GLOBAL, MAX_HEADS, MAX_INPUTS, MAX_RANK, SHAPE_INDEXED};
-pub use rotation_regression::{RotationRegression, crop_to_camera, input_of};
+pub use eyes::{EyeModel, EyePlace, SeenEye};
+pub use refiners::Refiners;
+pub use rotation_regression::RotationRegression;
 pub use shape::Shape;
+
+#[cfg(feature = "unstable-internals")]
+pub use cascade::MAX_VIEWS;
+#[cfg(feature = "unstable-internals")]
+pub use eyes::{EYE_OUTPUTS, EYES_TAG};
+#[cfg(feature = "unstable-internals")]
+pub use placement::{Placement, mirror, place};
+#[cfg(feature = "unstable-internals")]
+pub use refiners::{MAX_POINTS, MAX_REFINERS, place_refiner};
+#[cfg(feature = "unstable-internals")]
+pub use regressor::{GLOBAL, MAX_HEADS, MAX_INPUTS, MAX_RANK, SHAPE_INDEXED};
+#[cfg(feature = "unstable-internals")]
+pub use rotation_regression::{crop_to_camera, input_of};
+#[cfg(feature = "unstable-internals")]
 pub use shape_regression::{ShapeRegression, deviation};
+#[cfg(feature = "unstable-internals")]
 pub use views::{View, Views};

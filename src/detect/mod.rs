@@ -21,7 +21,9 @@ mod scan;
 mod tile;
 
 pub use local_search::local_search;
-pub use model::{DetectorModel, OUTPUTS, TAG, TILE};
+pub use model::{DetectorModel, TAG};
+#[cfg(feature = "unstable-internals")]
+pub use model::{OUTPUTS, TILE};
 pub use scan::{Scan, ScanBudget, ScanOutcome, Sizes, TILE_UNITS};
 pub use tile::TileMemory;
 

@@ -17,7 +17,7 @@ use crate::image::{Frame, MAX_SIDE, Roi, reduce};
 use crate::math::Similarity;
 
 /// Work of a tile \[units\]: time of a tile over time of a tracking step, of which 3,000 units are
-/// one (`posewise bench`).
+/// one (`posewise-lab bench`).
 pub const TILE_UNITS: u32 = 600;
 
 /// Most tiles of other passes that are stepped over at once.

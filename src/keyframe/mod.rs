@@ -25,10 +25,13 @@ mod ransac;
 mod reduced_image;
 mod table;
 
+#[cfg(feature = "unstable-internals")]
 pub use entry::{KEYFRAME_POINTS_MAX, KeyframeMatch};
 pub use query::Query;
 pub use reduced_image::SCRATCH_BYTES;
-pub use table::{KEYFRAMES_MAX, Keyframes, Observation};
+#[cfg(feature = "unstable-internals")]
+pub use table::KEYFRAMES_MAX;
+pub use table::{Keyframes, Observation};
 
 use crate::shape::LANDMARKS;
 

@@ -41,7 +41,9 @@ mod zone;
 pub use config::{MonitorConfig, MonitorConfigError};
 pub use driver::{Monitor, MonitorTimeError};
 pub use event::{MONITOR_EVENTS, MonitorEvent, MonitorEventKind, MonitorEventLog};
-pub use observation::{Observation, fused_openness};
+pub use observation::Observation;
+#[cfg(feature = "unstable-internals")]
+pub use observation::fused_openness;
 pub use preset::Preset;
 pub use state::{Drowsiness, EyeState, MonitorState, Perclos, Unknown};
 pub use zone::{MAX_ZONES, Zone, ZoneShape, ZoneState};

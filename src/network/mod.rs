@@ -18,8 +18,13 @@ pub const MAX_FEATURES: usize = 48;
 
 pub use activations::Activations;
 pub(crate) use kernel::dots;
-pub use kernel::{KernelName, chosen_kernel, select_kernel, set_dotprod};
+pub use kernel::set_dotprod;
+#[cfg(feature = "unstable-internals")]
+pub use kernel::{KernelName, chosen_kernel, select_kernel};
+#[cfg(any(feature = "keyframes", feature = "unstable-internals"))]
+pub use plan::ARENA;
+#[cfg(feature = "unstable-internals")]
 pub use plan::{
-    ARENA, MAX_CHANNELS, MAX_NODES, Map, Network, OP_ADD, OP_CONV, OP_DEPTHWISE, OP_INPUT,
-    OP_LATERAL, OP_LINEAR,
+    MAX_CHANNELS, MAX_NODES, OP_ADD, OP_CONV, OP_DEPTHWISE, OP_INPUT, OP_LATERAL, OP_LINEAR,
 };
+pub use plan::{Map, Network};

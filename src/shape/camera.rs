@@ -3,7 +3,9 @@
 use core::ops::RangeInclusive;
 
 use super::distortion::Distortion;
-use crate::math::{HeadAngles, head_angles, head_rotation};
+#[cfg(any(test, feature = "monitor", feature = "unstable-internals"))]
+use crate::math::head_rotation;
+use crate::math::{HeadAngles, head_angles};
 use glam::{Mat3, Vec3};
 
 /// A camera \[px\], with its lens.

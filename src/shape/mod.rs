@@ -18,15 +18,22 @@ pub(crate) use camera::{FARTHEST_MM, FOCAL_PX, PIXEL_ASPECT, PRINCIPAL_PX};
 pub use camera::{Intrinsics, Pose};
 pub(crate) use deviation::{Seen, Variances};
 pub use distortion::Distortion;
-pub use face::{Contour, FACE_TAG, FIXED_CONTOUR, FaceModel, JAW, MAX_EXTRA, MAX_POINTS, Shape};
+pub use face::{Contour, FACE_TAG, FaceModel, Shape};
+#[cfg(feature = "unstable-internals")]
+pub use face::{FIXED_CONTOUR, JAW, MAX_EXTRA, MAX_POINTS};
+#[cfg(feature = "unstable-internals")]
 pub use face::{VIEW_AZIMUTHS, VIEW_BYTES, VIEW_ELEVATIONS, VIEW_STEP_DEG};
 pub use fit::{FaceFit, FitOptions, fit};
 pub use identity::{FRAME_WEIGHT, IdentityEstimator};
+#[cfg(feature = "monitor")]
 pub(crate) use lids::SHUT;
 pub use lids::eye_open;
 pub use linear::Observed;
+#[cfg(feature = "unstable-internals")]
 pub use posit::posit;
-pub use rotation_prior::{RotationPrior, rotation_vector};
+pub use rotation_prior::RotationPrior;
+#[cfg(feature = "unstable-internals")]
+pub use rotation_prior::rotation_vector;
 pub use state::FaceState;
 
 /// Number of landmarks: the iBUG 68 scheme. "Left" and "right" are the person's own.

@@ -32,7 +32,7 @@ pub struct Config {
     pub min_face_px: u32,
     /// Work per step while searching, 100 to 10 million: 3000 is about a tracking step, 600 a tile
     /// of the detector, which each step evaluates at least. Default: 3600, with which 99 of
-    /// 100 steps in clutter take 1.6 tracking steps at most (`posewise bench --clutter`).
+    /// 100 steps in clutter take 1.6 tracking steps at most (`posewise-lab bench --clutter`).
     pub scan_budget: u32,
     /// The filter of [`crate::Tracker::smoothed`].
     pub smoothing: Smoothing,

@@ -217,17 +217,17 @@ pub(super) const LOCAL_SEARCH_PERIOD: u32 = 2;
 /// Work of an iteration of the global stage and its verification \[units: a tracking step has about
 /// 3,000\].
 ///
-/// Source: `posewise bench`, rounded up: 1,550 on x86-64 with AVX2.
+/// Source: `posewise-lab bench`, rounded up: 1,550 on x86-64 with AVX2.
 pub(super) const ITERATION_UNITS: u32 = 1900;
 
 /// Work of the refiners and the 3D fit \[units\].
 ///
-/// Source: `posewise bench`, likewise.
+/// Source: `posewise-lab bench`, likewise.
 pub(super) const REFINE_UNITS: u32 = 700;
 
 /// Work of comparing one window of a frame with all keyframes \[units\].
 ///
-/// Source: `posewise bench`, likewise.
+/// Source: `posewise-lab bench`, likewise.
 pub(super) const KEYFRAME_UNITS: u32 = 2200;
 
 // --- Noise ---------------------------------------------------------------------------------------

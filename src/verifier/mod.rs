@@ -11,7 +11,9 @@ mod confidence;
 mod geometry;
 
 #[cfg(feature = "verifier")]
-pub use classifiers::{Verifier, first_prediction};
+pub use classifiers::Verifier;
+#[cfg(feature = "unstable-internals")]
+pub use classifiers::first_prediction;
 pub use confidence::Confidence;
 #[cfg(not(feature = "verifier"))]
 pub use geometry::{Verifier, geometric_confidence};

@@ -12,7 +12,7 @@ const STEP_US: i64 = 33_333;
 /// A still is shown at most so often until its face is tracked; the scan budget covers a whole
 /// picture in one step.
 const STILL_SEARCHES: usize = 8;
-/// More steps on a still once it is tracked, as `posewise eval landmarks` has by default.
+/// More steps on a still once it is tracked, as `posewise-lab eval landmarks` has by default.
 const STILL_STEPS: usize = 4;
 /// Work per step: nothing here is in a hurry.
 const SCAN_BUDGET: u32 = 10_000_000;

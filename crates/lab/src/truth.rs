@@ -1,4 +1,4 @@
-//! Truth of rendered clips: one row per frame, as `posewise eval pose` reads it.
+//! Truth of rendered clips: one row per frame, as `posewise-lab eval pose` reads it.
 
 use crate::table::Table;
 use anyhow::Result;

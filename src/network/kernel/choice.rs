@@ -35,6 +35,7 @@ impl KernelName {
     ];
 
     /// Name on the command line.
+    #[cfg(any(test, feature = "unstable-internals"))]
     pub fn name(self) -> &'static str {
         match self {
             Self::Scalar => "scalar",
@@ -116,6 +117,7 @@ fn choose() -> KernelName {
 
 /// Makes every tracker run this kernel from its next network on. Returns false, and changes
 /// nothing, where it is not available.
+#[cfg(any(test, feature = "unstable-internals"))]
 pub fn select_kernel(kernel: KernelName) -> bool {
     let available = kernel.is_available();
     if available {

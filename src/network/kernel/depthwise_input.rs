@@ -32,6 +32,7 @@ impl<'a> DepthwiseInput<'a> {
     }
 
     /// Channels of every pixel, a multiple of [`BLOCK`].
+    #[cfg(simd_kernel)]
     #[inline(always)]
     pub fn channels(&self) -> usize {
         self.channels
@@ -69,6 +70,7 @@ pub(in crate::network) struct Rows<'a> {
 
 impl<'a> Rows<'a> {
     /// Channels of every pixel, a multiple of [`BLOCK`].
+    #[cfg(any(test, feature = "unstable-internals", not(simd_kernel)))]
     #[inline(always)]
     pub fn channels(&self) -> usize {
         self.input.channels
@@ -82,6 +84,7 @@ impl<'a> Rows<'a> {
     }
 
     /// The nine taps of output pixel `x`, each of [`Self::channels`] bytes, and a tenth of zeros.
+    #[cfg(any(test, feature = "unstable-internals", not(simd_kernel)))]
     #[inline]
     pub fn taps(&self, x: usize) -> [&'a [u8]; 2 * TAP_PAIRS] {
         let input = &self.input;
@@ -188,6 +191,10 @@ pub(in crate::network) struct Line {
     /// Bytes to the next tap.
     column: usize,
     /// Bytes to the next output pixel's taps.
+    #[cfg_attr(
+        not(any(target_arch = "aarch64", target_arch = "x86_64")),
+        expect(dead_code, reason = "other kernels do not step from pixel to pixel")
+    )]
     pixel: usize,
 }
 

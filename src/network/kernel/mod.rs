@@ -38,13 +38,17 @@ mod unrolled;
 #[cfg(target_arch = "x86_64")]
 mod vnni;
 
+pub use choice::set_dotprod;
 pub(super) use choice::{Chosen, chosen, dispatch};
-pub use choice::{KernelName, chosen_kernel, select_kernel, set_dotprod};
+#[cfg(any(test, feature = "unstable-internals"))]
+pub use choice::{KernelName, chosen_kernel, select_kernel};
 pub(super) use depthwise_input::DepthwiseInput;
 #[cfg(target_arch = "x86_64")]
 use depthwise_input::Line;
+#[cfg(simd_kernel)]
+use operands::Tile;
 pub(super) use operands::{
-    BLOCK, DepthwiseWeights, MAX_ROWS, STAGING, Scale, Staging, Strip, StripParts, TapWeights, Tile,
+    BLOCK, DepthwiseWeights, MAX_ROWS, STAGING, Scale, Staging, Strip, StripParts, TapWeights,
 };
 #[cfg(all(simd_kernel, not(target_arch = "x86_64")))]
 use shared::conv2d_by_block;

@@ -15,14 +15,24 @@ pub(in crate::network) const STAGING: usize = 4096;
 /// Weights of a block of depthwise channels: `[pair of taps][channel][2]`.
 pub(in crate::network) type TapWeights = [[i16; 2 * BLOCK]; TAP_PAIRS];
 
-/// Weights of a depthwise convolution.
-// No machine's kernels read both.
-#[allow(dead_code)]
+/// Weights of a depthwise convolution. Not every machine's kernels read both.
 #[derive(Clone, Copy)]
 pub(in crate::network) struct DepthwiseWeights<'a> {
     /// As the model has them: `[9][channels]`.
+    #[cfg_attr(
+        not(any(target_arch = "x86_64", target_arch = "aarch64")),
+        expect(dead_code, reason = "for kernels of other machines")
+    )]
     pub raw: &'a [i8],
     /// By block, for the kernels with `Kernel::PAIRED`; the tenth tap is 0.
+    #[cfg_attr(
+        all(
+            target_arch = "aarch64",
+            simd_kernel,
+            not(any(test, feature = "unstable-internals"))
+        ),
+        expect(dead_code, reason = "for kernels of other machines")
+    )]
     pub paired: &'a [TapWeights],
 }
 
@@ -95,8 +105,10 @@ pub(in crate::network) struct Strip<'a> {
     rows: &'a [usize],
     step: usize,
     columns: usize,
-    // Most kernels multiply by the padding too.
-    #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+    #[cfg_attr(
+        not(target_arch = "x86_64"),
+        expect(dead_code, reason = "most kernels multiply by the padding too")
+    )]
     filled: usize,
     weights: &'a [i8],
     scale: Scale<'a>,
@@ -104,10 +116,15 @@ pub(in crate::network) struct Strip<'a> {
     channels: usize,
     pixels: usize,
     /// Bytes from the start of a window to its end.
+    #[cfg_attr(
+        not(simd_kernel),
+        expect(dead_code, reason = "the scalar kernel needs no tiles")
+    )]
     window: usize,
 }
 
 /// Pixels that are computed together.
+#[cfg(simd_kernel)]
 #[derive(Clone, Copy)]
 pub(in crate::network) struct Tile {
     /// The first byte of the first pixel's window.
@@ -237,6 +254,7 @@ impl<'a> Strip<'a> {
     }
 
     /// The tile of at most `pixels` pixels from `first` on.
+    #[cfg(simd_kernel)]
     #[inline(always)]
     pub fn tile(&self, first: usize, pixels: usize) -> Tile {
         let left = self.pixels.saturating_sub(first);
@@ -251,6 +269,7 @@ impl<'a> Strip<'a> {
     }
 
     /// The values of a pixel.
+    #[cfg(any(test, feature = "unstable-internals", not(simd_kernel)))]
     #[inline(always)]
     pub fn values(&self, pixel: usize) -> &'a [u8] {
         self.values.get(pixel * self.step..).unwrap_or(&[])

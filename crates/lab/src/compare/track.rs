@@ -14,7 +14,7 @@ pub struct Args {
     /// The tracker.
     #[arg(long)]
     pub method: Method,
-    /// Where the result goes, one row a frame; `posewise eval pose` reads it.
+    /// Where the result goes, one row a frame; `posewise-lab eval pose` reads it.
     #[arg(long)]
     pub csv: PathBuf,
     #[command(flatten)]

@@ -1,6 +1,6 @@
 //! Clips in folders by subject of the test, as the thesis' U3PT: `frontal`, `profile`,
-//! `expression`, `occlusion`, or any other names. Each has `NAME.csv`, the truth as of `posewise
-//! eval pose`, beside `NAME.mp4`, `.y4m.gz` or `.y4m`.
+//! `expression`, `occlusion`, or any other names. Each has `NAME.csv`, the truth as of
+//! `posewise-lab eval pose`, beside `NAME.mp4`, `.y4m.gz` or `.y4m`.
 //!
 //! The robustness curve of a subset is the share of its frames whose mean error of the three angles
 //! is at most τ, against τ. A frame that was not tracked is above each τ. Frames count whose face

@@ -13,7 +13,7 @@ const BINS: usize = 10;
 /// says.
 const RIGHT: f64 = 0.1;
 /// Inter-ocular distance of a frontal face over the root of the area of its landmarks' box, as in
-/// `posewise eval landmarks`: the least that is assumed of a turned face.
+/// `posewise-lab eval landmarks`: the least that is assumed of a turned face.
 const EYES_OVER_BOX: f64 = 0.42;
 
 /// How often what has a confidence is right.

@@ -4,8 +4,8 @@
 //! Identity coefficients reach 2.5 standard deviations. Every head is also deformed smoothly,
 //! outside of the morphable model, and some are Candide-3, a head of another make. Looks, hair,
 //! lights and cameras come from seeds that no training uses; no photograph of a person is
-//! involved. Clips are grey y4m behind gzip, and their truth has the columns that `posewise eval
-//! pose` and `posewise eval eyes` read.
+//! involved. Clips are grey y4m behind gzip, and their truth has the columns that
+//! `posewise-lab eval pose` and `eval eyes` read.
 //!
 //! ```text
 //! plan ─► casting, body | candide, motion, covers ─► clip (draws, writes) ─► truth

@@ -1,4 +1,4 @@
-//! The truth of a frame, with the columns that `posewise eval pose` and `eval eyes` read.
+//! The truth of a frame, with the columns that `posewise-lab eval pose` and `eval eyes` read.
 
 use super::motion::Moment;
 use anyhow::Result;

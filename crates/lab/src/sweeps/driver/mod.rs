@@ -1,5 +1,5 @@
 //! `posewise-lab driver-clips`: clips of drivers with exact truth, which the driver monitor is
-//! measured on. `posewise eval monitor` reads their truth.
+//! measured on. `posewise-lab eval monitor` reads their truth.
 //!
 //! Heads, hair and lights are those of the sweeps, by streams of their own. What is as in a car: a
 //! camera up to 40° off the direction of the road, glances and mirror checks of head and eyes,

@@ -68,7 +68,7 @@ impl Bench {
         args.extend([text(&self.at(&format!("{folder}.csv"))), "--images".into()]);
         args.push(text(&self.at(folder)));
         args.extend(words(options));
-        self.programs.json("posewise", &args, true)
+        self.programs.json("posewise-lab", &args, true)
     }
 
     /// Compares tables of tracked clips with the truth, by `eval pose` or `eval eyes`.
@@ -77,7 +77,7 @@ impl Bench {
         for (truth, csv) in clips {
             args.extend(["--truth".into(), text(truth), "--csv".into(), text(csv)]);
         }
-        self.programs.json("posewise", &args, false)
+        self.programs.json("posewise-lab", &args, false)
     }
 }
 

@@ -113,7 +113,7 @@ pub fn webcams(bench: &Bench) -> Result<Value> {
         let mut args = words(&["eval", "jitter", "--csv"]);
         args.push(text(csv));
         args.extend(clip.iter().flat_map(|clip| ["--clip".into(), text(clip)]));
-        Ok(bench.programs.json("posewise", &args, false)?["clips"][0].take())
+        Ok(bench.programs.json("posewise-lab", &args, false)?["clips"][0].take())
     };
     let one = |name: &&str| {
         let clip = bench.at(&format!("clips/{name}.mp4"));
@@ -133,5 +133,5 @@ pub fn drift(bench: &Bench) -> Result<Value> {
     let clip = bench.clip("04_free")?;
     let (video, truth) = (text(&clip.video), text(&clip.truth));
     let args = ["eval", "drift", "--clip", &video, "--truth", &truth];
-    bench.programs.json("posewise", &args, true)
+    bench.programs.json("posewise-lab", &args, true)
 }

@@ -44,7 +44,10 @@ pub fn run(args: &Args) -> Result<()> {
     let data = args.data.canonicalize()?;
     let scratch = root().join("target/measure").join(&name);
     let is_wanted = |key: &str| args.only.is_empty() || args.only.iter().any(|name| name == key);
-    let mut built = vec![("posewise-cli", "posewise")];
+    let mut built = vec![
+        ("posewise-cli", "posewise"),
+        ("posewise-lab", "posewise-lab"),
+    ];
     if is_wanted("real_eyes") {
         built.push(("posewise-train", "posewise-train"));
     }
@@ -104,7 +107,9 @@ fn parts(has_sweeps: bool) -> Vec<(&'static str, Part)> {
         ("first_lock", search::first_lock),
         ("lost_and_found", search::lost_and_found),
         ("drift", clips::drift),
-        ("bench", |b| b.programs.json("posewise", &["bench"], true)),
+        ("bench", |b| {
+            b.programs.json("posewise-lab", &["bench"], true)
+        }),
     ];
     if has_sweeps {
         parts.push(("sweeps", sweeps::sweeps));

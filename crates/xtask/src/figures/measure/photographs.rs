@@ -48,7 +48,7 @@ fn heads(bench: &Bench, what: &str, csv: &str, images: &str, options: &[&str]) -
         text(&bench.at(images)),
     ]);
     args.extend(words(options));
-    bench.programs.json("posewise", &args, true)
+    bench.programs.json("posewise-lab", &args, true)
 }
 
 pub fn photographs_turned(bench: &Bench) -> Result<Value> {

@@ -85,7 +85,7 @@ pub fn lost_and_found(bench: &Bench) -> Result<Value> {
         "--clip",
         &clips[1],
     ];
-    let mut recovery = bench.programs.json("posewise", &args, true)?;
+    let mut recovery = bench.programs.json("posewise-lab", &args, true)?;
     for row in recovery
         .as_object_mut()
         .into_iter()
@@ -110,7 +110,7 @@ pub fn lost_and_found(bench: &Bench) -> Result<Value> {
             .iter()
             .map(|o| o.rsplit('/').next().unwrap_or_default())
             .collect();
-        let result = bench.programs.json("posewise", &args, true)?;
+        let result = bench.programs.json("posewise-lab", &args, true)?;
         faceless.push(json!({"options": shown.join(" "), "result": result}));
     }
     Ok(json!({"recovery": recovery, "faceless": faceless, "departure": departure(bench)?}))
