@@ -1,5 +1,5 @@
 //! The modules of `src/` import only modules of lower layers, and the crate keeps its promises on
-//! `std`, `unsafe` and documentation.
+//! `std`, `unsafe` and documentation. The command sees what every user of the crate sees.
 
 use super::imports::{imports, modules};
 use crate::common::root;
@@ -41,6 +41,34 @@ fn modules_use_lower_layers_only() {
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// Only programs that make and measure models see the modules; the command uses neither of them.
+#[test]
+fn product_and_laboratory_are_apart() {
+    let manifest = |name: &str| {
+        let path = root().join("crates").join(name).join("Cargo.toml");
+        std::fs::read_to_string(path).expect("a manifest")
+    };
+    let crates = std::fs::read_dir(root().join("crates")).expect("a folder");
+    for entry in crates {
+        let name = entry.expect("an entry").file_name();
+        let name = name.to_string_lossy().into_owned();
+        let inner = manifest(&name).contains("unstable-internals");
+        assert_eq!(inner, ["lab", "trainer"].contains(&&*name), "{name}");
+    }
+    let command = manifest("cli");
+    for other in ["posewise-lab", "posewise-train"] {
+        assert!(!command.contains(other), "the command uses {other}");
+    }
+    let layers = layers();
+    for path in modules(&root().join("crates/cli/src")).values() {
+        let text = std::fs::read_to_string(path).expect("a source file");
+        let named = layers
+            .keys()
+            .find(|m| text.contains(&format!("posewise::{m}::")));
+        assert_eq!(named, None, "{}", path.display());
+    }
 }
 
 /// The words of some code, those of inner groups too.

@@ -31,16 +31,6 @@ pub fn print(text: &str) -> Result<()> {
     Ok(())
 }
 
-/// Writes a JSON file, indented.
-pub fn write_json(path: &Path, value: &serde_json::Value) -> Result<()> {
-    let mut out = create(path)?;
-    serde_json::to_writer_pretty(&mut out, value)
-        .map_err(std::io::Error::from)
-        .and_then(|()| writeln!(out))
-        .and_then(|()| out.flush())
-        .with_context(|| format!("cannot write {}", path.display()))
-}
-
 /// Writes a PNG.
 pub fn write_png(path: &Path, image: &RgbImage) -> Result<()> {
     let cannot = || format!("cannot write {}", path.display());

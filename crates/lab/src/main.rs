@@ -11,6 +11,7 @@
 //! | `protocol/` | measures of public data sets |
 //! | `footage/` | clips in memory, pictures without people |
 //! | `product`, `tracked`, `truth`, `table`, `store`, `video` | what several of them read and run |
+//! | `output` | reports on standard output, figures as JSON |
 //! | `random`, `rigid` | reproducible chance, the rotation between two sets of points |
 //!
 //! Inputs, settings of the tracker and output are those of the command (`posewise_cli`).
@@ -20,6 +21,10 @@ mod compare;
 mod eval;
 mod features;
 mod footage;
+#[cfg(test)]
+#[path = "../../../tests/common/help.rs"]
+mod help;
+mod output;
 mod product;
 mod protocol;
 mod random;
@@ -94,4 +99,19 @@ fn main() -> ExitCode {
         }
         .map(|()| None)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn help_of_measures_shows_every_default() {
+        let program = Cli::command();
+        program.clone().debug_assert();
+        for name in ["eval", "bench"] {
+            help::check(program.find_subcommand(name).expect("a command"));
+        }
+    }
 }

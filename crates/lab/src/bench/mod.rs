@@ -18,10 +18,11 @@ use posewise::network::{KernelName, chosen_kernel, select_kernel};
 use posewise::{Model, Tracker};
 use posewise_cli::model_file::ModelFile;
 use posewise_cli::picture::Picture;
-use posewise_cli::{demo, output, source};
+use posewise_cli::{demo, source};
 use serde_json::{Value, json};
 
 use crate::footage::clip::Clip;
+use crate::output;
 use scenes::Scenes;
 use stages::Stage;
 use steps::{Kind, STEP_US, Steps};

@@ -8,11 +8,11 @@ use glam::Vec3;
 use nalgebra::{SMatrix, SVector};
 use posewise::math::{HeadAngles, head_rotation};
 use posewise::shape::{Pose, rotation_vector};
-use posewise_cli::output;
 use serde_json::{Map, Value, json};
 
 use super::pairs::{ClipsArgs, clips_of};
 use super::truth::read_truth;
+use crate::output;
 use crate::table::Table;
 
 /// Options of `posewise-lab eval deviations`.

@@ -9,12 +9,12 @@
 use std::fmt::Write as _;
 
 use anyhow::Result;
-use posewise_cli::output;
 use posewise_metrics::statistics::centred;
 use posewise_metrics::{correlation, mean};
 use serde_json::{Value, json};
 
 use super::pairs::{ClipsArgs, clips_of};
+use crate::output;
 use crate::table::Table;
 
 /// Largest |yaw| that counts \[deg\].

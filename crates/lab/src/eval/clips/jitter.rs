@@ -12,12 +12,13 @@ use std::path::PathBuf;
 
 use anyhow::{Result, ensure};
 use posewise::math::Similarity;
-use posewise_cli::{output, source};
+use posewise_cli::source;
 use posewise_metrics::jitter::{Shape, common_motion, landmark_jitter, second_difference};
 use posewise_metrics::landmarks::distance;
 use serde_json::json;
 
 use super::registration::{Luma, Patch, register};
+use crate::output;
 use crate::table::Table;
 
 /// Options of `posewise-lab eval jitter`.

@@ -14,7 +14,6 @@ use posewise::{
     State,
 };
 use posewise_cli::monitor::watch::Watch;
-use posewise_cli::output;
 use posewise_cli::parse::{preset, within};
 use serde_json::json;
 
@@ -22,6 +21,7 @@ use super::gaze_metrics::TrueGaze;
 use super::monitor_metrics::{Found, Scores, Truth};
 use super::pairs::{ClipsArgs, clips_of};
 use super::spans::Span;
+use crate::output;
 use crate::random::Random;
 use crate::table::Table;
 

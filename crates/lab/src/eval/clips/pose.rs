@@ -4,7 +4,6 @@ use std::collections::HashMap;
 use std::fmt::Write as _;
 
 use anyhow::Result;
-use posewise_cli::output;
 use serde_json::{Map, Value};
 
 use super::pairs::{ClipsArgs, clips_of};
@@ -13,6 +12,7 @@ use super::pose_metrics::{
     summarize_occluded, summarize_steps,
 };
 use super::truth::read_truth;
+use crate::output;
 use crate::table::Table;
 
 /// Runs the command.

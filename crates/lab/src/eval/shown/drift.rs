@@ -10,13 +10,14 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use posewise_cli::cli::TrackerArgs;
 use posewise_cli::model_file::ModelFile;
-use posewise_cli::{output, source};
+use posewise_cli::source;
 use serde_json::{Value, json};
 
 use super::show::Show;
 use crate::eval::clips::pose_metrics::{FrameOutcome, Summary, Tracked, Truth, summarize};
 use crate::eval::clips::truth::read_truth;
 use crate::footage::clip::{Clip, back_and_forth};
+use crate::output;
 use crate::table::Table;
 
 /// Options of `posewise-lab eval drift`.

@@ -13,13 +13,14 @@ use image::GrayImage;
 use posewise::State;
 use posewise_cli::cli::TrackerArgs;
 use posewise_cli::model_file::ModelFile;
-use posewise_cli::{output, source};
+use posewise_cli::source;
 use serde_json::json;
 
 use super::show::Show;
 use crate::eval::camera;
 use crate::footage::backgrounds::{self, BackgroundsArgs, covering, window};
 use crate::footage::clip::{Clip, back_and_forth};
+use crate::output;
 
 /// Options of `posewise-lab eval faceless`.
 #[derive(clap::Args)]

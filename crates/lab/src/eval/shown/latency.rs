@@ -14,7 +14,6 @@ use image::imageops::{FilterType, replace, resize};
 use posewise::{Landmark, Model, State};
 use posewise_cli::cli::TrackerArgs;
 use posewise_cli::model_file::ModelFile;
-use posewise_cli::output;
 use posewise_cli::parse::within;
 use posewise_metrics::landmarks::bounds;
 use serde_json::{Map, Value, json};
@@ -22,6 +21,7 @@ use serde_json::{Map, Value, json};
 use super::show::Show;
 use crate::eval::stills::labels::{Label, read_labels};
 use crate::footage::backgrounds::{self, BackgroundsArgs, covering, window};
+use crate::output;
 use crate::random::Random;
 
 /// Options of `posewise-lab eval latency`.

@@ -16,13 +16,14 @@ use image::imageops::flip_horizontal;
 use posewise::{Model, State};
 use posewise_cli::cli::TrackerArgs;
 use posewise_cli::model_file::ModelFile;
-use posewise_cli::{output, source};
+use posewise_cli::source;
 use posewise_metrics::median;
 use serde_json::{Map, Value, json};
 
 use super::show::Show;
 use crate::footage::backgrounds::{self, BackgroundsArgs, covering, window};
 use crate::footage::clip::{Clip, moved};
+use crate::output;
 use crate::random::Random;
 
 /// Options of `posewise-lab eval recovery`.

@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use posewise::TrackResult;
-use posewise_cli::output;
 use posewise_cli::parse::within;
 use posewise_cli::picture::Picture;
 use posewise_cli::source::read_rgb;
@@ -16,6 +15,7 @@ use super::angle_metrics::{
     Angles, Block, Found, Outcome, PITCH_BANDS, PITCH_YAW_DEG, by_pitch, by_yaw,
 };
 use super::still::{Stills, StillsArgs};
+use crate::output;
 use crate::table::Table;
 
 /// Options of `posewise-lab eval angles`.

@@ -8,8 +8,8 @@ use posewise::TrackResult;
 use posewise::detect::Detection;
 use posewise_cli::parse::within;
 use posewise_cli::picture::Picture;
+use posewise_cli::plot;
 use posewise_cli::source::read_rgb;
-use posewise_cli::{output, plot};
 use posewise_metrics::landmarks::bounds;
 use serde_json::{Map, Value, json};
 
@@ -22,6 +22,7 @@ use super::landmark_metrics::{
 use super::still::{Stills, StillsArgs};
 use super::turned::Turn;
 use crate::eval::camera;
+use crate::output;
 
 /// Where the first fit starts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]

@@ -4,13 +4,13 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use posewise_cli::output;
 use posewise_cli::picture::Picture;
 use posewise_cli::source::read_rgb;
 use serde_json::{Map, Value, json};
 
 use super::profile_metrics::{BANDS, Found, Marked, Outcome, Summary, errors, summarize, unit};
 use super::still::{Stills, StillsArgs};
+use crate::output;
 use crate::table::Table;
 
 /// Options of `posewise-lab eval profiles`.
