@@ -37,8 +37,8 @@ const fn terms(base: f32, turn: [f32; 2], [hidden, small, doubt]: [f32; 3]) -> T
 /// the position to the right and down, across that line \[mm\], and of the distance as a share of it.
 /// The rotation about the line is a rotation in the picture: it errs least, however a face is turned.
 ///
-/// `posewise-lab eval deviations --fit` prints them (docs/accuracy.md): default model, five people of
-/// rendered clips, whole, small, blurred and covered. Those of the other five chose nothing.
+/// `posewise-lab eval deviations --fit` prints them (docs/accuracy.md): default model, five people
+/// of rendered clips, whole, small, blurred and covered. Those of the other five chose nothing.
 const SYSTEMATIC: [Terms; 6] = [
     terms(1.35, [0.05, 0.03], [0.61, 0.04, 0.42]),
     terms(0.71, [0.53, -0.18], [1.12, 0.40, 1.12]),

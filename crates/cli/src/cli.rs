@@ -53,7 +53,8 @@ pub struct TrackerArgs {
     #[arg(long, value_name = "PX", value_parser = within(1.0_f32, 1e6))]
     pub focal: Option<f32>,
     /// Horizontal field of view [deg] [default: that of a picture's EXIF, else 60]
-    #[arg(long, value_name = "DEG", conflicts_with = "focal", value_parser = within(1.0_f32, 170.0))]
+    #[arg(long, value_name = "DEG", conflicts_with = "focal",
+        value_parser = within(1.0_f32, 170.0))]
     pub fov: Option<f32>,
     /// Calibration of camera and lens, as OpenCV writes it (YAML or JSON)
     #[arg(long, value_name = "FILE", conflicts_with_all = ["focal", "fov"])]
