@@ -4,9 +4,7 @@ use std::io::Write;
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use posewise_cli::output::create;
-
-pub use posewise_cli::output::print;
+pub use posewise_cli::output::{create, print};
 
 /// Writes a JSON file, indented.
 pub fn write_json(path: &Path, value: &serde_json::Value) -> Result<()> {
