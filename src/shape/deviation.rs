@@ -34,8 +34,9 @@ const fn terms(base: f32, turn: [f32; 2], [hidden, small, doubt]: [f32; 3]) -> T
 }
 
 /// Deviations of the rotation about axes to the right, down and along the line of sight \[deg\], of
-/// the position to the right and down, across that line \[mm\], and of the distance as a share of it.
-/// The rotation about the line is a rotation in the picture: it errs least, however a face is turned.
+/// the position to the right and down, across that line \[mm\], and of the distance as a share of
+/// it. The rotation about the line is a rotation in the picture: it errs least, however a face is
+/// turned.
 ///
 /// `posewise-lab eval deviations --fit` prints them (docs/accuracy.md): default model, five people
 /// of rendered clips, whole, small, blurred and covered. Those of the other five chose nothing.

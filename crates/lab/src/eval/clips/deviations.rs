@@ -46,8 +46,8 @@ struct Frame {
     box_px: f64,
     /// What the constants are multiplied by: see `SYSTEMATIC` of the core.
     terms: [f64; TERMS],
-    /// Errors of the rotation about axes to the right, down and along the line of sight \[deg\], across
-    /// that line \[mm\], and of the distance as a share.
+    /// Errors of the rotation about axes to the right, down and along the line of sight \[deg\],
+    /// across that line \[mm\], and of the distance as a share.
     systematic: [f64; 6],
 }
 
@@ -262,8 +262,8 @@ fn print_constants(out: &mut String, frames: &[Frame]) {
     let _ = writeln!(out, "];");
 }
 
-/// The factors of the logarithm of a deviation with which [`WITHIN`] of the errors lie within two of
-/// it, whatever the terms: a smoothed quantile regression (Koenker and Bassett 1978) by Newton's
+/// The factors of the logarithm of a deviation with which [`WITHIN`] of the errors lie within two
+/// of it, whatever the terms: a smoothed quantile regression (Koenker and Bassett 1978) by Newton's
 /// method. How far off a lost face is does not count, as in a variance.
 fn fit(frames: &[Frame], quantity: usize) -> SVector<f64, TERMS> {
     let clips = frames
