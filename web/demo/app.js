@@ -9,7 +9,7 @@ import { Source } from './sources.js';
 /** What the page says of each model; models/*.md has the terms. */
 const NOTES = {
   default: 'Trained on renders and research photographs: check its terms before you ship it.',
-  clean: 'Trained on renders only: may ship in a product, under the MIT licence.',
+  clean: 'Trained on renders and portraits in the public domain: may ship in a product.',
 };
 
 /**
