@@ -164,9 +164,9 @@ class Tracker:
 
     ``model`` is "default", "clean" (whose sources allow any use: may ship in a product), or the
     path of a ``.posewise`` file. 0 in any other setting selects its default. ``gaze`` looks at the
-    eyes of the face, which takes more time; without it they are "not_seen". ``natural_gaze`` does so for a
-    person who looks straight ahead most of the time, as a driver does: part of the mean of the gaze
-    in the head frame is taken off it, at most 8 degrees.
+    eyes of the face, which takes more time; without it they are "not_seen". ``natural_gaze`` does
+    so for a person who looks straight ahead most of the time, as a driver does: part of the mean of
+    the gaze in the head frame is taken off it, at most 8 degrees.
     """
 
     def __init__(
