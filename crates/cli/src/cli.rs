@@ -279,6 +279,7 @@ mod help;
 mod tests {
     use super::*;
     use clap::CommandFactory;
+    use posewise::Config;
 
     #[test]
     fn help_shows_every_default() {
