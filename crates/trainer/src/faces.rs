@@ -26,7 +26,7 @@ pub struct Face {
     pub landmarks: Shape,
     /// Which person, for splits.
     pub person: u32,
-    /// Yaw \[deg\] where it is known: of renders, and of photographs that the 3D head was fitted to.
+    /// Yaw \[deg\] where it is known: of renders, and of half-labelled photographs.
     pub yaw_deg: Option<f32>,
     /// The head's rotation as a camera sees it that looks straight at the landmarks' middle, where
     /// it is known (renders).
