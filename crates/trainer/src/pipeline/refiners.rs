@@ -13,7 +13,7 @@ pub fn make(context: &Context<'_>, global: &Output, member: &Output) -> Result<O
     let args = context.args;
     let mut options = align::refiners::options(args.seed, args.steps / 2);
     options.rate = global_network::options(context).rate;
-    let stage = Stage::new("refiners", 6)
+    let stage = Stage::new("refiners", 5)
         .options(&options)?
         .input("global-network", global.hash(sections::FILE)?)
         .input("ensemble-member", member.hash(sections::FILE)?);

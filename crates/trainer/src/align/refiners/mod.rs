@@ -27,10 +27,6 @@ use std::path::Path;
 /// Longest motion blur of a crop, in canonical units.
 const MOTION_BLUR: f32 = 9.0;
 
-/// Share of renders among the samples of eyes and lids where there are no photographs of single
-/// eyes: photographs of faces hardly ever show shut eyes.
-const SHUT_RENDERED: f32 = 0.85;
-
 /// How and from where refiners are trained.
 pub struct Training<'a> {
     /// Sections of the cascade's global stage.
@@ -138,10 +134,7 @@ impl Training<'_> {
     fn options_for(&self, refiner: &Refiner) -> Options {
         Options {
             sizes: Sizes::of_refiner(refiner.landmarks.len(), refiner.side, refiner.zoom),
-            rendered: match self.eyes {
-                None if refiner.mirrored => SHUT_RENDERED,
-                _ => refiner.rendered,
-            },
+            rendered: refiner.rendered,
             augment: Augment {
                 motion_blur: refiner.motion_blurred,
                 motion_blur_px: MOTION_BLUR * refiner.zoom,
