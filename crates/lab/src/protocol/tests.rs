@@ -190,7 +190,7 @@ fn subsets() {
     assert_eq!(report.curves[0].0, "profile");
     set.write("data/profile/a.csv", truth.replacen("\n0,30", "\n0,x", 1));
     let error = set.error(Protocol::Subsets);
-    assert_eq!(error, "profile/a.csv, line 2: \"x\" is not a number");
+    assert_eq!(error, "profile/a.csv, line 2: yaw is \"x\", not a number");
 }
 
 #[test]
