@@ -38,8 +38,9 @@ const fn terms(base: f32, turn: [f32; 2], [hidden, small, doubt]: [f32; 3]) -> T
 /// it. The rotation about the line is a rotation in the picture: it errs least, however a face is
 /// turned.
 ///
-/// `posewise-lab eval deviations --fit` prints them (docs/accuracy.md): default model, five people
-/// of rendered clips, whole, small, blurred and covered. Those of the other five chose nothing.
+/// `posewise-lab eval deviations --fit` prints them (docs/accuracy.md): default model, the sweeps of
+/// seed 61 and seven rendered clips, whole, small and blurred. The people of seed 62 and of the
+/// other five clips chose nothing.
 const SYSTEMATIC: [Terms; 6] = [
     terms(1.35, [0.05, 0.03], [0.61, 0.04, 0.42]),
     terms(0.71, [0.53, -0.18], [1.12, 0.40, 1.12]),
@@ -209,9 +210,9 @@ mod tests {
     fn what_is_hidden_doubtful_or_turned_is_less_certain() {
         let yaw = |yaw_deg, change: fn(&mut Seen)| sigmas(yaw_deg, [0.0, 0.0, 600.0], change)[2][0];
         let front = yaw(0.0, |_| {});
-        assert!(front > 1.0 && front < 3.0, "{front}");
+        assert!(front > 1.5 && front < 2.5, "{front}");
         assert!(yaw(80.0, |_| {}) > front);
-        assert!(yaw(0.0, |seen| seen.visible_share = 0.4) > 1.5 * front);
+        assert!(yaw(0.0, |seen| seen.visible_share = 0.4) > 1.9 * front);
         assert!(yaw(0.0, |seen| seen.confidence = 0.5) > 2.0 * front);
         assert_eq!(
             yaw(0.0, |seen| seen.confidence = 0.0),

@@ -9,8 +9,9 @@ use std::io::Write;
 
 use anyhow::{Context, Result, anyhow};
 use glam::{Mat3, Quat};
-use posewise::{ANIMATION_NAMES, LANDMARKS};
-use posewise::{EYE_LOOK_NAMES, Eye, EyeUnknown, Eyes, Gaze, State, TrackResult};
+use posewise::{
+    ANIMATION_NAMES, EYE_LOOK_NAMES, Eye, EyeUnknown, Eyes, Gaze, LANDMARKS, State, TrackResult,
+};
 
 /// What one row is made of.
 #[derive(Clone, Copy)]

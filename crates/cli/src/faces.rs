@@ -12,9 +12,7 @@
 use std::time::Duration;
 
 use anyhow::Result;
-use posewise::Intrinsics;
-use posewise::Roi;
-use posewise::{EventLog, FoundFace, Model, State, TrackResult, is_same_face};
+use posewise::{EventLog, FoundFace, Intrinsics, Model, Roi, State, TrackResult, is_same_face};
 
 use crate::cli::TrackerArgs;
 use crate::picture::Picture;

@@ -3,8 +3,7 @@
 use std::io::Write;
 
 use anyhow::{Context, Result};
-use posewise::ANIMATION_NAMES;
-use posewise::{EYE_LOOK_NAMES, EyeUnknown, Eyes, Gaze};
+use posewise::{ANIMATION_NAMES, EYE_LOOK_NAMES, EyeUnknown, Eyes, Gaze};
 use serde_json::{Map, Value, json};
 
 use crate::csv::{Row, state_name};

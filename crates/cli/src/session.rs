@@ -3,9 +3,10 @@
 use std::time::{Duration, Instant};
 
 use anyhow::{Result, anyhow};
-use posewise::Intrinsics;
-use posewise::{Config, Detected, EventLog, FoundFace, Model, StepError, TrackResult, Tracker};
-use posewise::{Frame, Roi};
+use posewise::{
+    Config, Detected, EventLog, FoundFace, Frame, Intrinsics, Model, Roi, StepError, TrackResult,
+    Tracker,
+};
 
 use crate::cli::TrackerArgs;
 use crate::lens::Lens;

@@ -6,8 +6,7 @@ use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
-use posewise::Intrinsics;
-use posewise::{EventLog, State, TrackResult};
+use posewise::{EventLog, Intrinsics, State, TrackResult};
 
 use crate::cli::{TrackArgs, TrackerArgs};
 use crate::csv::{CsvWriter, Row};

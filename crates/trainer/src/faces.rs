@@ -44,10 +44,11 @@ pub struct Face {
     pub known: [bool; LANDMARKS],
     /// Whether it is the picture of a single eye.
     pub is_single_eye: bool,
+    /// Whether it was drawn, not photographed.
     pub is_render: bool,
 }
 
-/// Distance between the outer eye corners of the mean head \[mm\].
+/// About the distance between the outer eye corners of the mean head, 89.2 \[mm\].
 const INTER_OCULAR_MM: f32 = 90.0;
 
 impl Face {
@@ -82,7 +83,7 @@ impl Face {
     }
 
     /// Distance between the outer eye corners if the face looked into the camera \[px\]; where
-    /// the head's size is not known at least [`Face::scale`].
+    /// the head's size is not known, [`Face::scale`].
     pub fn frontal_inter_ocular(&self) -> f32 {
         let known = self.px_per_mm.map(|scale| INTER_OCULAR_MM * scale);
         known.unwrap_or_else(|| self.scale())

@@ -4,8 +4,7 @@ use std::io::Write;
 use std::path::Path;
 
 use anyhow::{Context, Result, anyhow};
-use posewise::TrackResult;
-use posewise::{Monitor, MonitorEvent, MonitorState, Observation, Preset};
+use posewise::{Monitor, MonitorEvent, MonitorState, Observation, Preset, TrackResult};
 
 use super::zones;
 

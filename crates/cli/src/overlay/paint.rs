@@ -6,8 +6,7 @@ use glam::{Mat3, Quat, Vec3};
 use image::{Rgb, RgbImage};
 use imageproc::drawing::{draw_antialiased_line_segment_mut, draw_filled_circle_mut};
 use imageproc::pixelops::interpolate;
-use posewise::Intrinsics;
-use posewise::{State, TrackResult};
+use posewise::{Intrinsics, State, TrackResult};
 
 use super::colors::{AXES, BOX, BOX_COASTING, MESH, confidence_color};
 use super::legend::legend;

@@ -6,8 +6,7 @@
 //! three: a rotation has the same matrix, and the same quaternion, in both.
 
 use anyhow::{Result, anyhow};
-use posewise::ANIMATION_NAMES;
-use posewise::{State, TrackResult};
+use posewise::{ANIMATION_NAMES, State, TrackResult};
 use rosc::{OscBundle, OscMessage, OscPacket, OscTime, OscType};
 
 /// OSC's time tag for "at once".

@@ -5,8 +5,7 @@ use std::time::Duration;
 
 use anyhow::{Context, Result};
 use image::codecs::jpeg::JpegEncoder;
-use posewise::{ANIMATION_NAMES, Intrinsics};
-use posewise::{EyeUnknown, Eyes, TrackResult};
+use posewise::{ANIMATION_NAMES, EyeUnknown, Eyes, Intrinsics, TrackResult};
 use serde_json::{Value, json};
 use tungstenite::Bytes;
 

@@ -4,6 +4,9 @@
 #[allow(dead_code)] // the list is for the last test of the workspace
 pub mod skip;
 
+#[path = "../../../../../tests/common/fails.rs"]
+mod fails;
+
 use std::path::Path;
 
 use assert_cmd::Command;
@@ -36,14 +39,9 @@ pub fn has_program(name: &str) -> bool {
 /// Runs the command, which must fail with exit code 1, no panic, and a message that contains
 /// each of `words`.
 pub fn fails_with(args: &[&str], stdin: Vec<u8>, words: &[&str]) {
-    let run = posewise().args(args).write_stdin(stdin).assert();
-    let output = run.get_output();
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(1), "{args:?}: {said}");
-    assert!(!said.contains("panicked"), "{args:?}: {said}");
-    for word in words {
-        assert!(said.contains(word), "{args:?} must say {word:?}: {said}");
-    }
+    let mut program = posewise();
+    program.args(args).write_stdin(stdin);
+    fails::fails(program, words);
 }
 
 /// A path as an argument.

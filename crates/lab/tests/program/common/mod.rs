@@ -4,6 +4,9 @@
 #[allow(dead_code)] // the list is for the last test
 pub mod skip;
 
+#[path = "../../../../../tests/common/fails.rs"]
+mod fails;
+
 use flate2::read::GzDecoder;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -92,14 +95,9 @@ pub fn track(args: &[&str]) {
 /// Runs the program, which must fail with exit code 1, no panic, and a message that contains
 /// each of `words`.
 pub fn fails_with(args: &[&str], words: &[&str]) {
-    let run = program().args(args).assert();
-    let output = run.get_output();
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(1), "{args:?}: {said}");
-    assert!(!said.contains("panicked"), "{args:?}: {said}");
-    for word in words {
-        assert!(said.contains(word), "{args:?} must say {word:?}: {said}");
-    }
+    let mut program = program();
+    program.args(args);
+    fails::fails(program, words);
 }
 
 /// A path as an argument.
