@@ -5,7 +5,7 @@ use std::path::Path;
 
 use anyhow::{Result, anyhow};
 use posewise::Model;
-use posewise_format::{Blob, FORMAT_VERSION};
+use posewise_format::{FORMAT_VERSION, ModelInfo, SHEET_TAG};
 
 use crate::model_file::ModelFile;
 use crate::output;
@@ -14,16 +14,16 @@ use crate::output;
 pub fn run(path: &Path) -> Result<()> {
     let file = ModelFile::read(Some(path))?;
     let bytes = file.bytes();
-    let blob = Blob::open(bytes).map_err(|e| anyhow!("{}: {e}", file.name()))?;
+    let info = ModelInfo::read(bytes).map_err(|e| anyhow!("{}: {e}", file.name()))?;
+    let blob = info.blob;
     let mut out = String::new();
-    let crc = bytes.get(16..20).and_then(|b| b.first_chunk());
-    let crc = crc.map_or(0, |b| u32::from_le_bytes(*b));
     // Writing to a String cannot fail.
     let _ = writeln!(
         out,
-        "{}\nformat version {FORMAT_VERSION}, {} bytes, CRC-32 {crc:08x}",
+        "{}\nformat version {FORMAT_VERSION}, {} bytes, CRC-32 {:08x}",
         file.name(),
-        blob.total_len()
+        blob.total_len(),
+        info.checksum
     );
     if bytes.len() > blob.total_len() {
         let _ = writeln!(
@@ -47,7 +47,7 @@ pub fn run(path: &Path) -> Result<()> {
             content.len(),
             100.0 * content.len() as f64 / blob.total_len() as f64
         );
-        if tag == *b"INFO" {
+        if tag == SHEET_TAG {
             sheet = Some(String::from_utf8_lossy(content).into_owned());
         }
     }

@@ -13,7 +13,7 @@ use crate::render::{Kind, eye_cache};
 use crate::sources::Terms;
 use anyhow::{Context as _, Result};
 use posewise::align::EYES_TAG;
-use posewise_format::{AlignedBytes, Blob, SectionWriter, Tag};
+use posewise_format::{AlignedBytes, Blob, SHEET_TAG, SectionWriter, Tag};
 use std::path::PathBuf;
 
 /// Renders of other people, by which probabilities are calibrated.
@@ -107,11 +107,11 @@ pub fn add(add: &AddArgs) -> Result<()> {
     let others = Blob::open(&bytes)?;
     let mut all: Vec<SectionWriter> = others
         .sections()
-        .filter(|(tag, _)| *tag != EYES_TAG && *tag != *b"INFO")
+        .filter(|(tag, _)| *tag != EYES_TAG && *tag != SHEET_TAG)
         .map(|(tag, bytes)| SectionWriter::of_bytes(tag, bytes.to_vec()))
         .collect();
     all.push(section);
-    let sheet = others.sections().find(|(tag, _)| *tag == *b"INFO");
+    let sheet = others.sections().find(|(tag, _)| *tag == SHEET_TAG);
     let sheet = String::from_utf8_lossy(sheet.map_or(&[], |(_, bytes)| bytes)).into_owned();
     let before = sheet.split(HEADING).next().unwrap_or_default();
     let before = before.trim_end_matches(['\0', '\n']);
@@ -138,7 +138,7 @@ pub fn finished(context: &Context<'_>) -> Result<Option<(SectionWriter, String)>
     let Some((tag, section)) = find(EYES_TAG) else {
         return Ok(None);
     };
-    let sheet = find(*b"INFO").map_or(&[][..], |(_, bytes)| bytes);
+    let sheet = find(SHEET_TAG).map_or(&[][..], |(_, bytes)| bytes);
     let sheet = String::from_utf8_lossy(sheet);
     let about = sheet.split_once(HEADING).map_or("", |(_, about)| about);
     let about = about.trim_end_matches(['\0', '\n']);

@@ -2,11 +2,11 @@
 
 use super::args::Args;
 use anyhow::{Context, Result};
-use posewise_format::{SectionWriter, blob};
+use posewise_format::{SHEET_TAG, SectionWriter, blob};
 
 /// Writes both; returns the model's size in bytes.
 pub fn write(args: &Args, mut sections: Vec<SectionWriter>, sheet: &str) -> Result<usize> {
-    let mut info = SectionWriter::new(*b"INFO");
+    let mut info = SectionWriter::new(SHEET_TAG);
     info.array(sheet.as_bytes());
     sections.push(info);
     let bytes = blob(&sections);
