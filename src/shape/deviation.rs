@@ -38,8 +38,8 @@ const fn terms(base: f32, turn: [f32; 2], [hidden, small, doubt]: [f32; 3]) -> T
 /// it. The rotation about the line is a rotation in the picture: it errs least, however a face is
 /// turned.
 ///
-/// `posewise-lab eval deviations --fit` prints them (docs/accuracy.md): default model, the sweeps of
-/// seed 61 and seven rendered clips, whole, small and blurred. The people of seed 62 and of the
+/// `posewise-lab eval deviations --fit` prints them (docs/accuracy.md): default model, the sweeps
+/// of seed 61 and seven rendered clips, whole, small and blurred. The people of seed 62 and of the
 /// other five clips chose nothing.
 const SYSTEMATIC: [Terms; 6] = [
     terms(1.35, [0.05, 0.03], [0.61, 0.04, 0.42]),
