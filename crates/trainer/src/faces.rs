@@ -1,6 +1,6 @@
 //! Labelled faces in memory: photographs from a CSV, and renders turned into the same form.
 
-use crate::head::marks_px;
+use crate::head::{Labels, marks_px};
 use crate::labels::{self, Label};
 use crate::photographs::{MANUAL, Set};
 pub use crate::picture::Picture;
@@ -29,7 +29,7 @@ pub struct Face {
     /// Yaw \[deg\] where it is known: of renders, and of half-labelled photographs.
     pub yaw_deg: Option<f32>,
     /// The head's rotation as a camera sees it that looks straight at the landmarks' middle, where
-    /// it is known (renders).
+    /// it is known (renders, and photographs of whole heads by their fits).
     pub rotation: Option<Mat3>,
     /// Pixels per millimetre at the middle of the landmarks, where it is known, as `yaw_deg`.
     pub px_per_mm: Option<f32>,
@@ -46,6 +46,8 @@ pub struct Face {
     pub is_single_eye: bool,
     /// Whether it was drawn, not photographed.
     pub is_render: bool,
+    /// Whether the labels of narrow eyes are right: people and networks leave shut eyes half open.
+    pub has_exact_lids: bool,
 }
 
 /// About the distance between the outer eye corners of the mean head, 89.2 \[mm\].
@@ -69,6 +71,12 @@ impl Face {
             known: MIRROR.map(|from| self.known[from]),
             ..self.clone()
         }
+    }
+
+    /// Whether its eyes may be shut by drawing ([`crate::align::shut`]): renders have shut eyes of
+    /// their own.
+    pub fn can_be_shut(&self) -> bool {
+        !self.is_render && !self.is_single_eye
     }
 
     /// Width of the face, roughly, however it is turned \[px\].
@@ -107,13 +115,16 @@ impl Face {
     /// The landmarks where people mark them ([`marks_px`]), if the head's place is known. The more
     /// the head is turned, the less they move, because the marks were measured on heads that turn
     /// to 50°.
-    pub fn marked(&self) -> Shape {
+    pub fn marked(&self, labels: Labels) -> Shape {
         let mut marked = self.landmarks;
         let (Some(rotation), Some(scale)) = (self.rotation, self.px_per_mm) else {
             return marked;
         };
         let facing = rotation.z_axis.z.max(0.0);
-        for (point, moved) in marked.iter_mut().zip(marks_px(rotation, facing * scale)) {
+        for (point, moved) in marked
+            .iter_mut()
+            .zip(marks_px(labels, rotation, facing * scale))
+        {
             *point = [point[0] + moved.x, point[1] + moved.y];
         }
         marked
@@ -174,6 +185,7 @@ pub fn labelled(labels: &[Label], data: &Path, set: &Set) -> Result<Vec<Face>> {
                 known: label.known,
                 is_single_eye: false,
                 is_render: false,
+                has_exact_lids: false,
             })
         })
         .collect()
@@ -213,6 +225,7 @@ pub fn rendered(path: &Path, count: usize) -> Result<Vec<Face>> {
             known: [true; LANDMARKS],
             is_single_eye: false,
             is_render: true,
+            has_exact_lids: true,
         })
         .collect())
 }

@@ -21,6 +21,8 @@ pub struct Set {
     pub framing: Framing,
     /// Spread of the annotators at which a label counts half \[outer-eye distances\].
     pub half_weight_spread: f32,
+    /// Whether people set the landmarks.
+    pub by_people: bool,
     /// Which part of a file name tells the person.
     pub person: fn(&str) -> &str,
 }
@@ -46,6 +48,7 @@ pub const MANUAL: Set = Set {
     share: 8.0,
     framing: Framing::Whole,
     half_weight_spread: NETWORKS_SPREAD,
+    by_people: true,
     person: before_number,
 };
 
@@ -62,6 +65,7 @@ pub const VIDEO: Set = Set {
     table: "faces68/train-teacher.csv",
     images: "faces68/train",
     share: 2.0,
+    by_people: false,
     ..MANUAL
 };
 
@@ -71,6 +75,7 @@ pub const CROPS: Set = Set {
     images: "faces-many",
     share: 1.0,
     framing: Framing::Tight,
+    by_people: false,
     ..MANUAL
 };
 
@@ -92,6 +97,7 @@ pub const PORTRAITS: Set = Set {
     images: "free/portraits",
     share: 3.0,
     half_weight_spread: 0.06,
+    by_people: false,
     person: after_prefix,
     ..MANUAL
 };

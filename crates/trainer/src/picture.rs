@@ -85,6 +85,23 @@ impl Picture {
         crop.luma().iter().map(|v| f32::from(*v)).collect()
     }
 
+    /// Luma between pixels; beyond the edge, that of the edge.
+    pub fn at(&self, [x, y]: [f32; 2]) -> f32 {
+        let [width, height] = self.size.map(|side| side as usize);
+        let place = |v: f32, side: usize| {
+            let v = v.clamp(0.0, side as f32 - 1.0);
+            let first = v as usize;
+            (first, (first + 1).min(side - 1), v - first as f32)
+        };
+        let ((left, right, u), (top, bottom, v)) = (place(x, width), place(y, height));
+        let along = |row: usize| {
+            let [a, b] = [left, right].map(|column| f32::from(self.luma[row * width + column]));
+            a + u * (b - a)
+        };
+        let [upper, lower] = [along(top), along(bottom)];
+        upper + v * (lower - upper)
+    }
+
     /// Each pixel the mean of 2×2.
     pub fn halved(&self) -> Picture {
         let [width, height] = self.size.map(|side| (side / 2).max(1));

@@ -86,6 +86,7 @@ pub fn for_training(model: &AlignModel<'_>, folder: &Path) -> Result<Vec<Single>
                     known: visible,
                     is_single_eye: true,
                     is_render: false,
+                    has_exact_lids: true,
                 },
                 found,
             }

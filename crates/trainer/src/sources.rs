@@ -1,6 +1,7 @@
 //! What models are trained on, with its terms. A recipe is the same for every model: it is given a
 //! list of sources, those whose terms allow it.
 
+use crate::head::Labels;
 use crate::photographs::{CROPS, Framing, MANUAL, MANUAL_MORE, PORTRAITS, PROFILES, Set, VIDEO};
 use anyhow::{Result, ensure};
 
@@ -154,6 +155,17 @@ impl Sources {
         self.0.iter().filter_map(|source| match source.what {
             What::Photographs(set) => Some(set),
             _ => None,
+        })
+    }
+
+    /// Whose landmarks are to be moved to where people mark them; `None` where people set some.
+    pub fn labels(&self) -> Option<Labels> {
+        if self.sets().any(|set| set.by_people) {
+            return None;
+        }
+        Some(match self.sets().next() {
+            Some(_) => Labels::FaceMesh,
+            None => Labels::Convention,
         })
     }
 

@@ -183,6 +183,7 @@ mod tests {
             known: [true; LANDMARKS],
             is_single_eye: false,
             is_render: false,
+            has_exact_lids: false,
         };
         let mut rng = ChaCha8Rng::seed_from_u64(3);
         for _ in 0..50 {

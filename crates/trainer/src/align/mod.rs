@@ -1,6 +1,7 @@
 //! Trains the cascade (sections `ALGN`, `ENSM`, `RFIN` and `SREG`).
 
 mod adam;
+mod bend;
 pub mod cover;
 pub mod evaluate;
 mod finished;
@@ -19,6 +20,7 @@ pub mod refiners;
 pub mod rotation_regression;
 mod samples;
 pub mod shape_regression;
+pub mod shut;
 mod source;
 mod starts;
 mod train;

@@ -7,6 +7,10 @@ use serde::Serialize;
 /// Displacement of the points of landmarks.
 const SHAKE: f32 = 0.5;
 
+pub(super) fn is_none(share: &f32) -> bool {
+    *share == 0.0
+}
+
 fn is_usual_shake(shake: &f32) -> bool {
     *shake == SHAKE
 }
@@ -36,6 +40,12 @@ pub struct Options {
     pub occluded: f32,
     /// Share of faces that the picture's edge cuts off in part.
     pub cut_off: f32,
+    /// Share of crops that are bent.
+    #[serde(skip_serializing_if = "is_none")]
+    pub bent: f32,
+    /// Share of photographs whose eyes are shut by drawing.
+    #[serde(skip_serializing_if = "is_none")]
+    pub shut: f32,
     /// How much more often a photograph of a face in profile is drawn than one from the front.
     pub turned: f32,
     /// How much more often a render of a face from the front is drawn than one in profile.
@@ -68,6 +78,8 @@ impl Default for Options {
             rendered: 0.4,
             occluded: 0.25,
             cut_off: 0.08,
+            bent: 0.6,
+            shut: 0.15,
             turned: 3.0,
             front: 0.0,
             rate: 2e-3,

@@ -79,7 +79,7 @@ pub fn train(model: &AlignModel<'_>, faces: &[Face], seed: u64) -> Result<Sectio
 }
 
 fn rows(model: &AlignModel<'_>, faces: &[Face], seed: u64) -> Vec<Row> {
-    let renders: Vec<&Face> = faces.iter().filter(|f| f.rotation.is_some()).collect();
+    let renders: Vec<&Face> = faces.iter().filter(|f| f.is_render).collect();
     renders
         .par_iter()
         .enumerate()

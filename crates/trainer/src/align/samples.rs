@@ -1,7 +1,9 @@
 //! Training samples: crops around labelled faces as the tracker would cut them, disturbed as
 //! cameras and light disturb them.
 
+use super::bend::Bend;
 use super::network::{Points, Sizes};
+use super::options::is_none;
 use super::starts::normal;
 use crate::faces::Face;
 use posewise::align::{Shape, mirror};
@@ -51,6 +53,9 @@ pub struct Augment {
     pub contrast: f32,
     /// Deviation of brightness.
     pub brightness: f32,
+    /// Deviation of how far middle greys are brightened or darkened.
+    #[serde(skip_serializing_if = "is_none")]
+    pub tone: f32,
     /// Largest deviation of noise.
     pub noise: f32,
     /// Largest change of brightness across the crop.
@@ -71,6 +76,7 @@ impl Default for Augment {
         Augment {
             contrast: 0.3,
             brightness: 15.0,
+            tone: 0.3,
             noise: 12.0,
             slope: 40.0,
             blur: 0.15,
@@ -103,6 +109,7 @@ pub fn sample(
     sizes: &Sizes,
     start: &Start,
     augment: &Augment,
+    bend: Option<&Bend>,
     rng: &mut ChaCha8Rng,
 ) -> Sample {
     let detected = rng.random_range(0.0..1.0) < start.detected_share;
@@ -123,6 +130,7 @@ pub fn sample(
             tx: normal(rng) * jitter.shift * BOX,
             ty: normal(rng) * jitter.shift * BOX,
         },
+        bend,
         rng.random_bool(0.5),
     );
     disturb(&mut sample.crop, sizes.side, augment, rng);
@@ -136,13 +144,21 @@ pub fn cut(
     mean: &Shape,
     side: usize,
     to_canonical: Similarity,
+    bend: Option<&Bend>,
     mirrored: bool,
 ) -> Sample {
     let canonical = Similarity::fit(mean, &face.landmarks).expect("a face has extent");
     let to_frame = to_canonical.then(&canonical);
-    let mut crop = face.picture.crop(&to_frame, side, false);
+    let mut crop = match bend {
+        Some(bend) => bend.crop(&face.picture, &to_frame, side),
+        None => face.picture.crop(&to_frame, side, false),
+    };
     let back = to_frame.inverse().expect("a face has extent");
-    let mut truth = face.landmarks.map(|p| back.apply(p));
+    let shown = |p| {
+        let at = back.apply(p);
+        bend.map_or(at, |bend| bend.apply(at, side))
+    };
+    let mut truth = face.landmarks.map(shown);
     let mut known = face.known;
     if mirrored {
         crop.chunks_exact_mut(side).for_each(<[f32]>::reverse);
@@ -189,6 +205,8 @@ pub fn disturb(crop: &mut [f32], side: usize, augment: &Augment, rng: &mut ChaCh
             blur(crop, side);
         }
     }
+    // Never more than the slope of the curve at its ends.
+    let tone = (normal(rng) * augment.tone).clamp(-0.8, 0.8);
     let gain = (normal(rng) * augment.contrast).exp();
     let offset = normal(rng) * augment.brightness;
     let slope = rng.random_range(-1.0f32..1.0) * augment.slope / side as f32;
@@ -202,7 +220,8 @@ pub fn disturb(crop: &mut [f32], side: usize, augment: &Augment, rng: &mut ChaCh
         let (x, y) = ((at % side) as f32 - centre, (at / side) as f32 - centre);
         // A sum of four uniform numbers is normal enough for noise.
         let n = (0..4).map(|_| rng.random_range(-0.5f32..0.5)).sum::<f32>() * 1.73 * noise;
-        *v = ((*v - 128.0) * gain + 128.0 + offset + sx * x + sy * y + n).clamp(0.0, 255.0);
+        let toned = *v + tone * *v * (1.0 - *v / 255.0);
+        *v = ((toned - 128.0) * gain + 128.0 + offset + sx * x + sy * y + n).clamp(0.0, 255.0);
     }
     if chance(augment.patch, rng) {
         let [w, h] = [0, 0].map(|_| rng.random_range(side / 12..side / 3));

@@ -35,7 +35,7 @@ struct Row {
 pub fn train(
     model: &AlignModel<'_>,
     faces: &[Face],
-    label: fn(&Face) -> Shape,
+    label: &dyn Fn(&Face) -> Shape,
 ) -> Result<SectionWriter> {
     let mut rows = vec![];
     for (face, ends) in faces.iter().zip(ends(model, faces)) {

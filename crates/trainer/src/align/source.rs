@@ -1,9 +1,11 @@
 //! Where a network's samples come from.
 
+use super::bend::Bend;
 use super::cover::{covered, cut_off};
 use super::network::Points;
 use super::options::{Aperture, Options};
 use super::samples::{Sample, sample};
+use super::shut::shut;
 use crate::faces::Face;
 use anyhow::{Result, ensure};
 use posewise::align::Shape;
@@ -96,6 +98,11 @@ impl Draw {
     }
 }
 
+/// Whether the next crop is bent.
+pub fn bends(options: &Options, rng: &mut ChaCha8Rng) -> bool {
+    rng.random_range(0.0..1.0) < options.bent
+}
+
 /// Whole faces.
 pub struct Faces<'a> {
     pub faces: &'a [Face],
@@ -108,7 +115,11 @@ impl Source for Faces<'_> {
     fn draw(&self, rng: &mut ChaCha8Rng) -> Sample {
         let mut face = &self.faces[self.draw.next(rng)];
         let options = self.options;
-        let (hidden, cut);
+        let (eyes_shut, hidden, cut);
+        if face.can_be_shut() && rng.random_range(0.0..1.0) < options.shut {
+            eyes_shut = shut(face, rng);
+            face = &eyes_shut;
+        }
         if rng.random_range(0.0..1.0) < options.occluded {
             hidden = covered(face, &self.faces[self.draw.next(rng)], rng);
             face = &hidden;
@@ -118,7 +129,9 @@ impl Source for Faces<'_> {
             face = &cut;
         }
         let (start, augment) = (&options.start, &options.augment);
-        sample(face, self.mean, &options.sizes, start, augment, rng)
+        let bend = bends(options, rng).then(|| Bend::random(rng));
+        let bend = bend.as_ref();
+        sample(face, self.mean, &options.sizes, start, augment, bend, rng)
     }
 
     fn aperture(&self, aperture: &Aperture) -> Vec<([usize; 2], f32)> {

@@ -63,9 +63,12 @@ impl EyeOptions {
                     patch: 0.05,
                     motion_blur: 0.1,
                     motion_blur_px: 5.0,
+                    tone: 0.0,
                     ..Augment::default()
                 },
                 shake: 0.0,
+                bent: 0.0,
+                shut: 0.0,
                 ..Options::default()
             },
             single_share: 0.25,

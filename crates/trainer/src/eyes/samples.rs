@@ -6,7 +6,7 @@ use super::crop::{ROLL, turned};
 use super::lens;
 use super::single::SingleEye;
 use crate::align::{Augment, Sample, Sizes, Source, disturb, normal, standardise};
-use crate::head::marks_px;
+use crate::head::{Labels, marks_px};
 use crate::render::eye_cache::{Eye, FIRST};
 use crate::render::glare::GLARE;
 use glam::{EulerRot, Mat3};
@@ -79,7 +79,7 @@ pub fn place_of(eye: &Eye, rng: &mut ChaCha8Rng) -> EyePlace {
 /// A render's lids where people mark them, as the tracker's are \[px\].
 fn marked(eye: &Eye) -> [[f32; 2]; 6] {
     let scale = eye.camera.fx / eye.truth.centre.z;
-    let marks = &marks_px(eye.rotation, scale)[FIRST[eye.side]..];
+    let marks = &marks_px(Labels::Convention, eye.rotation, scale)[FIRST[eye.side]..];
     std::array::from_fn(|i| (eye.landmarks[i] + marks[i]).to_array())
 }
 

@@ -14,6 +14,6 @@ mod wfm;
 pub use contour::{BELOW_MM, at_place, contour_paths, even_places, outward};
 pub use convention::{CONVENTION_VERSION, conventional_mm};
 pub use makehuman::MakeHuman;
-pub use marks::{MARKS_VERSION, marks_mm, marks_px};
+pub use marks::{Labels, MARKS_VERSION, MESH_MARKS_VERSION, marks_mm, marks_px};
 pub use morphable::{Expression, Head};
 pub use wfm::{Unit, Wfm};

@@ -40,7 +40,7 @@ pub struct Args {
     /// them.
     #[arg(long, default_value_t = 40_000)]
     pub steps: usize,
-    /// Batches that the detector's network is trained on.
+    /// Batches that the detector's network is trained on; with `--from`, 0 keeps the detector.
     #[arg(long, default_value_t = 20_000)]
     pub detector_steps: usize,
     /// Train on sources whose terms allow at least this.

@@ -15,7 +15,7 @@ use crate::picture::Picture;
 use crate::render::Kind;
 use crate::sources::Sources;
 use anyhow::{Context as _, Result};
-use posewise_format::{AlignedBytes, Blob, Section, Tag};
+use posewise_format::{AlignedBytes, Blob, Section, SectionWriter, Tag};
 use std::cell::OnceCell;
 use std::path::PathBuf;
 
@@ -23,7 +23,7 @@ use std::path::PathBuf;
 const MADE_UP_BACKGROUNDS: u64 = 600;
 
 /// Share of the usual rate at which a network that is trained already goes on.
-const CONTINUED_RATE: f32 = 0.4;
+const CONTINUED_RATE: f32 = 0.6;
 
 /// Options, store and training faces of one run.
 pub struct Context<'a> {
@@ -127,6 +127,16 @@ impl<'a> Context<'a> {
         Ok(Some(Blob::open(bytes)?.section(&tag)?))
     }
 
+    /// A section of the finished model as it is, if it has one.
+    pub fn kept(&self, tag: Tag) -> Result<Option<SectionWriter>> {
+        let Some((bytes, _)) = &self.finished else {
+            return Ok(None);
+        };
+        let all = Blob::open(bytes)?;
+        let found = all.sections().find(|(of, _)| *of == tag);
+        Ok(found.map(|(_, bytes)| SectionWriter::of_bytes(tag, bytes.to_vec())))
+    }
+
     /// The stage with the training faces of [`Context::faces`] as input.
     pub fn with_faces(&self, stage: Stage) -> Result<Stage> {
         let mut stage = self.with_renders(stage)?;
@@ -168,7 +178,14 @@ impl<'a> Context<'a> {
 
     /// The photographs of a set; where a half is labelled, completed.
     pub fn photographed(&self, set: &Set) -> Result<Vec<Face>> {
-        if set.framing != Framing::Half {
+        if set.framing == Framing::Whole {
+            let mut faces = faces::of_set(set, &self.args.data)?;
+            if let Some(fits) = self.fits {
+                fits::read(fits)?.place(&mut faces, &set.labels(&self.args.data)?);
+            }
+            return Ok(faces);
+        }
+        if set.framing == Framing::Tight {
             return faces::of_set(set, &self.args.data);
         }
         let fits = self

@@ -141,6 +141,10 @@ fn made_from(args: &Args, sources: &Sources) -> String {
         "- {renders} rendered faces of these heads, with procedural skins and \
          skins from\n  those photographs that show whole heads.\n"
     );
+    if sources.labels().is_some() {
+        text += "- 39 offsets of landmarks, from where the labels above have them to where people \
+                 mark them,\n  measured on 999 photographs with manual landmarks.\n";
+    }
     text + &match sources.terms() {
         Terms::Free => format!("\n{SHEET_FREE}, also in products.\n"),
         Terms::Research => {

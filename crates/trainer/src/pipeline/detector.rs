@@ -8,6 +8,7 @@ use crate::detect::pictures::{Kind, Pictures};
 use crate::detect::{self, faces};
 use crate::photographs::Framing;
 use anyhow::Result;
+use posewise::detect::TAG;
 use serde::Serialize;
 
 /// Most renders near profile, and close-up renders near profile and from the front.
@@ -26,7 +27,7 @@ struct Options {
     fronts: [usize; 2],
 }
 
-/// Makes the section.
+/// Makes the section; with no batches, that of the finished model stays as it is.
 pub fn make(context: &Context<'_>) -> Result<Output> {
     let usual = detect::Options::default();
     let options = Options {
@@ -39,6 +40,12 @@ pub fn make(context: &Context<'_>) -> Result<Output> {
         profiles: [PROFILES, NEAR_PROFILES],
         fronts: [FRONTS, NEAR_FRONTS],
     };
+    if let (0, Some(section)) = (context.args.detector_steps, context.kept(TAG)?) {
+        let stage = context.with_finished(Stage::new("detector-kept", 1));
+        return context.store.make(&stage, &[sections::FILE], |folder| {
+            sections::write(folder, &section)
+        });
+    }
     let stage = context.with_near(Stage::new("detector", 7).options(&options)?)?;
     let stage = context.with_backgrounds(context.with_faces(stage)?)?;
     let stage = context.with_finished(stage);
@@ -48,7 +55,7 @@ pub fn make(context: &Context<'_>) -> Result<Output> {
             "detector: {:?} faces and pictures without",
             pictures.count()
         );
-        let before = context.section(posewise::detect::TAG)?;
+        let before = context.section(TAG)?;
         let section = detect::train(&pictures, folder, &options.detector, before)?;
         sections::write(folder, &section)
     })

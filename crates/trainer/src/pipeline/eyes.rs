@@ -13,7 +13,7 @@ use crate::render::{Kind, eye_cache};
 use crate::sources::Terms;
 use anyhow::{Context as _, Result};
 use posewise::align::EYES_TAG;
-use posewise_format::{AlignedBytes, Blob, SHEET_TAG, SectionWriter, Tag};
+use posewise_format::{AlignedBytes, Blob, SHEET_TAG, SectionWriter};
 use std::path::PathBuf;
 
 /// Renders of other people, by which probabilities are calibrated.
@@ -133,16 +133,15 @@ pub fn finished(context: &Context<'_>) -> Result<Option<(SectionWriter, String)>
     let Some((bytes, _)) = &context.finished else {
         return Ok(None);
     };
-    let all = Blob::open(bytes)?;
-    let find = |wanted: Tag| all.sections().find(|(tag, _)| *tag == wanted);
-    let Some((tag, section)) = find(EYES_TAG) else {
+    let Some(section) = context.kept(EYES_TAG)? else {
         return Ok(None);
     };
-    let sheet = find(SHEET_TAG).map_or(&[][..], |(_, bytes)| bytes);
+    let all = Blob::open(bytes)?;
+    let sheet = all.sections().find(|(tag, _)| *tag == SHEET_TAG);
+    let sheet = sheet.map_or(&[][..], |(_, bytes)| bytes);
     let sheet = String::from_utf8_lossy(sheet);
     let about = sheet.split_once(HEADING).map_or("", |(_, about)| about);
     let about = about.trim_end_matches(['\0', '\n']);
-    let section = SectionWriter::of_bytes(tag, section.to_vec());
     Ok(Some((section, format!("{HEADING}{about}\n"))))
 }
 

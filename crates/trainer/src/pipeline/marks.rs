@@ -1,12 +1,12 @@
 //! `posewise-train marks`: measures where people mark landmarks against where a model puts them,
-//! for the table of [`marks_mm`].
+//! for a table of [`marks_mm`].
 
 use super::fits;
 use super::store::Store;
 use crate::align::{self, Boxes, Jitter};
 use crate::faces;
 use crate::fit::PhotoFit;
-use crate::head::marks_mm;
+use crate::head::{Labels, marks_mm};
 use crate::photographs::MANUAL;
 use anyhow::{Context as _, Result};
 use nalgebra::{Matrix3, RowVector3, Vector3};
@@ -68,8 +68,8 @@ pub fn run(args: &Args) -> Result<()> {
             _ => {}
         }
     }
-    println!("landmark: left over, with the table [mm]");
-    for (i, mark) in marks_mm()
+    println!("landmark: left over, with the table of the face mesh [mm]");
+    for (i, mark) in marks_mm(Labels::FaceMesh)
         .iter()
         .enumerate()
         .filter(|(i, _)| *i <= MIRROR[*i])

@@ -25,7 +25,7 @@ pub fn run(args: &Args) -> Result<()> {
         true => None,
         false => Some(fits::make(&store, &args.data, &whole)?),
     };
-    let face = face::make(&store, args, fits.as_ref())?;
+    let face = face::make(&store, args, fits.as_ref(), sources.labels())?;
     let context = Context::new(args, &store, fits.as_ref())?;
     match args.until {
         None => {}

@@ -135,6 +135,7 @@ impl Training<'_> {
         Options {
             sizes: Sizes::of_refiner(refiner.landmarks.len(), refiner.side, refiner.zoom),
             rendered: refiner.rendered,
+            shut: refiner.shut,
             augment: Augment {
                 motion_blur: refiner.motion_blurred,
                 motion_blur_px: MOTION_BLUR * refiner.zoom,

@@ -24,6 +24,8 @@ pub struct Refiner {
     pub zoom: f32,
     /// Share of renders among its samples.
     pub rendered: f32,
+    /// Share of photographs whose eyes are shut by drawing.
+    pub shut: f32,
     /// Share of crops with motion blur.
     pub motion_blurred: f32,
     /// Whether a second round adds pictures of single eyes, if there are some.
@@ -40,6 +42,7 @@ pub fn all() -> [Refiner; 3] {
             side: 56,
             zoom: 2.0,
             rendered: 0.5,
+            shut: 0.35,
             motion_blurred: 0.0,
             single_eyes: false,
         },
@@ -50,6 +53,7 @@ pub fn all() -> [Refiner; 3] {
             side: 56,
             zoom: 1.5,
             rendered: 0.5,
+            shut: 0.0,
             motion_blurred: 0.0,
             single_eyes: false,
         },
@@ -60,6 +64,7 @@ pub fn all() -> [Refiner; 3] {
             side: 48,
             zoom: 3.5,
             rendered: 0.6,
+            shut: 0.45,
             motion_blurred: 0.3,
             single_eyes: true,
         },

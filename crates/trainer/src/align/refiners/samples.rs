@@ -2,10 +2,12 @@
 
 use super::refiner::Refiner;
 use super::starts::{STARTS, Start};
+use crate::align::bend::Bend;
 use crate::align::network::Points;
 use crate::align::options::{Aperture, Options};
 use crate::align::samples::{Sample, disturb, standardise};
-use crate::align::source::{Draw, Source};
+use crate::align::shut::shut;
+use crate::align::source::{Draw, Source, bends};
 use crate::align::starts::normal;
 use crate::faces::{Face, ratio};
 use posewise::align::place_refiner;
@@ -40,7 +42,7 @@ impl RefinerFaces<'_> {
     /// The lids among an eye's landmarks, where their labels are unreliable.
     fn unreliable_lids(&self, face: &Face, [a, b, c, d, e, f]: [usize; 6]) -> Vec<usize> {
         let narrow = ratio(&face.landmarks, [a, d], &[[b, f], [c, e]]) < NARROW;
-        match self.refiner.mirrored && !face.is_render && narrow && !face.is_single_eye {
+        match self.refiner.mirrored && narrow && !face.has_exact_lids {
             true => vec![b, c, e, f],
             false => vec![],
         }
@@ -91,21 +93,35 @@ fn jittered(start: &Start, landmarks: &[usize], rng: &mut ChaCha8Rng) -> (Simila
 impl Source for RefinerFaces<'_> {
     fn draw(&self, rng: &mut ChaCha8Rng) -> Sample {
         let index = self.draw.next(rng);
-        let face = &self.faces[index];
-        let start = &self.starts[index][rng.random_range(0..STARTS)];
+        let mut face = &self.faces[index];
+        let mut start = self.starts[index][rng.random_range(0..STARTS)];
+        let eyes_shut;
+        if face.can_be_shut() && rng.random_range(0.0..1.0) < self.options.shut {
+            eyes_shut = shut(face, rng);
+            start.follow(&face.landmarks, &eyes_shut.landmarks, rng);
+            face = &eyes_shut;
+        }
         let mirrored = !face.is_single_eye && rng.random_bool(0.5);
         let which = |k: &usize| if mirrored { MIRROR[*k] } else { *k };
         let landmarks: Vec<usize> = self.refiner.landmarks.iter().map(which).collect();
-        let (to_frame, points) = jittered(start, &landmarks, rng);
+        let (to_frame, points) = jittered(&start, &landmarks, rng);
         let sizes = &self.options.sizes;
         let to_frame = place_refiner(&to_frame, &points, sizes.zoom).expect("points have extent");
-        let mut crop = face.picture.crop(&to_frame, sizes.side, mirrored);
+        let bend = bends(self.options, rng).then(|| Bend::random(rng));
+        let mut crop = match &bend {
+            Some(bend) => bend.crop(&face.picture, &to_frame, sizes.side),
+            None => face.picture.crop(&to_frame, sizes.side, false),
+        };
+        if mirrored {
+            crop.chunks_exact_mut(sizes.side).for_each(<[f32]>::reverse);
+        }
         disturb(&mut crop, sizes.side, &self.options.augment, rng);
         standardise(&mut crop);
         let to_crop = to_frame.inverse().expect("a crop has extent");
         let side = if mirrored { -1.0 } else { 1.0 };
         let into = |p: [f32; 2]| {
-            let [x, y] = to_crop.apply(p);
+            let at = to_crop.apply(p);
+            let [x, y] = bend.as_ref().map_or(at, |bend| bend.apply(at, sizes.side));
             [side * x, y]
         };
         Sample {

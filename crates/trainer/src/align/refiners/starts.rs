@@ -8,7 +8,7 @@ use posewise::align::{AlignModel, Shape, Workspace};
 use posewise::math::Similarity;
 use posewise::shape::LANDMARKS;
 use posewise_metrics::BoxJitter;
-use rand::SeedableRng;
+use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
@@ -35,6 +35,15 @@ impl Start {
         Start {
             to_frame: to_frame.expect("a shape has extent"),
             shape,
+        }
+    }
+
+    /// Moves the landmarks that move from one label to another, by part of the way: the stages
+    /// before this refiner find lids that move, though not to the end.
+    pub fn follow(&mut self, from: &Shape, to: &Shape, rng: &mut ChaCha8Rng) {
+        let part = rng.random_range(0.0..1.0f32);
+        for ((at, from), to) in self.shape.iter_mut().zip(from).zip(to) {
+            *at = [0, 1].map(|k| at[k] + part * (to[k] - from[k]));
         }
     }
 
