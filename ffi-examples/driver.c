@@ -4,8 +4,8 @@
  *     ffmpeg -v error -i drive.mp4 -pix_fmt yuv420p -f yuv4mpegpipe - | ./driver [PRESET]
  *     ./driver PRESET /dev/video0 [FRAMES]
  *
- * PRESET is the number of a POSEWISE_PRESET_*, 0 if there is none. The second form is for Linux and
- * cameras that have YUYV or GREY; it ends after FRAMES or with Ctrl-C. C99.
+ * PRESET is the number of a POSEWISE_MONITOR_PRESET_*, 0 if there is none. The second form is for
+ * Linux and cameras that have YUYV or GREY; it ends after FRAMES or with Ctrl-C. C99.
  *
  * The pattern: step the tracker, observe it, update the monitor with the capture time of the frame,
  * read its events. Frames without a face are observations too; dropped frames need nothing. */
@@ -54,7 +54,7 @@ static void print_event(const posewise_monitor_event *e) {
     const char *name = posewise_monitor_event_name(e->kind);
     printf("%" PRId64 " %s from %" PRId64 " us for %" PRIu32 " us", e->timestamp_us,
            name != NULL ? name : "unknown", e->start_us, e->duration_us);
-    if (e->zone != POSEWISE_ZONE_UNKNOWN)
+    if (e->zone != POSEWISE_MONITOR_ZONE_UNKNOWN)
         printf(" zone %" PRIu32, e->zone);
     if (e->flags & POSEWISE_MONITOR_CUT)
         printf(" cut");
@@ -64,13 +64,13 @@ static void print_event(const posewise_monitor_event *e) {
 /* One frame: tracker, monitor, events. */
 static int watch(driver *d, const posewise_frame *frame) {
     posewise_result result = POSEWISE_RESULT_INIT;
-    posewise_observation seen = POSEWISE_OBSERVATION_INIT;
+    posewise_monitor_observation seen = POSEWISE_MONITOR_OBSERVATION_INIT;
     posewise_monitor_event events[POSEWISE_MONITOR_EVENTS];
     size_t count, overwritten, i;
     const posewise_status stepped = posewise_step(d->tracker, frame, &result);
     if (stepped == POSEWISE_E_TIME)
         return 1; /* a repeated timestamp costs a frame */
-    if (!is_ok(stepped) || !is_ok(posewise_observe(d->tracker, &seen)) ||
+    if (!is_ok(stepped) || !is_ok(posewise_monitor_observe(d->tracker, &seen)) ||
         !is_ok(posewise_monitor_update(d->monitor, &seen, frame->timestamp_us)) ||
         !is_ok(posewise_monitor_events(d->monitor, events, POSEWISE_MONITOR_EVENTS, &count,
                                        &overwritten)))
@@ -84,7 +84,7 @@ static int watch(driver *d, const posewise_frame *frame) {
 
 static void print_summary(const driver *d) {
     posewise_monitor_state s = POSEWISE_MONITOR_STATE_INIT;
-    if (!is_ok(posewise_monitor_get_state(d->monitor, &s)))
+    if (!is_ok(posewise_monitor_read(d->monitor, &s)))
         return;
     printf("%lu frames, %" PRIu32 " blinks, %" PRIu32 " yawns, %" PRIu32 " nods\n", d->frames,
            s.blinks, s.yawns, s.nods);
@@ -243,7 +243,8 @@ static int from_camera(driver *d, const char *device, unsigned long frames) {
 int main(int argc, char **argv) {
     driver d;
     int worked;
-    if (!start(&d, argc > 1 ? (uint32_t)strtoul(argv[1], NULL, 10) : POSEWISE_PRESET_GENERAL))
+    if (!start(&d, argc > 1 ? (uint32_t)strtoul(argv[1], NULL, 10)
+                            : POSEWISE_MONITOR_PRESET_GENERAL))
         return 1;
 #ifdef __linux__
     if (argc > 2)

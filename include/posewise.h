@@ -1,36 +1,58 @@
-/* posewise.h - head pose, 68 facial landmarks and animation weights from camera frames, and a
- * driver monitor over them.
- * C99 and C++11. No heap, no clock, no threads, no I/O.
+/**
+ * @file posewise.h
+ * Head pose, 68 facial landmarks and animation weights from camera frames, and a driver monitor
+ * over them. C99 and C++11. No heap, no clock, no threads, no I/O.
  *
- * Memory   The caller owns all memory. The library allocates nothing and frees nothing.
- * Stack    A call takes less than 32 KiB.
- * Threads  One thread at a time may use a tracker. Trackers share only the model, which is
- *          read-only.
- * Floats   Rounding mode, flush-to-zero and unmasked exceptions of the caller do not matter: on x86
- *          with SSE2, AArch64 and ARM with a floating-point unit, each call sets the default
- *          environment and restores the caller's. On WebAssembly and without such a unit there is
- *          only one; elsewhere (RISC-V) the caller's must be the default.
- * Pixels   x right, y down; (0, 0) is the centre of the top-left pixel of the upright image.
- * Camera   Camera frame, in mm: origin at the camera's centre, +x image right, +y down, +z away
- *          from the camera.
- * Head     Head frame, in mm: origin midway between the eyeballs; the axes are parallel to the
- *          camera's when the person looks straight into it: +x to the person's left, +y to the
- *          chin, +z to the back of the head. A head point p is at R p + translation_mm in the
- *          camera frame.
- * Angles   R = Ry(-yaw) Rx(-pitch) Rz(roll), column vectors, right-handed rotations about each
- *          axis. yaw > 0 turns the face to the image right, pitch > 0 turns it up, roll > 0 tilts
- *          it clockwise in the image. The nose points along d = R (0, 0, -1):
- *          yaw = atan2(d.x, -d.z), pitch = asin(-d.y).
- * Sides    Left and right are the person's own, except in "image left" and "image right".
- * Structs  Initialise them with POSEWISE_CONFIG_INIT, _FRAME_INIT and the like: struct_size
- *          must be the size of the struct in this header or in the header of an earlier release;
- *          any other value is an error. Fields that an earlier header lacks are read as 0.
- *          0 in any other setting selects its default.
- * Errors   A status below 0 is an error: the tracker and all outputs are unchanged. Every pointer
- *          is checked for NULL and alignment. Status codes are never reused.
+ * A capture loop, of a program that has camera_read():
+ * @code
+ * size_t model_len, size = posewise_memory_size(NULL);
+ * const void *model = posewise_default_model(&model_len);
+ * posewise_tracker *tracker;
+ * posewise_frame frame = POSEWISE_FRAME_INIT;
+ * posewise_result face = POSEWISE_RESULT_INIT;
+ * posewise_status status = posewise_init(&tracker, aligned_alloc(POSEWISE_ALIGN, size), size,
+ *                                        model, model_len, NULL);
+ * while (status == POSEWISE_OK && camera_read(&frame))
+ *     if ((status = posewise_step(tracker, &frame, &face)) == POSEWISE_OK)
+ *         printf("%s, yaw %.0f deg\n", posewise_state_name(face.state), face.yaw_deg);
+ * @endcode
+ *
+ * @par Memory
+ * The caller owns all memory. The library allocates nothing and frees nothing.
+ * @par Stack
+ * A call takes less than 32 KiB.
+ * @par Threads
+ * One thread at a time may use a tracker. Trackers share only the model, which is read-only.
+ * @par Floats
+ * Rounding mode, flush-to-zero and unmasked exceptions of the caller do not matter: on x86 with
+ * SSE2, AArch64 and ARM with a floating-point unit, each call sets the default environment and
+ * restores the caller's. On WebAssembly and without such a unit there is only one; elsewhere
+ * (RISC-V) the caller's must be the default.
+ * @par Pixels
+ * x right, y down; (0, 0) is the centre of the top-left pixel of the upright image.
+ * @par Camera
+ * Camera frame, in mm: origin at the camera's centre, +x image right, +y down, +z away from the
+ * camera.
+ * @par Head
+ * Head frame, in mm: origin midway between the eyeballs; the axes are parallel to the camera's when
+ * the person looks straight into it: +x to the person's left, +y to the chin, +z to the back of the
+ * head. A head point p is at R p + translation_mm in the camera frame.
+ * @par Angles
+ * R = Ry(-yaw) Rx(-pitch) Rz(roll), column vectors, right-handed rotations about each axis. yaw > 0
+ * turns the face to the image right, pitch > 0 turns it up, roll > 0 tilts it clockwise in the
+ * image. The nose points along d = R (0, 0, -1): yaw = atan2(d.x, -d.z), pitch = asin(-d.y).
+ * @par Sides
+ * Left and right are the person's own, except in "image left" and "image right".
+ * @par Structs
+ * Initialise them with POSEWISE_CONFIG_INIT, _FRAME_INIT and the like: struct_size must be the size
+ * of the struct in this header or in the header of an earlier release; any other value is an error.
+ * Fields that an earlier header lacks are read as 0. 0 in any other setting selects its default.
+ * @par Errors
+ * A status below 0 is an error: the tracker and all outputs are unchanged. Every pointer is checked
+ * for NULL and alignment. Status codes are never reused.
  *
  * Generated by cbindgen from src/ffi. To change it, edit the sources and run
- *     POSEWISE_BLESS=1 cargo test --release --test source
+ * `POSEWISE_BLESS=1 cargo test --release --test source`.
  */
 
 #ifndef POSEWISE_H
@@ -39,747 +61,801 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define POSEWISE_VERSION             0x000100u    // 0xMMmmpp; compare with posewise_version()
-#define POSEWISE_ABI                 1u           // Changes when programs must be recompiled
-#define POSEWISE_ALIGN               64u          // Alignment of memory and model [bytes]
-#define POSEWISE_MEMORY_SIZE         (176 * 1024) // Upper bound of posewise_memory_size() [bytes]
-#define POSEWISE_LANDMARKS           68u          // Landmarks, iBUG 68 scheme
-#define POSEWISE_ANIMATIONS          24u          // Weights, named by posewise_animation_name()
-#define POSEWISE_EXCLUDED            16u          // Most boxes of posewise_set_excluded()
-#define POSEWISE_EVENTS              64u          // Unread events that a tracker keeps
-#define POSEWISE_CPU_DOTPROD         1u           // Dot products of AArch64, for posewise_set_cpu()
+// Stands before each function. Define POSEWISE_SHARED where the library is a shared one (a DLL),
+// or POSEWISE_API itself where a library of your own exports these functions too.
+#ifndef POSEWISE_API
+#if defined(POSEWISE_SHARED) && defined(_WIN32)
+#define POSEWISE_API __declspec(dllimport)
+#elif defined(POSEWISE_SHARED) && defined(__GNUC__)
+#define POSEWISE_API __attribute__((visibility("default")))
+#else
+#define POSEWISE_API
+#endif
+#endif
 
-#define POSEWISE_OK                  0            // Success
-#define POSEWISE_E_ARG               (-1)         // Another invalid argument; not returned today
-#define POSEWISE_E_MEMORY            (-2)         // Tracker memory too small or misaligned
-#define POSEWISE_E_MODEL             (-3)         // A model section is missing or invalid
-#define POSEWISE_E_FRAME             (-4)         // Inconsistent size, stride, rotation, data_len
-#define POSEWISE_E_TIME              (-5)         // Timestamp not after that of the last frame
-#define POSEWISE_E_FORMAT            (-6)         // Not a POSEWISE_FMT_* value
-#define POSEWISE_E_MODEL_ALIGN       (-7)         // Model not aligned to POSEWISE_ALIGN
-#define POSEWISE_E_MODEL_TRUNCATED   (-8)         // The model is truncated
-#define POSEWISE_E_MODEL_MAGIC       (-9)         // Not a .posewise model
-#define POSEWISE_E_MODEL_VERSION     (-10)        // Unsupported model format version
-#define POSEWISE_E_MODEL_CHECKSUM    (-11)        // Checksum mismatch: the model is corrupt
-#define POSEWISE_E_NULL              (-12)        // A pointer is NULL
-#define POSEWISE_E_POINTER_ALIGN     (-13)        // A pointer is not aligned to its type
-#define POSEWISE_E_STRUCT_SIZE       (-14)        // struct_size is not that of a header
-#define POSEWISE_E_TRACKER           (-15)        // No tracker of this library is there
-#define POSEWISE_E_OVERLAP           (-16)        // An output, or the model, in tracker memory
-#define POSEWISE_E_FLAGS             (-17)        // An unknown flag, or reserved is not 0
-#define POSEWISE_E_INTRINSICS        (-18)        // Intrinsics out of range
-#define POSEWISE_E_MIN_FACE          (-19)        // min_face_px out of range
-#define POSEWISE_E_SCAN_BUDGET       (-20)        // scan_budget out of range
-#define POSEWISE_E_SMOOTHING         (-21)        // smoothing_hz or smoothing_beta out of range
-#define POSEWISE_E_HINT              (-22)        // A number of the hint is out of range
-#define POSEWISE_E_ROI               (-23)        // The region of interest is out of range
-#define POSEWISE_E_EXCLUDED          (-24)        // Excluded boxes: too many or out of range
-#define POSEWISE_E_LENS              (-25)        // The lens, or a coefficient, out of range
-#define POSEWISE_E_MONITOR           (-26)        // No monitor of this library is there
-#define POSEWISE_E_MONITOR_CONFIG    (-27)        // A setting of the monitor is out of range
-#define POSEWISE_E_ZONES             (-28)        // Zones: too many, or not those of their kind
+#define POSEWISE_VERSION     0x000100u    ///< 0xMMmmpp; compare with posewise_version()
+#define POSEWISE_ABI         1u           ///< Changes when programs must be recompiled
+#define POSEWISE_ALIGN       64u          ///< Alignment of memory and model [bytes]
+#define POSEWISE_MEMORY_SIZE (176 * 1024) ///< Upper bound of posewise_memory_size() [bytes]
+#define POSEWISE_LANDMARKS   68u          ///< Landmarks, iBUG 68 scheme
+#define POSEWISE_ANIMATIONS  24u          ///< Weights, POSEWISE_ANIMATION_*
+#define POSEWISE_EYE_LOOKS   8u           ///< Weights of a gaze, POSEWISE_EYE_LOOK_*
+#define POSEWISE_EXCLUDED    16u          ///< Most boxes of posewise_set_excluded()
+#define POSEWISE_EVENTS      64u          ///< Unread events that a tracker keeps
+#define POSEWISE_CPU_DOTPROD 1u           ///< Dot products of AArch64, for posewise_set_cpu()
 
-#define POSEWISE_PART_REFINERS       1u           // Part: networks that see closer crops
-#define POSEWISE_PART_VERIFIER       2u           // Part: calibrated probabilities
-#define POSEWISE_PART_KEYFRAMES      4u           // Part: a lost face is found by its looks
-#define POSEWISE_PART_MONITOR        8u           // Part: the driver monitor
-#define POSEWISE_PART_DEFAULT_MODEL  16u          // Part: posewise_default_model()
+#define POSEWISE_OK                0     ///< Success
+#define POSEWISE_E_ARG             (-1)  ///< Another invalid argument; not returned today
+#define POSEWISE_E_MEMORY          (-2)  ///< Tracker memory too small or misaligned
+#define POSEWISE_E_MODEL           (-3)  ///< A model section is missing or invalid
+#define POSEWISE_E_FRAME           (-4)  ///< Inconsistent size, stride, rotation, data_len
+#define POSEWISE_E_TIME            (-5)  ///< Timestamp not after that of the last frame
+#define POSEWISE_E_FORMAT          (-6)  ///< Not a POSEWISE_FMT_* value
+#define POSEWISE_E_MODEL_ALIGN     (-7)  ///< Model not aligned to POSEWISE_ALIGN
+#define POSEWISE_E_MODEL_TRUNCATED (-8)  ///< The model is truncated
+#define POSEWISE_E_MODEL_MAGIC     (-9)  ///< Not a .posewise model
+#define POSEWISE_E_MODEL_VERSION   (-10) ///< Unsupported model format version
+#define POSEWISE_E_MODEL_CHECKSUM  (-11) ///< Checksum mismatch: the model is corrupt
+#define POSEWISE_E_NULL            (-12) ///< A pointer is NULL
+#define POSEWISE_E_POINTER_ALIGN   (-13) ///< A pointer is not aligned to its type
+#define POSEWISE_E_STRUCT_SIZE     (-14) ///< struct_size is not that of a header
+#define POSEWISE_E_TRACKER         (-15) ///< No tracker of this library is there
+#define POSEWISE_E_OVERLAP         (-16) ///< An output, or the model, in tracker memory
+#define POSEWISE_E_FLAGS           (-17) ///< An unknown flag, or reserved is not 0
+#define POSEWISE_E_INTRINSICS      (-18) ///< Intrinsics out of range
+#define POSEWISE_E_MIN_FACE        (-19) ///< min_face_px out of range
+#define POSEWISE_E_SCAN_BUDGET     (-20) ///< scan_budget out of range
+#define POSEWISE_E_SMOOTHING       (-21) ///< smoothing_hz or smoothing_beta out of range
+#define POSEWISE_E_HINT            (-22) ///< A number of the hint is out of range
+#define POSEWISE_E_ROI             (-23) ///< The region of interest is out of range
+#define POSEWISE_E_EXCLUDED        (-24) ///< Excluded boxes: too many or out of range
+#define POSEWISE_E_LENS            (-25) ///< The lens, or a coefficient, out of range
+#define POSEWISE_E_MONITOR         (-26) ///< No monitor of this library is there
+#define POSEWISE_E_MONITOR_CONFIG  (-27) ///< A setting of the monitor is out of range
+#define POSEWISE_E_MONITOR_ZONES   (-28) ///< Zones: too many, or not those of their kind
 
-#define POSEWISE_TERMS_UNKNOWN       0u           // Terms of a model: its sheet lacks them
-#define POSEWISE_TERMS_FREE          1u           // Any use, in products too
-#define POSEWISE_TERMS_RESEARCH      2u           // Some data may restrict it to research
+#define POSEWISE_PART_REFINERS      1u  ///< Part: networks that see closer crops
+#define POSEWISE_PART_VERIFIER      2u  ///< Part: calibrated probabilities
+#define POSEWISE_PART_KEYFRAMES     4u  ///< Part: a lost face is found by its looks
+#define POSEWISE_PART_MONITOR       8u  ///< Part: the driver monitor
+#define POSEWISE_PART_DEFAULT_MODEL 16u ///< Part: posewise_default_model()
 
-#define POSEWISE_FMT_GREY            0x59455247u  // 8-bit grey
-#define POSEWISE_FMT_Y10             0x20303159u  // 10-bit grey in 16-bit little-endian words
-#define POSEWISE_FMT_Y16             0x20363159u  // 16-bit grey, little-endian
-#define POSEWISE_FMT_YUYV            0x56595559u  // 4:2:2 packed, Y first
-#define POSEWISE_FMT_UYVY            0x59565955u  // 4:2:2 packed, U first
-#define POSEWISE_FMT_NV12            0x3231564Eu  // 4:2:0; pass the Y plane, chroma is not read
-#define POSEWISE_FMT_NV21            0x3132564Eu  // 4:2:0; pass the Y plane, chroma is not read
-#define POSEWISE_FMT_YU12            0x32315559u  // I420; pass the Y plane, chroma is not read
-#define POSEWISE_FMT_RGB3            0x33424752u  // 24-bit R, G, B in memory
-#define POSEWISE_FMT_BGR3            0x33524742u  // 24-bit B, G, R in memory
-#define POSEWISE_FMT_XB24            0x34324258u  // 32-bit R, G, B, unused in memory
-#define POSEWISE_FMT_AB24            0x34324241u  // 32-bit R, G, B, alpha in memory
-#define POSEWISE_FMT_XR24            0x34325258u  // 32-bit B, G, R, unused in memory
-#define POSEWISE_FMT_AR24            0x34325241u  // 32-bit B, G, R, alpha in memory
-#define POSEWISE_FMT_BX24            0x34325842u  // 32-bit unused, R, G, B in memory
-#define POSEWISE_FMT_BA24            0x34324142u  // 32-bit alpha, R, G, B in memory
-#define POSEWISE_FMT_RX24            0x34325852u  // 32-bit unused, B, G, R in memory
-#define POSEWISE_FMT_RA24            0x34324152u  // 32-bit alpha, B, G, R in memory
+#define POSEWISE_TERMS_UNKNOWN  0u ///< Terms of a model: its sheet lacks them
+#define POSEWISE_TERMS_FREE     1u ///< Any use, in products too
+#define POSEWISE_TERMS_RESEARCH 2u ///< Some data may restrict it to research
 
-#define POSEWISE_FRAME_MIRRORED      1u           // Rows are stored reversed ("selfie" view)
+#define POSEWISE_FMT_GREY 0x59455247u ///< 8-bit grey
+#define POSEWISE_FMT_Y10  0x20303159u ///< 10-bit grey in 16-bit little-endian words
+#define POSEWISE_FMT_Y16  0x20363159u ///< 16-bit grey, little-endian
+#define POSEWISE_FMT_YUYV 0x56595559u ///< 4:2:2 packed, Y first
+#define POSEWISE_FMT_UYVY 0x59565955u ///< 4:2:2 packed, U first
+#define POSEWISE_FMT_NV12 0x3231564Eu ///< 4:2:0; pass the Y plane, chroma is not read
+#define POSEWISE_FMT_NV21 0x3132564Eu ///< 4:2:0; pass the Y plane, chroma is not read
+#define POSEWISE_FMT_YU12 0x32315559u ///< I420; pass the Y plane, chroma is not read
+#define POSEWISE_FMT_RGB3 0x33424752u ///< 24-bit R, G, B in memory
+#define POSEWISE_FMT_BGR3 0x33524742u ///< 24-bit B, G, R in memory
+#define POSEWISE_FMT_XB24 0x34324258u ///< 32-bit R, G, B, unused in memory
+#define POSEWISE_FMT_AB24 0x34324241u ///< 32-bit R, G, B, alpha in memory
+#define POSEWISE_FMT_XR24 0x34325258u ///< 32-bit B, G, R, unused in memory
+#define POSEWISE_FMT_AR24 0x34325241u ///< 32-bit B, G, R, alpha in memory
+#define POSEWISE_FMT_BX24 0x34325842u ///< 32-bit unused, R, G, B in memory
+#define POSEWISE_FMT_BA24 0x34324142u ///< 32-bit alpha, R, G, B in memory
+#define POSEWISE_FMT_RX24 0x34325852u ///< 32-bit unused, B, G, R in memory
+#define POSEWISE_FMT_RA24 0x34324152u ///< 32-bit alpha, B, G, R in memory
 
-#define POSEWISE_SEARCHING           0u           // No face; after timestamp_us all but loss are 0
-#define POSEWISE_TRACKING            1u           // The face was fitted to this frame
-#define POSEWISE_COASTING            2u           // Not fitted: repeats the last fit, age_us old
+#define POSEWISE_FRAME_MIRRORED 1u ///< Rows are stored reversed ("selfie" view)
 
-#define POSEWISE_LOSS_NONE           0u           // Tracking, or no face was found yet
-#define POSEWISE_LOSS_LOW_CONFIDENCE 1u           // The confidence fell below its threshold
-#define POSEWISE_LOSS_LEFT_FRAME     2u           // The centre of the face left the frame
-#define POSEWISE_LOSS_NO_POSE        3u           // No head pose fits the landmarks
-#define POSEWISE_LOSS_EXCLUDED       4u           // Another tracker has this face
+#define POSEWISE_SEARCHING 0u ///< No face; after timestamp_us all but loss are 0
+#define POSEWISE_TRACKING  1u ///< The face was fitted to this frame
+#define POSEWISE_COASTING  2u ///< Not fitted: repeats the last fit, age_us old
 
-#define POSEWISE_EYE_NOT_SEEN        0u           // No face, or a model without this network
-#define POSEWISE_EYE_KNOWN           1u           // The eye, or its gaze, is known
-#define POSEWISE_EYE_TURNED          2u           // The head hides the eye
-#define POSEWISE_EYE_HIDDEN          3u           // Something covers it, or it is out of frame
-#define POSEWISE_EYE_SMALL           4u           // It is too small in the picture
-#define POSEWISE_EYE_BLURRED         5u           // It moves too fast
-#define POSEWISE_EYE_GLARE           6u           // Light that is too bright, as a reflection
-#define POSEWISE_EYE_DARK_GLASSES    7u           // It is behind dark glasses
-#define POSEWISE_EYE_SHUT            8u           // Of a gaze: the eye is shut
-#define POSEWISE_EYE_UNCERTAIN       9u           // What was found is too uncertain
+#define POSEWISE_LOSS_NONE           0u ///< Tracking, or no face was found yet
+#define POSEWISE_LOSS_LOW_CONFIDENCE 1u ///< The confidence fell below its threshold
+#define POSEWISE_LOSS_LEFT_FRAME     2u ///< The centre of the face left the frame
+#define POSEWISE_LOSS_NO_POSE        3u ///< No head pose fits the landmarks
+#define POSEWISE_LOSS_EXCLUDED       4u ///< Another tracker has this face
 
-#define POSEWISE_LENS_PINHOLE        0u           // No distortion; coefficients are 0
-#define POSEWISE_LENS_BROWN          1u           // k1, k2, p1, p2, k3 as in OpenCV
-#define POSEWISE_LENS_FISHEYE        2u           // k1, k2, k3, k4, 0: OpenCV's fisheye
+#define POSEWISE_EYE_NOT_SEEN     0u ///< No face, or a model without this network
+#define POSEWISE_EYE_KNOWN        1u ///< The eye, or its gaze, is known
+#define POSEWISE_EYE_TURNED       2u ///< The head hides the eye
+#define POSEWISE_EYE_HIDDEN       3u ///< Something covers it, or it is out of frame
+#define POSEWISE_EYE_SMALL        4u ///< It is too small in the picture
+#define POSEWISE_EYE_BLURRED      5u ///< It moves too fast
+#define POSEWISE_EYE_GLARE        6u ///< Light that is too bright, as a reflection
+#define POSEWISE_EYE_DARK_GLASSES 7u ///< It is behind dark glasses
+#define POSEWISE_EYE_SHUT         8u ///< Of a gaze: the eye is shut
+#define POSEWISE_EYE_UNCERTAIN    9u ///< What was found is too uncertain
 
-#define POSEWISE_EVENT_ACQUIRED      0u           // A new face is tracked
-#define POSEWISE_EVENT_REACQUIRED    1u           // A lost face is tracked again, with its identity
-#define POSEWISE_EVENT_COASTING      2u           // Not found: its last fit is repeated
-#define POSEWISE_EVENT_LOST          3u           // The face is given up; the search begins
-#define POSEWISE_EVENT_SUPPRESSED    4u           // Probably no face; its region needs more
-#define POSEWISE_EVENT_FILTER_ON     5u           // Noisy frames are box-filtered from here on
-#define POSEWISE_EVENT_FILTER_OFF    6u           // Frames are no longer filtered
-#define POSEWISE_EVENT_RESET         7u           // posewise_reset() was called
-#define POSEWISE_EVENT_FORGOTTEN     8u           // posewise_forget_identity() was called
+#define POSEWISE_GAZE_OFF     0u ///< The eyes are not looked at
+#define POSEWISE_GAZE_ON      1u ///< Lids, iris, gaze and glasses
+#define POSEWISE_GAZE_NATURAL 2u ///< The same, less part of the mean gaze
 
-#define POSEWISE_MONITOR_SIZE        (8 * 1024)   // Most memory of a monitor [bytes]
-#define POSEWISE_MONITOR_EVENTS      24u          // Unread events that a monitor keeps
-#define POSEWISE_MONITOR_ZONES       8u           // Most zones of a monitor
-#define POSEWISE_MONITOR_FIXED_POSE  1u           // Flag: the road is where the settings say
-#define POSEWISE_MONITOR_CUT         1u           // Flag of an event: it ended unseen
+#define POSEWISE_LENS_PINHOLE 0u ///< No distortion; coefficients are 0
+#define POSEWISE_LENS_BROWN   1u ///< k1, k2, p1, p2, k3 as in OpenCV
+#define POSEWISE_LENS_FISHEYE 2u ///< k1, k2, k3, k4, 0: OpenCV's fisheye
 
-#define POSEWISE_PRESET_GENERAL      0u           // Euro NCAP's times, P80 of Wierwille 1994
-#define POSEWISE_PRESET_EURO_NCAP    1u           // Euro NCAP 2026, driver state monitoring
-#define POSEWISE_PRESET_EU_ADDW_FAST 2u           // Reg. (EU) 2023/2590 above 50 km/h: 3.5 s
-#define POSEWISE_PRESET_EU_ADDW_SLOW 3u           // Reg. (EU) 2023/2590, 20..50 km/h: 6 s
-#define POSEWISE_PRESET_EU_DDAW      4u           // Reg. (EU) 2021/1341; P80 of DOT HS 811 117
+#define POSEWISE_EVENT_ACQUIRED   0u ///< A new face is tracked
+#define POSEWISE_EVENT_REACQUIRED 1u ///< A lost face is tracked again, with its identity
+#define POSEWISE_EVENT_COASTING   2u ///< Not found: its last fit is repeated
+#define POSEWISE_EVENT_LOST       3u ///< The face is given up; the search begins
+#define POSEWISE_EVENT_SUPPRESSED 4u ///< Probably no face; its region needs more
+#define POSEWISE_EVENT_FILTER_ON  5u ///< Noisy frames are box-filtered from here on
+#define POSEWISE_EVENT_FILTER_OFF 6u ///< Frames are no longer filtered
+#define POSEWISE_EVENT_RESET      7u ///< posewise_reset() was called
+#define POSEWISE_EVENT_FORGOTTEN  8u ///< posewise_forget_identity() was called
 
-#define POSEWISE_ZONE_ANGLES         0u           // yaw min, max, pitch min, max [deg]
-#define POSEWISE_ZONE_BOX            1u           // min x, y, z, max x, y, z [mm]
-#define POSEWISE_ZONE_PLANE          2u           // Centre, half side u, half side v [mm]
-#define POSEWISE_ZONE_OUTSIDE        254u         // Of a state: the direction meets no zone
-#define POSEWISE_ZONE_UNKNOWN        255u         // Of a state: the direction is unknown
-#define POSEWISE_ZONE_ROAD           1u           // Flag of a zone: it is the road
+#define POSEWISE_ANIMATION_BROW_DOWN_LEFT         0u  ///< The left brow goes down
+#define POSEWISE_ANIMATION_BROW_DOWN_RIGHT        1u  ///< The right brow goes down
+#define POSEWISE_ANIMATION_BROW_INNER_UP          2u  ///< The inner ends of the brows go up
+#define POSEWISE_ANIMATION_BROW_OUTER_UP_LEFT     3u  ///< The outer end of the left brow goes up
+#define POSEWISE_ANIMATION_BROW_OUTER_UP_RIGHT    4u  ///< The outer end of the right brow goes up
+#define POSEWISE_ANIMATION_EYE_BLINK_LEFT         5u  ///< The left eye shuts
+#define POSEWISE_ANIMATION_EYE_BLINK_RIGHT        6u  ///< The right eye shuts
+#define POSEWISE_ANIMATION_EYE_WIDE_LEFT          7u  ///< The left eye opens wide
+#define POSEWISE_ANIMATION_EYE_WIDE_RIGHT         8u  ///< The right eye opens wide
+#define POSEWISE_ANIMATION_JAW_OPEN               9u  ///< The jaw opens
+#define POSEWISE_ANIMATION_JAW_LEFT               10u ///< The jaw goes to the left
+#define POSEWISE_ANIMATION_JAW_RIGHT              11u ///< The jaw goes to the right
+#define POSEWISE_ANIMATION_MOUTH_FUNNEL           12u ///< The lips form an open ring
+#define POSEWISE_ANIMATION_MOUTH_PUCKER           13u ///< The lips are pushed together
+#define POSEWISE_ANIMATION_MOUTH_SMILE_LEFT       14u ///< The left mouth corner goes up
+#define POSEWISE_ANIMATION_MOUTH_SMILE_RIGHT      15u ///< The right mouth corner goes up
+#define POSEWISE_ANIMATION_MOUTH_FROWN_LEFT       16u ///< The left mouth corner goes down
+#define POSEWISE_ANIMATION_MOUTH_FROWN_RIGHT      17u ///< The right mouth corner goes down
+#define POSEWISE_ANIMATION_MOUTH_STRETCH_LEFT     18u ///< The left mouth corner goes outwards
+#define POSEWISE_ANIMATION_MOUTH_STRETCH_RIGHT    19u ///< The right mouth corner goes outwards
+#define POSEWISE_ANIMATION_MOUTH_UPPER_UP_LEFT    20u ///< The left of the upper lip goes up
+#define POSEWISE_ANIMATION_MOUTH_UPPER_UP_RIGHT   21u ///< The right of the upper lip goes up
+#define POSEWISE_ANIMATION_MOUTH_LOWER_DOWN_LEFT  22u ///< The left of the lower lip goes down
+#define POSEWISE_ANIMATION_MOUTH_LOWER_DOWN_RIGHT 23u ///< The right of the lower lip goes down
 
-#define POSEWISE_EYES_UNKNOWN        0u           // Neither open nor closed
-#define POSEWISE_EYES_OPEN           1u           // The eyes are open
-#define POSEWISE_EYES_CLOSED         2u           // The eyes are closed
+#define POSEWISE_EYE_LOOK_UP_LEFT    0u ///< The left eye looks up
+#define POSEWISE_EYE_LOOK_UP_RIGHT   1u ///< The right eye looks up
+#define POSEWISE_EYE_LOOK_DOWN_LEFT  2u ///< The left eye looks down
+#define POSEWISE_EYE_LOOK_DOWN_RIGHT 3u ///< The right eye looks down
+#define POSEWISE_EYE_LOOK_IN_LEFT    4u ///< The left eye looks towards the nose
+#define POSEWISE_EYE_LOOK_IN_RIGHT   5u ///< The right eye looks towards the nose
+#define POSEWISE_EYE_LOOK_OUT_LEFT   6u ///< The left eye looks away from the nose
+#define POSEWISE_EYE_LOOK_OUT_RIGHT  7u ///< The right eye looks away from the nose
 
-#define POSEWISE_UNKNOWN_NOT         0u           // The eyes are known
-#define POSEWISE_UNKNOWN_NO_FACE     1u           // No face is tracked
-#define POSEWISE_UNKNOWN_CONFIDENCE  2u           // Confidence or pose is too uncertain
-#define POSEWISE_UNKNOWN_TURNED      3u           // The head is turned away from the camera
-#define POSEWISE_UNKNOWN_HIDDEN      4u           // Both eyes are hidden, or move too fast
+#define POSEWISE_MONITOR_SIZE       (8 * 1024) ///< Most memory of a monitor [bytes]
+#define POSEWISE_MONITOR_EVENTS     24u        ///< Unread events that a monitor keeps
+#define POSEWISE_MONITOR_ZONES      8u         ///< Most zones of a monitor
+#define POSEWISE_MONITOR_FIXED_POSE 1u         ///< Flag: the road is where the settings say
+#define POSEWISE_MONITOR_CUT        1u         ///< Flag of an event: it ended unseen
 
-#define POSEWISE_LEVEL_UNKNOWN       0u           // Too little is known
-#define POSEWISE_LEVEL_AWAKE         1u           // P80 is below awake_share of its limits
-#define POSEWISE_LEVEL_QUESTIONABLE  2u           // Between awake and drowsy
-#define POSEWISE_LEVEL_DROWSY        3u           // P80 reached drowsy_p80_60 or _180
+#define POSEWISE_MONITOR_PRESET_GENERAL      0u ///< Euro NCAP's times, P80 of Wierwille 1994
+#define POSEWISE_MONITOR_PRESET_EURO_NCAP    1u ///< Euro NCAP 2026, driver state monitoring
+#define POSEWISE_MONITOR_PRESET_EU_ADDW_FAST 2u ///< Reg. (EU) 2023/2590 above 50 km/h: 3.5 s
+#define POSEWISE_MONITOR_PRESET_EU_ADDW_SLOW 3u ///< Reg. (EU) 2023/2590, 20..50 km/h: 6 s
+#define POSEWISE_MONITOR_PRESET_EU_DDAW      4u ///< Reg. (EU) 2021/1341; P80 of DOT HS 811 117
 
-#define POSEWISE_DRIVER_BLINK        0u           // A closure up to long_closure_us ended
-#define POSEWISE_DRIVER_LONG_CLOSURE 1u           // Eyes closed for more than long_closure_us
-#define POSEWISE_DRIVER_MICROSLEEP   2u           // Eyes closed for microsleep_us
-#define POSEWISE_DRIVER_SLEEP        3u           // Eyes closed for sleep_us
-#define POSEWISE_DRIVER_UNRESPONSIVE 4u           // Eyes closed for unresponsive_us
-#define POSEWISE_DRIVER_CLOSURE_END  5u           // A closure of more than long_closure_us ended
-#define POSEWISE_DRIVER_YAWN         6u           // The mouth is open for yawn_us
-#define POSEWISE_DRIVER_YAWN_END     7u           // That yawn ended
-#define POSEWISE_DRIVER_NOD          8u           // Head down and up, eyes closed; value: deg
-#define POSEWISE_DRIVER_GLANCE       9u           // A glance away from the road ended
-#define POSEWISE_DRIVER_LONG_GLANCE  10u          // A glance away takes long_glance_us
-#define POSEWISE_DRIVER_CUMULATIVE   11u          // cumulative_us of the last 30 s were away
-#define POSEWISE_DRIVER_DROWSY       12u          // Drowsiness begins; value: P80 over 60 s
-#define POSEWISE_DRIVER_DROWSY_END   13u          // Drowsiness ends; value: P80 over 60 s
-#define POSEWISE_DRIVER_DEGRADED     14u          // Eyes unknown for degraded_us
-#define POSEWISE_DRIVER_RESTORED     15u          // Eyes are known again
-#define POSEWISE_DRIVER_EYE_LEARNT   16u          // open_eye is final; value: mean of both
-#define POSEWISE_DRIVER_POSE_LEARNT  17u          // natural_deg is final; value: its yaw
-#define POSEWISE_DRIVER_CLOCK_BACK   18u          // A timestamp was before the last one
+#define POSEWISE_MONITOR_ZONE_ANGLES  0u   ///< yaw min, max, pitch min, max [deg]
+#define POSEWISE_MONITOR_ZONE_BOX     1u   ///< min x, y, z, max x, y, z [mm]
+#define POSEWISE_MONITOR_ZONE_PLANE   2u   ///< Centre, half side u, half side v [mm]
+#define POSEWISE_MONITOR_ZONE_OUTSIDE 254u ///< Of a state: the direction meets no zone
+#define POSEWISE_MONITOR_ZONE_UNKNOWN 255u ///< Of a state: the direction is unknown
+#define POSEWISE_MONITOR_ZONE_ROAD    1u   ///< Flag of a zone: it is the road
 
-// A driver monitor, opaque. It starts at the start of the caller's memory and holds no pointer: a
-// memcpy of posewise_monitor_memory_size() bytes to memory of the same alignment is a second,
-// independent monitor. No output of a call may lie in that memory.
+#define POSEWISE_MONITOR_EYES_UNKNOWN 0u ///< Neither open nor closed
+#define POSEWISE_MONITOR_EYES_OPEN    1u ///< The eyes are open
+#define POSEWISE_MONITOR_EYES_CLOSED  2u ///< The eyes are closed
+
+#define POSEWISE_MONITOR_REASON_NONE           0u ///< None: the eyes are known
+#define POSEWISE_MONITOR_REASON_NO_FACE        1u ///< No face is tracked
+#define POSEWISE_MONITOR_REASON_LOW_CONFIDENCE 2u ///< Confidence or pose is too uncertain
+#define POSEWISE_MONITOR_REASON_TURNED         3u ///< The head is turned away from the camera
+#define POSEWISE_MONITOR_REASON_HIDDEN         4u ///< Both eyes are hidden, or move too fast
+
+#define POSEWISE_MONITOR_DROWSINESS_UNKNOWN      0u ///< Too little is known
+#define POSEWISE_MONITOR_DROWSINESS_AWAKE        1u ///< P80 is below awake_share of its limits
+#define POSEWISE_MONITOR_DROWSINESS_QUESTIONABLE 2u ///< Between awake and drowsy
+#define POSEWISE_MONITOR_DROWSINESS_DROWSY       3u ///< P80 reached drowsy_p80_60 or _180
+
+#define POSEWISE_MONITOR_EVENT_BLINK             0u  ///< A closure up to long_closure_us ended
+#define POSEWISE_MONITOR_EVENT_LONG_CLOSURE      1u  ///< Eyes closed for more than long_closure_us
+#define POSEWISE_MONITOR_EVENT_MICROSLEEP        2u  ///< Eyes closed for microsleep_us
+#define POSEWISE_MONITOR_EVENT_SLEEP             3u  ///< Eyes closed for sleep_us
+#define POSEWISE_MONITOR_EVENT_UNRESPONSIVE      4u  ///< Eyes closed for unresponsive_us
+#define POSEWISE_MONITOR_EVENT_CLOSURE_END       5u  ///< Eyes open after more than long_closure_us
+#define POSEWISE_MONITOR_EVENT_YAWN              6u  ///< The mouth is open for yawn_us
+#define POSEWISE_MONITOR_EVENT_YAWN_END          7u  ///< That yawn ended
+#define POSEWISE_MONITOR_EVENT_NOD               8u  ///< Head down and up, eyes closed; value: deg
+#define POSEWISE_MONITOR_EVENT_GLANCE            9u  ///< A glance away from the road ended
+#define POSEWISE_MONITOR_EVENT_LONG_GLANCE       10u ///< A glance away takes long_glance_us
+#define POSEWISE_MONITOR_EVENT_CUMULATIVE_GLANCE 11u ///< cumulative_us of the last 30 s were away
+#define POSEWISE_MONITOR_EVENT_DROWSY            12u ///< Drowsiness begins; value: P80 over 60 s
+#define POSEWISE_MONITOR_EVENT_DROWSY_END        13u ///< Drowsiness ends; value: P80 over 60 s
+#define POSEWISE_MONITOR_EVENT_DEGRADED          14u ///< Eyes unknown for degraded_us
+#define POSEWISE_MONITOR_EVENT_RESTORED          15u ///< Eyes are known again
+#define POSEWISE_MONITOR_EVENT_OPEN_EYE_LEARNT   16u ///< open_eye is final; value: mean of both
+#define POSEWISE_MONITOR_EVENT_NATURAL_LEARNT    17u ///< natural_deg is final; value: its yaw
+#define POSEWISE_MONITOR_EVENT_CLOCK_BACK        18u ///< A timestamp was before the last one
+
+/// A driver monitor, opaque. It starts at the start of the caller's memory and holds no pointer: a
+/// memcpy of posewise_monitor_memory_size() bytes to memory of the same alignment is a second,
+/// independent monitor. No output of a call may lie in that memory.
 typedef struct posewise_monitor posewise_monitor;
 
-// A tracker, opaque. It starts at the start of the caller's memory and holds no pointer into
-// itself: a memcpy of posewise_memory_size() bytes to memory of the same alignment is a second,
-// independent tracker. No output of a call may lie in that memory.
+/// A tracker, opaque. It starts at the start of the caller's memory and holds no pointer into
+/// itself: a memcpy of posewise_memory_size() bytes to memory of the same alignment is a second,
+/// independent tracker. No output of a call may lie in that memory.
 typedef struct posewise_tracker posewise_tracker;
 
-// Return value of a function: POSEWISE_OK, or a negative error code POSEWISE_E_*.
-// Not an enum, because the width of an enum is a compiler option on ARM.
+/// Return value of a function: POSEWISE_OK, or a negative error code POSEWISE_E_*.
+/// Not an enum, because the width of an enum is a compiler option on ARM.
 typedef int32_t posewise_status;
 
-// A camera without its lens, in pixels of the upright image. All four 0 select the default: a
-// horizontal field of view of 60 degrees and the principal point at the image centre.
-// This struct never grows.
+/// A camera without its lens, in pixels of the upright image. All four 0 select the default: a
+/// horizontal field of view of 60 degrees and the principal point at the image centre.
+/// This struct never grows.
 typedef struct posewise_intrinsics {
-    // Focal lengths [px], 1..1000000; fy is 0.1..10 times fx.
+    /// Focal lengths [px], 1..1000000; fy is 0.1..10 times fx.
     float fx;
     float fy;
-    // Principal point [px], -100000..100000.
+    /// Principal point [px], -100000..100000.
     float cx;
     float cy;
 } posewise_intrinsics;
 
-// The distortion of a lens. Landmarks and boxes stay in the picture as the lens shows it; pose and
-// points in mm are those without it. This struct never grows.
+/// The distortion of a lens. Landmarks and boxes stay in the picture as the lens shows it; pose and
+/// points in mm are those without it. This struct never grows.
 typedef struct posewise_lens {
-    // POSEWISE_LENS_*.
+    /// POSEWISE_LENS_*.
     uint32_t model;
-    // With POSEWISE_LENS_BROWN, Brown-Conrady, x and y at unit depth and s = x^2 + y^2: x times
-    // (1 + k1 s + k2 s^2 + k3 s^3) plus 2 p1 x y + p2 (s + 2 x^2), y likewise with p1 and p2
-    // swapped; k1, k2, k3 are -10000..10000, p1, p2 -0.1..0.1. With POSEWISE_LENS_FISHEYE,
-    // Kannala-Brandt, a point at the angle t from the axis is at t (1 + k1 t^2 + k2 t^4 + k3 t^6 +
-    // k4 t^8); all are -10..10. The picture must not turn back within 1 degree of the axis.
+    /// With POSEWISE_LENS_BROWN, Brown-Conrady, x and y at unit depth and s = x^2 + y^2: x times
+    /// (1 + k1 s + k2 s^2 + k3 s^3) plus 2 p1 x y + p2 (s + 2 x^2), y likewise with p1 and p2
+    /// swapped; k1, k2, k3 are -10000..10000, p1, p2 -0.1..0.1. With POSEWISE_LENS_FISHEYE,
+    /// Kannala-Brandt, a point at the angle t from the axis is at t (1 + k1 t^2 + k2 t^4 + k3 t^6 +
+    /// k4 t^8); all are -10..10. The picture must not turn back within 1 degree of the axis.
     float coefficients[5];
 } posewise_lens;
 
-// Settings. A NULL pointer to this struct selects all defaults.
+/// Settings. A NULL pointer to this struct selects all defaults.
 typedef struct posewise_config {
-    // sizeof(posewise_config).
+    /// sizeof(posewise_config).
     uint32_t struct_size;
-    // Must be 0: no flags are defined.
+    /// Must be 0: no flags are defined.
     uint32_t flags;
-    // Least width of a face to search for [px], 24..4096. 0: the default, 40.
+    /// Least width of a face to search for [px], 24..4096. 0: the default, 40.
     uint32_t min_face_px;
-    // Work per step while searching, 100..10000000: 3000 is about a tracking step, 600 is one tile
-    // of the detector. A smaller budget shortens a step and delays detection.
-    // 0: the default, 3600.
+    /// Work per step while searching, 100..10000000: 3000 is about a tracking step, 600 is one tile
+    /// of the detector. A smaller budget shortens a step and delays detection.
+    /// 0: the default, 3600.
     uint32_t scan_budget;
-    // The camera; see posewise_set_intrinsics().
+    /// The camera; see posewise_set_intrinsics().
     posewise_intrinsics intrinsics;
-    // Parameters of the One-Euro filter behind posewise_smoothed() (Casiez et al., CHI 2012).
-    // smoothing_hz: cutoff frequency at rest [Hz], 0.01..100; lower values reduce jitter.
-    // smoothing_beta: increase of the cutoff per unit of speed, up to 1000; higher values reduce
-    // lag. Speed is in face widths, radians or weights per second. 0: the defaults, 1 and 12.
+    /// Parameters of the One-Euro filter behind posewise_smoothed() (Casiez et al., CHI 2012).
+    /// smoothing_hz: cutoff frequency at rest [Hz], 0.01..100; lower values reduce jitter.
+    /// smoothing_beta: increase of the cutoff per unit of speed, up to 1000; higher values reduce
+    /// lag. Speed is in face widths, radians or weights per second. 0: the defaults, 1 and 12.
     float smoothing_hz;
     float smoothing_beta;
-    // The lens of the camera; other than POSEWISE_LENS_PINHOLE only with intrinsics.
+    /// The lens of the camera; other than POSEWISE_LENS_PINHOLE only with intrinsics.
     posewise_lens lens;
-    // 1: look at the eyes of the tracked face, which fills eye_open_probability to eye_look of
-    // posewise_result. It takes more time: a network for each eye. 0: those fields stay 0.
-    // 2: the same for a person who looks straight ahead most of the time, as a driver does: part
-    // of the mean of the gaze in the head frame is taken off it, at most 8 degrees.
+    /// POSEWISE_GAZE_ON: look at the eyes of the tracked face, which fills eye_open_probability to
+    /// eye_look of posewise_result. It takes more time: a network for each eye. _OFF: those fields
+    /// stay 0. _NATURAL: as _ON, for a person who looks straight ahead most of the time, as a
+    /// driver does: part of the mean of the gaze in the head frame is taken off it, at most 8
+    /// degrees.
     uint32_t gaze;
 } posewise_config;
-// Initialises a posewise_config: struct_size is set, all other fields are 0.
+/// Initialises a posewise_config: struct_size is set, all other fields are 0.
 #define POSEWISE_CONFIG_INIT \
     {sizeof(posewise_config), 0, 0, 0, {0, 0, 0, 0}, 0, 0, {0, {0, 0, 0, 0, 0}}, 0}
 
-// What a model says of itself, and what is wrong with it. The texts are UTF-8 without a NUL; name
-// and sheet lie in the model, check is static.
+/// What a model says of itself, and what is wrong with it. The texts are UTF-8 without a NUL; name
+/// and sheet lie in the model, check is static.
 typedef struct posewise_model_details {
-    // sizeof(posewise_model_details), set by the caller.
+    /// sizeof(posewise_model_details), set by the caller.
     uint32_t struct_size;
-    // Version of the model format. If it is another than that of the library, or the bytes are no
-    // whole model, the fields down to sections are 0, and name and sheet are empty.
+    /// Version of the model format. If it is another than that of the library, or the bytes are no
+    /// whole model, the fields down to sections are 0, and name and sheet are empty.
     uint32_t format_version;
-    // Length of the model, which may be less than that of the memory it is in [bytes].
+    /// Length of the model, which may be less than that of the memory it is in [bytes].
     uint32_t length;
-    // CRC-32 by which models are told apart.
+    /// CRC-32 by which models are told apart.
     uint32_t checksum;
-    // POSEWISE_TERMS_*: what the terms of the data that it was trained on allow.
+    /// POSEWISE_TERMS_*: what the terms of the data that it was trained on allow.
     uint32_t terms;
-    // Number of sections, and the name of each: four characters, the first in the lowest byte.
+    /// Number of sections, and the name of each: four characters, the first in the lowest byte.
     uint32_t section_count;
     uint32_t sections[32];
-    // Name of the section that is missing or wrong, 0 where it is another fault.
+    /// Name of the section that is missing or wrong, 0 where it is another fault.
     uint32_t wrong_section;
-    // 0. Keeps the struct free of padding.
+    /// 0. Keeps the struct free of padding.
     uint32_t reserved;
-    // Name of the model, as "default.posewise".
+    /// Name of the model, as "default.posewise".
     const char *name;
     size_t name_len;
-    // Its data sheet, in Markdown: what it was trained on, with which terms.
+    /// Its data sheet, in Markdown: what it was trained on, with which terms.
     const char *sheet;
     size_t sheet_len;
-    // Which check the model failed, in English; empty for a model that the library can track with.
+    /// Which check the model failed, in English; empty for a model that the library can track with.
     const char *check;
     size_t check_len;
 } posewise_model_details;
-// Initialises a posewise_model_details: struct_size is set, all other fields are 0.
+/// Initialises a posewise_model_details: struct_size is set, all other fields are 0.
 #define POSEWISE_MODEL_DETAILS_INIT \
     {sizeof(posewise_model_details), 0, 0, 0, 0, 0, {0}, 0, 0, NULL, 0, NULL, 0, NULL, 0}
 
-// One camera frame. The library reads it only during the call.
+/// One camera frame. The library reads it only during the call.
 typedef struct posewise_frame {
-    // sizeof(posewise_frame).
+    /// sizeof(posewise_frame).
     uint32_t struct_size;
-    // POSEWISE_FMT_*: the values of V4L2_PIX_FMT_*. Only luma is read.
+    /// POSEWISE_FMT_*: the values of V4L2_PIX_FMT_*. Only luma is read.
     uint32_t format;
-    // Capture time of the frame [us], on any monotonic clock; must increase from step to step.
+    /// Capture time of the frame [us], on any monotonic clock; must increase from step to step.
     int64_t timestamp_us;
-    // Stored width and height [px], 1..16384.
+    /// Stored width and height [px], 1..16384.
     uint32_t width;
     uint32_t height;
-    // Distance between the starts of two rows [bytes] (V4L2: bytesperline); at least one row.
+    /// Distance between the starts of two rows [bytes] (V4L2: bytesperline); at least one row.
     uint32_t stride;
-    // Clockwise rotation that makes the stored image upright: 0, 90, 180 or 270. Results are in
-    // pixels of the upright image.
+    /// Clockwise rotation that makes the stored image upright: 0, 90, 180 or 270. Results are in
+    /// pixels of the upright image.
     uint32_t rotation_deg;
-    // 0 or POSEWISE_FRAME_MIRRORED. Mirroring is undone before the rotation.
+    /// 0 or POSEWISE_FRAME_MIRRORED. Mirroring is undone before the rotation.
     uint32_t flags;
-    // Must be 0. Keeps the struct free of padding.
+    /// Must be 0. Keeps the struct free of padding.
     uint32_t reserved;
-    // Readable bytes at data. The last row need not be padded to the stride.
+    /// Readable bytes at data. The last row need not be padded to the stride.
     size_t data_len;
-    // First byte of the first stored row.
+    /// First byte of the first stored row.
     const uint8_t *data;
 } posewise_frame;
-// Initialises a posewise_frame: struct_size is set, all other fields are 0.
+/// Initialises a posewise_frame: struct_size is set, all other fields are 0.
 #define POSEWISE_FRAME_INIT \
     {sizeof(posewise_frame), 0, 0, 0, 0, 0, 0, 0, 0, 0, NULL}
 
-// The result of one frame. Every number is finite.
+/// The result of one frame. Every number is finite.
 typedef struct posewise_result {
-    // sizeof(posewise_result), set by the caller.
+    /// sizeof(posewise_result), set by the caller.
     uint32_t struct_size;
-    // POSEWISE_SEARCHING, POSEWISE_TRACKING or POSEWISE_COASTING.
+    /// POSEWISE_SEARCHING, POSEWISE_TRACKING or POSEWISE_COASTING.
     uint32_t state;
-    // Capture time of the frame [us], as given in posewise_frame.
+    /// Capture time of the frame [us], as given in posewise_frame.
     int64_t timestamp_us;
-    // Time since the frame of the last fit [us]; 0 while tracking.
+    /// Time since the frame of the last fit [us]; 0 while tracking.
     int64_t age_us;
-    // Number of landmarks that posewise_landmarks() gives: 68; 0 while searching.
+    /// Number of landmarks that posewise_landmarks() gives: 68; 0 while searching.
     uint32_t landmark_count;
-    // Calibrated probability that this is a face whose landmarks are right, 0..1. Right: the mean
-    // error is below a tenth of the distance between the outer eye corners. In a library built
-    // without the verifier: goodness of fit of the 3D face, 0..1, not a probability.
+    /// Calibrated probability that this is a face whose landmarks are right, 0..1. Right: the mean
+    /// error is below a tenth of the distance between the outer eye corners. In a library built
+    /// without the verifier: goodness of fit of the 3D face, 0..1, not a probability.
     float confidence;
-    // Bounding box of the landmarks: x, y, width, height [px].
+    /// Bounding box of the landmarks: x, y, width, height [px].
     float face_box[4];
-    // Head-to-camera rotation as a unit quaternion x, y, z, w.
+    /// Head-to-camera rotation as a unit quaternion x, y, z, w.
     float rotation[4];
-    // The rotation as angles relative to the camera's axes [deg]. yaw > 0: the face turns to
-    // the image right, -180..180. pitch > 0: the face turns up, -90..90. roll > 0: the face tilts
-    // clockwise in the image, -180..180.
+    /// The rotation as angles relative to the camera's axes [deg]. yaw > 0: the face turns to
+    /// the image right, -180..180. pitch > 0: the face turns up, -90..90. roll > 0: the face tilts
+    /// clockwise in the image, -180..180.
     float yaw_deg;
     float pitch_deg;
     float roll_deg;
-    // Origin of the head frame, midway between the eyeballs, in the camera frame [mm].
+    /// Origin of the head frame, midway between the eyeballs, in the camera frame [mm].
     float translation_mm[3];
-    // Eye opening, the person's left and right eye: 0 shut .. 1 open, -1 unknown because the eye
-    // is hidden or moves too fast.
+    /// Eye opening, the person's left and right eye: 0 shut .. 1 open, -1 unknown because the eye
+    /// is hidden or moves too fast.
     float eye_open[2];
-    // POSEWISE_LOSS_*: why tracking was lost, while coasting or searching.
+    /// POSEWISE_LOSS_*: why tracking was lost, while coasting or searching.
     uint32_t loss;
-    // Mean visibility of the landmarks, 0..1: low when much of the face is occluded.
+    /// Mean visibility of the landmarks, 0..1: low when much of the face is occluded.
     float visible_share;
-    // Standard deviations of the rotation about the camera's x, y and z axes [deg], as measured
-    // on rendered heads, by how the face is turned and how much of it is seen. At most 180.
-    // Without intrinsics they hold the unknown focal length.
+    /// Standard deviations of the rotation about the camera's x, y and z axes [deg], as measured
+    /// on rendered heads, by how the face is turned and how much of it is seen. At most 180.
+    /// Without intrinsics they hold the unknown focal length.
     float rotation_sigma_deg[3];
-    // Standard deviations of translation_mm [mm], estimated likewise. At most 100000.
+    /// Standard deviations of translation_mm [mm], estimated likewise. At most 100000.
     float translation_sigma_mm[3];
-    // Calibrated probability that the person's left and right eye is open, 0..1, by a network
-    // that sees one eye at a time; -1 where eye_unknown has another reason than
-    // POSEWISE_EYE_UNCERTAIN. This and all below is 0 unless state is POSEWISE_TRACKING and
-    // posewise_config has gaze, and with a model without that network.
+    /// Calibrated probability that the person's left and right eye is open, 0..1, by a network
+    /// that sees one eye at a time; -1 where eye_status is neither POSEWISE_EYE_KNOWN nor
+    /// POSEWISE_EYE_UNCERTAIN. This and all below is 0 unless state is POSEWISE_TRACKING and
+    /// posewise_config has gaze, and with a model without that network.
     float eye_open_probability[2];
-    // POSEWISE_EYE_*: why the lids of the left and right eye are unknown, or
-    // POSEWISE_EYE_KNOWN. With POSEWISE_EYE_UNCERTAIN there is a probability.
-    uint32_t eye_unknown[2];
-    // Middle of the iris [px of the upright image]: x, y; that of the landmarks of the eye where
-    // its gaze is unknown.
+    /// POSEWISE_EYE_KNOWN where the lids of the left and right eye are known, else why they are
+    /// not. With POSEWISE_EYE_UNCERTAIN there is a probability.
+    uint32_t eye_status[2];
+    /// Middle of the iris [px of the upright image]: x, y; that of the landmarks of the eye where
+    /// its gaze is unknown.
     float iris_left[2];
     float iris_right[2];
-    // POSEWISE_EYE_*: why the gaze of the left eye, the right eye and both together is unknown, or
-    // POSEWISE_EYE_KNOWN. The numbers below are 0 where it is unknown.
-    uint32_t gaze_unknown[3];
-    // Standard deviations of these gazes along each axis across them [deg].
+    /// POSEWISE_EYE_KNOWN where the gaze of the left eye, the right eye and both together is known,
+    /// else why it is not. The numbers below are 0 where it is unknown.
+    uint32_t gaze_status[3];
+    /// Standard deviations of these gazes along each axis across them [deg].
     float gaze_sigma_deg[3];
-    // Unit directions in which the left eye, the right eye and both together look, camera frame.
+    /// Unit directions in which the left eye, the right eye and both together look, camera frame.
     float gaze_left[3];
     float gaze_right[3];
     float gaze[3];
-    // That of both in the head frame: (0, 0, -1) is straight ahead.
+    /// That of both in the head frame: (0, 0, -1) is straight ahead.
     float gaze_head[3];
-    // Probability that the person wears glasses, 0..1; -1 where neither eye is seen.
+    /// Probability that the person wears glasses, 0..1; -1 where neither eye is seen.
     float glasses;
-    // Probability that these are dark, 0..1; -1 where neither eye is seen.
+    /// Probability that these are dark, 0..1; -1 where neither eye is seen.
     float dark_glasses;
-    // ARKit's weights of the gaze, 0..1: eyeLookUpLeft, UpRight, DownLeft, DownRight, InLeft,
-    // InRight, OutLeft, OutRight; 0 where it is unknown.
+    /// ARKit's weights of the gaze, POSEWISE_EYE_LOOK_*, 0..1; 0 where it is unknown.
     float eye_look[8];
-    // Facing: the rotation relative to the line from the face to the camera [deg]. All 0: the
-    // face looks into the lens, wherever in the picture it is. Signs and ranges as of yaw_deg,
-    // pitch_deg and roll_deg, which are relative to the camera's axes. These hardly depend on the
-    // focal length; use them where it is not known.
+    /// Facing: the rotation relative to the line from the face to the camera [deg]. All 0: the
+    /// face looks into the lens, wherever in the picture it is. Signs and ranges as of yaw_deg,
+    /// pitch_deg and roll_deg, which are relative to the camera's axes. These hardly depend on the
+    /// focal length; use them where it is not known.
     float facing_yaw_deg;
     float facing_pitch_deg;
     float facing_roll_deg;
-    // Standard deviations of the facing yaw, pitch and roll [deg]. At most 180.
+    /// Standard deviations of the facing yaw, pitch and roll [deg]. At most 180.
     float facing_sigma_deg[3];
-    // Focal length along x with which the face was fitted [px].
+    /// Focal length along x with which the face was fitted [px].
     float focal_px;
-    // 1: without intrinsics, 60 degrees across the frame were assumed. 0: the tracker has them.
+    /// 1: without intrinsics, 60 degrees across the frame were assumed. 0: the tracker has them.
     uint32_t camera_assumed;
 } posewise_result;
-// Initialises a posewise_result: struct_size is set, all other fields are 0.
+/// Initialises a posewise_result: struct_size is set, all other fields are 0.
 #define POSEWISE_RESULT_INIT \
     {sizeof(posewise_result), 0, 0, 0, 0, 0, {0, 0, 0, 0}, {0, 0, 0, 0}, 0, 0, 0, {0, 0, 0}, \
      {0, 0}, 0, 0, {0, 0, 0}, {0, 0, 0}, {0, 0}, {0, 0}, {0, 0}, {0, 0}, {0, 0, 0}, {0, 0, 0}, \
      {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, 0, 0, {0, 0, 0, 0, 0, 0, 0, 0}, 0, 0, 0, \
      {0, 0, 0}, 0, 0}
 
-// Where a face is expected, for posewise_step_at(): found by another detector, or by a tracker of
-// another camera.
+/// Where a face is expected, for posewise_step_at(): found by another detector, or by a tracker of
+/// another camera.
 typedef struct posewise_hint {
-    // sizeof(posewise_hint).
+    /// sizeof(posewise_hint).
     uint32_t struct_size;
-    // Box of the landmarks in the upright image: x, y, width, height [px]. It reaches from the
-    // brows to below the chin and from ear to ear; boxes of whole heads are larger. The longer
-    // side is at least 16.
+    /// Box of the landmarks in the upright image: x, y, width, height [px]. It reaches from the
+    /// brows to below the chin and from ear to ear; boxes of whole heads are larger. The longer
+    /// side is at least 16.
     float face_box[4];
-    // As facing_yaw_deg of posewise_result [deg], 0 where it is not known.
+    /// As facing_yaw_deg of posewise_result [deg], 0 where it is not known.
     float yaw_deg;
-    // Roll [deg] as in posewise_result, 0 where it is not known.
+    /// Roll [deg] as in posewise_result, 0 where it is not known.
     float roll_deg;
 } posewise_hint;
-// Initialises a posewise_hint: struct_size is set, all other fields are 0.
+/// Initialises a posewise_hint: struct_size is set, all other fields are 0.
 #define POSEWISE_HINT_INIT \
     {sizeof(posewise_hint), {0, 0, 0, 0}, 0, 0}
 
-// A face of a frame, from posewise_detect(). This struct never grows.
+/// A face of a frame, from posewise_detect(). This struct never grows.
 typedef struct posewise_face {
-    // Box of the landmarks in the upright image: x, y, width, height [px].
+    /// Box of the landmarks in the upright image: x, y, width, height [px].
     float face_box[4];
-    // As facing_yaw_deg of posewise_result [deg]; rough.
+    /// As facing_yaw_deg of posewise_result [deg]; rough.
     float yaw_deg;
-    // Roll [deg] as in posewise_result.
+    /// Roll [deg] as in posewise_result.
     float roll_deg;
-    // As in posewise_result. In a library built without the verifier: always 1.
+    /// As in posewise_result. In a library built without the verifier: always 1.
     float confidence;
 } posewise_face;
 
-// One landmark. This struct never grows, so the layout of arrays stays the same.
+/// One landmark. This struct never grows, so the layout of arrays stays the same.
 typedef struct posewise_landmark {
-    // Position in the upright image [px]. Points 0..16 follow the visible contour of the jaw.
-    // The others are images of x_mm, y_mm, z_mm; hidden ones are estimated from the rest.
+    /// Position in the upright image [px]. Points 0..16 follow the visible contour of the jaw.
+    /// The others are images of x_mm, y_mm, z_mm; hidden ones are estimated from the rest.
     float x;
     float y;
-    // Calibrated probability that the error of (x, y) is below a tenth of the distance between
-    // the outer eye corners of the same face seen from the front, 0..1.
+    /// Calibrated probability that the error of (x, y) is below a tenth of the distance between
+    /// the outer eye corners of the same face seen from the front, 0..1.
     float confidence;
-    // Calibrated probability that the landmark is visible, 0..1: neither the head itself nor
-    // anything in front of it hides it. In a library built without the verifier: 0 where the head
-    // itself hides it, else 1; the landmark's confidence is then that of the face.
+    /// Calibrated probability that the landmark is visible, 0..1: neither the head itself nor
+    /// anything in front of it hides it. In a library built without the verifier: 0 where the head
+    /// itself hides it, else 1; the landmark's confidence is then that of the face.
     float visibility;
-    // Point of the 3D face in the camera frame [mm]; for points 0..16 a fixed point of the jaw.
+    /// Point of the 3D face in the camera frame [mm]; for points 0..16 a fixed point of the jaw.
     float x_mm;
     float y_mm;
     float z_mm;
 } posewise_landmark;
 
-// An event of the log that posewise_events() reads. confidence and face_box are those of the fit
-// that was accepted, or the last ones of the face that is lost; 0 where there is no face. This
-// struct never grows, so the layout of arrays stays the same. Later libraries may have kinds that
-// this header lacks.
+/// An event of the log that posewise_events() reads. confidence and face_box are those of the fit
+/// that was accepted, or the last ones of the face that is lost; 0 where there is no face. This
+/// struct never grows, so the layout of arrays stays the same. Later libraries may have kinds that
+/// this header lacks.
 typedef struct posewise_event {
-    // Capture time of the frame [us]; of a call between two frames, that of the first.
+    /// Capture time of the frame [us]; of a call between two frames, that of the first.
     int64_t timestamp_us;
-    // POSEWISE_EVENT_*.
+    /// POSEWISE_EVENT_*.
     uint32_t kind;
-    // POSEWISE_LOSS_*: why the face is lost; while searching, why the last one was.
+    /// POSEWISE_LOSS_*: why the face is lost; while searching, why the last one was.
     uint32_t loss;
-    // Bounding box of the landmarks: x, y, width, height [px].
+    /// Bounding box of the landmarks: x, y, width, height [px].
     float face_box[4];
-    // As in posewise_result.
+    /// As in posewise_result.
     float confidence;
-    // 0. Keeps the struct free of padding.
+    /// 0. Keeps the struct free of padding.
     uint32_t reserved;
 } posewise_event;
 
-// A region of interest for posewise_set_roi(): a rectangle of the upright image [px]. All four
-// 0: the whole frame. This struct never grows.
+/// A region of interest for posewise_set_roi(): a rectangle of the upright image [px]. All four
+/// 0: the whole frame. This struct never grows.
 typedef struct posewise_roi {
-    // Upper left corner.
+    /// Upper left corner.
     uint32_t x;
     uint32_t y;
-    // Width and height, at least 1; x + width and y + height are at most 16384.
+    /// Width and height, at least 1; x + width and y + height are at most 16384.
     uint32_t width;
     uint32_t height;
 } posewise_roi;
 
-// Settings of a driver monitor. A NULL pointer to this struct selects all defaults; 0 in a field
-// selects that of the preset, of which the comments have the general one. Times are at most 71
-// minutes.
+/// Settings of a driver monitor. A NULL pointer to this struct selects all defaults; 0 in a field
+/// selects that of the preset, of which the comments have the general one. Times are at most 71
+/// minutes.
 typedef struct posewise_monitor_config {
-    // sizeof(posewise_monitor_config).
+    /// sizeof(posewise_monitor_config).
     uint32_t struct_size;
-    // 0 or POSEWISE_MONITOR_FIXED_POSE: forward_yaw_deg and forward_pitch_deg are exact, and no
-    // natural pose is learnt.
+    /// 0 or POSEWISE_MONITOR_FIXED_POSE: forward_yaw_deg and forward_pitch_deg are exact, and no
+    /// natural pose is learnt.
     uint32_t flags;
-    // POSEWISE_PRESET_*: the default of every other field, and the zones.
+    /// POSEWISE_MONITOR_PRESET_*: the default of every other field, and the zones.
     uint32_t preset;
-    // How long an observation counts when no other follows, and how long what goes on survives
-    // unknown time [us], 100000..2000000. Default 300000, the gap that arbiters of driver
-    // monitors bridge.
+    /// How long an observation counts when no other follows, and how long what goes on survives
+    /// unknown time [us], 100000..2000000. Default 300000, the gap that arbiters of driver
+    /// monitors bridge.
     uint32_t gap_us;
-    // Least confidence of a face that is observed, 0..1. Default 0.5, chosen.
+    /// Least confidence of a face that is observed, 0..1. Default 0.5, chosen.
     float min_confidence;
-    // Largest angles from the line of sight at which eyes and mouth are known [deg], 10..90.
-    // Defaults 50 and 40, chosen: beyond, lids are seen too much from the side.
+    /// Largest angles from the line of sight at which eyes and mouth are known [deg], 10..90.
+    /// Defaults 50 and 40, chosen: beyond, lids are seen too much from the side.
     float eye_yaw_deg;
     float eye_pitch_deg;
-    // Eyes close below the first openness and open above the second, 0.05..0.95. Defaults 0.35 and
-    // 0.45, chosen on rendered clips.
+    /// Eyes close below the first openness and open above the second, 0.05..0.95. Defaults 0.35 and
+    /// 0.45, chosen on rendered clips.
     float closed_below;
     float open_above;
-    // Shorter closures are no events [us]. Default 50000, chosen: a blink takes 100 to 400 ms.
+    /// Shorter closures are no events [us]. Default 50000, chosen: a blink takes 100 to 400 ms.
     uint32_t blink_us;
-    // A longer closure is no blink [us]. Default 500000, as in studies of blinks.
+    /// A longer closure is no blink [us]. Default 500000, as in studies of blinks.
     uint32_t long_closure_us;
-    // Closures of these lengths are a microsleep, sleep, an unresponsive driver [us]. Defaults
-    // 1000000, 3000000, 6000000: Euro NCAP 2026.
+    /// Closures of these lengths are a microsleep, sleep, an unresponsive driver [us]. Defaults
+    /// 1000000, 3000000, 6000000: Euro NCAP 2026.
     uint32_t microsleep_us;
     uint32_t sleep_us;
     uint32_t unresponsive_us;
-    // Drowsy from these P80 over 60 and 180 s, 0.01..1. Defaults 0.15 (Wierwille 1994; NSTSCE
-    // 25-UI-177) and 0.12 (NHTSA and VTTI, DOT HS 811 117).
+    /// Drowsy from these P80 over 60 and 180 s, 0.01..1. Defaults 0.15 (Wierwille 1994; NSTSCE
+    /// 25-UI-177) and 0.12 (NHTSA and VTTI, DOT HS 811 117).
     float drowsy_p80_60;
     float drowsy_p80_180;
-    // Awake below this share of both, 0.1..1. Default 0.5: Wierwille 1994, 7.5 and 15 %.
+    /// Awake below this share of both, 0.1..1. Default 0.5: Wierwille 1994, 7.5 and 15 %.
     float awake_share;
-    // Least known share of a window that decides, 0.05..1. Default 0.5, chosen.
+    /// Least known share of a window that decides, 0.05..1. Default 0.5, chosen.
     float min_known;
-    // The mouth is open for a yawn above the first jaw_open and shut below the second, up to
-    // 0.95. Defaults 0.5 (studies of mouth ratios have 0.5 to 0.6) and 0.35, chosen.
+    /// The mouth is open for a yawn above the first jaw_open and shut below the second, up to
+    /// 0.95. Defaults 0.5 (studies of mouth ratios have 0.5 to 0.6) and 0.35, chosen.
     float yawn_above;
     float yawn_below;
-    // Shortest and longest yawn [us]. Defaults 1500000 and 12000000, from studies of yawns.
+    /// Shortest and longest yawn [us]. Defaults 1500000 and 12000000, from studies of yawns.
     uint32_t yawn_us;
     uint32_t yawn_max_us;
-    // A nod is a drop of the pitch by nod_deg within a second, 5..60, and a return within nod_us,
-    // at least a second, with closed eyes. Defaults 12 [deg] and 3000000 [us], from studies.
+    /// A nod is a drop of the pitch by nod_deg within a second, 5..60, and a return within nod_us,
+    /// at least a second, with closed eyes. Defaults 12 [deg] and 3000000 [us], from studies.
     float nod_deg;
     uint32_t nod_us;
-    // Direction of the road: yaw (-90..90) and pitch (-60..60) of a face that looks there, in the
-    // camera frame [deg]. Default 0 and 0.
+    /// Direction of the road: yaw (-90..90) and pitch (-60..60) of a face that looks there, in the
+    /// camera frame [deg]. Default 0 and 0.
     float forward_yaw_deg;
     float forward_pitch_deg;
-    // How far the driver's natural pose may be from there [deg], up to 50 and 30. Defaults 45
-    // and 25, for cameras up to 40 degrees off the driver's axis.
+    /// How far the driver's natural pose may be from there [deg], up to 50 and 30. Defaults 45
+    /// and 25, for cameras up to 40 degrees off the driver's axis.
     float natural_yaw_deg;
     float natural_pitch_deg;
-    // A zone is left this far outside of it [deg], up to 15. Default 3, chosen: the error of a
-    // pose.
+    /// A zone is left this far outside of it [deg], up to 15. Default 3, chosen: the error of a
+    /// pose.
     float zone_margin_deg;
-    // A glance away of this length is long [us]. Default 3000000: Euro NCAP 2026, 3 to 4 s.
+    /// A glance away of this length is long [us]. Default 3000000: Euro NCAP 2026, 3 to 4 s.
     uint32_t long_glance_us;
-    // So much of the last 30 s away is too much [us], up to 30000000. Default 10000000: Euro
-    // NCAP 2026.
+    /// So much of the last 30 s away is too much [us], up to 30000000. Default 10000000: Euro
+    /// NCAP 2026.
     uint32_t cumulative_us;
-    // Time on the road that ends a glance [us]. Default 300000, as gap_us.
+    /// Time on the road that ends a glance [us]. Default 300000, as gap_us.
     uint32_t return_us;
-    // Time on the road that clears the time away [us]. Default 2000000: Euro NCAP 2026.
+    /// Time on the road that clears the time away [us]. Default 2000000: Euro NCAP 2026.
     uint32_t clear_us;
-    // Eyes that are unknown for this long are reported [us]. Default 10000000: Euro NCAP 2026.
+    /// Eyes that are unknown for this long are reported [us]. Default 10000000: Euro NCAP 2026.
     uint32_t degraded_us;
 } posewise_monitor_config;
-// Initialises a posewise_monitor_config: struct_size is set, all other fields are 0.
+/// Initialises a posewise_monitor_config: struct_size is set, all other fields are 0.
 #define POSEWISE_MONITOR_CONFIG_INIT \
     {sizeof(posewise_monitor_config), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, \
      0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}
 
-// What a driver monitor sees of one frame, from posewise_observe() or from elsewhere. Numbers that
-// are not finite are unknown.
-typedef struct posewise_observation {
-    // sizeof(posewise_observation).
+/// What a driver monitor sees of one frame, from posewise_monitor_observe() or from elsewhere.
+/// Numbers that are not finite are unknown.
+typedef struct posewise_monitor_observation {
+    /// sizeof(posewise_monitor_observation).
     uint32_t struct_size;
-    // As in posewise_result. Only POSEWISE_TRACKING is a face that is observed.
+    /// As in posewise_result. Only POSEWISE_TRACKING is a face that is observed.
     uint32_t state;
-    // As in posewise_result.
+    /// As in posewise_result.
     float confidence;
-    // As in posewise_result [deg].
+    /// As in posewise_result [deg].
     float yaw_deg;
     float pitch_deg;
-    // As in posewise_result [mm].
+    /// As in posewise_result [mm].
     float translation_mm[3];
-    // As in posewise_result [deg].
+    /// As in posewise_result [deg].
     float rotation_sigma_deg[3];
-    // Distance of the lids in that of open ones, of the person's left and right eye, 0 shut .. 1
-    // open, -1 unknown; posewise_observe computes it from posewise_result.eye_open and what the
-    // gaze says of the eyes.
+    /// Distance of the lids in that of open ones, of the person's left and right eye, 0 shut .. 1
+    /// open, -1 unknown; posewise_monitor_observe() computes it from posewise_result.eye_open and
+    /// what the gaze says of the eyes.
     float eye_open[2];
-    // The animation weight jawOpen, 0..1; -1: unknown, because the mouth is hidden.
+    /// The animation weight jawOpen, 0..1; -1: unknown, because the mouth is hidden.
     float jaw_open;
-    // As in posewise_result. 1: the natural pose is learnt, and angles from the road count,
-    // relative to the line of sight, which hardly depends on the focal length; not with
-    // POSEWISE_MONITOR_FIXED_POSE.
+    /// As in posewise_result. 1: the natural pose is learnt, and angles from the road count,
+    /// relative to the line of sight, which hardly depends on the focal length; not with
+    /// POSEWISE_MONITOR_FIXED_POSE.
     uint32_t camera_assumed;
-} posewise_observation;
-// Initialises a posewise_observation: struct_size is set, all other fields are 0.
-#define POSEWISE_OBSERVATION_INIT \
-    {sizeof(posewise_observation), 0, 0, 0, 0, {0, 0, 0}, {0, 0, 0}, {0, 0}, 0, 0}
+} posewise_monitor_observation;
+/// Initialises a posewise_monitor_observation: struct_size is set, all other fields are 0.
+#define POSEWISE_MONITOR_OBSERVATION_INIT \
+    {sizeof(posewise_monitor_observation), 0, 0, 0, 0, {0, 0, 0}, {0, 0, 0}, {0, 0}, 0, 0}
 
-// Measures of eye closure over a window of whole seconds. This struct never grows.
-typedef struct posewise_perclos {
-    // Shares of the known time with eyes closed by at least 70 and 80 %, 0..1.
+/// Measures of eye closure over a window of whole seconds. This struct never grows.
+typedef struct posewise_monitor_perclos {
+    /// Shares of the known time with eyes closed by at least 70 and 80 %, 0..1.
     float p70;
     float p80;
-    // Mean square of the closure over the known time, 0..1.
+    /// Mean square of the closure over the known time, 0..1.
     float em;
-    // Share of the window in which the eyes were known, 0..1.
+    /// Share of the window in which the eyes were known, 0..1.
     float known;
-    // Closures that ended in the window, blinks too, and their mean length [us].
+    /// Closures that ended in the window, blinks too, and their mean length [us].
     uint32_t closures;
     uint32_t mean_closure_us;
-} posewise_perclos;
+} posewise_monitor_perclos;
 
-// What a driver monitor knows after an observation.
+/// What a driver monitor knows after an observation.
 typedef struct posewise_monitor_state {
-    // sizeof(posewise_monitor_state), set by the caller.
+    /// sizeof(posewise_monitor_state), set by the caller.
     uint32_t struct_size;
-    // POSEWISE_EYES_*.
+    /// POSEWISE_MONITOR_EYES_*.
     uint32_t eyes;
-    // Timestamp of the last observation [us]; 0 before the first.
+    /// Timestamp of the last observation [us]; 0 before the first.
     int64_t timestamp_us;
-    // POSEWISE_UNKNOWN_*: why the eyes are unknown.
-    uint32_t eyes_unknown;
-    // Both eyes, relative to this person's open ones: 0 shut .. 1 open, -1 unknown.
+    /// POSEWISE_MONITOR_REASON_*: why the eyes are unknown, _NONE where they are known.
+    uint32_t eyes_reason;
+    /// Both eyes, relative to this person's open ones: 0 shut .. 1 open, -1 unknown.
     float openness;
-    // Known closed time of the closure that goes on [us].
+    /// Known closed time of the closure that goes on [us].
     uint32_t closure_us;
-    // Blinks, yawns and nods so far.
+    /// Blinks, yawns and nods so far.
     uint32_t blinks;
     uint32_t yawns;
     uint32_t nods;
-    // Known time for which the mouth is open as in a yawn [us].
+    /// Known time for which the mouth is open as in a yawn [us].
     uint32_t mouth_open_us;
-    // Index of the zone, POSEWISE_ZONE_OUTSIDE or POSEWISE_ZONE_UNKNOWN.
+    /// Index of the zone, POSEWISE_MONITOR_ZONE_OUTSIDE or POSEWISE_MONITOR_ZONE_UNKNOWN.
     uint32_t zone;
-    // Time there [us].
+    /// Time there [us].
     uint32_t zone_us;
-    // Known time away from the road, less the grace of zones, in this glance [us].
+    /// Known time away from the road, less the grace of zones, in this glance [us].
     uint32_t away_us;
-    // The same in the last 30 s [us]: the current quarter of a second and the 119 before.
+    /// The same in the last 30 s [us]: the current quarter of a second and the 119 before.
     uint32_t away_30_us;
-    // 1: natural_deg is final, after a minute of known pose. Before the first 10 s of it, the zone
-    // is unknown.
+    /// 1: natural_deg is final, after a minute of known pose. Before the first 10 s of it, the zone
+    /// is unknown.
     uint32_t natural_is_final;
-    // Yaw and pitch from the direction of the road [deg]; 0 for an unknown zone.
+    /// Yaw and pitch from the direction of the road [deg]; 0 for an unknown zone.
     float from_road_deg[2];
-    // The natural pose: yaw and pitch from forward_yaw_deg and forward_pitch_deg [deg].
+    /// The natural pose: yaw and pitch from forward_yaw_deg and forward_pitch_deg [deg].
     float natural_deg[2];
-    // posewise_observation.eye_open of this person's open left and right eye; 1 until it is final.
+    /// posewise_monitor_observation.eye_open of this person's open left and right eye; 1 until it
+    /// is final.
     float open_eye[2];
-    // 1: open_eye is final, after half a minute of known eyes while alert.
+    /// 1: open_eye is final, after half a minute of known eyes while alert.
     uint32_t open_eye_is_final;
-    // POSEWISE_LEVEL_*.
+    /// POSEWISE_MONITOR_DROWSINESS_*.
     uint32_t drowsiness;
-    // 1: the eyes have been unknown for degraded_us.
+    /// 1: the eyes have been unknown for degraded_us.
     uint32_t degraded;
-    // 0. Keeps the struct free of padding.
+    /// 0. Keeps the struct free of padding.
     uint32_t reserved;
-    // Known time in each zone so far [us].
+    /// Known time in each zone so far [us].
     int64_t zones_us[8];
-    // Measures over the last 60 and 180 whole seconds since the first observation. They change
-    // once a second.
-    posewise_perclos perclos_60;
-    posewise_perclos perclos_180;
+    /// Measures over the last 60 and 180 whole seconds since the first observation. They change
+    /// once a second.
+    posewise_monitor_perclos perclos_60;
+    posewise_monitor_perclos perclos_180;
 } posewise_monitor_state;
-// Initialises a posewise_monitor_state: struct_size is set, all other fields are 0.
+/// Initialises a posewise_monitor_state: struct_size is set, all other fields are 0.
 #define POSEWISE_MONITOR_STATE_INIT \
     {sizeof(posewise_monitor_state), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, {0, 0}, {0, 0}, \
      {0, 0}, 0, 0, 0, 0, {0, 0, 0, 0, 0, 0, 0, 0}, {0, 0, 0, 0, 0, 0}, {0, 0, 0, 0, 0, 0}}
 
-// An event of posewise_monitor_events(). This struct never grows, so the layout of arrays stays
-// the same. Later libraries may have kinds that this header lacks.
+/// An event of posewise_monitor_events(). This struct never grows, so the layout of arrays stays
+/// the same. Later libraries may have kinds that this header lacks.
 typedef struct posewise_monitor_event {
-    // Timestamp of the observation at which it was noticed [us].
+    /// Timestamp of the observation at which it was noticed [us].
     int64_t timestamp_us;
-    // Timestamp at which what it is about began [us]. If the clock was set back since: for what
-    // ends with that, in the time before, so it may be after timestamp_us; for what lasts on, the
-    // first timestamp after it.
+    /// Timestamp at which what it is about began [us]. If the clock was set back since: for what
+    /// ends with that, in the time before, so it may be after timestamp_us; for what lasts on, the
+    /// first timestamp after it.
     int64_t start_us;
-    // Known duration of it so far [us], without what was unknown in between, and without the
-    // jump of a clock that was set back. At most 0xFFFFFFFF, 71 minutes.
+    /// Known duration of it so far [us], without what was unknown in between, and without the
+    /// jump of a clock that was set back. At most 0xFFFFFFFF, 71 minutes.
     uint32_t duration_us;
-    // POSEWISE_DRIVER_*.
+    /// POSEWISE_MONITOR_EVENT_*.
     uint32_t kind;
-    // Zone of a glance, else POSEWISE_ZONE_UNKNOWN.
+    /// Zone of a glance, else POSEWISE_MONITOR_ZONE_UNKNOWN.
     uint32_t zone;
-    // 0 or POSEWISE_MONITOR_CUT: it could no longer be seen, and took at least duration_us.
+    /// 0 or POSEWISE_MONITOR_CUT: it could no longer be seen, and took at least duration_us.
     uint32_t flags;
-    // As the kind says, else 0.
+    /// As the kind says, else 0.
     float value;
-    // 0. Keeps the struct free of padding.
+    /// 0. Keeps the struct free of padding.
     uint32_t reserved;
 } posewise_monitor_event;
 
-// A zone of a driver monitor. Where zones overlap, the first one counts. This struct never grows,
-// so the layout of arrays stays the same.
-typedef struct posewise_zone {
-    // POSEWISE_ZONE_ANGLES, _BOX or _PLANE.
+/// A zone of a driver monitor. Where zones overlap, the first one counts. This struct never grows,
+/// so the layout of arrays stays the same.
+typedef struct posewise_monitor_zone {
+    /// POSEWISE_MONITOR_ZONE_ANGLES, _BOX or _PLANE.
     uint32_t kind;
-    // 0 or POSEWISE_ZONE_ROAD. What is not the road is away from it.
+    /// 0 or POSEWISE_MONITOR_ZONE_ROAD. What is not the road is away from it.
     uint32_t flags;
-    // Time of a stay that does not count as away [us]; 0xFFFFFFFF: none of it does.
+    /// Time of a stay that does not count as away [us]; 0xFFFFFFFF: none of it does.
     uint32_t grace_us;
-    // As the kind says, the rest 0. Angles are those from the direction of the road, within
-    // -180..180: yaw > 0 to the image right, pitch > 0 up. Boxes, along the axes, and planes, the
-    // parallelogram centre +- u +- v, are in the camera frame, within -20000..20000 mm. Each min
-    // is below its max. The cross product of u and v is at least 100 mm2, and at least 0.1 |u|
-    // |v|: they are at least 5.74 degrees from parallel.
+    /// As the kind says, the rest 0. Angles are those from the direction of the road, within
+    /// -180..180: yaw > 0 to the image right, pitch > 0 up. Boxes, along the axes, and planes, the
+    /// parallelogram centre +- u +- v, are in the camera frame, within -20000..20000 mm. Each min
+    /// is below its max. The cross product of u and v is at least 100 mm2, and at least 0.1 |u|
+    /// |v|: they are at least 5.74 degrees from parallel.
     float numbers[9];
-} posewise_zone;
+} posewise_monitor_zone;
 
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
 
-// POSEWISE_VERSION of the linked library.
-uint32_t posewise_version(void);
+/// POSEWISE_VERSION of the linked library.
+POSEWISE_API uint32_t posewise_version(void);
 
-// POSEWISE_ABI of the linked library.
-uint32_t posewise_abi(void);
+/// POSEWISE_ABI of the linked library.
+POSEWISE_API uint32_t posewise_abi(void);
 
-// The optional parts that the linked library was built with: bits POSEWISE_PART_*.
-uint32_t posewise_parts(void);
+/// The optional parts that the linked library was built with: bits POSEWISE_PART_*.
+POSEWISE_API uint32_t posewise_parts(void);
 
-// Says which instructions the processor has beyond those that the library was compiled for: bits
-// POSEWISE_CPU_*, or 0. Steps get faster; results have the same bits. It holds for all trackers
-// from their next step on, so call it once at the start. Without it, a library for AArch64 uses
-// what every such processor has; on x86-64 the library finds out by itself, and the bits of other
-// machines have no effect. On Linux, POSEWISE_CPU_DOTPROD is HWCAP_ASIMDDP of getauxval(AT_HWCAP).
-// A bit that is not true ends the program with an illegal instruction.
-posewise_status posewise_set_cpu(uint32_t features);
+/// Says which instructions the processor has beyond those that the library was compiled for: bits
+/// POSEWISE_CPU_*, or 0. Steps get faster; results have the same bits. It holds for all trackers
+/// from their next step on, so call it once at the start. Without it, a library for AArch64 uses
+/// what every such processor has; on x86-64 the library finds out by itself, and the bits of other
+/// machines have no effect. On Linux, POSEWISE_CPU_DOTPROD is HWCAP_ASIMDDP of getauxval(AT_HWCAP).
+/// A bit that is not true ends the program with an illegal instruction.
+POSEWISE_API posewise_status posewise_set_cpu(uint32_t features);
 
-// A description of a status: one line of English, static, never NULL.
-const char *posewise_strerror(posewise_status status);
+/// A description of a status: one line of English, static, never NULL.
+POSEWISE_API const char *posewise_strerror(posewise_status status);
 
-// Writes the default settings with their values; 0 in a field has the same meaning. As for every
-// struct, out->struct_size must be set.
-posewise_status posewise_config_default(posewise_config *out);
+/// Writes the default settings with their values; 0 in a field has the same meaning. As for every
+/// struct, out->struct_size must be set.
+POSEWISE_API posewise_status posewise_config_default(posewise_config *out);
 
-// Memory that posewise_init() needs for these settings (NULL: defaults) [bytes], at most
-// POSEWISE_MEMORY_SIZE; 0 if the settings are invalid.
-size_t posewise_memory_size(const posewise_config *config);
+/// Memory that posewise_init() needs for these settings (NULL: defaults) [bytes], at most
+/// POSEWISE_MEMORY_SIZE; 0 if the settings are invalid.
+POSEWISE_API size_t posewise_memory_size(const posewise_config *config);
 
-// POSEWISE_ALIGN of the linked library.
-size_t posewise_memory_align(void);
+/// POSEWISE_ALIGN of the linked library.
+POSEWISE_API size_t posewise_memory_align(void);
 
-// The model built into the library, aligned; *len is its length [bytes]. NULL and 0 if the
-// library was built without one.
-const void *posewise_default_model(size_t *len);
+/// The model built into the library, aligned; *len is its length [bytes]. NULL and 0 if the
+/// library was built without one.
+POSEWISE_API const void *posewise_default_model(size_t *len);
 
-// Checks a whole model as posewise_init() does: POSEWISE_OK, or the error.
-posewise_status posewise_model_check(const void *model, size_t model_len);
+/// Checks a whole model as posewise_init() does: POSEWISE_OK, or the error.
+POSEWISE_API posewise_status posewise_model_check(const void *model, size_t model_len);
 
-// Writes name, terms and sections of a model and, of one that posewise_model_check() refuses,
-// which section and which check failed. Returns POSEWISE_OK for such a model too.
+/// Writes name, terms and sections of a model and, of one that posewise_model_check() refuses,
+/// which section and which check failed. Returns POSEWISE_OK for such a model too.
+POSEWISE_API
 posewise_status posewise_model_info(const void *model,
                                     size_t model_len,
                                     posewise_model_details *out);
 
-// Checks the model and the settings (NULL: defaults), then creates a tracker in memory. Memory and
-// model must outlive the tracker. The model is not copied; trackers may share it. Nothing needs to
-// be freed: the caller may reuse the memory at any time.
+/// Checks the model and the settings (NULL: defaults), then creates a tracker in memory. Memory and
+/// model must outlive the tracker. The model is not copied; trackers may share it. Nothing needs to
+/// be freed: the caller may reuse the memory at any time.
+POSEWISE_API
 posewise_status posewise_init(posewise_tracker **out,
                               void *memory,
                               size_t memory_len,
@@ -787,28 +863,31 @@ posewise_status posewise_init(posewise_tracker **out,
                               size_t model_len,
                               const posewise_config *config);
 
-// Processes one frame and writes its result. The work per call is bounded for any frame content;
-// nothing blocks.
+/// Processes one frame and writes its result. The work per call is bounded for any frame content;
+/// nothing blocks.
+POSEWISE_API
 posewise_status posewise_step(posewise_tracker *tracker,
                               const posewise_frame *frame,
                               posewise_result *out);
 
-// As posewise_step(), for a caller who expects a face somewhere: while searching, it is attempted
-// there first, then at what the detector finds near it, then the search goes on. A face that is
-// tracked, or was a moment ago, stays: call posewise_reset() first to change it.
+/// As posewise_step(), for a caller who expects a face somewhere: while searching, it is attempted
+/// there first, then at what the detector finds near it, then the search goes on. A face that is
+/// tracked, or was a moment ago, stays: call posewise_reset() first to change it.
+POSEWISE_API
 posewise_status posewise_step_at(posewise_tracker *tracker,
                                  const posewise_frame *frame,
                                  const posewise_hint *hint,
                                  posewise_result *out);
 
-// Looks for faces in a frame, whatever the tracker does, and writes the largest first: at most
-// min(capacity, 16) of them, and their number. frame->timestamp_us is not read.
-//
-// A call does the work of posewise_config.scan_budget and at most one alignment more, and ends
-// early when out is full. The next call, on the same frame or the next one of a video, goes on
-// from there, until *finished is 1: then every place was searched, and the call after that begins
-// anew. With capacity 0 a call searches nothing, so *finished stays 0. Only faces in the region of
-// interest that are not excluded are found. A face may be found again by a later call.
+/// Looks for faces in a frame, whatever the tracker does, and writes the largest first: at most
+/// min(capacity, 16) of them, and their number. frame->timestamp_us is not read.
+///
+/// A call does the work of posewise_config.scan_budget and at most one alignment more, and ends
+/// early when out is full. The next call, on the same frame or the next one of a video, goes on
+/// from there, until *finished is 1: then every place was searched, and the call after that begins
+/// anew. With capacity 0 a call searches nothing, so *finished stays 0. Only faces in the region of
+/// interest that are not excluded are found. A face may be found again by a later call.
+POSEWISE_API
 posewise_status posewise_detect(posewise_tracker *tracker,
                                 const posewise_frame *frame,
                                 posewise_face *out,
@@ -816,131 +895,167 @@ posewise_status posewise_detect(posewise_tracker *tracker,
                                 size_t *count,
                                 uint32_t *finished);
 
-// Gives the boxes of faces that other trackers follow, which replace those given before: `count`
-// boxes, at most POSEWISE_EXCLUDED, of four numbers each: x, y, width, height [px]. From the
-// next step on, this tracker neither finds nor follows a face there. Its own face, if it is one of
-// them, is lost with POSEWISE_LOSS_EXCLUDED. boxes may be NULL if count is 0.
+/// Gives the boxes of faces that other trackers follow, which replace those given before: `count`
+/// boxes, at most POSEWISE_EXCLUDED, of four numbers each: x, y, width, height [px]. From the
+/// next step on, this tracker neither finds nor follows a face there. Its own face, if it is one of
+/// them, is lost with POSEWISE_LOSS_EXCLUDED. boxes may be NULL if count is 0.
+POSEWISE_API
 posewise_status posewise_set_excluded(posewise_tracker *tracker,
                                       const float *boxes,
                                       size_t count);
 
-// Writes the first min(capacity, POSEWISE_LANDMARKS) landmarks of the last step; all zero while
-// searching.
+/// Writes the first min(capacity, POSEWISE_LANDMARKS) landmarks of the last step; all zero while
+/// searching.
+POSEWISE_API
 posewise_status posewise_landmarks(const posewise_tracker *tracker,
                                    posewise_landmark *out,
                                    size_t capacity);
 
-// Writes the first min(capacity, POSEWISE_ANIMATIONS) animation weights of the last step, 0..1;
-// all zero while searching.
+/// Writes the first min(capacity, POSEWISE_ANIMATIONS) animation weights of the last step, 0..1;
+/// all zero while searching.
+POSEWISE_API
 posewise_status posewise_animation(const posewise_tracker *tracker,
                                    float *out,
                                    size_t capacity);
 
-// The result of the last step, smoothed over time by a One-Euro filter: less jitter, about one
-// frame of lag. Pose, box and eye_open are smoothed, the other fields are unchanged.
+/// The result of the last step, smoothed over time by a One-Euro filter: less jitter, about one
+/// frame of lag. Pose, box and eye_open are smoothed, the other fields are unchanged.
+POSEWISE_API
 posewise_status posewise_smoothed(const posewise_tracker *tracker,
                                   posewise_result *out);
 
-// As posewise_landmarks(), smoothed likewise; confidence and visibility are unchanged.
+/// As posewise_landmarks(), smoothed likewise; confidence and visibility are unchanged.
+POSEWISE_API
 posewise_status posewise_smoothed_landmarks(const posewise_tracker *tracker,
                                             posewise_landmark *out,
                                             size_t capacity);
 
-// As posewise_animation(), smoothed likewise.
+/// As posewise_animation(), smoothed likewise.
+POSEWISE_API
 posewise_status posewise_smoothed_animation(const posewise_tracker *tracker,
                                             float *out,
                                             size_t capacity);
 
-// Name of the animation weight at this index: ARKit's name of the blendshape, as "jawOpen".
-// Static; NULL from POSEWISE_ANIMATIONS on.
-const char *posewise_animation_name(uint32_t index);
-
-// Takes the unread events out of the tracker's log, oldest first, and writes the first capacity of
-// them; *count is how many were written. *overwritten is how many were lost since the last call,
-// because more than POSEWISE_EVENTS came unread.
+/// Takes the unread events out of the tracker's log, oldest first, and writes the first capacity of
+/// them; *count is how many were written. *overwritten is how many were lost since the last call,
+/// because more than POSEWISE_EVENTS came unread.
+POSEWISE_API
 posewise_status posewise_events(posewise_tracker *tracker,
                                 posewise_event *out,
                                 size_t capacity,
                                 size_t *count,
                                 size_t *overwritten);
 
-// Forgets the face, its identity and the last timestamp; model, settings and unread events stay.
-posewise_status posewise_reset(posewise_tracker *tracker);
+/// Forgets the face, its identity and the last timestamp; model, settings and unread events stay.
+POSEWISE_API posewise_status posewise_reset(posewise_tracker *tracker);
 
-// Forgets the identity, as for a change of driver: the shape of the head is estimated anew from
-// the next frames. Tracking goes on, and the result of the last step stays.
-posewise_status posewise_forget_identity(posewise_tracker *tracker);
+/// Forgets the identity, as for a change of driver: the shape of the head is estimated anew from
+/// the next frames. Tracking goes on, and the result of the last step stays.
+POSEWISE_API posewise_status posewise_forget_identity(posewise_tracker *tracker);
 
-// Changes the camera (zoom, another resolution) from the next step on; its lens stays. NULL or all
-// zero: the default, a horizontal field of view of 60 degrees without a lens.
+/// Changes the camera (zoom, another resolution) from the next step on; its lens stays. NULL or all
+/// zero: the default, a horizontal field of view of 60 degrees without a lens.
+POSEWISE_API
 posewise_status posewise_set_intrinsics(posewise_tracker *tracker,
                                         const posewise_intrinsics *intrinsics);
 
-// Changes the lens from the next step on; NULL: none. There must be intrinsics, of the settings or
-// of posewise_set_intrinsics().
+/// Changes the lens from the next step on; NULL: none. There must be intrinsics, of the settings or
+/// of posewise_set_intrinsics().
+POSEWISE_API
 posewise_status posewise_set_lens(posewise_tracker *tracker,
                                   const posewise_lens *lens);
 
-// Changes the region of interest from the next step on: only faces that are centred in it are
-// found, and only it is scanned, which takes less time. A face that is tracked may leave it. A
-// frame that does not hold all of it is POSEWISE_E_ROI. NULL or all zero: the whole frame.
-posewise_status posewise_set_roi(posewise_tracker *tracker, const posewise_roi *roi);
+/// Changes the region of interest from the next step on: only faces that are centred in it are
+/// found, and only it is scanned, which takes less time. A face that is tracked may leave it. A
+/// frame that does not hold all of it is POSEWISE_E_ROI. NULL or all zero: the whole frame.
+POSEWISE_API
+posewise_status posewise_set_roi(posewise_tracker *tracker,
+                                 const posewise_roi *roi);
 
-// Writes the settings of a preset (POSEWISE_PRESET_*) with their values; 0 in a field has the same
-// meaning. As for every struct, out->struct_size must be set.
+/// Name of a POSEWISE_SEARCHING, _TRACKING or _COASTING, as "tracking". Static; NULL for a state
+/// that the library lacks.
+POSEWISE_API const char *posewise_state_name(uint32_t state);
+
+/// Name of a POSEWISE_LOSS_*, as "low-confidence". Static; NULL for a reason that the library
+/// lacks.
+POSEWISE_API const char *posewise_loss_name(uint32_t loss);
+
+/// Name of a POSEWISE_EVENT_*, as "filter-on". Static; NULL for a kind that the library lacks.
+POSEWISE_API const char *posewise_event_name(uint32_t kind);
+
+/// Name of a POSEWISE_EYE_*, as "dark-glasses". Static; NULL for a value that the library lacks.
+POSEWISE_API const char *posewise_eye_status_name(uint32_t eye);
+
+/// Name of a weight of posewise_animation(), a POSEWISE_ANIMATION_*: ARKit's name of the
+/// blendshape, as "jawOpen". Static; NULL from POSEWISE_ANIMATIONS on.
+POSEWISE_API const char *posewise_animation_name(uint32_t index);
+
+/// Name of a weight of posewise_result.eye_look, a POSEWISE_EYE_LOOK_*: ARKit's name of the
+/// blendshape, as "eyeLookUpLeft". Static; NULL from POSEWISE_EYE_LOOKS on.
+POSEWISE_API const char *posewise_eye_look_name(uint32_t index);
+
+/// Writes the settings of a preset (POSEWISE_MONITOR_PRESET_*) with their values; 0 in a field has
+/// the same meaning. As for every struct, out->struct_size must be set.
+POSEWISE_API
 posewise_status posewise_monitor_config_default(uint32_t preset,
                                                 posewise_monitor_config *out);
 
-// Memory that posewise_monitor_init() needs for these settings (NULL: defaults) [bytes], at most
-// POSEWISE_MONITOR_SIZE; 0 if the settings are invalid.
-size_t posewise_monitor_memory_size(const posewise_monitor_config *config);
+/// Memory that posewise_monitor_init() needs for these settings (NULL: defaults) [bytes], at most
+/// POSEWISE_MONITOR_SIZE; 0 if the settings are invalid.
+POSEWISE_API size_t posewise_monitor_memory_size(const posewise_monitor_config *config);
 
-// Checks the settings (NULL: defaults), then creates a monitor of one driver in memory, which must
-// be aligned to POSEWISE_ALIGN and outlive it. Nothing needs to be freed. The monitor needs
-// neither model nor tracker, only observations. Its zones are those of the preset.
+/// Checks the settings (NULL: defaults), then creates a monitor of one driver in memory, which must
+/// be aligned to POSEWISE_ALIGN and outlive it. Nothing needs to be freed. The monitor needs
+/// neither model nor tracker, only observations. Its zones are those of the preset.
+POSEWISE_API
 posewise_status posewise_monitor_init(posewise_monitor **out,
                                       void *memory,
                                       size_t memory_len,
                                       const posewise_monitor_config *config);
 
-// Writes what a monitor needs of the last step of a tracker.
-posewise_status posewise_observe(const posewise_tracker *tracker,
-                                 posewise_observation *out);
+/// Writes what a monitor needs of the last step of a tracker.
+POSEWISE_API
+posewise_status posewise_monitor_observe(const posewise_tracker *tracker,
+                                         posewise_monitor_observation *out);
 
-// Takes one observation at its time [us], on any clock. Times may be irregular; frames without a
-// face are observations too, and frames that were dropped need none. A time before the last one
-// means that the clock was set back: closures, yawns and glances end, measures stay, drowsiness
-// and unknown eyes last on. The time of the last observation again is POSEWISE_E_TIME. The work of
-// a call is bounded.
+/// Takes one observation at its time [us], on any clock. Times may be irregular; frames without a
+/// face are observations too, and frames that were dropped need none. A time before the last one
+/// means that the clock was set back: closures, yawns and glances end, measures stay, drowsiness
+/// and unknown eyes last on. The time of the last observation again is POSEWISE_E_TIME. The work of
+/// a call is bounded.
+POSEWISE_API
 posewise_status posewise_monitor_update(posewise_monitor *monitor,
-                                        const posewise_observation *observation,
+                                        const posewise_monitor_observation *observation,
                                         int64_t timestamp_us);
 
-// Writes what the monitor knows after the last observation.
-posewise_status posewise_monitor_get_state(const posewise_monitor *monitor,
-                                           posewise_monitor_state *out);
+/// Writes what the monitor knows after the last observation.
+POSEWISE_API
+posewise_status posewise_monitor_read(const posewise_monitor *monitor,
+                                      posewise_monitor_state *out);
 
-// Takes the unread events out of the monitor's queue, oldest first, and writes the first capacity
-// of them; *count is how many were written. *overwritten is how many were lost since the last
-// call, because more than POSEWISE_MONITOR_EVENTS came unread.
+/// Takes the unread events out of the monitor's queue, oldest first, and writes the first capacity
+/// of them; *count is how many were written. *overwritten is how many were lost since the last
+/// call, because more than POSEWISE_MONITOR_EVENTS came unread.
+POSEWISE_API
 posewise_status posewise_monitor_events(posewise_monitor *monitor,
                                         posewise_monitor_event *out,
                                         size_t capacity,
                                         size_t *count,
                                         size_t *overwritten);
 
-// Replaces the zones by `count` others, at most POSEWISE_MONITOR_ZONES; times in zones begin anew.
-// zones may be NULL if count is 0: then no direction is on the road or away from it.
+/// Replaces the zones by `count` others, at most POSEWISE_MONITOR_ZONES; times in zones begin anew.
+/// zones may be NULL if count is 0: then no direction is on the road or away from it.
+POSEWISE_API
 posewise_status posewise_monitor_set_zones(posewise_monitor *monitor,
-                                           const posewise_zone *zones,
+                                           const posewise_monitor_zone *zones,
                                            size_t count);
 
-// Another person drives: forgets open eye, natural pose, all measures and the last timestamp, so
-// that the next observation may have any. Settings, zones and unread events stay.
-posewise_status posewise_monitor_forget_driver(posewise_monitor *monitor);
+/// Another person drives: forgets open eye, natural pose, all measures and the last timestamp, so
+/// that the next observation may have any. Settings, zones and unread events stay.
+POSEWISE_API posewise_status posewise_monitor_forget_driver(posewise_monitor *monitor);
 
-// Name of a kind of event, as "long-closure". Static; NULL for a kind that the library lacks.
-const char *posewise_monitor_event_name(uint32_t kind);
+/// Name of a kind of event, as "long-closure". Static; NULL for a kind that the library lacks.
+POSEWISE_API const char *posewise_monitor_event_name(uint32_t kind);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -55,8 +55,8 @@ inline posewise_monitor_config monitor_config() {
     return c;
 }
 
-inline posewise_observation observation() {
-    posewise_observation o = POSEWISE_OBSERVATION_INIT;
+inline posewise_monitor_observation monitor_observation() {
+    posewise_monitor_observation o = POSEWISE_MONITOR_OBSERVATION_INIT;
     return o;
 }
 
@@ -192,8 +192,8 @@ public:
     posewise_status forget_identity() { return posewise_forget_identity(tracker_); }
 
     // What a Monitor needs of the last step.
-    posewise_status observe(posewise_observation &out) const {
-        return posewise_observe(tracker_, &out);
+    posewise_status observe(posewise_monitor_observation &out) const {
+        return posewise_monitor_observe(tracker_, &out);
     }
 
     Tracker copy() const {
@@ -251,12 +251,12 @@ public:
     posewise_status status() const { return status_; }
     const char *message() const { return posewise_strerror(status_); }
 
-    posewise_status update(const posewise_observation &seen, std::int64_t timestamp_us) {
+    posewise_status update(const posewise_monitor_observation &seen, std::int64_t timestamp_us) {
         return posewise_monitor_update(get(), &seen, timestamp_us);
     }
 
     posewise_status state(posewise_monitor_state &out) const {
-        return posewise_monitor_get_state(get(), &out);
+        return posewise_monitor_read(get(), &out);
     }
 
     // Takes the unread events, oldest first, and counts those that were overwritten unread.
@@ -265,7 +265,7 @@ public:
     }
 
     // Replaces the zones; times in zones begin anew.
-    posewise_status set_zones(const posewise_zone *zones, std::size_t count) {
+    posewise_status set_zones(const posewise_monitor_zone *zones, std::size_t count) {
         return posewise_monitor_set_zones(get(), zones, count);
     }
 

@@ -113,7 +113,7 @@ pub use image::{Frame, FrameError, FrameLayout, MAX_SIDE, PixelFormat, Roi, Rota
 pub use monitor::{
     Drowsiness, EyeState, MAX_ZONES, MONITOR_EVENTS, Monitor, MonitorConfig, MonitorConfigError,
     MonitorEvent, MonitorEventKind, MonitorEventLog, MonitorState, MonitorTimeError, Observation,
-    Perclos, Preset, Unknown, Zone, ZoneShape, ZoneState,
+    Perclos, Preset, UnknownReason, Zone, ZoneShape, ZoneState,
 };
 pub use network::set_dotprod;
 pub use posewise_format::{Aligned, ModelError, ModelInfo, ModelTerms};

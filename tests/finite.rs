@@ -72,7 +72,7 @@ fn anything_taken_for_a_face() {
     let config = posewise_config {
         struct_size: size_of::<posewise_config>() as u32,
         min_face_px: 24,
-        gaze: 2,
+        gaze: POSEWISE_GAZE_NATURAL,
         ..Default::default()
     };
     let mut random = Random(2);

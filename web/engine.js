@@ -2,8 +2,8 @@
 // Each method calls the function of the same name in include/posewise.h, which has the details.
 
 import {
-  ABI, ALIGN, ANIMATIONS, CONFIG, EVENT, FACE, FORMATS, FRAME, HINT, INTRINSICS, LANDMARK,
-  LANDMARKS, LENS, MODEL_DETAILS, PARTS, RESULT, ROI, STATUS, UNREAD_EVENTS,
+  ABI, ALIGN, ANIMATIONS, CONFIG, EVENT, EYE_LOOKS, FACE, FORMATS, FRAME, HINT, INTRINSICS,
+  LANDMARK, LANDMARKS, LENS, MODEL_DETAILS, PARTS, RESULT, ROI, STATUS, UNREAD_EVENTS,
 } from './layout.js';
 import { clearStruct, readStruct, writeStruct } from './struct.js';
 
@@ -167,6 +167,9 @@ export class Engine {
     /** Names of the animation weights, ARKit's. */
     this.animationNames = Array.from({ length: ANIMATIONS }, (_, i) =>
       this.text(this.call('animation_name', i)));
+    /** Names of the weights of the gaze, Result.eyeLook, ARKit's. */
+    this.eyeLookNames = Array.from({ length: EYE_LOOKS }, (_, i) =>
+      this.text(this.call('eye_look_name', i)));
   }
 
   /** WebAssembly's memory, which moves when it grows. */

@@ -10,6 +10,8 @@ export const LANDMARKS = 68;
 
 export const ANIMATIONS = 24;
 
+export const EYE_LOOKS = 8;
+
 export const UNREAD_EVENTS = 64;
 
 /** Status codes by name. */
@@ -42,7 +44,7 @@ export const STATUS = {
   E_LENS: -25,
   E_MONITOR: -26,
   E_MONITOR_CONFIG: -27,
-  E_ZONES: -28,
+  E_MONITOR_ZONES: -28,
 };
 
 /** Pixel formats by name. */
@@ -69,11 +71,11 @@ export const FORMATS = {
 
 /** Bits of the optional parts by name. */
 export const PARTS = {
-  refiners: 1,
-  verifier: 2,
-  keyframes: 4,
-  monitor: 8,
-  default_model: 16,
+  'refiners': 1,
+  'verifier': 2,
+  'keyframes': 4,
+  'monitor': 8,
+  'default-model': 16,
 };
 
 /** @typedef {(typeof STATES)[number]} State */
@@ -83,15 +85,22 @@ export const STATES = /** @type {const} */ ([
 
 /** @typedef {(typeof LOSSES)[number]} Loss */
 export const LOSSES = /** @type {const} */ ([
-  'none', 'low_confidence', 'left_frame', 'no_pose',
+  'none', 'low-confidence', 'left-frame', 'no-pose',
   'excluded',
 ]);
 
 /** @typedef {(typeof EVENTS)[number]} EventKind */
 export const EVENTS = /** @type {const} */ ([
   'acquired', 'reacquired', 'coasting', 'lost',
-  'suppressed', 'filter_on', 'filter_off', 'reset',
+  'suppressed', 'filter-on', 'filter-off', 'reset',
   'forgotten',
+]);
+
+/** @typedef {(typeof EYES)[number]} EyeStatus */
+export const EYES = /** @type {const} */ ([
+  'not-seen', 'known', 'turned', 'hidden',
+  'small', 'blurred', 'glare', 'dark-glasses',
+  'shut', 'uncertain',
 ]);
 
 /** @typedef {(typeof LENSES)[number]} LensModel */
@@ -167,11 +176,11 @@ export const LENS = {
  *   and 12.
  * @property {Lens} [lens] The lens of the camera; other than POSEWISE_LENS_PINHOLE only with
  *   intrinsics.
- * @property {number} [gaze] 1: look at the eyes of the tracked face, which fills
+ * @property {number} [gaze] POSEWISE_GAZE_ON: look at the eyes of the tracked face, which fills
  *   eye_open_probability to eye_look of posewise_result. It takes more time: a network for each
- *   eye. 0: those fields stay 0. 2: the same for a person who looks straight ahead most of the
- *   time, as a driver does: part of the mean of the gaze in the head frame is taken off it, at most
- *   8 degrees.
+ *   eye. _OFF: those fields stay 0. _NATURAL: as _ON, for a person who looks straight ahead most of
+ *   the time, as a driver does: part of the mean of the gaze in the head frame is taken off it, at
+ *   most 8 degrees.
  */
 /** @type {import('./struct.js').Layout} */
 export const CONFIG = {
@@ -265,17 +274,17 @@ export const FRAME = {
  * @property {[number, number, number]} translationSigmaMm Standard deviations of translation_mm
  *   [mm], estimated likewise. At most 100000.
  * @property {[number, number]} eyeOpenProbability Calibrated probability that the person's left and
- *   right eye is open, 0..1, by a network that sees one eye at a time; -1 where eye_unknown has
- *   another reason than POSEWISE_EYE_UNCERTAIN. This and all below is 0 unless state is
+ *   right eye is open, 0..1, by a network that sees one eye at a time; -1 where eye_status is
+ *   neither POSEWISE_EYE_KNOWN nor POSEWISE_EYE_UNCERTAIN. This and all below is 0 unless state is
  *   POSEWISE_TRACKING and posewise_config has gaze, and with a model without that network.
- * @property {[number, number]} eyeUnknown POSEWISE_EYE_*: why the lids of the left and right eye
- *   are unknown, or POSEWISE_EYE_KNOWN. With POSEWISE_EYE_UNCERTAIN there is a probability.
+ * @property {[EyeStatus, EyeStatus]} eyeStatus POSEWISE_EYE_KNOWN where the lids of the left and
+ *   right eye are known, else why they are not. With POSEWISE_EYE_UNCERTAIN there is a probability.
  * @property {[number, number]} irisLeft Middle of the iris [px of the upright image]: x, y; that of
  *   the landmarks of the eye where its gaze is unknown.
  * @property {[number, number]} irisRight Middle of the iris [px of the upright image]: x, y; that
  *   of the landmarks of the eye where its gaze is unknown.
- * @property {[number, number, number]} gazeUnknown POSEWISE_EYE_*: why the gaze of the left eye,
- *   the right eye and both together is unknown, or POSEWISE_EYE_KNOWN. The numbers below are 0
+ * @property {[EyeStatus, EyeStatus, EyeStatus]} gazeStatus POSEWISE_EYE_KNOWN where the gaze of the
+ *   left eye, the right eye and both together is known, else why it is not. The numbers below are 0
  *   where it is unknown.
  * @property {[number, number, number]} gazeSigmaDeg Standard deviations of these gazes along each
  *   axis across them [deg].
@@ -292,8 +301,7 @@ export const FRAME = {
  * @property {number} darkGlasses Probability that these are dark, 0..1; -1 where neither eye is
  *   seen.
  * @property {[number, number, number, number, number, number, number, number]} eyeLook ARKit's
- *   weights of the gaze, 0..1: eyeLookUpLeft, UpRight, DownLeft, DownRight, InLeft, InRight,
- *   OutLeft, OutRight; 0 where it is unknown.
+ *   weights of the gaze, POSEWISE_EYE_LOOK_*, 0..1; 0 where it is unknown.
  * @property {number} facingYawDeg Facing: the rotation relative to the line from the face to the
  *   camera [deg]. All 0: the face looks into the lens, wherever in the picture it is. Signs and
  *   ranges as of yaw_deg, pitch_deg and roll_deg, which are relative to the camera's axes. These
@@ -334,10 +342,10 @@ export const RESULT = {
     rotationSigmaDeg: { at: 104, type: 'f32', count: 3 },
     translationSigmaMm: { at: 116, type: 'f32', count: 3 },
     eyeOpenProbability: { at: 128, type: 'f32', count: 2 },
-    eyeUnknown: { at: 136, type: 'u32', count: 2 },
+    eyeStatus: { at: 136, type: 'u32', count: 2, names: EYES },
     irisLeft: { at: 144, type: 'f32', count: 2 },
     irisRight: { at: 152, type: 'f32', count: 2 },
-    gazeUnknown: { at: 160, type: 'u32', count: 3 },
+    gazeStatus: { at: 160, type: 'u32', count: 3, names: EYES },
     gazeSigmaDeg: { at: 172, type: 'f32', count: 3 },
     gazeLeft: { at: 184, type: 'f32', count: 3 },
     gazeRight: { at: 196, type: 'f32', count: 3 },
@@ -485,7 +493,8 @@ export const ROI = {
  *   selects that of the preset, of which the comments have the general one. Times are at most 71
  *   minutes.
  * @typedef {object} Monitor_config
- * @property {number} preset POSEWISE_PRESET_*: the default of every other field, and the zones.
+ * @property {number} preset POSEWISE_MONITOR_PRESET_*: the default of every other field, and the
+ *   zones.
  * @property {number} gapUs How long an observation counts when no other follows, and how long what
  *   goes on survives unknown time [us], 100000..2000000. Default 300000, the gap that arbiters of
  *   driver monitors bridge.
@@ -595,9 +604,9 @@ export const MONITOR_CONFIG = {
 };
 
 /**
- * What a driver monitor sees of one frame, from posewise_observe() or from elsewhere. Numbers that
- *   are not finite are unknown.
- * @typedef {object} Observation
+ * What a driver monitor sees of one frame, from posewise_monitor_observe() or from elsewhere.
+ *   Numbers that are not finite are unknown.
+ * @typedef {object} Monitor_observation
  * @property {number} state As in posewise_result. Only POSEWISE_TRACKING is a face that is
  *   observed.
  * @property {number} confidence As in posewise_result.
@@ -606,7 +615,7 @@ export const MONITOR_CONFIG = {
  * @property {[number, number, number]} translationMm As in posewise_result [mm].
  * @property {[number, number, number]} rotationSigmaDeg As in posewise_result [deg].
  * @property {[number, number]} eyeOpen Distance of the lids in that of open ones, of the person's
- *   left and right eye, 0 shut .. 1 open, -1 unknown; posewise_observe computes it from
+ *   left and right eye, 0 shut .. 1 open, -1 unknown; posewise_monitor_observe() computes it from
  *   posewise_result.eye_open and what the gaze says of the eyes.
  * @property {number} jawOpen The animation weight jawOpen, 0..1; -1: unknown, because the mouth is
  *   hidden.
@@ -615,7 +624,7 @@ export const MONITOR_CONFIG = {
  *   not with POSEWISE_MONITOR_FIXED_POSE.
  */
 /** @type {import('./struct.js').Layout} */
-export const OBSERVATION = {
+export const MONITOR_OBSERVATION = {
   size: 60,
   fields: {
     structSize: { at: 0, type: 'u32' },
@@ -633,7 +642,7 @@ export const OBSERVATION = {
 
 /**
  * Measures of eye closure over a window of whole seconds. This struct never grows.
- * @typedef {object} Perclos
+ * @typedef {object} Monitor_perclos
  * @property {number} p70 Shares of the known time with eyes closed by at least 70 and 80 %, 0..1.
  * @property {number} p80 Shares of the known time with eyes closed by at least 70 and 80 %, 0..1.
  * @property {number} em Mean square of the closure over the known time, 0..1.
@@ -644,7 +653,7 @@ export const OBSERVATION = {
  *   length [us].
  */
 /** @type {import('./struct.js').Layout} */
-export const PERCLOS = {
+export const MONITOR_PERCLOS = {
   size: 24,
   fields: {
     p70: { at: 0, type: 'f32' },
@@ -659,9 +668,10 @@ export const PERCLOS = {
 /**
  * What a driver monitor knows after an observation.
  * @typedef {object} Monitor_state
- * @property {number} eyes POSEWISE_EYES_*.
+ * @property {number} eyes POSEWISE_MONITOR_EYES_*.
  * @property {number} timestampUs Timestamp of the last observation [us]; 0 before the first.
- * @property {number} eyesUnknown POSEWISE_UNKNOWN_*: why the eyes are unknown.
+ * @property {number} eyesReason POSEWISE_MONITOR_REASON_*: why the eyes are unknown, _NONE where
+ *   they are known.
  * @property {number} openness Both eyes, relative to this person's open ones: 0 shut .. 1 open, -1
  *   unknown.
  * @property {number} closureUs Known closed time of the closure that goes on [us].
@@ -669,7 +679,8 @@ export const PERCLOS = {
  * @property {number} yawns Blinks, yawns and nods so far.
  * @property {number} nods Blinks, yawns and nods so far.
  * @property {number} mouthOpenUs Known time for which the mouth is open as in a yawn [us].
- * @property {number} zone Index of the zone, POSEWISE_ZONE_OUTSIDE or POSEWISE_ZONE_UNKNOWN.
+ * @property {number} zone Index of the zone, POSEWISE_MONITOR_ZONE_OUTSIDE or
+ *   POSEWISE_MONITOR_ZONE_UNKNOWN.
  * @property {number} zoneUs Time there [us].
  * @property {number} awayUs Known time away from the road, less the grace of zones, in this glance
  *   [us].
@@ -681,11 +692,11 @@ export const PERCLOS = {
  *   for an unknown zone.
  * @property {[number, number]} naturalDeg The natural pose: yaw and pitch from forward_yaw_deg and
  *   forward_pitch_deg [deg].
- * @property {[number, number]} openEye posewise_observation.eye_open of this person's open left and
- *   right eye; 1 until it is final.
+ * @property {[number, number]} openEye posewise_monitor_observation.eye_open of this person's open
+ *   left and right eye; 1 until it is final.
  * @property {number} openEyeIsFinal 1: open_eye is final, after half a minute of known eyes while
  *   alert.
- * @property {number} drowsiness POSEWISE_LEVEL_*.
+ * @property {number} drowsiness POSEWISE_MONITOR_DROWSINESS_*.
  * @property {number} degraded 1: the eyes have been unknown for degraded_us.
  * @property {[number, number, number, number, number, number, number, number]} zonesUs Known time
  *   in each zone so far [us].
@@ -701,7 +712,7 @@ export const MONITOR_STATE = {
     structSize: { at: 0, type: 'u32' },
     eyes: { at: 4, type: 'u32' },
     timestampUs: { at: 8, type: 'i64' },
-    eyesUnknown: { at: 16, type: 'u32' },
+    eyesReason: { at: 16, type: 'u32' },
     openness: { at: 20, type: 'f32' },
     closureUs: { at: 24, type: 'u32' },
     blinks: { at: 28, type: 'u32' },
@@ -721,8 +732,8 @@ export const MONITOR_STATE = {
     degraded: { at: 96, type: 'u32' },
     reserved: { at: 100, type: 'u32' },
     zonesUs: { at: 104, type: 'i64', count: 8 },
-    perclos60: { at: 168, struct: PERCLOS },
-    perclos180: { at: 192, struct: PERCLOS },
+    perclos60: { at: 168, struct: MONITOR_PERCLOS },
+    perclos180: { at: 192, struct: MONITOR_PERCLOS },
   },
 };
 
@@ -736,8 +747,8 @@ export const MONITOR_STATE = {
  *   what lasts on, the first timestamp after it.
  * @property {number} durationUs Known duration of it so far [us], without what was unknown in
  *   between, and without the jump of a clock that was set back. At most 0xFFFFFFFF, 71 minutes.
- * @property {number} kind POSEWISE_DRIVER_*.
- * @property {number} zone Zone of a glance, else POSEWISE_ZONE_UNKNOWN.
+ * @property {number} kind POSEWISE_MONITOR_EVENT_*.
+ * @property {number} zone Zone of a glance, else POSEWISE_MONITOR_ZONE_UNKNOWN.
  * @property {number} value As the kind says, else 0.
  */
 /** @type {import('./struct.js').Layout} */
@@ -758,8 +769,8 @@ export const MONITOR_EVENT = {
 /**
  * A zone of a driver monitor. Where zones overlap, the first one counts. This struct never grows,
  *   so the layout of arrays stays the same.
- * @typedef {object} Zone
- * @property {number} kind POSEWISE_ZONE_ANGLES, _BOX or _PLANE.
+ * @typedef {object} Monitor_zone
+ * @property {number} kind POSEWISE_MONITOR_ZONE_ANGLES, _BOX or _PLANE.
  * @property {number} graceUs Time of a stay that does not count as away [us]; 0xFFFFFFFF: none of
  *   it does.
  * @property {[number, number, number, number, number, number, number, number, number]} numbers As
@@ -770,7 +781,7 @@ export const MONITOR_EVENT = {
  *   5.74 degrees from parallel.
  */
 /** @type {import('./struct.js').Layout} */
-export const ZONE = {
+export const MONITOR_ZONE = {
   size: 48,
   fields: {
     kind: { at: 0, type: 'u32' },

@@ -73,14 +73,25 @@ export function readStruct(view, start, layout) {
     if (struct) {
       object[name] = readStruct(view, start + at, struct);
     } else if (count) {
-      const read = READ[/** @type {NumberType} */ (type)];
-      object[name] = Array.from({ length: count }, (_, i) => read(view, start + at + 4 * i));
+      const places = Array.from({ length: count }, (_, i) => start + at + 4 * i);
+      object[name] = places.map((place) => readNumber(view, place, type, names));
     } else {
-      const value = READ[/** @type {NumberType} */ (type)](view, start + at);
-      object[name] = names ? (names[value] ?? String(value)) : value;
+      object[name] = readNumber(view, start + at, type, names);
     }
   }
   return object;
+}
+
+/**
+ * A number, or its name; a later library may have values that these lists lack.
+ * @param {DataView} view
+ * @param {number} at
+ * @param {NumberType | undefined} type
+ * @param {readonly string[] | undefined} names
+ */
+function readNumber(view, at, type, names) {
+  const value = READ[/** @type {NumberType} */ (type)](view, at);
+  return names ? (names[value] ?? String(value)) : value;
 }
 
 /**

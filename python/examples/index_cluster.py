@@ -19,7 +19,6 @@ import pyarrow.parquet as pq
 import posewise
 
 ENDINGS = {".avi", ".m4v", ".mkv", ".mov", ".mp4", ".mpg", ".ts", ".webm"}
-LOSSES = ("none", "low_confidence", "left_frame", "no_pose", "excluded")
 
 
 def openface_angles(result):
@@ -59,7 +58,7 @@ GROUPS = [
     (list(posewise.ANIMATION_NAMES), pa.float32(), lambda r: r.animation),
     (["box_x", "box_y", "box_w", "box_h"], pa.float32(), lambda r: r.face_box),
     (["age_us"], pa.int64(), lambda r: [r.age_us]),
-    (["loss"], pa.int64(), lambda r: [LOSSES.index(r.loss)]),
+    (["loss"], pa.string(), lambda r: [r.loss]),
     (["visible_share"], pa.float32(), lambda r: [r.visible_share]),
     (["R_sigma_x", "R_sigma_y", "R_sigma_z"], pa.float32(), lambda r: r.rotation_sigma_deg),
     (["T_sigma_x", "T_sigma_y", "T_sigma_z"], pa.float32(), lambda r: r.translation_sigma_mm),

@@ -11,7 +11,7 @@ frame (x right, y down, z away from the camera), degrees. Left and right are the
 """
 
 from ._library import PosewiseError
-from ._layout import EYE_UNKNOWN
+from ._layout import EVENTS, EYES, LOSSES, STATES
 from ._model import PARTS, ModelInfo, model_info
 from ._tracker import (
     ANIMATION_NAMES,
@@ -28,15 +28,18 @@ from ._video import track
 __all__ = [
     "ANIMATION_NAMES",
     "EYE_LOOK_NAMES",
-    "EYE_UNKNOWN",
+    "EVENTS",
+    "EYES",
     "Detected",
     "Event",
     "FORMATS",
     "Face",
+    "LOSSES",
     "ModelInfo",
     "PARTS",
     "PosewiseError",
     "Result",
+    "STATES",
     "Tracker",
     "model_info",
     "track",

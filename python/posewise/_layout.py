@@ -12,20 +12,20 @@ ABI = 1
 ALIGN = 64
 LANDMARKS = 68
 ANIMATIONS = 24
+EYE_LOOKS = 8
 UNREAD_EVENTS = 64
 
-STATES = ("searching", "tracking", "coasting")
+STATES = (
+    "searching",
+    "tracking",
+    "coasting",
+)
 LOSSES = (
     "none",
-    "low_confidence",
-    "left_frame",
-    "no_pose",
+    "low-confidence",
+    "left-frame",
+    "no-pose",
     "excluded",
-)
-LENSES = (
-    "pinhole",
-    "brown",
-    "fisheye",
 )
 EVENTS = (
     "acquired",
@@ -33,22 +33,27 @@ EVENTS = (
     "coasting",
     "lost",
     "suppressed",
-    "filter_on",
-    "filter_off",
+    "filter-on",
+    "filter-off",
     "reset",
     "forgotten",
 )
-EYE_UNKNOWN = (
-    "not_seen",
+EYES = (
+    "not-seen",
     "known",
     "turned",
     "hidden",
     "small",
     "blurred",
     "glare",
-    "dark_glasses",
+    "dark-glasses",
     "shut",
     "uncertain",
+)
+LENSES = (
+    "pinhole",
+    "brown",
+    "fisheye",
 )
 TERMS = (
     "unknown",
@@ -84,7 +89,7 @@ PARTS = {
     "verifier": 2,
     "keyframes": 4,
     "monitor": 8,
-    "default_model": 16,
+    "default-model": 16,
 }
 
 
@@ -174,10 +179,10 @@ class Result(Structure):
         ("rotation_sigma_deg", c_float * 3),
         ("translation_sigma_mm", c_float * 3),
         ("eye_open_probability", c_float * 2),
-        ("eye_unknown", c_uint32 * 2),
+        ("eye_status", c_uint32 * 2),
         ("iris_left", c_float * 2),
         ("iris_right", c_float * 2),
-        ("gaze_unknown", c_uint32 * 3),
+        ("gaze_status", c_uint32 * 3),
         ("gaze_sigma_deg", c_float * 3),
         ("gaze_left", c_float * 3),
         ("gaze_right", c_float * 3),
@@ -284,7 +289,7 @@ class Monitor_config(Structure):
     ]
 
 
-class Observation(Structure):
+class Monitor_observation(Structure):
     _fields_ = [
         ("struct_size", c_uint32),
         ("state", c_uint32),
@@ -299,7 +304,7 @@ class Observation(Structure):
     ]
 
 
-class Perclos(Structure):
+class Monitor_perclos(Structure):
     _fields_ = [
         ("p70", c_float),
         ("p80", c_float),
@@ -315,7 +320,7 @@ class Monitor_state(Structure):
         ("struct_size", c_uint32),
         ("eyes", c_uint32),
         ("timestamp_us", c_int64),
-        ("eyes_unknown", c_uint32),
+        ("eyes_reason", c_uint32),
         ("openness", c_float),
         ("closure_us", c_uint32),
         ("blinks", c_uint32),
@@ -335,8 +340,8 @@ class Monitor_state(Structure):
         ("degraded", c_uint32),
         ("reserved", c_uint32),
         ("zones_us", c_int64 * 8),
-        ("perclos_60", Perclos),
-        ("perclos_180", Perclos),
+        ("perclos_60", Monitor_perclos),
+        ("perclos_180", Monitor_perclos),
     ]
 
 
@@ -353,7 +358,7 @@ class Monitor_event(Structure):
     ]
 
 
-class Zone(Structure):
+class Monitor_zone(Structure):
     _fields_ = [
         ("kind", c_uint32),
         ("flags", c_uint32),

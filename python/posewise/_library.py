@@ -47,6 +47,7 @@ for _name, _returns, _arguments in [
     ("smoothed_landmarks", c_int32, [_tracker, c_void_p, c_size_t]),
     ("smoothed_animation", c_int32, [_tracker, c_void_p, c_size_t]),
     ("animation_name", c_char_p, [c_uint32]),
+    ("eye_look_name", c_char_p, [c_uint32]),
     ("events", c_int32, [_tracker, POINTER(layout.Event), c_size_t, _size_p, _size_p]),
     ("reset", c_int32, [_tracker]),
     ("forget_identity", c_int32, [_tracker]),

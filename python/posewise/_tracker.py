@@ -20,7 +20,7 @@ from ._model import checked, path_of
 FORMATS: dict[str, int] = layout.FORMATS
 #: ARKit's weights of the gaze, in the order of Result.eye_look.
 EYE_LOOK_NAMES: tuple[str, ...] = tuple(
-    f"eyeLook{way}{side}" for way in ("Up", "Down", "In", "Out") for side in ("Left", "Right")
+    lib.posewise_eye_look_name(i).decode() for i in range(layout.EYE_LOOKS)
 )
 #: ARKit's names of the animation weights, in order.
 ANIMATION_NAMES: tuple[str, ...] = tuple(
@@ -56,7 +56,7 @@ class Result:
     translation_mm: Floats
     #: Left and right eye: 0 shut, 1 open, -1 unknown.
     eye_open: Floats
-    #: Why tracking was lost: "none", "low_confidence", "left_frame", "no_pose", "excluded".
+    #: Why tracking was lost: "none", "low-confidence", "left-frame", "no-pose", "excluded".
     loss: str
     #: Mean visibility of the landmarks.
     visible_share: float
@@ -76,12 +76,12 @@ class Result:
     camera_assumed: bool
     #: Probability that the left and right eye is open, by a network of single eyes; -1 unknown.
     eye_open_probability: Floats
-    #: Why the lids of the left and right eye are unknown, or "known": see EYE_UNKNOWN.
-    eye_unknown: tuple[str, ...]
+    #: Why the lids of the left and right eye are unknown, or "known": see EYES.
+    eye_status: tuple[str, ...]
     #: (2, 2): middle of the iris of the left and right eye [px].
     iris: Floats
     #: Why the gaze of the left eye, the right eye and both is unknown, or "known".
-    gaze_unknown: tuple[str, ...]
+    gaze_status: tuple[str, ...]
     #: Standard deviations of these gazes [deg].
     gaze_sigma_deg: Floats
     #: (3, 3): unit gazes of the left eye, the right eye and both, camera frame.
@@ -152,7 +152,7 @@ def _name(names: Sequence[str], value: int) -> str:
 
 
 def _names(numbers: Any) -> tuple[str, ...]:
-    return tuple(_name(layout.EYE_UNKNOWN, number) for number in numbers)
+    return tuple(_name(layout.EYES, number) for number in numbers)
 
 
 def _numbers(array: Any) -> Floats:
@@ -164,7 +164,7 @@ class Tracker:
 
     ``model`` is "default", "clean" (whose sources allow any use: may ship in a product), or the
     path of a ``.posewise`` file. 0 in any other setting selects its default. ``gaze`` looks at the
-    eyes of the face, which takes more time; without it they are "not_seen". ``natural_gaze`` does
+    eyes of the face, which takes more time; without it they are "not-seen". ``natural_gaze`` does
     so for a person who looks straight ahead most of the time, as a driver does: part of the mean of
     the gaze in the head frame is taken off it, at most 8 degrees.
     """
@@ -275,9 +275,9 @@ class Tracker:
             focal_px=out.focal_px,
             camera_assumed=bool(out.camera_assumed),
             eye_open_probability=_numbers(out.eye_open_probability),
-            eye_unknown=_names(out.eye_unknown),
+            eye_status=_names(out.eye_status),
             iris=np.stack([_numbers(out.iris_left), _numbers(out.iris_right)]),
-            gaze_unknown=_names(out.gaze_unknown),
+            gaze_status=_names(out.gaze_status),
             gaze_sigma_deg=_numbers(out.gaze_sigma_deg),
             gaze=np.stack([_numbers(g) for g in (out.gaze_left, out.gaze_right, out.gaze)]),
             gaze_head=_numbers(out.gaze_head),

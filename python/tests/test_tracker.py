@@ -209,8 +209,8 @@ def test_the_gaze_is_given_on_request(clip):
     for i, frame in enumerate(clip[0][:40]):
         without, result = (t.step(frame, i * clip[1]) for t in (plain, asked))
         assert result_bytes(without) == result_bytes(result)
-        assert "known" not in without.gaze_unknown
-        if result.gaze_unknown[2] == "known":
+        assert "known" not in without.gaze_status
+        if result.gaze_status[2] == "known":
             known += 1
             assert np.linalg.norm(result.gaze, axis=1)[2] == pytest.approx(1, abs=1e-5)
             assert result.gaze_sigma_deg[2] > 0

@@ -16,12 +16,13 @@ use super::types::*;
 use super::{float_env, memory};
 use crate::PARTS;
 use crate::network;
-use crate::shape::{ANIMATION_NAMES, ANIMATIONS, Distortion, LANDMARKS};
-use crate::track::{Config, EVENTS, FoundFace, MAX_EXCLUDED};
+use crate::shape::{ANIMATIONS, Distortion, LANDMARKS};
+use crate::track::{Config, EVENTS, EYE_LOOKS, FoundFace, MAX_EXCLUDED};
 use core::ffi::{c_char, c_void};
 
 const _: () = assert!(POSEWISE_LANDMARKS as usize == LANDMARKS);
 const _: () = assert!(POSEWISE_ANIMATIONS as usize == ANIMATIONS);
+const _: () = assert!(POSEWISE_EYE_LOOKS as usize == EYE_LOOKS);
 const _: () = assert!(POSEWISE_EVENTS as usize == EVENTS);
 const _: () = assert!(POSEWISE_EXCLUDED as usize == MAX_EXCLUDED);
 const _: () = assert!(POSEWISE_ALIGN as usize == posewise_format::ALIGN);
@@ -113,7 +114,7 @@ pub extern "C" fn posewise_strerror(status: posewise_status) -> *const c_char {
         POSEWISE_E_MONITOR_CONFIG => {
             c"a setting of the driver monitor is out of range, or two are out of order"
         }
-        POSEWISE_E_ZONES => c"more than 8 zones, or one whose kind or numbers are no zone",
+        POSEWISE_E_MONITOR_ZONES => c"more than 8 zones, or one whose kind or numbers are no zone",
         POSEWISE_E_SMOOTHING => c"smoothing_hz must be 0.01..100 and smoothing_beta 0..1000",
         _ => c"unknown status",
     };
@@ -447,16 +448,6 @@ pub unsafe extern "C" fn posewise_smoothed_animation(
     })
 }
 
-/// Name of the animation weight at this index: ARKit's name of the blendshape, as "jawOpen".
-/// Static; NULL from POSEWISE_ANIMATIONS on.
-#[unsafe(no_mangle)]
-pub extern "C" fn posewise_animation_name(index: u32) -> *const c_char {
-    match NAMES.get(index as usize) {
-        Some(name) => name.as_ptr().cast(),
-        None => core::ptr::null(),
-    }
-}
-
 /// Takes the unread events out of the tracker's log, oldest first, and writes the first capacity of
 /// them; *count is how many were written. *overwritten is how many were lost since the last call,
 /// because more than POSEWISE_EVENTS came unread.
@@ -589,37 +580,3 @@ pub(super) fn status(body: impl FnOnce() -> Result<(), posewise_status>) -> pose
 
 /// Most faces of one call of posewise_detect(): they lie on its stack.
 const MAX_FOUND: usize = 16;
-
-/// Capacity for the longest animation name and its NUL \[bytes\].
-const NAME_LEN: usize = 24;
-
-/// The animation names, NUL-terminated.
-static NAMES: [[u8; NAME_LEN]; ANIMATIONS] = {
-    let mut names = [[0; NAME_LEN]; ANIMATIONS];
-    let mut i = 0;
-    while i < ANIMATIONS {
-        let name = ANIMATION_NAMES[i].as_bytes();
-        assert!(name.len() < NAME_LEN);
-        let mut j = 0;
-        while j < name.len() {
-            names[i][j] = name[j];
-            j += 1;
-        }
-        i += 1;
-    }
-    names
-};
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_are_nul_terminated() {
-        for (i, name) in ANIMATION_NAMES.iter().enumerate() {
-            let c = core::ffi::CStr::from_bytes_until_nul(&NAMES[i]).unwrap();
-            assert_eq!(c.to_str(), Ok(*name));
-        }
-        assert!(posewise_animation_name(POSEWISE_ANIMATIONS).is_null());
-    }
-}

@@ -116,11 +116,11 @@ pub(super) unsafe fn config_from(
             cutoff_hz: or_f32(given.smoothing_hz, default.smoothing.cutoff_hz),
             beta: or_f32(given.smoothing_beta, default.smoothing.beta),
         },
-        gaze: given.gaze >= 1,
-        natural_gaze: given.gaze == 2,
+        gaze: given.gaze != POSEWISE_GAZE_OFF,
+        natural_gaze: given.gaze == POSEWISE_GAZE_NATURAL,
         ..default
     };
-    if given.flags != 0 || given.gaze > 2 {
+    if given.flags != 0 || given.gaze > POSEWISE_GAZE_NATURAL {
         return Err(POSEWISE_E_FLAGS);
     }
     config.check().map_err(config_error)?;
@@ -265,10 +265,10 @@ pub(super) fn result_to(result: &TrackResult) -> posewise_result {
         rotation_sigma_deg: result.rotation_sigma_deg,
         translation_sigma_mm: result.translation_sigma_mm,
         eye_open_probability: [left.open, right.open],
-        eye_unknown: [left.unknown, right.unknown].map(eye_unknown_to),
+        eye_status: [left.unknown, right.unknown].map(eye_status_to),
         iris_left: left.iris,
         iris_right: right.iris,
-        gaze_unknown: gazes.map(|gaze| eye_unknown_to(gaze.unknown)),
+        gaze_status: gazes.map(|gaze| eye_status_to(gaze.unknown)),
         gaze_sigma_deg: gazes.map(|gaze| gaze.sigma_deg),
         gaze_left: left.gaze.camera,
         gaze_right: right.gaze.camera,
@@ -286,7 +286,7 @@ pub(super) fn result_to(result: &TrackResult) -> posewise_result {
     }
 }
 
-fn eye_unknown_to(unknown: Option<EyeUnknown>) -> u32 {
+fn eye_status_to(unknown: Option<EyeUnknown>) -> u32 {
     match unknown {
         Some(EyeUnknown::NotSeen) => POSEWISE_EYE_NOT_SEEN,
         None => POSEWISE_EYE_KNOWN,

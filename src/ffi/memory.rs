@@ -4,7 +4,9 @@
 //! points to as many readable (outputs: writable) bytes as its `struct_size` or length states, no
 //! other thread writes them during the call, and the model outlives its trackers.
 
-use super::monitor_types::{posewise_monitor_config, posewise_monitor_state, posewise_observation};
+use super::monitor_types::{
+    posewise_monitor_config, posewise_monitor_observation, posewise_monitor_state,
+};
 use super::types::*;
 use core::mem::{MaybeUninit, align_of, size_of};
 
@@ -47,7 +49,7 @@ unsafe impl Growing for posewise_monitor_config {
     const EARLIER_SIZES: &'static [usize] = &[];
 }
 // SAFETY: as above.
-unsafe impl Growing for posewise_observation {
+unsafe impl Growing for posewise_monitor_observation {
     const EARLIER_SIZES: &'static [usize] = &[];
 }
 // SAFETY: as above.

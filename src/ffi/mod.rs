@@ -1,5 +1,5 @@
-//! The C ABI: `include/posewise.h`, which is generated from [`types`], [`api`]
-//! and their likes for driver monitoring.
+//! The C ABI: `include/posewise.h`, which is generated from [`types`], [`weights`], [`api`],
+//! [`names`] and their likes for driver monitoring.
 //!
 //! `convert` checks the caller's structs and converts them to the crate's types, and results back.
 //! `memory` does all pointer work, `block` holds the tracker in the caller's memory, `events`
@@ -22,7 +22,10 @@ pub mod monitor;
 mod monitor_convert;
 #[allow(missing_docs)] // as for `types`
 pub mod monitor_types;
+pub mod names;
 #[cfg(feature = "panic-handler")]
 mod panic;
 #[allow(missing_docs)] // one comment documents a group of fields, as in the header
 pub mod types;
+#[allow(missing_docs)] // as for `types`
+pub mod weights;

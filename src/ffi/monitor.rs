@@ -10,6 +10,7 @@ use super::events::Places;
 use super::memory;
 use super::monitor_convert::*;
 use super::monitor_types::*;
+use super::names::{CName, name_at, names_of};
 use super::types::*;
 use crate::monitor::{MAX_ZONES, Monitor, MonitorConfig, MonitorEventKind, Observation, Zone};
 use core::ffi::{c_char, c_void};
@@ -32,8 +33,8 @@ const MAGIC: u64 =
 const _: () = assert!(align_of::<MonitorBlock>() == POSEWISE_ALIGN as usize);
 const _: () = assert!(BLOCK_SIZE <= POSEWISE_MONITOR_SIZE as usize);
 
-/// Writes the settings of a preset (POSEWISE_PRESET_*) with their values; 0 in a field has the same
-/// meaning. As for every struct, out->struct_size must be set.
+/// Writes the settings of a preset (POSEWISE_MONITOR_PRESET_*) with their values; 0 in a field has
+/// the same meaning. As for every struct, out->struct_size must be set.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn posewise_monitor_config_default(
     preset: u32,
@@ -92,9 +93,9 @@ pub unsafe extern "C" fn posewise_monitor_init(
 
 /// Writes what a monitor needs of the last step of a tracker.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn posewise_observe(
+pub unsafe extern "C" fn posewise_monitor_observe(
     tracker: *const posewise_tracker,
-    out: *mut posewise_observation,
+    out: *mut posewise_monitor_observation,
 ) -> posewise_status {
     status(|| {
         // SAFETY: the caller's contract, here and below.
@@ -115,7 +116,7 @@ pub unsafe extern "C" fn posewise_observe(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn posewise_monitor_update(
     monitor: *mut posewise_monitor,
-    observation: *const posewise_observation,
+    observation: *const posewise_monitor_observation,
     timestamp_us: i64,
 ) -> posewise_status {
     status(|| {
@@ -129,7 +130,7 @@ pub unsafe extern "C" fn posewise_monitor_update(
 
 /// Writes what the monitor knows after the last observation.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn posewise_monitor_get_state(
+pub unsafe extern "C" fn posewise_monitor_read(
     monitor: *const posewise_monitor,
     out: *mut posewise_monitor_state,
 ) -> posewise_status {
@@ -172,16 +173,16 @@ pub unsafe extern "C" fn posewise_monitor_events(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn posewise_monitor_set_zones(
     monitor: *mut posewise_monitor,
-    zones: *const posewise_zone,
+    zones: *const posewise_monitor_zone,
     count: usize,
 ) -> posewise_status {
     status(|| {
         // SAFETY: the caller's contract.
         let monitor = unsafe { get_mut(monitor)? };
         if count > MAX_ZONES {
-            return Err(POSEWISE_E_ZONES);
+            return Err(POSEWISE_E_MONITOR_ZONES);
         }
-        let given: &[posewise_zone] = if count == 0 {
+        let given: &[posewise_monitor_zone] = if count == 0 {
             &[]
         } else {
             memory::check_pointer(zones)?;
@@ -213,10 +214,7 @@ pub unsafe extern "C" fn posewise_monitor_forget_driver(
 /// Name of a kind of event, as "long-closure". Static; NULL for a kind that the library lacks.
 #[unsafe(no_mangle)]
 pub extern "C" fn posewise_monitor_event_name(kind: u32) -> *const c_char {
-    match NAMES.get(kind as usize) {
-        Some(name) => name.as_ptr().cast(),
-        None => core::ptr::null(),
-    }
+    name_at(&NAMES, kind)
 }
 
 /// Builds a monitor at `memory`. By itself, so that its copy is not on the caller's stack.
@@ -277,22 +275,4 @@ unsafe fn get_mut<'a>(monitor: *mut posewise_monitor) -> Result<&'a mut Monitor,
     unsafe { Ok(&mut (*check_block(monitor)?.cast_mut()).monitor) }
 }
 
-/// Capacity for the longest name of an event and its NUL \[bytes\].
-const NAME_LEN: usize = 20;
-
-/// The names of events, NUL-terminated.
-static NAMES: [[u8; NAME_LEN]; MonitorEventKind::ALL.len()] = {
-    let mut names = [[0; NAME_LEN]; MonitorEventKind::ALL.len()];
-    let mut i = 0;
-    while i < names.len() {
-        let name = MonitorEventKind::ALL[i].name().as_bytes();
-        assert!(name.len() < NAME_LEN);
-        let mut j = 0;
-        while j < name.len() {
-            names[i][j] = name[j];
-            j += 1;
-        }
-        i += 1;
-    }
-    names
-};
+static NAMES: [CName; MonitorEventKind::ALL.len()] = names_of!(MonitorEventKind);

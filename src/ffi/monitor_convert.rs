@@ -5,7 +5,7 @@ use super::monitor_types::*;
 use super::types::*;
 use crate::monitor::{
     Drowsiness, EyeState, MonitorConfig, MonitorConfigError, MonitorEvent, MonitorEventKind,
-    MonitorState, Observation, Perclos, Preset, Unknown, Zone, ZoneShape, ZoneState,
+    MonitorState, Observation, Perclos, Preset, UnknownReason, Zone, ZoneShape, ZoneState,
 };
 use crate::track::State;
 
@@ -13,7 +13,7 @@ const _: () = {
     use crate::monitor::{MAX_ZONES, MONITOR_EVENTS};
     assert!(POSEWISE_MONITOR_ZONES as usize == MAX_ZONES);
     assert!(POSEWISE_MONITOR_EVENTS as usize == MONITOR_EVENTS);
-    assert!(MonitorEventKind::ALL.len() == POSEWISE_DRIVER_CLOCK_BACK as usize + 1);
+    assert!(MonitorEventKind::ALL.len() == POSEWISE_MONITOR_EVENT_CLOCK_BACK as usize + 1);
 };
 
 /// The preset of a number.
@@ -87,7 +87,7 @@ pub(super) fn monitor_config_to(preset: u32, config: &MonitorConfig) -> posewise
 /// The status of settings that are out of range.
 pub(super) fn monitor_config_error(error: MonitorConfigError) -> posewise_status {
     match error {
-        MonitorConfigError::Zone => POSEWISE_E_ZONES,
+        MonitorConfigError::Zone => POSEWISE_E_MONITOR_ZONES,
         MonitorConfigError::Time | MonitorConfigError::Threshold | MonitorConfigError::Angle => {
             POSEWISE_E_MONITOR_CONFIG
         }
@@ -95,33 +95,35 @@ pub(super) fn monitor_config_error(error: MonitorConfigError) -> posewise_status
 }
 
 /// The zone that a C struct describes; the monitor checks its numbers.
-pub(super) fn zone_from(given: &posewise_zone) -> Result<Zone, posewise_status> {
+pub(super) fn zone_from(given: &posewise_monitor_zone) -> Result<Zone, posewise_status> {
     let shape = match (given.kind, given.numbers) {
-        (POSEWISE_ZONE_ANGLES, [a, b, c, d, 0.0, 0.0, 0.0, 0.0, 0.0]) => ZoneShape::Angles {
-            yaw_deg: [a, b],
-            pitch_deg: [c, d],
-        },
-        (POSEWISE_ZONE_BOX, [a, b, c, d, e, f, 0.0, 0.0, 0.0]) => ZoneShape::Box {
+        (POSEWISE_MONITOR_ZONE_ANGLES, [a, b, c, d, 0.0, 0.0, 0.0, 0.0, 0.0]) => {
+            ZoneShape::Angles {
+                yaw_deg: [a, b],
+                pitch_deg: [c, d],
+            }
+        }
+        (POSEWISE_MONITOR_ZONE_BOX, [a, b, c, d, e, f, 0.0, 0.0, 0.0]) => ZoneShape::Box {
             min_mm: [a, b, c],
             max_mm: [d, e, f],
         },
-        (POSEWISE_ZONE_PLANE, [a, b, c, d, e, f, g, h, i]) => ZoneShape::Plane {
+        (POSEWISE_MONITOR_ZONE_PLANE, [a, b, c, d, e, f, g, h, i]) => ZoneShape::Plane {
             centre_mm: [a, b, c],
             half_u_mm: [d, e, f],
             half_v_mm: [g, h, i],
         },
-        _ => return Err(POSEWISE_E_ZONES),
+        _ => return Err(POSEWISE_E_MONITOR_ZONES),
     };
     let zone = Zone::new(shape).with_grace(given.grace_us);
     match given.flags {
         0 => Ok(zone),
-        POSEWISE_ZONE_ROAD => Ok(zone.as_road()),
+        POSEWISE_MONITOR_ZONE_ROAD => Ok(zone.as_road()),
         _ => Err(POSEWISE_E_FLAGS),
     }
 }
 
 /// What a C struct observes.
-pub(super) fn observation_from(given: &posewise_observation) -> Observation {
+pub(super) fn observation_from(given: &posewise_monitor_observation) -> Observation {
     let mut seen = Observation::NONE;
     seen.state = match given.state {
         POSEWISE_TRACKING => State::Tracking,
@@ -138,8 +140,8 @@ pub(super) fn observation_from(given: &posewise_observation) -> Observation {
 }
 
 /// An observation as its C struct, with `struct_size` 0.
-pub(super) fn observation_to(seen: &Observation) -> posewise_observation {
-    posewise_observation {
+pub(super) fn observation_to(seen: &Observation) -> posewise_monitor_observation {
+    posewise_monitor_observation {
         struct_size: 0, // write_struct() keeps the caller's
         state: match seen.state {
             State::Searching => POSEWISE_SEARCHING,
@@ -160,13 +162,13 @@ pub(super) fn observation_to(seen: &Observation) -> posewise_observation {
 fn zone_to(zone: ZoneState) -> u32 {
     match zone {
         ZoneState::In(index) => u32::from(index),
-        ZoneState::Outside => POSEWISE_ZONE_OUTSIDE,
-        ZoneState::Unknown => POSEWISE_ZONE_UNKNOWN,
+        ZoneState::Outside => POSEWISE_MONITOR_ZONE_OUTSIDE,
+        ZoneState::Unknown => POSEWISE_MONITOR_ZONE_UNKNOWN,
     }
 }
 
-fn perclos_to(measures: &Perclos) -> posewise_perclos {
-    posewise_perclos {
+fn perclos_to(measures: &Perclos) -> posewise_monitor_perclos {
+    posewise_monitor_perclos {
         p70: measures.p70,
         p80: measures.p80,
         em: measures.em,
@@ -181,17 +183,17 @@ pub(super) fn monitor_state_to(state: &MonitorState) -> posewise_monitor_state {
     posewise_monitor_state {
         struct_size: 0, // write_struct() keeps the caller's
         eyes: match state.eyes {
-            EyeState::Unknown => POSEWISE_EYES_UNKNOWN,
-            EyeState::Open => POSEWISE_EYES_OPEN,
-            EyeState::Closed => POSEWISE_EYES_CLOSED,
+            EyeState::Unknown => POSEWISE_MONITOR_EYES_UNKNOWN,
+            EyeState::Open => POSEWISE_MONITOR_EYES_OPEN,
+            EyeState::Closed => POSEWISE_MONITOR_EYES_CLOSED,
         },
         timestamp_us: state.timestamp_us,
-        eyes_unknown: match state.eyes_unknown {
-            Unknown::Known => POSEWISE_UNKNOWN_NOT,
-            Unknown::NoFace => POSEWISE_UNKNOWN_NO_FACE,
-            Unknown::LowConfidence => POSEWISE_UNKNOWN_CONFIDENCE,
-            Unknown::Turned => POSEWISE_UNKNOWN_TURNED,
-            Unknown::Hidden => POSEWISE_UNKNOWN_HIDDEN,
+        eyes_reason: match state.eyes_reason {
+            None => POSEWISE_MONITOR_REASON_NONE,
+            Some(UnknownReason::NoFace) => POSEWISE_MONITOR_REASON_NO_FACE,
+            Some(UnknownReason::LowConfidence) => POSEWISE_MONITOR_REASON_LOW_CONFIDENCE,
+            Some(UnknownReason::Turned) => POSEWISE_MONITOR_REASON_TURNED,
+            Some(UnknownReason::Hidden) => POSEWISE_MONITOR_REASON_HIDDEN,
         },
         openness: state.openness,
         closure_us: state.closure_us,
@@ -203,18 +205,18 @@ pub(super) fn monitor_state_to(state: &MonitorState) -> posewise_monitor_state {
         zone_us: state.zone_us,
         away_us: state.away_us,
         away_30_us: state.away_30_us,
-        natural_is_final: u32::from(state.is_natural_final),
+        natural_is_final: u32::from(state.natural_is_final),
         from_road_deg: state.from_road_deg,
         natural_deg: state.natural_deg,
         open_eye: state.open_eye,
-        open_eye_is_final: u32::from(state.is_open_eye_final),
+        open_eye_is_final: u32::from(state.open_eye_is_final),
         drowsiness: match state.drowsiness {
-            Drowsiness::Unknown => POSEWISE_LEVEL_UNKNOWN,
-            Drowsiness::Awake => POSEWISE_LEVEL_AWAKE,
-            Drowsiness::Questionable => POSEWISE_LEVEL_QUESTIONABLE,
-            Drowsiness::Drowsy => POSEWISE_LEVEL_DROWSY,
+            Drowsiness::Unknown => POSEWISE_MONITOR_DROWSINESS_UNKNOWN,
+            Drowsiness::Awake => POSEWISE_MONITOR_DROWSINESS_AWAKE,
+            Drowsiness::Questionable => POSEWISE_MONITOR_DROWSINESS_QUESTIONABLE,
+            Drowsiness::Drowsy => POSEWISE_MONITOR_DROWSINESS_DROWSY,
         },
-        degraded: u32::from(state.is_degraded),
+        degraded: u32::from(state.degraded),
         reserved: 0,
         zones_us: state.zones_us.map(|us| us as i64),
         perclos_60: perclos_to(&state.perclos_60),
@@ -230,7 +232,7 @@ pub(super) fn monitor_event_to(event: &MonitorEvent) -> posewise_monitor_event {
         duration_us: event.duration_us,
         // The kinds are in the order of the header, as a test compares.
         kind: event.kind as u32,
-        zone: event.zone.map_or(POSEWISE_ZONE_UNKNOWN, u32::from),
+        zone: event.zone.map_or(POSEWISE_MONITOR_ZONE_UNKNOWN, u32::from),
         flags: if event.is_cut {
             POSEWISE_MONITOR_CUT
         } else {
@@ -248,39 +250,66 @@ mod tests {
     #[test]
     fn kinds_and_presets_are_those_of_the_header() {
         let kinds = [
-            (MonitorEventKind::Blink, POSEWISE_DRIVER_BLINK),
-            (MonitorEventKind::LongClosure, POSEWISE_DRIVER_LONG_CLOSURE),
-            (MonitorEventKind::Microsleep, POSEWISE_DRIVER_MICROSLEEP),
-            (MonitorEventKind::Sleep, POSEWISE_DRIVER_SLEEP),
-            (MonitorEventKind::Unresponsive, POSEWISE_DRIVER_UNRESPONSIVE),
-            (MonitorEventKind::ClosureEnd, POSEWISE_DRIVER_CLOSURE_END),
-            (MonitorEventKind::Yawn, POSEWISE_DRIVER_YAWN),
-            (MonitorEventKind::YawnEnd, POSEWISE_DRIVER_YAWN_END),
-            (MonitorEventKind::Nod, POSEWISE_DRIVER_NOD),
-            (MonitorEventKind::Glance, POSEWISE_DRIVER_GLANCE),
-            (MonitorEventKind::LongGlance, POSEWISE_DRIVER_LONG_GLANCE),
+            (MonitorEventKind::Blink, POSEWISE_MONITOR_EVENT_BLINK),
+            (
+                MonitorEventKind::LongClosure,
+                POSEWISE_MONITOR_EVENT_LONG_CLOSURE,
+            ),
+            (
+                MonitorEventKind::Microsleep,
+                POSEWISE_MONITOR_EVENT_MICROSLEEP,
+            ),
+            (MonitorEventKind::Sleep, POSEWISE_MONITOR_EVENT_SLEEP),
+            (
+                MonitorEventKind::Unresponsive,
+                POSEWISE_MONITOR_EVENT_UNRESPONSIVE,
+            ),
+            (
+                MonitorEventKind::ClosureEnd,
+                POSEWISE_MONITOR_EVENT_CLOSURE_END,
+            ),
+            (MonitorEventKind::Yawn, POSEWISE_MONITOR_EVENT_YAWN),
+            (MonitorEventKind::YawnEnd, POSEWISE_MONITOR_EVENT_YAWN_END),
+            (MonitorEventKind::Nod, POSEWISE_MONITOR_EVENT_NOD),
+            (MonitorEventKind::Glance, POSEWISE_MONITOR_EVENT_GLANCE),
+            (
+                MonitorEventKind::LongGlance,
+                POSEWISE_MONITOR_EVENT_LONG_GLANCE,
+            ),
             (
                 MonitorEventKind::CumulativeGlance,
-                POSEWISE_DRIVER_CUMULATIVE,
+                POSEWISE_MONITOR_EVENT_CUMULATIVE_GLANCE,
             ),
-            (MonitorEventKind::Drowsy, POSEWISE_DRIVER_DROWSY),
-            (MonitorEventKind::DrowsyEnd, POSEWISE_DRIVER_DROWSY_END),
-            (MonitorEventKind::Degraded, POSEWISE_DRIVER_DEGRADED),
-            (MonitorEventKind::Restored, POSEWISE_DRIVER_RESTORED),
-            (MonitorEventKind::OpenEyeLearnt, POSEWISE_DRIVER_EYE_LEARNT),
-            (MonitorEventKind::NaturalLearnt, POSEWISE_DRIVER_POSE_LEARNT),
-            (MonitorEventKind::ClockBack, POSEWISE_DRIVER_CLOCK_BACK),
+            (MonitorEventKind::Drowsy, POSEWISE_MONITOR_EVENT_DROWSY),
+            (
+                MonitorEventKind::DrowsyEnd,
+                POSEWISE_MONITOR_EVENT_DROWSY_END,
+            ),
+            (MonitorEventKind::Degraded, POSEWISE_MONITOR_EVENT_DEGRADED),
+            (MonitorEventKind::Restored, POSEWISE_MONITOR_EVENT_RESTORED),
+            (
+                MonitorEventKind::OpenEyeLearnt,
+                POSEWISE_MONITOR_EVENT_OPEN_EYE_LEARNT,
+            ),
+            (
+                MonitorEventKind::NaturalLearnt,
+                POSEWISE_MONITOR_EVENT_NATURAL_LEARNT,
+            ),
+            (
+                MonitorEventKind::ClockBack,
+                POSEWISE_MONITOR_EVENT_CLOCK_BACK,
+            ),
         ];
         assert_eq!(kinds.map(|(kind, _)| kind), MonitorEventKind::ALL);
         for (kind, number) in kinds {
             assert_eq!(kind as u32, number, "{kind:?}");
         }
         let presets = [
-            (Preset::General, POSEWISE_PRESET_GENERAL),
-            (Preset::EuroNcap, POSEWISE_PRESET_EURO_NCAP),
-            (Preset::AddwFast, POSEWISE_PRESET_EU_ADDW_FAST),
-            (Preset::AddwSlow, POSEWISE_PRESET_EU_ADDW_SLOW),
-            (Preset::Ddaw, POSEWISE_PRESET_EU_DDAW),
+            (Preset::General, POSEWISE_MONITOR_PRESET_GENERAL),
+            (Preset::EuroNcap, POSEWISE_MONITOR_PRESET_EURO_NCAP),
+            (Preset::EuAddwFast, POSEWISE_MONITOR_PRESET_EU_ADDW_FAST),
+            (Preset::EuAddwSlow, POSEWISE_MONITOR_PRESET_EU_ADDW_SLOW),
+            (Preset::EuDdaw, POSEWISE_MONITOR_PRESET_EU_DDAW),
         ];
         for (preset, number) in presets {
             assert_eq!(preset_from(number), Ok(preset));

@@ -15,94 +15,94 @@ pub const POSEWISE_MONITOR_FIXED_POSE: u32 = 1;
 pub const POSEWISE_MONITOR_CUT: u32 = 1;
 
 /// Euro NCAP's times, P80 of Wierwille 1994.
-pub const POSEWISE_PRESET_GENERAL: u32 = 0;
+pub const POSEWISE_MONITOR_PRESET_GENERAL: u32 = 0;
 /// Euro NCAP 2026, driver state monitoring.
-pub const POSEWISE_PRESET_EURO_NCAP: u32 = 1;
+pub const POSEWISE_MONITOR_PRESET_EURO_NCAP: u32 = 1;
 /// Reg. (EU) 2023/2590 above 50 km/h: 3.5 s.
-pub const POSEWISE_PRESET_EU_ADDW_FAST: u32 = 2;
+pub const POSEWISE_MONITOR_PRESET_EU_ADDW_FAST: u32 = 2;
 /// Reg. (EU) 2023/2590, 20..50 km/h: 6 s.
-pub const POSEWISE_PRESET_EU_ADDW_SLOW: u32 = 3;
+pub const POSEWISE_MONITOR_PRESET_EU_ADDW_SLOW: u32 = 3;
 /// Reg. (EU) 2021/1341; P80 of DOT HS 811 117.
-pub const POSEWISE_PRESET_EU_DDAW: u32 = 4;
+pub const POSEWISE_MONITOR_PRESET_EU_DDAW: u32 = 4;
 
 /// yaw min, max, pitch min, max \[deg\].
-pub const POSEWISE_ZONE_ANGLES: u32 = 0;
+pub const POSEWISE_MONITOR_ZONE_ANGLES: u32 = 0;
 /// min x, y, z, max x, y, z \[mm\].
-pub const POSEWISE_ZONE_BOX: u32 = 1;
+pub const POSEWISE_MONITOR_ZONE_BOX: u32 = 1;
 /// Centre, half side u, half side v \[mm\].
-pub const POSEWISE_ZONE_PLANE: u32 = 2;
+pub const POSEWISE_MONITOR_ZONE_PLANE: u32 = 2;
 /// Of a state: the direction meets no zone.
-pub const POSEWISE_ZONE_OUTSIDE: u32 = 254;
+pub const POSEWISE_MONITOR_ZONE_OUTSIDE: u32 = 254;
 /// Of a state: the direction is unknown.
-pub const POSEWISE_ZONE_UNKNOWN: u32 = 255;
+pub const POSEWISE_MONITOR_ZONE_UNKNOWN: u32 = 255;
 /// Flag of a zone: it is the road.
-pub const POSEWISE_ZONE_ROAD: u32 = 1;
+pub const POSEWISE_MONITOR_ZONE_ROAD: u32 = 1;
 
 /// Neither open nor closed.
-pub const POSEWISE_EYES_UNKNOWN: u32 = 0;
+pub const POSEWISE_MONITOR_EYES_UNKNOWN: u32 = 0;
 /// The eyes are open.
-pub const POSEWISE_EYES_OPEN: u32 = 1;
+pub const POSEWISE_MONITOR_EYES_OPEN: u32 = 1;
 /// The eyes are closed.
-pub const POSEWISE_EYES_CLOSED: u32 = 2;
+pub const POSEWISE_MONITOR_EYES_CLOSED: u32 = 2;
 
-/// The eyes are known.
-pub const POSEWISE_UNKNOWN_NOT: u32 = 0;
+/// None: the eyes are known.
+pub const POSEWISE_MONITOR_REASON_NONE: u32 = 0;
 /// No face is tracked.
-pub const POSEWISE_UNKNOWN_NO_FACE: u32 = 1;
+pub const POSEWISE_MONITOR_REASON_NO_FACE: u32 = 1;
 /// Confidence or pose is too uncertain.
-pub const POSEWISE_UNKNOWN_CONFIDENCE: u32 = 2;
+pub const POSEWISE_MONITOR_REASON_LOW_CONFIDENCE: u32 = 2;
 /// The head is turned away from the camera.
-pub const POSEWISE_UNKNOWN_TURNED: u32 = 3;
+pub const POSEWISE_MONITOR_REASON_TURNED: u32 = 3;
 /// Both eyes are hidden, or move too fast.
-pub const POSEWISE_UNKNOWN_HIDDEN: u32 = 4;
+pub const POSEWISE_MONITOR_REASON_HIDDEN: u32 = 4;
 
 /// Too little is known.
-pub const POSEWISE_LEVEL_UNKNOWN: u32 = 0;
+pub const POSEWISE_MONITOR_DROWSINESS_UNKNOWN: u32 = 0;
 /// P80 is below awake_share of its limits.
-pub const POSEWISE_LEVEL_AWAKE: u32 = 1;
+pub const POSEWISE_MONITOR_DROWSINESS_AWAKE: u32 = 1;
 /// Between awake and drowsy.
-pub const POSEWISE_LEVEL_QUESTIONABLE: u32 = 2;
+pub const POSEWISE_MONITOR_DROWSINESS_QUESTIONABLE: u32 = 2;
 /// P80 reached drowsy_p80_60 or _180.
-pub const POSEWISE_LEVEL_DROWSY: u32 = 3;
+pub const POSEWISE_MONITOR_DROWSINESS_DROWSY: u32 = 3;
 
 /// A closure up to long_closure_us ended.
-pub const POSEWISE_DRIVER_BLINK: u32 = 0;
+pub const POSEWISE_MONITOR_EVENT_BLINK: u32 = 0;
 /// Eyes closed for more than long_closure_us.
-pub const POSEWISE_DRIVER_LONG_CLOSURE: u32 = 1;
+pub const POSEWISE_MONITOR_EVENT_LONG_CLOSURE: u32 = 1;
 /// Eyes closed for microsleep_us.
-pub const POSEWISE_DRIVER_MICROSLEEP: u32 = 2;
+pub const POSEWISE_MONITOR_EVENT_MICROSLEEP: u32 = 2;
 /// Eyes closed for sleep_us.
-pub const POSEWISE_DRIVER_SLEEP: u32 = 3;
+pub const POSEWISE_MONITOR_EVENT_SLEEP: u32 = 3;
 /// Eyes closed for unresponsive_us.
-pub const POSEWISE_DRIVER_UNRESPONSIVE: u32 = 4;
-/// A closure of more than long_closure_us ended.
-pub const POSEWISE_DRIVER_CLOSURE_END: u32 = 5;
+pub const POSEWISE_MONITOR_EVENT_UNRESPONSIVE: u32 = 4;
+/// Eyes open after more than long_closure_us.
+pub const POSEWISE_MONITOR_EVENT_CLOSURE_END: u32 = 5;
 /// The mouth is open for yawn_us.
-pub const POSEWISE_DRIVER_YAWN: u32 = 6;
+pub const POSEWISE_MONITOR_EVENT_YAWN: u32 = 6;
 /// That yawn ended.
-pub const POSEWISE_DRIVER_YAWN_END: u32 = 7;
+pub const POSEWISE_MONITOR_EVENT_YAWN_END: u32 = 7;
 /// Head down and up, eyes closed; value: deg.
-pub const POSEWISE_DRIVER_NOD: u32 = 8;
+pub const POSEWISE_MONITOR_EVENT_NOD: u32 = 8;
 /// A glance away from the road ended.
-pub const POSEWISE_DRIVER_GLANCE: u32 = 9;
+pub const POSEWISE_MONITOR_EVENT_GLANCE: u32 = 9;
 /// A glance away takes long_glance_us.
-pub const POSEWISE_DRIVER_LONG_GLANCE: u32 = 10;
+pub const POSEWISE_MONITOR_EVENT_LONG_GLANCE: u32 = 10;
 /// cumulative_us of the last 30 s were away.
-pub const POSEWISE_DRIVER_CUMULATIVE: u32 = 11;
+pub const POSEWISE_MONITOR_EVENT_CUMULATIVE_GLANCE: u32 = 11;
 /// Drowsiness begins; value: P80 over 60 s.
-pub const POSEWISE_DRIVER_DROWSY: u32 = 12;
+pub const POSEWISE_MONITOR_EVENT_DROWSY: u32 = 12;
 /// Drowsiness ends; value: P80 over 60 s.
-pub const POSEWISE_DRIVER_DROWSY_END: u32 = 13;
+pub const POSEWISE_MONITOR_EVENT_DROWSY_END: u32 = 13;
 /// Eyes unknown for degraded_us.
-pub const POSEWISE_DRIVER_DEGRADED: u32 = 14;
+pub const POSEWISE_MONITOR_EVENT_DEGRADED: u32 = 14;
 /// Eyes are known again.
-pub const POSEWISE_DRIVER_RESTORED: u32 = 15;
+pub const POSEWISE_MONITOR_EVENT_RESTORED: u32 = 15;
 /// open_eye is final; value: mean of both.
-pub const POSEWISE_DRIVER_EYE_LEARNT: u32 = 16;
+pub const POSEWISE_MONITOR_EVENT_OPEN_EYE_LEARNT: u32 = 16;
 /// natural_deg is final; value: its yaw.
-pub const POSEWISE_DRIVER_POSE_LEARNT: u32 = 17;
+pub const POSEWISE_MONITOR_EVENT_NATURAL_LEARNT: u32 = 17;
 /// A timestamp was before the last one.
-pub const POSEWISE_DRIVER_CLOCK_BACK: u32 = 18;
+pub const POSEWISE_MONITOR_EVENT_CLOCK_BACK: u32 = 18;
 
 /// Settings of a driver monitor. A NULL pointer to this struct selects all defaults; 0 in a field
 /// selects that of the preset, of which the comments have the general one. Times are at most 71
@@ -115,7 +115,7 @@ pub struct posewise_monitor_config {
     /// 0 or POSEWISE_MONITOR_FIXED_POSE: forward_yaw_deg and forward_pitch_deg are exact, and no
     /// natural pose is learnt.
     pub flags: u32,
-    /// POSEWISE_PRESET_*: the default of every other field, and the zones.
+    /// POSEWISE_MONITOR_PRESET_*: the default of every other field, and the zones.
     pub preset: u32,
     /// How long an observation counts when no other follows, and how long what goes on survives
     /// unknown time \[us\], 100000..2000000. Default 300000, the gap that arbiters of driver
@@ -187,10 +187,10 @@ pub struct posewise_monitor_config {
 /// so the layout of arrays stays the same.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
-pub struct posewise_zone {
-    /// POSEWISE_ZONE_ANGLES, _BOX or _PLANE.
+pub struct posewise_monitor_zone {
+    /// POSEWISE_MONITOR_ZONE_ANGLES, _BOX or _PLANE.
     pub kind: u32,
-    /// 0 or POSEWISE_ZONE_ROAD. What is not the road is away from it.
+    /// 0 or POSEWISE_MONITOR_ZONE_ROAD. What is not the road is away from it.
     pub flags: u32,
     /// Time of a stay that does not count as away \[us\]; 0xFFFFFFFF: none of it does.
     pub grace_us: u32,
@@ -202,12 +202,12 @@ pub struct posewise_zone {
     pub numbers: [f32; 9],
 }
 
-/// What a driver monitor sees of one frame, from posewise_observe() or from elsewhere. Numbers that
-/// are not finite are unknown.
+/// What a driver monitor sees of one frame, from posewise_monitor_observe() or from elsewhere.
+/// Numbers that are not finite are unknown.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
-pub struct posewise_observation {
-    /// sizeof(posewise_observation).
+pub struct posewise_monitor_observation {
+    /// sizeof(posewise_monitor_observation).
     pub struct_size: u32,
     /// As in posewise_result. Only POSEWISE_TRACKING is a face that is observed.
     pub state: u32,
@@ -221,8 +221,8 @@ pub struct posewise_observation {
     /// As in posewise_result \[deg\].
     pub rotation_sigma_deg: [f32; 3],
     /// Distance of the lids in that of open ones, of the person's left and right eye, 0 shut .. 1
-    /// open, -1 unknown; posewise_observe computes it from posewise_result.eye_open and what the
-    /// gaze says of the eyes.
+    /// open, -1 unknown; posewise_monitor_observe() computes it from posewise_result.eye_open and
+    /// what the gaze says of the eyes.
     pub eye_open: [f32; 2],
     /// The animation weight jawOpen, 0..1; -1: unknown, because the mouth is hidden.
     pub jaw_open: f32,
@@ -235,7 +235,7 @@ pub struct posewise_observation {
 /// Measures of eye closure over a window of whole seconds. This struct never grows.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
-pub struct posewise_perclos {
+pub struct posewise_monitor_perclos {
     /// Shares of the known time with eyes closed by at least 70 and 80 %, 0..1.
     pub p70: f32,
     pub p80: f32,
@@ -254,12 +254,12 @@ pub struct posewise_perclos {
 pub struct posewise_monitor_state {
     /// sizeof(posewise_monitor_state), set by the caller.
     pub struct_size: u32,
-    /// POSEWISE_EYES_*.
+    /// POSEWISE_MONITOR_EYES_*.
     pub eyes: u32,
     /// Timestamp of the last observation \[us\]; 0 before the first.
     pub timestamp_us: i64,
-    /// POSEWISE_UNKNOWN_*: why the eyes are unknown.
-    pub eyes_unknown: u32,
+    /// POSEWISE_MONITOR_REASON_*: why the eyes are unknown, _NONE where they are known.
+    pub eyes_reason: u32,
     /// Both eyes, relative to this person's open ones: 0 shut .. 1 open, -1 unknown.
     pub openness: f32,
     /// Known closed time of the closure that goes on \[us\].
@@ -270,7 +270,7 @@ pub struct posewise_monitor_state {
     pub nods: u32,
     /// Known time for which the mouth is open as in a yawn \[us\].
     pub mouth_open_us: u32,
-    /// Index of the zone, POSEWISE_ZONE_OUTSIDE or POSEWISE_ZONE_UNKNOWN.
+    /// Index of the zone, POSEWISE_MONITOR_ZONE_OUTSIDE or POSEWISE_MONITOR_ZONE_UNKNOWN.
     pub zone: u32,
     /// Time there \[us\].
     pub zone_us: u32,
@@ -285,11 +285,12 @@ pub struct posewise_monitor_state {
     pub from_road_deg: [f32; 2],
     /// The natural pose: yaw and pitch from forward_yaw_deg and forward_pitch_deg \[deg\].
     pub natural_deg: [f32; 2],
-    /// posewise_observation.eye_open of this person's open left and right eye; 1 until it is final.
+    /// posewise_monitor_observation.eye_open of this person's open left and right eye; 1 until it
+    /// is final.
     pub open_eye: [f32; 2],
     /// 1: open_eye is final, after half a minute of known eyes while alert.
     pub open_eye_is_final: u32,
-    /// POSEWISE_LEVEL_*.
+    /// POSEWISE_MONITOR_DROWSINESS_*.
     pub drowsiness: u32,
     /// 1: the eyes have been unknown for degraded_us.
     pub degraded: u32,
@@ -299,8 +300,8 @@ pub struct posewise_monitor_state {
     pub zones_us: [i64; 8],
     /// Measures over the last 60 and 180 whole seconds since the first observation. They change
     /// once a second.
-    pub perclos_60: posewise_perclos,
-    pub perclos_180: posewise_perclos,
+    pub perclos_60: posewise_monitor_perclos,
+    pub perclos_180: posewise_monitor_perclos,
 }
 
 /// An event of posewise_monitor_events(). This struct never grows, so the layout of arrays stays
@@ -317,9 +318,9 @@ pub struct posewise_monitor_event {
     /// Known duration of it so far \[us\], without what was unknown in between, and without the
     /// jump of a clock that was set back. At most 0xFFFFFFFF, 71 minutes.
     pub duration_us: u32,
-    /// POSEWISE_DRIVER_*.
+    /// POSEWISE_MONITOR_EVENT_*.
     pub kind: u32,
-    /// Zone of a glance, else POSEWISE_ZONE_UNKNOWN.
+    /// Zone of a glance, else POSEWISE_MONITOR_ZONE_UNKNOWN.
     pub zone: u32,
     /// 0 or POSEWISE_MONITOR_CUT: it could no longer be seen, and took at least duration_us.
     pub flags: u32,
@@ -344,17 +345,17 @@ assert_no_padding!(posewise_monitor_config: struct_size: u32, flags: u32, preset
     forward_yaw_deg: f32, forward_pitch_deg: f32, natural_yaw_deg: f32, natural_pitch_deg: f32,
     zone_margin_deg: f32, long_glance_us: u32, cumulative_us: u32, return_us: u32, clear_us: u32,
     degraded_us: u32);
-assert_no_padding!(posewise_zone: kind: u32, flags: u32, grace_us: u32, numbers: [f32; 9]);
-assert_no_padding!(posewise_observation: struct_size: u32, state: u32, confidence: f32,
+assert_no_padding!(posewise_monitor_zone: kind: u32, flags: u32, grace_us: u32, numbers: [f32; 9]);
+assert_no_padding!(posewise_monitor_observation: struct_size: u32, state: u32, confidence: f32,
     yaw_deg: f32, pitch_deg: f32, translation_mm: [f32; 3], rotation_sigma_deg: [f32; 3],
     eye_open: [f32; 2], jaw_open: f32, camera_assumed: u32);
-assert_no_padding!(posewise_perclos: p70: f32, p80: f32, em: f32, known: f32, closures: u32,
+assert_no_padding!(posewise_monitor_perclos: p70: f32, p80: f32, em: f32, known: f32, closures: u32,
     mean_closure_us: u32);
 assert_no_padding!(posewise_monitor_state: struct_size: u32, eyes: u32, timestamp_us: i64,
-    eyes_unknown: u32, openness: f32, closure_us: u32, blinks: u32, yawns: u32, nods: u32,
+    eyes_reason: u32, openness: f32, closure_us: u32, blinks: u32, yawns: u32, nods: u32,
     mouth_open_us: u32, zone: u32, zone_us: u32, away_us: u32, away_30_us: u32,
     natural_is_final: u32, from_road_deg: [f32; 2], natural_deg: [f32; 2], open_eye: [f32; 2],
     open_eye_is_final: u32, drowsiness: u32, degraded: u32, reserved: u32, zones_us: [i64; 8],
-    perclos_60: posewise_perclos, perclos_180: posewise_perclos);
+    perclos_60: posewise_monitor_perclos, perclos_180: posewise_monitor_perclos);
 assert_no_padding!(posewise_monitor_event: timestamp_us: i64, start_us: i64, duration_us: u32,
     kind: u32, zone: u32, flags: u32, value: f32, reserved: u32);

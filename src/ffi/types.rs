@@ -16,8 +16,10 @@ pub const POSEWISE_ALIGN: u32 = 64;
 pub const POSEWISE_MEMORY_SIZE: u32 = 176 * 1024;
 /// Landmarks, iBUG 68 scheme.
 pub const POSEWISE_LANDMARKS: u32 = 68;
-/// Weights, named by posewise_animation_name().
+/// Weights, POSEWISE_ANIMATION_*.
 pub const POSEWISE_ANIMATIONS: u32 = 24;
+/// Weights of a gaze, POSEWISE_EYE_LOOK_*.
+pub const POSEWISE_EYE_LOOKS: u32 = 8;
 /// Most boxes of posewise_set_excluded().
 pub const POSEWISE_EXCLUDED: u32 = 16;
 
@@ -88,7 +90,7 @@ pub const POSEWISE_E_MONITOR: i32 = -26;
 /// A setting of the monitor is out of range.
 pub const POSEWISE_E_MONITOR_CONFIG: i32 = -27;
 /// Zones: too many, or not those of their kind.
-pub const POSEWISE_E_ZONES: i32 = -28;
+pub const POSEWISE_E_MONITOR_ZONES: i32 = -28;
 
 /// Part: networks that see closer crops.
 pub const POSEWISE_PART_REFINERS: u32 = 1;
@@ -187,6 +189,13 @@ pub const POSEWISE_EYE_SHUT: u32 = 8;
 /// What was found is too uncertain.
 pub const POSEWISE_EYE_UNCERTAIN: u32 = 9;
 
+/// The eyes are not looked at.
+pub const POSEWISE_GAZE_OFF: u32 = 0;
+/// Lids, iris, gaze and glasses.
+pub const POSEWISE_GAZE_ON: u32 = 1;
+/// The same, less part of the mean gaze.
+pub const POSEWISE_GAZE_NATURAL: u32 = 2;
+
 /// No distortion; coefficients are 0.
 pub const POSEWISE_LENS_PINHOLE: u32 = 0;
 /// k1, k2, p1, p2, k3 as in OpenCV.
@@ -279,10 +288,11 @@ pub struct posewise_config {
     pub smoothing_beta: f32,
     /// The lens of the camera; other than POSEWISE_LENS_PINHOLE only with intrinsics.
     pub lens: posewise_lens,
-    /// 1: look at the eyes of the tracked face, which fills eye_open_probability to eye_look of
-    /// posewise_result. It takes more time: a network for each eye. 0: those fields stay 0.
-    /// 2: the same for a person who looks straight ahead most of the time, as a driver does: part
-    /// of the mean of the gaze in the head frame is taken off it, at most 8 degrees.
+    /// POSEWISE_GAZE_ON: look at the eyes of the tracked face, which fills eye_open_probability to
+    /// eye_look of posewise_result. It takes more time: a network for each eye. _OFF: those fields
+    /// stay 0. _NATURAL: as _ON, for a person who looks straight ahead most of the time, as a
+    /// driver does: part of the mean of the gaze in the head frame is taken off it, at most 8
+    /// degrees.
     pub gaze: u32,
 }
 
@@ -375,20 +385,20 @@ pub struct posewise_result {
     /// Standard deviations of translation_mm \[mm\], estimated likewise. At most 100000.
     pub translation_sigma_mm: [f32; 3],
     /// Calibrated probability that the person's left and right eye is open, 0..1, by a network
-    /// that sees one eye at a time; -1 where eye_unknown has another reason than
+    /// that sees one eye at a time; -1 where eye_status is neither POSEWISE_EYE_KNOWN nor
     /// POSEWISE_EYE_UNCERTAIN. This and all below is 0 unless state is POSEWISE_TRACKING and
     /// posewise_config has gaze, and with a model without that network.
     pub eye_open_probability: [f32; 2],
-    /// POSEWISE_EYE_*: why the lids of the left and right eye are unknown, or
-    /// POSEWISE_EYE_KNOWN. With POSEWISE_EYE_UNCERTAIN there is a probability.
-    pub eye_unknown: [u32; 2],
+    /// POSEWISE_EYE_KNOWN where the lids of the left and right eye are known, else why they are
+    /// not. With POSEWISE_EYE_UNCERTAIN there is a probability.
+    pub eye_status: [u32; 2],
     /// Middle of the iris \[px of the upright image\]: x, y; that of the landmarks of the eye where
     /// its gaze is unknown.
     pub iris_left: [f32; 2],
     pub iris_right: [f32; 2],
-    /// POSEWISE_EYE_*: why the gaze of the left eye, the right eye and both together is unknown, or
-    /// POSEWISE_EYE_KNOWN. The numbers below are 0 where it is unknown.
-    pub gaze_unknown: [u32; 3],
+    /// POSEWISE_EYE_KNOWN where the gaze of the left eye, the right eye and both together is known,
+    /// else why it is not. The numbers below are 0 where it is unknown.
+    pub gaze_status: [u32; 3],
     /// Standard deviations of these gazes along each axis across them \[deg\].
     pub gaze_sigma_deg: [f32; 3],
     /// Unit directions in which the left eye, the right eye and both together look, camera frame.
@@ -401,8 +411,7 @@ pub struct posewise_result {
     pub glasses: f32,
     /// Probability that these are dark, 0..1; -1 where neither eye is seen.
     pub dark_glasses: f32,
-    /// ARKit's weights of the gaze, 0..1: eyeLookUpLeft, UpRight, DownLeft, DownRight, InLeft,
-    /// InRight, OutLeft, OutRight; 0 where it is unknown.
+    /// ARKit's weights of the gaze, POSEWISE_EYE_LOOK_*, 0..1; 0 where it is unknown.
     pub eye_look: [f32; 8],
     /// Facing: the rotation relative to the line from the face to the camera \[deg\]. All 0: the
     /// face looks into the lens, wherever in the picture it is. Signs and ranges as of yaw_deg,
@@ -547,8 +556,8 @@ assert_no_padding!(posewise_result: struct_size: u32, state: u32, timestamp_us: 
     landmark_count: u32, confidence: f32, face_box: [f32; 4], rotation: [f32; 4], yaw_deg: f32,
     pitch_deg: f32, roll_deg: f32, translation_mm: [f32; 3], eye_open: [f32; 2],
     loss: u32, visible_share: f32, rotation_sigma_deg: [f32; 3], translation_sigma_mm: [f32; 3],
-    eye_open_probability: [f32; 2], eye_unknown: [u32; 2], iris_left: [f32; 2],
-    iris_right: [f32; 2], gaze_unknown: [u32; 3], gaze_sigma_deg: [f32; 3], gaze_left: [f32; 3],
+    eye_open_probability: [f32; 2], eye_status: [u32; 2], iris_left: [f32; 2],
+    iris_right: [f32; 2], gaze_status: [u32; 3], gaze_sigma_deg: [f32; 3], gaze_left: [f32; 3],
     gaze_right: [f32; 3], gaze: [f32; 3], gaze_head: [f32; 3], glasses: f32, dark_glasses: f32,
     eye_look: [f32; 8], facing_yaw_deg: f32, facing_pitch_deg: f32, facing_roll_deg: f32,
     facing_sigma_deg: [f32; 3], focal_px: f32, camera_assumed: u32);

@@ -323,7 +323,7 @@ impl Monitor {
                 (_, true) => EyeState::Closed,
                 (_, false) => EyeState::Open,
             },
-            eyes_unknown: reading.unknown,
+            eyes_reason: reading.reason,
             openness: reading.openness.unwrap_or(-1.0),
             closure_us: self.closures.closed_us,
             perclos_60,
@@ -339,11 +339,11 @@ impl Monitor {
             zones_us: self.glances.zones_us,
             from_road_deg: (self.direction).map_or([0.0; 2], |at| [at.yaw_deg, at.pitch_deg]),
             natural_deg: self.natural.offset_deg(),
-            is_natural_final: self.natural.is_final(&self.config),
+            natural_is_final: self.natural.is_final(&self.config),
             open_eye: self.baseline.open_eye(),
-            is_open_eye_final: self.baseline.is_final(),
+            open_eye_is_final: self.baseline.is_final(),
             drowsiness: self.drowsiness,
-            is_degraded: self.sight.is_degraded,
+            degraded: self.sight.is_degraded,
         }
     }
 }

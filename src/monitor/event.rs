@@ -73,7 +73,7 @@ impl MonitorEventKind {
         MonitorEventKind::ClockBack,
     ];
 
-    /// A short name in lower case, as `long-closure`.
+    /// Its name in every table and language, as `long-closure`.
     pub const fn name(self) -> &'static str {
         match self {
             MonitorEventKind::Blink => "blink",

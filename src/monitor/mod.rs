@@ -45,5 +45,5 @@ pub use observation::Observation;
 #[cfg(feature = "unstable-internals")]
 pub use observation::fused_openness;
 pub use preset::Preset;
-pub use state::{Drowsiness, EyeState, MonitorState, Perclos, Unknown};
+pub use state::{Drowsiness, EyeState, MonitorState, Perclos, UnknownReason};
 pub use zone::{MAX_ZONES, Zone, ZoneShape, ZoneState};

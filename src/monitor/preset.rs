@@ -19,13 +19,13 @@ pub enum Preset {
     EuroNcap,
     /// Regulation (EU) 2023/2590 (ADDW) above 50 km/h: gaze in area 3, below a plane 30° down, for
     /// more than 3.5 s. Only that area counts as away from the road.
-    AddwFast,
+    EuAddwFast,
     /// The same from 20 to 50 km/h: 6 s.
-    AddwSlow,
+    EuAddwSlow,
     /// Regulation (EU) 2021/1341 (DDAW), whose measure is a sleepiness of 8 on the Karolinska
     /// scale. It names no P80: 12 % over 60 s and over 180 s are the warning level of the field
     /// test of NHTSA and VTTI (DOT HS 811 117).
-    Ddaw,
+    EuDdaw,
 }
 
 impl Preset {
@@ -33,19 +33,19 @@ impl Preset {
     pub const ALL: [Preset; 5] = [
         Preset::General,
         Preset::EuroNcap,
-        Preset::AddwFast,
-        Preset::AddwSlow,
-        Preset::Ddaw,
+        Preset::EuAddwFast,
+        Preset::EuAddwSlow,
+        Preset::EuDdaw,
     ];
 
-    /// A short name in lower case, as `euro-ncap`.
+    /// Its name in every table and language, as `euro-ncap`.
     pub const fn name(self) -> &'static str {
         match self {
             Preset::General => "general",
             Preset::EuroNcap => "euro-ncap",
-            Preset::AddwFast => "eu-addw-fast",
-            Preset::AddwSlow => "eu-addw-slow",
-            Preset::Ddaw => "eu-ddaw",
+            Preset::EuAddwFast => "eu-addw-fast",
+            Preset::EuAddwSlow => "eu-addw-slow",
+            Preset::EuDdaw => "eu-ddaw",
         }
     }
 
@@ -53,15 +53,15 @@ impl Preset {
     pub const fn config(self) -> MonitorConfig {
         match self {
             Preset::General | Preset::EuroNcap => GENERAL,
-            Preset::AddwFast => MonitorConfig {
+            Preset::EuAddwFast => MonitorConfig {
                 long_glance_us: 3_500_000,
                 ..GENERAL
             },
-            Preset::AddwSlow => MonitorConfig {
+            Preset::EuAddwSlow => MonitorConfig {
                 long_glance_us: 6_000_000,
                 ..GENERAL
             },
-            Preset::Ddaw => MonitorConfig {
+            Preset::EuDdaw => MonitorConfig {
                 drowsy_p80_60: 0.12,
                 ..GENERAL
             },
@@ -71,7 +71,7 @@ impl Preset {
     /// Its zones, relative to the direction of the road; the same for both sides of the car.
     pub const fn zones(self) -> &'static [Zone] {
         match self {
-            Preset::AddwFast | Preset::AddwSlow => &ADDW,
+            Preset::EuAddwFast | Preset::EuAddwSlow => &ADDW,
             _ => &ZONES,
         }
     }

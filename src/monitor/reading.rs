@@ -3,7 +3,7 @@
 use super::config::MonitorConfig;
 use super::natural::is_learnt;
 use super::observation::Observation;
-use super::state::Unknown;
+use super::state::UnknownReason;
 use crate::math::{HeadAngles, towards};
 use crate::shape::{FARTHEST_MM, Pose};
 use crate::track::State;
@@ -23,8 +23,8 @@ const TURNED_MARGIN_DEG: f32 = 3.0;
 pub(super) struct Reading {
     /// Openness of both eyes together, relative to this person's open eyes.
     pub(super) openness: Option<f32>,
-    /// Why it is unknown.
-    pub(super) unknown: Unknown,
+    /// Why it is unknown, if it is.
+    pub(super) reason: Option<UnknownReason>,
     /// Openness of each eye, as the tracker reports it; for a known openness.
     pub(super) eyes: [Option<f32>; 2],
     /// Openness of the jaw.
@@ -75,7 +75,7 @@ impl Reading {
     /// Nothing is known.
     pub(super) const NONE: Reading = Reading {
         openness: None,
-        unknown: Unknown::NoFace,
+        reason: Some(UnknownReason::NoFace),
         eyes: [None; 2],
         jaw: None,
         pose: None,
@@ -87,28 +87,28 @@ impl Reading {
         open_eye: [f32; 2],
         config: &MonitorConfig,
     ) -> Reading {
-        let unknown = |unknown| Reading {
-            unknown,
+        let unknown = |reason| Reading {
+            reason: Some(reason),
             ..Reading::NONE
         };
         if seen.state != State::Tracking {
-            return unknown(Unknown::NoFace);
+            return unknown(UnknownReason::NoFace);
         }
         let Some(pose) = known_pose(seen, config) else {
-            return unknown(Unknown::LowConfidence);
+            return unknown(UnknownReason::LowConfidence);
         };
         let reading = Reading {
             pose: Some(pose),
             ..Reading::NONE
         };
         let [yaw, pitch] = pose.facing_deg;
-        let margin = match last.unknown {
-            Unknown::Turned => TURNED_MARGIN_DEG,
+        let margin = match last.reason {
+            Some(UnknownReason::Turned) => TURNED_MARGIN_DEG,
             _ => 0.0,
         };
         if yaw.abs() > config.eye_yaw_deg - margin || pitch.abs() > config.eye_pitch_deg - margin {
             return Reading {
-                unknown: Unknown::Turned,
+                reason: Some(UnknownReason::Turned),
                 ..reading
             };
         }
@@ -117,9 +117,9 @@ impl Reading {
         let openness = fuse(eyes, open_eye);
         Reading {
             openness,
-            unknown: match openness {
-                Some(_) => Unknown::Known,
-                None => Unknown::Hidden,
+            reason: match openness {
+                Some(_) => None,
+                None => Some(UnknownReason::Hidden),
             },
             eyes,
             jaw: Some(seen.jaw_open).filter(is_share),

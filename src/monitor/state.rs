@@ -5,7 +5,7 @@ use super::zone::{MAX_ZONES, ZoneState};
 /// What the eyes do.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum EyeState {
-    /// It is not known; [`MonitorState::eyes_unknown`] has the reason.
+    /// It is not known; [`MonitorState::eyes_reason`] has the reason.
     #[default]
     Unknown,
     /// Open.
@@ -14,12 +14,21 @@ pub enum EyeState {
     Closed,
 }
 
+impl EyeState {
+    /// Its name in every table, as `open`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            EyeState::Unknown => "unknown",
+            EyeState::Open => "open",
+            EyeState::Closed => "closed",
+        }
+    }
+}
+
 /// Why the eyes are unknown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum Unknown {
-    /// They are known.
-    Known,
+pub enum UnknownReason {
     /// No face is tracked, or nothing was observed yet.
     #[default]
     NoFace,
@@ -29,6 +38,23 @@ pub enum Unknown {
     Turned,
     /// The tracker sees neither eye: hidden, or moving too fast.
     Hidden,
+}
+
+impl UnknownReason {
+    /// Its name in every table, as `no-face`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            UnknownReason::NoFace => "no-face",
+            UnknownReason::LowConfidence => "low-confidence",
+            UnknownReason::Turned => "turned",
+            UnknownReason::Hidden => "hidden",
+        }
+    }
+
+    /// `none` where the eyes are known, else the name of the reason.
+    pub fn name_of(reason: Option<UnknownReason>) -> &'static str {
+        reason.map_or("none", UnknownReason::name)
+    }
 }
 
 /// How sleepy the driver is, by P80.
@@ -43,6 +69,18 @@ pub enum Drowsiness {
     Questionable,
     /// A P80 has reached its threshold.
     Drowsy,
+}
+
+impl Drowsiness {
+    /// Its name in every table, as `awake`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Drowsiness::Unknown => "unknown",
+            Drowsiness::Awake => "awake",
+            Drowsiness::Questionable => "questionable",
+            Drowsiness::Drowsy => "drowsy",
+        }
+    }
 }
 
 /// Measures of eye closure over a window of whole seconds.
@@ -71,8 +109,8 @@ pub struct MonitorState {
     pub timestamp_us: i64,
     /// What the eyes do.
     pub eyes: EyeState,
-    /// Why they are unknown.
-    pub eyes_unknown: Unknown,
+    /// Why they are unknown, if they are.
+    pub eyes_reason: Option<UnknownReason>,
     /// Openness relative to this person's open eyes, both eyes together: 0 shut, 1 open, −1
     /// unknown.
     pub openness: f32,
@@ -105,13 +143,13 @@ pub struct MonitorState {
     /// Learnt offset of the natural pose in yaw and pitch \[deg\] from the configured road.
     pub natural_deg: [f32; 2],
     /// Whether it is final. Until a first estimate, after ten seconds, zones are unknown.
-    pub is_natural_final: bool,
+    pub natural_is_final: bool,
     /// Openness of this person's open left and right eye, as the tracker reports it.
     pub open_eye: [f32; 2],
     /// Whether it is learnt, and so frozen; before, it is 1.
-    pub is_open_eye_final: bool,
+    pub open_eye_is_final: bool,
     /// How sleepy the driver is.
     pub drowsiness: Drowsiness,
     /// Eyes have been unknown for longer than [`super::MonitorConfig::degraded_us`].
-    pub is_degraded: bool,
+    pub degraded: bool,
 }

@@ -99,6 +99,18 @@ static void test_constants(void) {
         CHECK(posewise_animation_name(i) != NULL && strlen(posewise_animation_name(i)) > 3);
     CHECK(posewise_animation_name(POSEWISE_ANIMATIONS) == NULL);
     CHECK(posewise_animation_name(UINT32_MAX) == NULL);
+    CHECK(strcmp(posewise_animation_name(POSEWISE_ANIMATION_JAW_OPEN), "jawOpen") == 0);
+    CHECK(strcmp(posewise_eye_look_name(POSEWISE_EYE_LOOK_IN_RIGHT), "eyeLookInRight") == 0);
+    CHECK(posewise_eye_look_name(POSEWISE_EYE_LOOKS) == NULL);
+    CHECK(strcmp(posewise_state_name(POSEWISE_COASTING), "coasting") == 0);
+    CHECK(strcmp(posewise_loss_name(POSEWISE_LOSS_LOW_CONFIDENCE), "low-confidence") == 0);
+    CHECK(strcmp(posewise_event_name(POSEWISE_EVENT_FILTER_OFF), "filter-off") == 0);
+    CHECK(strcmp(posewise_eye_status_name(POSEWISE_EYE_KNOWN), "known") == 0);
+    CHECK(strcmp(posewise_eye_status_name(POSEWISE_EYE_DARK_GLASSES), "dark-glasses") == 0);
+    CHECK(posewise_state_name(POSEWISE_COASTING + 1) == NULL);
+    CHECK(posewise_loss_name(UINT32_MAX) == NULL);
+    CHECK(posewise_event_name(POSEWISE_EVENT_FORGOTTEN + 1) == NULL);
+    CHECK(posewise_eye_status_name(POSEWISE_EYE_UNCERTAIN + 1) == NULL);
 }
 
 static void test_default_model(void) {
@@ -148,7 +160,7 @@ static void test_config(void) {
     c = zero, c.struct_size = sizeof c + 8, config_rejected(&c);
     config_rejected((const posewise_config *)(const void *)((const char *)pair + 2));
     c = zero, c.flags = 1, config_rejected(&c);
-    c = zero, c.gaze = 3, config_rejected(&c);
+    c = zero, c.gaze = POSEWISE_GAZE_NATURAL + 1, config_rejected(&c);
     c = zero, c.min_face_px = 23, config_rejected(&c);
     c = zero, c.min_face_px = 4097, config_rejected(&c);
     c = zero, c.scan_budget = 99, config_rejected(&c);

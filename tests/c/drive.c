@@ -39,8 +39,8 @@ static int64_t act_length(uint32_t act) {
     }
 }
 
-static posewise_observation seen_in(uint32_t act) {
-    posewise_observation o = POSEWISE_OBSERVATION_INIT;
+static posewise_monitor_observation seen_in(uint32_t act) {
+    posewise_monitor_observation o = POSEWISE_MONITOR_OBSERVATION_INIT;
     const float open = act == SHUTS ? 0 : act == DROOPS ? 0.375f : 0.8125f;
     o.state = act == IS_LOST ? POSEWISE_SEARCHING : POSEWISE_TRACKING;
     o.confidence = act == IS_UNSURE ? 0.25f : 0.9375f;
@@ -69,7 +69,7 @@ int main(int argc, char **argv) {
     int64_t now = 0, act_ends = 0;
     uint32_t act = DRIVES;
     while (status == POSEWISE_OK && now < length_us) {
-        posewise_observation seen;
+        posewise_monitor_observation seen;
         size_t count = 0, overwritten = 0;
         if (now >= act_ends) {
             act = act == DRIVES ? below(ACTS) : DRIVES;
@@ -81,7 +81,7 @@ int main(int argc, char **argv) {
             status = posewise_monitor_events(monitor, events, POSEWISE_MONITOR_EVENTS, &count,
                                              &overwritten);
         if (status == POSEWISE_OK)
-            status = posewise_monitor_get_state(monitor, &state);
+            status = posewise_monitor_read(monitor, &state);
         hash_bytes(&state, sizeof state);
         hash_bytes(events, count * sizeof *events);
         steps++;

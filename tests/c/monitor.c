@@ -18,8 +18,8 @@ static posewise_monitor *init(guarded memory, const posewise_monitor_config *con
 }
 
 /* Eyes and yaw of a face that is tracked. */
-static posewise_observation face(float eyes, float yaw_deg) {
-    posewise_observation o = POSEWISE_OBSERVATION_INIT;
+static posewise_monitor_observation face(float eyes, float yaw_deg) {
+    posewise_monitor_observation o = POSEWISE_MONITOR_OBSERVATION_INIT;
     o.state = POSEWISE_TRACKING;
     o.confidence = 1;
     o.yaw_deg = yaw_deg;
@@ -30,7 +30,7 @@ static posewise_observation face(float eyes, float yaw_deg) {
 
 static posewise_monitor_state state_of(const posewise_monitor *m) {
     posewise_monitor_state s = POSEWISE_MONITOR_STATE_INIT;
-    CHECK_STATUS(posewise_monitor_get_state(m, &s), POSEWISE_OK);
+    CHECK_STATUS(posewise_monitor_read(m, &s), POSEWISE_OK);
     CHECK(s.struct_size == sizeof s && s.reserved == 0);
     return s;
 }
@@ -39,9 +39,10 @@ static void test_sizes(void) {
     const size_t need = posewise_monitor_memory_size(NULL);
     uint32_t kind;
     CHECK(need > 0 && need <= POSEWISE_MONITOR_SIZE && need % POSEWISE_ALIGN == 0);
-    for (kind = 0; kind <= POSEWISE_DRIVER_CLOCK_BACK; kind++)
+    for (kind = 0; kind <= POSEWISE_MONITOR_EVENT_CLOCK_BACK; kind++)
         CHECK(strlen(posewise_monitor_event_name(kind)) > 2);
-    CHECK(strcmp(posewise_monitor_event_name(POSEWISE_DRIVER_LONG_GLANCE), "long-glance") == 0);
+    CHECK(strcmp(posewise_monitor_event_name(POSEWISE_MONITOR_EVENT_LONG_GLANCE),
+                 "long-glance") == 0);
     CHECK(posewise_monitor_event_name(kind) == NULL);
     CHECK(posewise_monitor_event_name(UINT32_MAX) == NULL);
 }
@@ -60,13 +61,13 @@ static void test_config(void) {
     posewise_monitor_config c = zero, pair[2];
     uint32_t preset;
     memset(pair, 0, sizeof pair);
-    for (preset = 0; preset <= POSEWISE_PRESET_EU_DDAW; preset++) {
+    for (preset = 0; preset <= POSEWISE_MONITOR_PRESET_EU_DDAW; preset++) {
         c = zero;
         CHECK_STATUS(posewise_monitor_config_default(preset, &c), POSEWISE_OK);
         CHECK(c.preset == preset && c.sleep_us == 3000000 && c.struct_size == sizeof c);
         CHECK(posewise_monitor_memory_size(&c) == posewise_monitor_memory_size(NULL));
-        CHECK((c.long_glance_us == 3500000) == (preset == POSEWISE_PRESET_EU_ADDW_FAST));
-        CHECK((c.long_glance_us == 6000000) == (preset == POSEWISE_PRESET_EU_ADDW_SLOW));
+        CHECK((c.long_glance_us == 3500000) == (preset == POSEWISE_MONITOR_PRESET_EU_ADDW_FAST));
+        CHECK((c.long_glance_us == 6000000) == (preset == POSEWISE_MONITOR_PRESET_EU_ADDW_SLOW));
     }
     c = zero;
     CHECK_STATUS(posewise_monitor_config_default(preset, &c), POSEWISE_E_MONITOR_CONFIG);
@@ -118,12 +119,12 @@ static void test_init(void) {
 
 /* Every function with a pointer that is not to a monitor. */
 static void no_monitor(posewise_monitor *m) {
-    const posewise_observation o = face(1, 0);
+    const posewise_monitor_observation o = face(1, 0);
     posewise_monitor_state s = POSEWISE_MONITOR_STATE_INIT;
     posewise_monitor_event event;
     size_t count = 7, lost = 7;
     CHECK_STATUS(posewise_monitor_update(m, &o, 1), POSEWISE_E_ARG);
-    CHECK_STATUS(posewise_monitor_get_state(m, &s), POSEWISE_E_ARG);
+    CHECK_STATUS(posewise_monitor_read(m, &s), POSEWISE_E_ARG);
     CHECK_STATUS(posewise_monitor_events(m, &event, 1, &count, &lost), POSEWISE_E_ARG);
     CHECK_STATUS(posewise_monitor_set_zones(m, NULL, 0), POSEWISE_E_ARG);
     CHECK_STATUS(posewise_monitor_forget_driver(m), POSEWISE_E_ARG);
@@ -133,7 +134,7 @@ static void no_monitor(posewise_monitor *m) {
 static void test_no_monitor(const guarded *model) {
     static const uint8_t fills[] = {0x00, 0xFF, 0xA5};
     posewise_tracker *t;
-    posewise_observation o = POSEWISE_OBSERVATION_INIT;
+    posewise_monitor_observation o = POSEWISE_MONITOR_OBSERVATION_INIT;
     guarded memory;
     size_t i;
     for (i = 0; i < sizeof fills; i++) {
@@ -148,7 +149,7 @@ static void test_no_monitor(const guarded *model) {
     no_monitor((posewise_monitor *)(void *)(memory.start + 1));
     no_monitor((posewise_monitor *)(void *)(memory.start + 64));
     /* A monitor is no tracker, and a tracker no monitor. */
-    CHECK_STATUS(posewise_observe((posewise_tracker *)(void *)memory.start, &o),
+    CHECK_STATUS(posewise_monitor_observe((posewise_tracker *)(void *)memory.start, &o),
                  POSEWISE_E_TRACKER);
     guarded_free(memory);
     memory = guarded_new(posewise_memory_size(NULL), 0);
@@ -161,21 +162,22 @@ static void test_no_monitor(const guarded *model) {
 static void test_pointers(void) {
     guarded memory = monitor_memory(0);
     posewise_monitor *m = init(memory, NULL);
-    posewise_observation o = face(1, 0), pair[2];
+    posewise_monitor_observation o = face(1, 0), pair[2];
     posewise_monitor_state s = POSEWISE_MONITOR_STATE_INIT;
     posewise_monitor_event e[4];
     size_t count = 7, lost = 7;
     void *const inside = memory.start + 128;
     memset(pair, 0, sizeof pair);
     CHECK_STATUS(posewise_monitor_update(m, NULL, 1), POSEWISE_E_NULL);
-    CHECK_STATUS(posewise_monitor_update(m, (posewise_observation *)(void *)((char *)pair + 2), 1),
+    CHECK_STATUS(posewise_monitor_update(
+                     m, (posewise_monitor_observation *)(void *)((char *)pair + 2), 1),
                  POSEWISE_E_POINTER_ALIGN);
     CHECK_STATUS(posewise_monitor_update(m, pair, 1), POSEWISE_E_STRUCT_SIZE);
     CHECK_STATUS(posewise_monitor_update(m, &o, 1), POSEWISE_OK);
     CHECK_STATUS(posewise_monitor_update(m, &o, 1), POSEWISE_E_TIME);
-    CHECK_STATUS(posewise_monitor_get_state(m, NULL), POSEWISE_E_NULL);
+    CHECK_STATUS(posewise_monitor_read(m, NULL), POSEWISE_E_NULL);
     s.struct_size = 0;
-    CHECK_STATUS(posewise_monitor_get_state(m, &s), POSEWISE_E_STRUCT_SIZE);
+    CHECK_STATUS(posewise_monitor_read(m, &s), POSEWISE_E_STRUCT_SIZE);
     CHECK_STATUS(posewise_monitor_events(m, NULL, 3, &count, &lost), POSEWISE_E_NULL);
     CHECK_STATUS(posewise_monitor_events(m, e, 3, NULL, &lost), POSEWISE_E_NULL);
     CHECK_STATUS(posewise_monitor_events(m, e, 3, &count, NULL), POSEWISE_E_NULL);
@@ -190,7 +192,7 @@ static void test_pointers(void) {
         posewise_monitor_state *own = inside;
         own->struct_size = sizeof *own;
         own->timestamp_us = 77;
-        CHECK_STATUS(posewise_monitor_get_state(m, own), POSEWISE_E_OVERLAP);
+        CHECK_STATUS(posewise_monitor_read(m, own), POSEWISE_E_OVERLAP);
         CHECK(own->timestamp_us == 77);
     }
     guarded_free(memory);
@@ -199,44 +201,48 @@ static void test_pointers(void) {
 static void test_zones(void) {
     guarded memory = monitor_memory(0);
     posewise_monitor_config c = POSEWISE_MONITOR_CONFIG_INIT;
-    posewise_observation o = face(1, 0);
+    posewise_monitor_observation o = face(1, 0);
     posewise_monitor *m;
-    posewise_zone zones[POSEWISE_MONITOR_ZONES + 1] = {
-        {POSEWISE_ZONE_BOX, POSEWISE_ZONE_ROAD, 0, {-100, -100, -10, 100, 100, 10, 0, 0, 0}},
-        {POSEWISE_ZONE_PLANE, 0, 0, {400, 0, 0, 100, 0, 0, 0, 200, 0}},
-        {POSEWISE_ZONE_ANGLES, 0, UINT32_MAX, {-180, 180, -180, -30, 0, 0, 0, 0, 0}},
+    posewise_monitor_zone zones[POSEWISE_MONITOR_ZONES + 1] = {
+        {POSEWISE_MONITOR_ZONE_BOX,
+         POSEWISE_MONITOR_ZONE_ROAD,
+         0,
+         {-100, -100, -10, 100, 100, 10, 0, 0, 0}},
+        {POSEWISE_MONITOR_ZONE_PLANE, 0, 0, {400, 0, 0, 100, 0, 0, 0, 200, 0}},
+        {POSEWISE_MONITOR_ZONE_ANGLES, 0, UINT32_MAX, {-180, 180, -180, -30, 0, 0, 0, 0, 0}},
     };
     size_t i;
     c.flags = POSEWISE_MONITOR_FIXED_POSE;
     m = init(memory, &c);
     CHECK_STATUS(posewise_monitor_set_zones(m, NULL, 1), POSEWISE_E_NULL);
-    CHECK_STATUS(posewise_monitor_set_zones(m, (posewise_zone *)(void *)((char *)zones + 1), 1),
+    CHECK_STATUS(posewise_monitor_set_zones(
+                     m, (posewise_monitor_zone *)(void *)((char *)zones + 1), 1),
                  POSEWISE_E_POINTER_ALIGN);
-    CHECK_STATUS(posewise_monitor_set_zones(m, zones, SIZE_MAX), POSEWISE_E_ZONES);
+    CHECK_STATUS(posewise_monitor_set_zones(m, zones, SIZE_MAX), POSEWISE_E_MONITOR_ZONES);
     CHECK_STATUS(posewise_monitor_set_zones(m, zones, POSEWISE_MONITOR_ZONES + 1),
-                 POSEWISE_E_ZONES);
+                 POSEWISE_E_MONITOR_ZONES);
     /* The fourth is empty. */
-    CHECK_STATUS(posewise_monitor_set_zones(m, zones, 4), POSEWISE_E_ZONES);
+    CHECK_STATUS(posewise_monitor_set_zones(m, zones, 4), POSEWISE_E_MONITOR_ZONES);
     zones[0].numbers[8] = 1;
-    CHECK_STATUS(posewise_monitor_set_zones(m, zones, 3), POSEWISE_E_ZONES);
+    CHECK_STATUS(posewise_monitor_set_zones(m, zones, 3), POSEWISE_E_MONITOR_ZONES);
     zones[0].numbers[8] = 0, zones[0].kind = 3;
-    CHECK_STATUS(posewise_monitor_set_zones(m, zones, 3), POSEWISE_E_ZONES);
-    zones[0].kind = POSEWISE_ZONE_BOX, zones[0].flags = 2;
+    CHECK_STATUS(posewise_monitor_set_zones(m, zones, 3), POSEWISE_E_MONITOR_ZONES);
+    zones[0].kind = POSEWISE_MONITOR_ZONE_BOX, zones[0].flags = 2;
     CHECK_STATUS(posewise_monitor_set_zones(m, zones, 3), POSEWISE_E_FLAGS);
-    zones[0].flags = POSEWISE_ZONE_ROAD, zones[1].numbers[3] = NAN;
-    CHECK_STATUS(posewise_monitor_set_zones(m, zones, 3), POSEWISE_E_ZONES);
+    zones[0].flags = POSEWISE_MONITOR_ZONE_ROAD, zones[1].numbers[3] = NAN;
+    CHECK_STATUS(posewise_monitor_set_zones(m, zones, 3), POSEWISE_E_MONITOR_ZONES);
     zones[1].numbers[3] = 100;
     CHECK_STATUS(posewise_monitor_set_zones(m, zones, 3), POSEWISE_OK);
     for (i = 0; i < 4; i++) {
         static const float at[4][2] = {{0, 0}, {30, 0}, {0, -40}, {-40, 0}};
-        static const uint32_t in[4] = {0, 1, 2, POSEWISE_ZONE_OUTSIDE};
+        static const uint32_t in[4] = {0, 1, 2, POSEWISE_MONITOR_ZONE_OUTSIDE};
         o.yaw_deg = at[i][0], o.pitch_deg = at[i][1];
         CHECK_STATUS(posewise_monitor_update(m, &o, (int64_t)i + 1), POSEWISE_OK);
         CHECK(state_of(m).zone == in[i]);
     }
     CHECK_STATUS(posewise_monitor_set_zones(m, NULL, 0), POSEWISE_OK);
     CHECK_STATUS(posewise_monitor_update(m, &o, 10), POSEWISE_OK);
-    CHECK(state_of(m).zone == POSEWISE_ZONE_OUTSIDE);
+    CHECK(state_of(m).zone == POSEWISE_MONITOR_ZONE_OUTSIDE);
     guarded_free(memory);
 }
 
@@ -246,12 +252,13 @@ static void test_events(void) {
     posewise_monitor *m = init(memory, NULL), *second;
     posewise_monitor_event e[POSEWISE_MONITOR_EVENTS + 1];
     posewise_monitor_state s;
-    const posewise_observation open = face(0.9f, 0), shut = face(0, 0);
-    const uint32_t kinds[] = {POSEWISE_DRIVER_LONG_CLOSURE, POSEWISE_DRIVER_MICROSLEEP,
-                              POSEWISE_DRIVER_CLOSURE_END};
+    const posewise_monitor_observation open = face(0.9f, 0), shut = face(0, 0);
+    const uint32_t kinds[] = {POSEWISE_MONITOR_EVENT_LONG_CLOSURE,
+                              POSEWISE_MONITOR_EVENT_MICROSLEEP,
+                              POSEWISE_MONITOR_EVENT_CLOSURE_END};
     int64_t now = INT64_MIN;
     size_t count, lost, i;
-    CHECK(state_of(m).eyes == POSEWISE_EYES_UNKNOWN);
+    CHECK(state_of(m).eyes == POSEWISE_MONITOR_EYES_UNKNOWN);
     for (i = 0; i < 90; i++, now += 33333)
         CHECK_STATUS(posewise_monitor_update(m, i >= 30 && i < 75 ? &shut : &open, now),
                      POSEWISE_OK);
@@ -262,9 +269,9 @@ static void test_events(void) {
     for (i = 0; i < 3; i++)
         CHECK(e[i].kind == kinds[i] && e[i].start_us == INT64_MIN + 30 * 33333);
     CHECK(e[2].duration_us == 45 * 33333 && e[2].flags == 0 && e[2].reserved == 0);
-    CHECK(e[2].zone == POSEWISE_ZONE_UNKNOWN);
+    CHECK(e[2].zone == POSEWISE_MONITOR_ZONE_UNKNOWN);
     s = state_of(m);
-    CHECK(s.eyes == POSEWISE_EYES_OPEN && s.blinks == 0 && s.perclos_60.closures == 0);
+    CHECK(s.eyes == POSEWISE_MONITOR_EYES_OPEN && s.blinks == 0 && s.perclos_60.closures == 0);
     for (i = 0; i < 40 * 20; i++, now += 33333)
         CHECK_STATUS(posewise_monitor_update(m, i % 20 < 5 ? &shut : &open, now), POSEWISE_OK);
     s = state_of(m);
@@ -292,7 +299,7 @@ static void test_wild_observations(void) {
     int64_t now = 0;
     size_t i, k;
     for (i = 0; i < 20000; i++) {
-        posewise_observation o = face(1, 0);
+        posewise_monitor_observation o = face(1, 0);
         float *const numbers = &o.confidence;
         posewise_monitor_state s;
         const float *shares;
@@ -322,26 +329,27 @@ static void test_tracker(const guarded *model, const clip *frames) {
     posewise_monitor *m = init(own, NULL);
     posewise_tracker *t;
     posewise_result r = POSEWISE_RESULT_INIT;
-    posewise_observation o = POSEWISE_OBSERVATION_INIT, pair[2];
+    posewise_monitor_observation o = POSEWISE_MONITOR_OBSERVATION_INIT, pair[2];
     size_t i, known = 0;
     memset(pair, 0, sizeof pair);
     CHECK_STATUS(posewise_init(&t, memory.start, memory.len, model->start, model->len, NULL),
                  POSEWISE_OK);
-    CHECK_STATUS(posewise_observe(t, NULL), POSEWISE_E_NULL);
-    CHECK_STATUS(posewise_observe(NULL, &o), POSEWISE_E_NULL);
-    CHECK_STATUS(posewise_observe(t, pair), POSEWISE_E_STRUCT_SIZE);
-    CHECK_STATUS(posewise_observe(t, (posewise_observation *)(void *)((char *)pair + 1)),
+    CHECK_STATUS(posewise_monitor_observe(t, NULL), POSEWISE_E_NULL);
+    CHECK_STATUS(posewise_monitor_observe(NULL, &o), POSEWISE_E_NULL);
+    CHECK_STATUS(posewise_monitor_observe(t, pair), POSEWISE_E_STRUCT_SIZE);
+    CHECK_STATUS(posewise_monitor_observe(
+                     t, (posewise_monitor_observation *)(void *)((char *)pair + 1)),
                  POSEWISE_E_POINTER_ALIGN);
     for (i = 0; i < frames->count; i++) {
         const posewise_frame f = clip_frame(frames, i);
         CHECK_STATUS(posewise_step(t, &f, &r), POSEWISE_OK);
-        CHECK_STATUS(posewise_observe(t, &o), POSEWISE_OK);
+        CHECK_STATUS(posewise_monitor_observe(t, &o), POSEWISE_OK);
         CHECK(o.state == r.state && o.yaw_deg == r.yaw_deg);
         CHECK((o.eye_open[1] < 0) == (r.eye_open[1] < 0) && o.eye_open[1] <= 1);
         CHECK(o.eye_open[1] >= r.eye_open[1]);
         CHECK(o.jaw_open >= -1 && o.jaw_open <= 1 && o.struct_size == sizeof o);
         CHECK_STATUS(posewise_monitor_update(m, &o, f.timestamp_us), POSEWISE_OK);
-        known += state_of(m).eyes != POSEWISE_EYES_UNKNOWN;
+        known += state_of(m).eyes != POSEWISE_MONITOR_EYES_UNKNOWN;
     }
     printf("# eyes known in %lu of %lu frames\n", (unsigned long)known,
            (unsigned long)frames->count);

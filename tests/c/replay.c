@@ -90,13 +90,13 @@ static posewise_status detect(posewise_tracker *tracker, posewise_frame *frame,
 /* Shows the monitor what the tracker saw, and hashes what it knows then. */
 static posewise_status watch(const posewise_tracker *tracker, posewise_monitor *monitor,
                              int64_t timestamp_us) {
-    posewise_observation seen = POSEWISE_OBSERVATION_INIT;
+    posewise_monitor_observation seen = POSEWISE_MONITOR_OBSERVATION_INIT;
     posewise_monitor_state state = POSEWISE_MONITOR_STATE_INIT;
-    posewise_status status = posewise_observe(tracker, &seen);
+    posewise_status status = posewise_monitor_observe(tracker, &seen);
     if (status == POSEWISE_OK)
         status = posewise_monitor_update(monitor, &seen, timestamp_us);
     if (status == POSEWISE_OK)
-        status = posewise_monitor_get_state(monitor, &state);
+        status = posewise_monitor_read(monitor, &state);
     hash_bytes(&seen, sizeof seen);
     hash_bytes(&state, sizeof state);
     return status;
@@ -129,7 +129,7 @@ int main(int argc, char **argv) {
         sscanf(line, "YUV4MPEG2 W%u H%u", &width, &height) != 2 ||
         (len = (size_t)width * height) > sizeof pixels)
         return fail("the video is not y4m, or too large");
-    config.gaze = 1;
+    config.gaze = POSEWISE_GAZE_ON;
     stack_walk(1);
     status = posewise_init(&tracker, aligned, POSEWISE_MEMORY_SIZE, model, model_len, &config);
     init_stack = stack_walk(0);

@@ -38,7 +38,7 @@ int main(int argc, char **argv) {
     wrong_times.gap_us = 1;
     CHECK(posewise::Monitor(wrong_times).status() == POSEWISE_E_MONITOR_CONFIG);
     posewise::Monitor monitor;
-    posewise_observation seen = posewise::observation();
+    posewise_monitor_observation seen = posewise::monitor_observation();
     posewise_monitor_state state = posewise::monitor_state();
     CHECK(monitor && none.observe(seen) == POSEWISE_E_NULL);
     for (std::size_t i = 0; (i + 1) * len <= bytes.size(); i++) {

@@ -91,7 +91,7 @@ fn layouts_agree() {
     layout!(posewise_result: struct_size state timestamp_us age_us landmark_count confidence
         face_box rotation yaw_deg pitch_deg roll_deg translation_mm eye_open
         loss visible_share rotation_sigma_deg translation_sigma_mm
-        eye_open_probability eye_unknown iris_left iris_right gaze_unknown gaze_sigma_deg gaze_left
+        eye_open_probability eye_status iris_left iris_right gaze_status gaze_sigma_deg gaze_left
         gaze_right gaze gaze_head glasses dark_glasses eye_look
         facing_yaw_deg facing_pitch_deg facing_roll_deg facing_sigma_deg focal_px
         camera_assumed);
@@ -106,11 +106,11 @@ fn layouts_agree() {
         yawn_us yawn_max_us nod_deg nod_us forward_yaw_deg forward_pitch_deg natural_yaw_deg
         natural_pitch_deg zone_margin_deg long_glance_us cumulative_us return_us clear_us
         degraded_us);
-    layout!(posewise_zone: kind flags grace_us numbers);
-    layout!(posewise_observation: struct_size state confidence yaw_deg pitch_deg translation_mm
-        rotation_sigma_deg eye_open jaw_open camera_assumed);
-    layout!(posewise_perclos: p70 p80 em known closures mean_closure_us);
-    layout!(posewise_monitor_state: struct_size eyes timestamp_us eyes_unknown openness
+    layout!(posewise_monitor_zone: kind flags grace_us numbers);
+    layout!(posewise_monitor_observation: struct_size state confidence yaw_deg pitch_deg
+        translation_mm rotation_sigma_deg eye_open jaw_open camera_assumed);
+    layout!(posewise_monitor_perclos: p70 p80 em known closures mean_closure_us);
+    layout!(posewise_monitor_state: struct_size eyes timestamp_us eyes_reason openness
         closure_us blinks yawns nods mouth_open_us zone zone_us away_us away_30_us
         natural_is_final from_road_deg natural_deg open_eye open_eye_is_final drowsiness
         degraded reserved zones_us perclos_60 perclos_180);

@@ -85,7 +85,7 @@ pub(super) fn check_watched(
     // A tracker that was reset takes any time; a monitor takes any but the last one again.
     assert!(matches!(status, POSEWISE_OK | POSEWISE_E_TIME), "{status}");
     let state = slot.watcher.state();
-    let is_known = state.eyes != POSEWISE_EYES_UNKNOWN;
+    let is_known = state.eyes != POSEWISE_MONITOR_EYES_UNKNOWN;
     assert!(!is_known || r.state == POSEWISE_TRACKING, "{r:?} {state:?}");
     assert_eq!(state.timestamp_us, r.timestamp_us);
     let events = slot.watcher.events();

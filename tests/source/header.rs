@@ -1,6 +1,9 @@
 //! `include/posewise.h` is up to date with `src/ffi`, and its version is that of Cargo.toml.
 
-use crate::common::root;
+use crate::common::c::{STRICT, cc, succeed};
+use crate::common::{root, scratch};
+use posewise::ffi::{monitor, names};
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 /// The longest line \[columns\].
@@ -13,8 +16,10 @@ fn generate() -> String {
     cbindgen::Builder::new()
         .with_config(config)
         .with_src(root().join("src/ffi/types.rs"))
+        .with_src(root().join("src/ffi/weights.rs"))
         .with_src(root().join("src/ffi/monitor_types.rs"))
         .with_src(root().join("src/ffi/api.rs"))
+        .with_src(root().join("src/ffi/names.rs"))
         .with_src(root().join("src/ffi/monitor.rs"))
         .generate()
         .expect("cbindgen reads src/ffi")
@@ -57,7 +62,7 @@ fn zero(field: &str) -> String {
         _ if name == "struct_size" => "sizeof".into(),
         _ if name.starts_with('*') => "NULL".into(),
         ("posewise_intrinsics", _) => zeros(4),
-        ("posewise_perclos", _) => zeros(6),
+        ("posewise_monitor_perclos", _) => zeros(6),
         ("posewise_lens", _) => format!("{{0, {}}}", zeros(5)),
         _ => "0".into(),
     }
@@ -81,7 +86,7 @@ fn initialiser(name: &str, zeros: &[String]) -> String {
     }
     let values = lines.join(" \\\n");
     format!(
-        "// Initialises a {name}: struct_size is set, all other fields are 0.\n\
+        "/// Initialises a {name}: struct_size is set, all other fields are 0.\n\
          #define {macro_name} \\\n{values}\n"
     )
 }
@@ -91,14 +96,15 @@ fn initialiser(name: &str, zeros: &[String]) -> String {
 fn tidy(header: &str) -> String {
     let header = header.replace("\\[", "[").replace("\\]", "]");
     let mut out = String::new();
-    let constants = header.lines().filter_map(constant);
-    let (names, values): (Vec<_>, Vec<_>) = constants.map(|(n, v)| (n.len(), v.len())).unzip();
-    let width = |lengths: Vec<usize>| lengths.into_iter().max().unwrap_or(0);
-    let (name_width, value_width) = (width(names), width(values));
+    let mut widths = BTreeMap::<_, (usize, usize)>::new();
+    for (name, value) in header.lines().filter_map(constant) {
+        let (names, values) = widths.entry(family(name)).or_default();
+        (*names, *values) = (name.len().max(*names), value.len().max(*values));
+    }
     let mut lines = header.lines().peekable();
     let mut previous_family = None;
     while let Some(line) = lines.next() {
-        let comment = line.strip_prefix("// ");
+        let comment = line.strip_prefix("/// ");
         let define = comment.and(lines.peek()).and_then(|next| constant(next));
         if let (Some(comment), Some((name, value))) = (comment, define) {
             lines.next();
@@ -108,9 +114,10 @@ fn tidy(header: &str) -> String {
             }
             previous_family = family;
             let comment = comment.trim_end_matches('.');
+            let (name_width, value_width) = widths[family.unwrap_or_default()];
             writeln!(
                 out,
-                "#define {name:<name_width$} {value:<value_width$} // {comment}"
+                "#define {name:<name_width$} {value:<value_width$} ///< {comment}"
             )
             .unwrap();
         } else {
@@ -127,26 +134,47 @@ fn tidy(header: &str) -> String {
     out
 }
 
-/// Second words of the names of families.
-const FAMILIES: [&str; 15] = [
-    "E", "EVENT", "FMT", "FRAME", "LENS", "LOSS", "MONITOR", "PRESET", "ZONE", "EYES", "UNKNOWN",
-    "LEVEL", "DRIVER", "PART", "TERMS",
+/// What the names of families begin with, behind `POSEWISE_`; the first that fits counts.
+const FAMILIES: [&str; 19] = [
+    "ANIMATION_",
+    "EVENT_",
+    "EYE_LOOK_",
+    "EYE_",
+    "E_",
+    "FMT_",
+    "FRAME_",
+    "GAZE_",
+    "LENS_",
+    "LOSS_",
+    "MONITOR_DROWSINESS_",
+    "MONITOR_EVENT_",
+    "MONITOR_EYES_",
+    "MONITOR_PRESET_",
+    "MONITOR_REASON_",
+    "MONITOR_ZONE_",
+    "MONITOR_",
+    "PART_",
+    "TERMS_",
 ];
 
 /// Constants of one family stand together.
-fn family(name: &str) -> &str {
-    match name.split('_').nth(1) {
-        Some("OK") => "E",
-        Some("SEARCHING" | "TRACKING" | "COASTING") => "state",
-        Some(family) if FAMILIES.contains(&family) => family,
-        _ => "",
+fn family(name: &str) -> &'static str {
+    let name = name.trim_start_matches("POSEWISE_");
+    match name {
+        "OK" => "E_",
+        "SEARCHING" | "TRACKING" | "COASTING" => "state",
+        "EYE_LOOKS" => "",
+        _ => {
+            let found = FAMILIES.iter().find(|start| name.starts_with(**start));
+            found.copied().unwrap_or_default()
+        }
     }
 }
 
 /// Name and rewritten value of a `#define` line.
 fn constant(line: &str) -> Option<(&str, String)> {
     let (name, value) = line.strip_prefix("#define ")?.split_once(' ')?;
-    if !name.starts_with("POSEWISE_") || name == "POSEWISE_H" {
+    if !name.starts_with("POSEWISE_") || ["POSEWISE_H", "POSEWISE_API"].contains(&name) {
         return None;
     }
     let value = if name.starts_with("POSEWISE_E_") {
@@ -207,7 +235,7 @@ fn version_is_that_of_the_crate() {
 #[test]
 fn every_exported_function_is_declared() {
     let read = |name| std::fs::read_to_string(root().join("src/ffi").join(name)).expect(name);
-    let api = read("api.rs") + &read("monitor.rs");
+    let api = read("api.rs") + &read("names.rs") + &read("monitor.rs");
     let header = std::fs::read_to_string(root().join("include/posewise.h")).expect("posewise.h");
     let exported = api
         .split("extern \"C\" fn ")
@@ -243,5 +271,120 @@ fn documented_defaults_are_the_defaults() {
             value.to_string(),
             "default of {field} in ffi/types.rs"
         );
+    }
+}
+
+/// The text that a function of names gives, without the NUL.
+fn text(name: *const std::ffi::c_char) -> Option<&'static str> {
+    // SAFETY: NULL, or a static string that ends with a NUL.
+    let name = (!name.is_null()).then(|| unsafe { std::ffi::CStr::from_ptr(name) });
+    name.map(|name| name.to_str().expect("ASCII"))
+}
+
+/// The words that JavaScript and Python have, which are those of the constants, are the library's.
+#[test]
+fn words_are_the_same_in_all_languages() {
+    let header = xtask::header::read().expect("posewise.h is read");
+    let functions: [(&str, extern "C" fn(u32) -> *const std::ffi::c_char); 5] = [
+        ("STATE", names::posewise_state_name),
+        ("LOSS", names::posewise_loss_name),
+        ("EVENT", names::posewise_event_name),
+        ("EYE", names::posewise_eye_status_name),
+        ("MONITOR_EVENT", monitor::posewise_monitor_event_name),
+    ];
+    for (kind, name_of) in functions {
+        let words = header.words(kind).expect(kind);
+        assert!(words.len() > 2);
+        for (i, word) in (0..).zip(&words) {
+            assert_eq!(text(name_of(i)), Some(&**word), "{kind} {i}");
+        }
+        for i in [words.len() as u32, u32::MAX] {
+            assert_eq!(text(name_of(i)), None, "{kind} {i}");
+        }
+    }
+}
+
+/// `JAW_OPEN` of `jawOpen`.
+fn constant_of(weight: &str) -> String {
+    let letters = weight.chars().flat_map(|c| match c.is_uppercase() {
+        true => vec!['_', c],
+        false => vec![c.to_ascii_uppercase()],
+    });
+    letters.collect()
+}
+
+#[test]
+fn weights_have_the_names_of_their_constants() {
+    let header = xtask::header::read().expect("posewise.h is read");
+    let constants = |prefix| header.with_prefix(prefix);
+    let animations = constants("ANIMATION_").len();
+    assert_eq!(animations, posewise::ANIMATIONS);
+    for (name, i) in constants("ANIMATION_") {
+        let weight = text(names::posewise_animation_name(i as u32)).expect("a name");
+        assert_eq!(name, constant_of(weight));
+    }
+    assert_eq!(constants("EYE_LOOK_").len(), posewise::EYE_LOOKS);
+    for (name, i) in constants("EYE_LOOK_") {
+        let weight = text(names::posewise_eye_look_name(i as u32)).expect("a name");
+        assert_eq!(format!("EYE_LOOK_{name}"), constant_of(weight));
+    }
+    assert_eq!(text(names::posewise_animation_name(24)), None);
+    assert_eq!(text(names::posewise_eye_look_name(8)), None);
+}
+
+/// Rust and C say the same words of the driver monitor.
+#[test]
+fn words_of_the_monitor_are_those_of_rust() {
+    use posewise::{Drowsiness, EyeState, Preset, UnknownReason};
+    let header = xtask::header::read().expect("posewise.h is read");
+    let words = |kind| header.words(kind).expect(kind);
+    assert_eq!(words("MONITOR_PRESET"), Preset::ALL.map(Preset::name));
+    let eyes = [EyeState::Unknown, EyeState::Open, EyeState::Closed];
+    assert_eq!(words("MONITOR_EYES"), eyes.map(EyeState::name));
+    let reasons = [
+        None,
+        Some(UnknownReason::NoFace),
+        Some(UnknownReason::LowConfidence),
+        Some(UnknownReason::Turned),
+        Some(UnknownReason::Hidden),
+    ];
+    let reasons = reasons.map(UnknownReason::name_of);
+    assert_eq!(words("MONITOR_REASON"), reasons);
+    let drowsiness = [
+        Drowsiness::Unknown,
+        Drowsiness::Awake,
+        Drowsiness::Questionable,
+        Drowsiness::Drowsy,
+    ];
+    assert_eq!(
+        words("MONITOR_DROWSINESS"),
+        drowsiness.map(Drowsiness::name)
+    );
+}
+
+/// The example at the header's head.
+fn example(header: &str) -> String {
+    let (_, rest) = header.split_once("@code\n").expect("an example");
+    let (example, _) = rest.split_once(" * @endcode").expect("an end");
+    example.replace("\n * ", "\n").replacen(" * ", "", 1)
+}
+
+#[test]
+fn the_example_of_the_header_compiles() {
+    let header = std::fs::read_to_string(root().join("include/posewise.h")).expect("posewise.h");
+    let example = example(&header);
+    assert_eq!(example.lines().count(), 10, "{example}");
+    let program = format!(
+        "#include <posewise.h>\n#include <stdio.h>\n#include <stdlib.h>\n\
+         int camera_read(posewise_frame *frame);\nint run(void);\n\
+         int run(void) {{\n{example}return status;\n}}\n"
+    );
+    let file = scratch("header-example").join("example.c");
+    std::fs::write(&file, program).expect("target/ is writable");
+    for shared in [None, Some("-DPOSEWISE_SHARED")] {
+        let mut compile = std::process::Command::new(cc());
+        compile.args(["-std=c11", "-fsyntax-only"]).args(STRICT);
+        compile.arg("-I").arg(root().join("include"));
+        succeed(compile.args(shared).arg(&file));
     }
 }

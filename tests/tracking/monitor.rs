@@ -6,7 +6,7 @@
 use crate::common::random::Random;
 use posewise::{
     EyeState, MAX_ZONES, Monitor, MonitorConfig, MonitorEvent, MonitorEventKind, Observation,
-    Preset, State, Unknown, Zone, ZoneShape, ZoneState,
+    Preset, State, UnknownReason, Zone, ZoneShape, ZoneState,
 };
 
 const SECOND_US: u64 = 1_000_000;
@@ -385,18 +385,18 @@ fn a_lid_that_hovers_is_one_closure() {
 /// The commonest failure in the field: eyes that are not seen count as closed.
 #[test]
 fn the_unknown_is_never_closed() {
-    let unseen: [(Observation, Unknown); 5] = [
-        (face(None, 0.0), Unknown::Hidden),
-        (face(Some(0.0), 60.0), Unknown::Turned),
-        (face(Some(0.0), -60.0), Unknown::Turned),
-        (Observation::default(), Unknown::NoFace),
+    let unseen: [(Observation, UnknownReason); 5] = [
+        (face(None, 0.0), UnknownReason::Hidden),
+        (face(Some(0.0), 60.0), UnknownReason::Turned),
+        (face(Some(0.0), -60.0), UnknownReason::Turned),
+        (Observation::default(), UnknownReason::NoFace),
         (
             {
                 let mut seen = face(Some(0.0), 0.0);
                 seen.confidence = 0.2;
                 seen
             },
-            Unknown::LowConfidence,
+            UnknownReason::LowConfidence,
         ),
     ];
     for (unseen, why) in unseen {
@@ -406,7 +406,10 @@ fn the_unknown_is_never_closed() {
         let mut events = show.show(0.1, &face(Some(0.1), 0.0));
         events.extend(show.show(9.0, &unseen));
         let state = show.monitor.state();
-        assert_eq!((state.eyes, state.eyes_unknown), (EyeState::Unknown, why));
+        assert_eq!(
+            (state.eyes, state.eyes_reason),
+            (EyeState::Unknown, Some(why))
+        );
         assert_eq!((state.openness, state.closure_us), (-1.0, 0));
         assert!(state.perclos_60.p80 < 0.002 && state.perclos_60.known < 0.87);
         events.extend(show.show(2.0, &face(Some(0.9), 0.0)));
@@ -549,7 +552,7 @@ fn a_camera_at_the_side_is_learnt() {
         assert!(learnt(MonitorEventKind::NaturalLearnt), "{events:?}");
         assert!(learnt(MonitorEventKind::OpenEyeLearnt), "{events:?}");
         show.monitor.forget_driver();
-        assert!(!show.monitor.state().is_natural_final);
+        assert!(!show.monitor.state().natural_is_final);
     }
 }
 
@@ -573,7 +576,7 @@ fn drowsiness_rises_and_falls_once() {
     let events = show.show(200.0, &Observation::default());
     let state = show.monitor.state();
     assert_eq!(state.drowsiness, posewise::Drowsiness::Unknown);
-    assert!(state.is_degraded && state.perclos_180.known < 0.01);
+    assert!(state.degraded && state.perclos_180.known < 0.01);
     assert_eq!(
         events.iter().filter(|event| event.kind == Degraded).count(),
         1
@@ -696,12 +699,12 @@ fn planes_have_limits() {
 #[test]
 fn presets_differ_as_their_rules_do() {
     let config = |preset: Preset| preset.config();
-    assert_eq!(config(Preset::AddwFast).long_glance_us, 3_500_000);
-    assert_eq!(config(Preset::AddwSlow).long_glance_us, 6_000_000);
+    assert_eq!(config(Preset::EuAddwFast).long_glance_us, 3_500_000);
+    assert_eq!(config(Preset::EuAddwSlow).long_glance_us, 6_000_000);
     assert_eq!(config(Preset::EuroNcap).long_glance_us, 3_000_000);
-    assert_eq!(config(Preset::Ddaw).drowsy_p80_60, 0.12);
+    assert_eq!(config(Preset::EuDdaw).drowsy_p80_60, 0.12);
     // Area 3 of the ADDW begins 30° down, and the rest of the car is not timed.
-    let zones = Preset::AddwFast.zones();
+    let zones = Preset::EuAddwFast.zones();
     let mut monitor = Monitor::with_zones(&fixed(), zones).expect("good zones");
     let mut at = |yaw: f32, pitch: f32, now_us: i64| {
         let mut seen = face(Some(0.9), yaw);

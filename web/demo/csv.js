@@ -1,6 +1,5 @@
 // The table that `posewise track --csv` writes, with the same columns; a test compares them.
 
-import { LOSSES } from '../layout.js';
 import { axesOf } from './overlay.js';
 
 /** @typedef {import('../worker.js').Tracked} Tracked */
@@ -15,10 +14,6 @@ function openFaceAngles({ state, rotation }) {
   const sine = Math.min(1, Math.max(-1, z[0]));
   return [Math.atan2(-z[1], z[2]), Math.asin(sine), Math.atan2(-y[0], x[0])];
 }
-
-/** POSEWISE_EYE_* as words. */
-const EYE_UNKNOWN = ['not-seen', 'known', 'turned', 'hidden', 'small', 'blurred', 'glare',
-  'dark-glasses', 'shut', 'uncertain'];
 
 /**
  * OpenFace's angles of the gaze of both eyes [rad].
@@ -51,7 +46,7 @@ const GROUPS = [
   [['ANIMATION'], 3, (t) => t.animation],
   [['box_x', 'box_y', 'box_w', 'box_h'], 2, ({ result: r }) => r.faceBox],
   [['age_us'], 0, ({ result: r }) => [r.ageUs]],
-  [['loss'], 0, ({ result: r }) => [LOSSES.indexOf(r.loss)]],
+  [['loss'], 0, ({ result: r }) => [r.loss]],
   [['visible_share'], 3, ({ result: r }) => [r.visibleShare]],
   [['R_sigma_x', 'R_sigma_y', 'R_sigma_z'], 3, ({ result: r }) => r.rotationSigmaDeg],
   [['T_sigma_x', 'T_sigma_y', 'T_sigma_z'], 2, ({ result: r }) => r.translationSigmaMm],
@@ -60,10 +55,9 @@ const GROUPS = [
   [['gaze_angle_x', 'gaze_angle_y'], 4, ({ result: r }) => gazeAngles(r)],
   [['gaze_head_x', 'gaze_head_y', 'gaze_head_z'], 4, ({ result: r }) => r.gazeHead],
   [['gaze_sigma_deg'], 2, ({ result: r }) => [r.gazeSigmaDeg[2]]],
-  [['gaze_unknown'], 0, ({ result: r }) => [EYE_UNKNOWN[r.gazeUnknown[2]]]],
+  [['gaze_status'], 0, ({ result: r }) => [r.gazeStatus[2]]],
   [['eye_open_p_left', 'eye_open_p_right'], 3, ({ result: r }) => r.eyeOpenProbability],
-  [['eye_unknown_left', 'eye_unknown_right'], 0,
-    ({ result: r }) => r.eyeUnknown.map((number) => EYE_UNKNOWN[number])],
+  [['eye_status_left', 'eye_status_right'], 0, ({ result: r }) => r.eyeStatus],
   [['iris_left_x', 'iris_left_y', 'iris_right_x', 'iris_right_y'], 3,
     ({ result: r }) => [...r.irisLeft, ...r.irisRight]],
   [['glasses'], 3, ({ result: r }) => [r.glasses]],

@@ -47,7 +47,7 @@ export function readings(tracked, smooth) {
   const facing = (/** @type {number} */ value, /** @type {number} */ i) =>
     of(() => `${signed(value, 1)}° ± ${r.facingSigmaDeg[i].toFixed(1)}°`);
   return [
-    ['state', r.state + (r.loss === 'none' ? '' : ` (${r.loss.replace('_', ' ')})`)],
+    ['state', r.state + (r.loss === 'none' ? '' : ` (${r.loss.replace('-', ' ')})`)],
     ['facing yaw', facing(r.facingYawDeg, 0)],
     ['facing pitch', facing(r.facingPitchDeg, 1)],
     ['facing roll', facing(r.facingRollDeg, 2)],

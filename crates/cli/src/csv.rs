@@ -205,7 +205,7 @@ pub const COLUMNS: &[Column] = &[
         "state",
         "word",
         "`searching`, `tracking` or `coasting`",
-        |r, _| Cell::Word(state_name(r.result.state)),
+        |r, _| Cell::Word(r.result.state.name()),
     ),
     one(
         "yaw_deg",
@@ -272,9 +272,9 @@ pub const COLUMNS: &[Column] = &[
     ),
     one(
         "loss",
-        "0..4",
-        "reason: 0 none, 1 low confidence, 2 left the frame, 3 no pose, 4 excluded",
-        |r, _| Cell::Number(f64::from(r.result.loss as u8), 0),
+        "word",
+        "`none`, `low-confidence`, `left-frame`, `no-pose`, `excluded`",
+        |r, _| Cell::Word(r.result.loss.name()),
     ),
     one(
         "visible_share",
@@ -349,7 +349,7 @@ pub const COLUMNS: &[Column] = &[
         |r, _| num(r.result.eyes.gaze.sigma_deg, 2),
     ),
     one(
-        "gaze_unknown",
+        "gaze_status",
         "word",
         "`known`, or why the gaze of both eyes is unknown; it is 0 then",
         |r, _| Cell::Word(EyeUnknown::name_of(r.result.eyes.gaze.unknown)),
@@ -361,7 +361,7 @@ pub const COLUMNS: &[Column] = &[
         |r, i| num(r.result.eyes.each[i].open, 3),
     ),
     list(
-        &["eye_unknown_left", "eye_unknown_right"],
+        &["eye_status_left", "eye_status_right"],
         "word",
         "`known`, or why the lids are unknown",
         |r, i| Cell::Word(EyeUnknown::name_of(r.result.eyes.each[i].unknown)),
@@ -458,15 +458,6 @@ fn gaze_angles(gaze: &Gaze) -> [f32; 2] {
     match z < 0.0 {
         true => [x.atan2(-z), y.atan2(-z)],
         false => [0.0; 2],
-    }
-}
-
-/// The word for a state.
-pub fn state_name(state: State) -> &'static str {
-    match state {
-        State::Searching => "searching",
-        State::Tracking => "tracking",
-        State::Coasting => "coasting",
     }
 }
 

@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 use posewise::{ANIMATION_NAMES, EYE_LOOK_NAMES, EyeUnknown, Eyes, Gaze};
 use serde_json::{Map, Value, json};
 
-use crate::csv::{Row, state_name};
+use crate::csv::Row;
 
 /// Shortest decimal form of an f32, so that 0.1 is not written as 0.10000000149011612.
 pub fn number(value: f32) -> Value {
@@ -40,7 +40,7 @@ pub fn object(row: &Row<'_>) -> Value {
         "face_id": row.face_id,
         "timestamp_us": r.timestamp_us,
         "age_us": r.age_us,
-        "state": state_name(r.state),
+        "state": r.state.name(),
         "confidence": number(r.confidence),
         "box": numbers(&r.face_box),
         "rotation": numbers(&r.rotation),
@@ -49,7 +49,7 @@ pub fn object(row: &Row<'_>) -> Value {
         "roll_deg": number(r.roll_deg),
         "translation_mm": numbers(&r.translation_mm),
         "eye_open": numbers(&r.eye_open),
-        "loss": r.loss as u8,
+        "loss": r.loss.name(),
         "visible_share": number(r.visible_share),
         "rotation_sigma_deg": numbers(&r.rotation_sigma_deg),
         "translation_sigma_mm": numbers(&r.translation_sigma_mm),
@@ -70,7 +70,7 @@ pub fn object(row: &Row<'_>) -> Value {
 fn eyes(eyes: &Eyes) -> Value {
     let gaze = |gaze: &Gaze| {
         json!({
-            "unknown": EyeUnknown::name_of(gaze.unknown),
+            "status": EyeUnknown::name_of(gaze.unknown),
             "camera": numbers(&gaze.camera),
             "head": numbers(&gaze.head),
             "sigma_deg": number(gaze.sigma_deg),
@@ -83,7 +83,7 @@ fn eyes(eyes: &Eyes) -> Value {
         .collect();
     let [left, right] = eyes.each.each_ref().map(|eye| {
         json!({
-            "unknown": EyeUnknown::name_of(eye.unknown),
+            "status": EyeUnknown::name_of(eye.unknown),
             "open": number(eye.open),
             "iris": numbers(&eye.iris),
             "gaze": gaze(&eye.gaze),

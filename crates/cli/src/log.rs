@@ -24,7 +24,7 @@ fn line(event: &Event) -> String {
     let seconds = event.timestamp_us as f64 / 1e6;
     let mut line = format!("{seconds:.6} s  {}", event.kind.name());
     if event.loss != Loss::None {
-        line += &format!("  {}", loss_name(event.loss));
+        line += &format!("  {}", event.loss.name());
     }
     let [x, y, width, height] = event.face_box;
     if width > 0.0 {
@@ -32,16 +32,4 @@ fn line(event: &Event) -> String {
         line += &format!("  confidence {confidence:.3}  box {x:.0},{y:.0} {width:.0}x{height:.0}");
     }
     line
-}
-
-/// The name of a reason.
-pub fn loss_name(loss: Loss) -> &'static str {
-    match loss {
-        Loss::None => "none",
-        Loss::LowConfidence => "low-confidence",
-        Loss::LeftFrame => "left-frame",
-        Loss::NoPose => "no-pose",
-        Loss::Excluded => "excluded",
-        _ => "unknown",
-    }
 }

@@ -1,7 +1,7 @@
 //! Reads the structs and constants of `include/posewise.h`, which cbindgen writes in a fixed form.
 
 use crate::root;
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 
 /// A field of a struct.
 pub struct Field {
@@ -41,6 +41,40 @@ impl Header {
             .filter_map(|(name, value)| Some((name.strip_prefix(prefix)?, *value)))
             .collect()
     }
+
+    /// The words of one of [`WORDS`], by number.
+    ///
+    /// # Errors
+    /// If the constants do not count from 0.
+    pub fn words(&self, kind: &str) -> Result<Vec<String>> {
+        let found = match kind {
+            "STATE" => STATES.map(|name| (name, self.value(name))).to_vec(),
+            _ => self.with_prefix(&format!("{kind}_")),
+        };
+        // Indices of weights, not reasons.
+        let found = found.iter().filter(|(name, _)| !name.starts_with("LOOK"));
+        let words = found.zip(0..).map(|((name, value), i)| match *value == i {
+            true => Ok(word(name)),
+            false => bail!("POSEWISE_{kind}_{name} is not {i}"),
+        });
+        words.collect()
+    }
+
+    fn value(&self, name: &str) -> i64 {
+        let found = self.constants.iter().find(|(known, _)| known == name);
+        found.map_or(-1, |(_, value)| *value)
+    }
+}
+
+/// What the constants of words begin with, of which each counts from 0.
+pub const WORDS: [&str; 6] = ["STATE", "LOSS", "EVENT", "EYE", "LENS", "TERMS"];
+
+/// Words that have no such beginning.
+const STATES: [&str; 3] = ["SEARCHING", "TRACKING", "COASTING"];
+
+/// A constant's name as a word, as the library's functions give it: `low-confidence`.
+pub fn word(name: &str) -> String {
+    name.to_lowercase().replace('_', "-")
 }
 
 /// Reads the header of the repository.
@@ -74,7 +108,7 @@ fn structs(text: &str) -> Result<Vec<Struct>> {
     let mut inside = false;
     for line in text.lines() {
         let line = line.trim();
-        if let Some(words) = line.strip_prefix("// ") {
+        if let Some(words) = line.strip_prefix("/// ") {
             comment.push(words);
             continue;
         }

@@ -1,6 +1,6 @@
 //! Writes `python/posewise/_layout.py`: the header's structs for ctypes, and its constants.
 
-use crate::header::{Header, Struct, read};
+use crate::header::{Header, Struct, WORDS, read, word};
 use anyhow::{Context, Result};
 use std::fmt::Write as _;
 
@@ -19,29 +19,32 @@ from __future__ import annotations
 from ctypes import Structure, c_float, c_int64, c_size_t, c_uint32, c_void_p
 ";
 
-/// Lists of words for numbers from 0 on: name, and what its constants begin with.
-const LISTS: [(&str, &str); 5] = [
-    ("LOSSES", "LOSS_"),
-    ("LENSES", "LENS_"),
-    ("EVENTS", "EVENT_"),
-    ("EYE_UNKNOWN", "EYE_"),
-    ("TERMS", "TERMS_"),
-];
+/// Names of the lists of words.
+fn list_of(kind: &str) -> &'static str {
+    match kind {
+        "STATE" => "STATES",
+        "LOSS" => "LOSSES",
+        "EVENT" => "EVENTS",
+        "EYE" => "EYES",
+        "TERMS" => "TERMS",
+        _ => "LENSES",
+    }
+}
 
 /// What the file has to hold.
 pub fn text() -> Result<String> {
     let header = read()?;
     let mut out = HEAD.to_owned();
     out.push('\n');
-    for name in ["ABI", "ALIGN", "LANDMARKS", "ANIMATIONS"] {
+    for name in ["ABI", "ALIGN", "LANDMARKS", "ANIMATIONS", "EYE_LOOKS"] {
         writeln!(out, "{name} = {}", value(&header, name)?)?;
     }
     writeln!(out, "UNREAD_EVENTS = {}", value(&header, "EVENTS")?)?;
-    out.push_str("\nSTATES = (\"searching\", \"tracking\", \"coasting\")\n");
-    for (list, prefix) in LISTS {
-        writeln!(out, "{list} = (")?;
-        for (name, _) in header.with_prefix(prefix) {
-            writeln!(out, "    \"{}\",", name.to_lowercase())?;
+    out.push('\n');
+    for kind in WORDS {
+        writeln!(out, "{} = (", list_of(kind))?;
+        for word in header.words(kind)? {
+            writeln!(out, "    \"{word}\",")?;
         }
         out.push_str(")\n");
     }
@@ -51,7 +54,7 @@ pub fn text() -> Result<String> {
     }
     out.push_str("}\n\n# Bits of the optional parts by name.\nPARTS = {\n");
     for (name, value) in header.with_prefix("PART_") {
-        writeln!(out, "    \"{}\": {value},", name.to_lowercase())?;
+        writeln!(out, "    \"{}\": {value},", word(name))?;
     }
     out.push_str("}\n");
     for item in &header.structs {

@@ -21,7 +21,7 @@ pub fn monitor_size(library: &Library) -> Result<usize> {
 }
 
 fn is_of_monitor(name: &str) -> bool {
-    name.starts_with("posewise_monitor_") || name == "posewise_observe"
+    name.starts_with("posewise_monitor_")
 }
 
 /// Bytes of what some of the functions reach.
@@ -86,9 +86,8 @@ pub fn size_table(library: &Library, clip: &Path) -> Result<String> {
 /// Names of the functions that posewise.h declares.
 fn functions_of_the_header() -> Result<Vec<String>> {
     let header = std::fs::read_to_string(root().join("include/posewise.h"))?;
-    let declarations = header
-        .lines()
-        .filter(|line| line.starts_with(|c: char| c.is_ascii_lowercase()));
+    let declarations = header.lines();
+    let declarations = declarations.filter(|line| line.starts_with("POSEWISE_API "));
     let names = declarations.filter_map(|line| {
         let before = line.split_once('(')?.0;
         let name = before.rsplit([' ', '*']).next()?;

@@ -125,10 +125,10 @@ impl Outputs {
 fn without_eyes(r: posewise_result) -> posewise_result {
     posewise_result {
         eye_open_probability: [0.0; 2],
-        eye_unknown: [POSEWISE_EYE_NOT_SEEN; 2],
+        eye_status: [POSEWISE_EYE_NOT_SEEN; 2],
         iris_left: [0.0; 2],
         iris_right: [0.0; 2],
-        gaze_unknown: [POSEWISE_EYE_NOT_SEEN; 3],
+        gaze_status: [POSEWISE_EYE_NOT_SEEN; 3],
         gaze_sigma_deg: [0.0; 3],
         gaze_left: [0.0; 3],
         gaze_right: [0.0; 3],
@@ -152,7 +152,7 @@ fn check_eyes(r: &posewise_result) {
     );
     assert!(r.eye_look.iter().all(unit), "{r:?}");
     let gazes = [r.gaze_left, r.gaze_right, r.gaze];
-    for ((gaze, unknown), sigma_deg) in gazes.iter().zip(r.gaze_unknown).zip(r.gaze_sigma_deg) {
+    for ((gaze, unknown), sigma_deg) in gazes.iter().zip(r.gaze_status).zip(r.gaze_sigma_deg) {
         let norm: f32 = gaze.iter().map(|v| v * v).sum();
         match unknown {
             POSEWISE_EYE_KNOWN => {

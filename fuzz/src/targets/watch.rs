@@ -47,13 +47,13 @@ impl Watcher {
 
     /// Shows it the last step of a tracker.
     pub fn watch(&mut self, tracker: *const posewise_tracker, now_us: i64) -> posewise_status {
-        let mut seen = posewise_observation {
-            struct_size: size_of::<posewise_observation>() as u32,
+        let mut seen = posewise_monitor_observation {
+            struct_size: size_of::<posewise_monitor_observation>() as u32,
             ..Default::default()
         };
         // SAFETY: a live tracker, a live monitor and whole structs.
         let status = unsafe {
-            assert_eq!(posewise_observe(tracker, &mut seen), POSEWISE_OK);
+            assert_eq!(posewise_monitor_observe(tracker, &mut seen), POSEWISE_OK);
             posewise_monitor_update(self.ptr(), &seen, now_us)
         };
         self.memory.check();
@@ -67,7 +67,7 @@ impl Watcher {
             ..Default::default()
         };
         // SAFETY: a live monitor and a whole struct.
-        let status = unsafe { posewise_monitor_get_state(self.ptr(), &mut state) };
+        let status = unsafe { posewise_monitor_read(self.ptr(), &mut state) };
         assert_eq!(status, POSEWISE_OK);
         check_state(&state);
         state
@@ -101,24 +101,33 @@ pub fn check_state(state: &posewise_monitor_state) {
     let text = format!("{state:?}");
     assert!(!text.contains("NaN") && !text.contains("inf"), "{text}");
     let unit = |v: f32| (0.0..=1.0).contains(&v);
-    let is_known = state.eyes != POSEWISE_EYES_UNKNOWN;
-    assert!(state.eyes <= POSEWISE_EYES_CLOSED, "{text}");
-    assert!(state.eyes_unknown <= POSEWISE_UNKNOWN_HIDDEN, "{text}");
+    let is_known = state.eyes != POSEWISE_MONITOR_EYES_UNKNOWN;
+    assert!(state.eyes <= POSEWISE_MONITOR_EYES_CLOSED, "{text}");
+    assert!(
+        state.eyes_reason <= POSEWISE_MONITOR_REASON_HIDDEN,
+        "{text}"
+    );
     assert_eq!(
         is_known,
-        state.eyes_unknown == POSEWISE_UNKNOWN_NOT,
+        state.eyes_reason == POSEWISE_MONITOR_REASON_NONE,
         "{text}"
     );
     assert_eq!(is_known, unit(state.openness), "{text}");
     assert!(is_known || state.openness == -1.0, "{text}");
-    assert!(state.drowsiness <= POSEWISE_LEVEL_DROWSY, "{text}");
+    assert!(
+        state.drowsiness <= POSEWISE_MONITOR_DROWSINESS_DROWSY,
+        "{text}"
+    );
     assert!(state.degraded <= 1 && state.reserved == 0, "{text}");
     assert!(state.open_eye.iter().all(|open| unit(*open)), "{text}");
     assert!(state.away_30_us <= 30_000_000, "{text}");
     let zone = state.zone;
     assert!(
         zone < POSEWISE_MONITOR_ZONES
-            || matches!(zone, POSEWISE_ZONE_OUTSIDE | POSEWISE_ZONE_UNKNOWN),
+            || matches!(
+                zone,
+                POSEWISE_MONITOR_ZONE_OUTSIDE | POSEWISE_MONITOR_ZONE_UNKNOWN
+            ),
         "{text}"
     );
     for window in [&state.perclos_60, &state.perclos_180] {

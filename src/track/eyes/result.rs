@@ -26,7 +26,7 @@ pub enum EyeUnknown {
 }
 
 impl EyeUnknown {
-    /// All of them.
+    /// Every reason, in the order of the C ABI, which has `known` after the first.
     pub const ALL: [EyeUnknown; 9] = [
         EyeUnknown::NotSeen,
         EyeUnknown::Turned,
@@ -39,8 +39,8 @@ impl EyeUnknown {
         EyeUnknown::Uncertain,
     ];
 
-    /// Its name in tables.
-    pub fn name(self) -> &'static str {
+    /// Its name in every table and language, as `dark-glasses`.
+    pub const fn name(self) -> &'static str {
         match self {
             EyeUnknown::NotSeen => "not-seen",
             EyeUnknown::Turned => "turned",

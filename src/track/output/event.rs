@@ -37,7 +37,20 @@ pub enum EventKind {
 }
 
 impl EventKind {
-    /// A short name in lower case, as `filter-on`.
+    /// Every kind, in the order of the C ABI.
+    pub const ALL: [EventKind; 9] = [
+        EventKind::Acquired,
+        EventKind::Reacquired,
+        EventKind::Coasting,
+        EventKind::Lost,
+        EventKind::Suppressed,
+        EventKind::FilterOn,
+        EventKind::FilterOff,
+        EventKind::Reset,
+        EventKind::Forgotten,
+    ];
+
+    /// Its name in every table and language, as `filter-on`.
     pub const fn name(self) -> &'static str {
         match self {
             EventKind::Acquired => "acquired",

@@ -15,6 +15,20 @@ pub enum State {
     Coasting,
 }
 
+impl State {
+    /// Every state, in the order of the C ABI.
+    pub const ALL: [State; 3] = [State::Searching, State::Tracking, State::Coasting];
+
+    /// Its name in every table and language, as `searching`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            State::Searching => "searching",
+            State::Tracking => "tracking",
+            State::Coasting => "coasting",
+        }
+    }
+}
+
 /// Why a face was lost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
@@ -30,6 +44,28 @@ pub enum Loss {
     NoPose,
     /// It is a face that another tracker follows; see [`crate::Tracker::set_excluded`].
     Excluded,
+}
+
+impl Loss {
+    /// Every reason, in the order of the C ABI.
+    pub const ALL: [Loss; 5] = [
+        Loss::None,
+        Loss::LowConfidence,
+        Loss::LeftFrame,
+        Loss::NoPose,
+        Loss::Excluded,
+    ];
+
+    /// Its name in every table and language, as `low-confidence`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Loss::None => "none",
+            Loss::LowConfidence => "low-confidence",
+            Loss::LeftFrame => "left-frame",
+            Loss::NoPose => "no-pose",
+            Loss::Excluded => "excluded",
+        }
+    }
 }
 
 /// One landmark in the image.

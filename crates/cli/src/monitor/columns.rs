@@ -1,7 +1,7 @@
 //! The columns that `track --monitor` adds at the end of the CSV. [`COLUMNS`] is the only list, as
 //! for the tracker's.
 
-use posewise::{Drowsiness, EyeState, MonitorState, Perclos, Unknown, ZoneState};
+use posewise::{MonitorState, Perclos, UnknownReason, ZoneState};
 
 use crate::csv::Cell;
 
@@ -87,13 +87,13 @@ fn closures(window: &Perclos) -> u32 {
 pub const COLUMNS: [&[Column]; 4] = [
     &[
         column("eyes", "word", "`unknown`, `open` or `closed`", |s| {
-            Cell::Word(eyes_name(s.eyes))
+            Cell::Word(s.eyes.name())
         }),
         column(
-            "eyes_unknown",
+            "eyes_reason",
             "word",
-            "why: `known`, `no-face`, `low-confidence`, `turned`, `hidden`",
-            |s| Cell::Word(unknown_name(s.eyes_unknown)),
+            "why unknown: `none`, `no-face`, `low-confidence`, `turned`, `hidden`",
+            |s| Cell::Word(UnknownReason::name_of(s.eyes_reason)),
         ),
         column(
             "openness",
@@ -155,13 +155,13 @@ pub const COLUMNS: [&[Column]; 4] = [
             "drowsiness",
             "word",
             "`unknown`, `awake`, `questionable` or `drowsy`",
-            |s| Cell::Word(drowsiness_name(s.drowsiness)),
+            |s| Cell::Word(s.drowsiness.name()),
         ),
         column(
             "degraded",
             "0 or 1",
             "1: the eyes have long been unknown",
-            |s| Cell::Number(f64::from(s.is_degraded), 0),
+            |s| Cell::Number(f64::from(s.degraded), 0),
         ),
     ],
 ];
@@ -190,34 +190,6 @@ pub fn documentation() -> String {
         );
     }
     out
-}
-
-fn eyes_name(eyes: EyeState) -> &'static str {
-    match eyes {
-        EyeState::Unknown => "unknown",
-        EyeState::Open => "open",
-        EyeState::Closed => "closed",
-    }
-}
-
-fn unknown_name(unknown: Unknown) -> &'static str {
-    match unknown {
-        Unknown::Known => "known",
-        Unknown::NoFace => "no-face",
-        Unknown::LowConfidence => "low-confidence",
-        Unknown::Turned => "turned",
-        Unknown::Hidden => "hidden",
-        _ => "other",
-    }
-}
-
-fn drowsiness_name(drowsiness: Drowsiness) -> &'static str {
-    match drowsiness {
-        Drowsiness::Unknown => "unknown",
-        Drowsiness::Awake => "awake",
-        Drowsiness::Questionable => "questionable",
-        Drowsiness::Drowsy => "drowsy",
-    }
 }
 
 /// The zone's index; −1 unknown, −2 outside of all.

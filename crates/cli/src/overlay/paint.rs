@@ -12,7 +12,6 @@ use super::colors::{AXES, BOX, BOX_COASTING, MESH, confidence_color};
 use super::legend::legend;
 use super::mesh::{Triangles, triangulate_face, twice_area};
 use crate::cli::Style;
-use crate::csv::state_name;
 use crate::faces::Face;
 use crate::text;
 
@@ -63,11 +62,7 @@ impl Painter {
         }
         legend(image, &self.styles);
         match faces {
-            [] => label(
-                image,
-                0,
-                &format!("{frame} {}", state_name(State::Searching)),
-            ),
+            [] => label(image, 0, &format!("{frame} {}", State::Searching.name())),
             [Face { id: 0, result }] => label(image, 0, &format!("{frame} {}", summary(result))),
             _ => {
                 for (line, Face { id, result }) in (0..).zip(faces) {
@@ -180,7 +175,7 @@ fn draw_axes(image: &mut RgbImage, result: &TrackResult, camera: &Intrinsics) {
 
 /// State, angles, distance and confidence in a line.
 fn summary(result: &TrackResult) -> String {
-    let mut words = state_name(result.state).to_string();
+    let mut words = result.state.name().to_string();
     if result.state != State::Searching {
         words += &format!(
             " y{:+.0}° p{:+.0}° r{:+.0}° {:.0}mm {:.2}",

@@ -9,9 +9,7 @@ use posewise::{ANIMATION_NAMES, EyeUnknown, Eyes, Intrinsics, TrackResult};
 use serde_json::{Value, json};
 use tungstenite::Bytes;
 
-use crate::csv::state_name;
 use crate::jsonl::{number, numbers};
-use crate::log::loss_name;
 use crate::picture::Picture;
 use crate::session::Session;
 
@@ -88,19 +86,12 @@ fn result_of(r: &TrackResult) -> Value {
 fn eyes_of(eyes: &Eyes) -> Value {
     let [left, right] = &eyes.each;
     let gazes = [&left.gaze, &right.gaze, &eyes.gaze];
-    // As in C, where 1 is a known one.
-    let number_of = |unknown: Option<EyeUnknown>| match unknown {
-        None => 1,
-        Some(EyeUnknown::NotSeen) => 0,
-        Some(reason) => 1 + reason as u32,
-    };
-    let unknown = [left.unknown, right.unknown].map(number_of);
     json!({
         "eyeOpenProbability": numbers(&[left.open, right.open]),
-        "eyeUnknown": unknown,
+        "eyeStatus": [left.unknown, right.unknown].map(EyeUnknown::name_of),
         "irisLeft": numbers(&left.iris),
         "irisRight": numbers(&right.iris),
-        "gazeUnknown": gazes.map(|gaze| number_of(gaze.unknown)),
+        "gazeStatus": gazes.map(|gaze| EyeUnknown::name_of(gaze.unknown)),
         "gazeSigmaDeg": numbers(&gazes.map(|gaze| gaze.sigma_deg)),
         "gazeLeft": numbers(&left.gaze.camera),
         "gazeRight": numbers(&right.gaze.camera),
@@ -114,7 +105,7 @@ fn eyes_of(eyes: &Eyes) -> Value {
 
 fn pose_of(r: &TrackResult) -> Value {
     json!({
-        "state": state_name(r.state),
+        "state": r.state.name(),
         "timestampUs": r.timestamp_us,
         "ageUs": r.age_us,
         "landmarkCount": r.landmarks.len(),
@@ -126,7 +117,7 @@ fn pose_of(r: &TrackResult) -> Value {
         "rollDeg": number(r.roll_deg),
         "translationMm": numbers(&r.translation_mm),
         "eyeOpen": numbers(&r.eye_open),
-        "loss": loss_name(r.loss).replace('-', "_"),
+        "loss": r.loss.name(),
         "visibleShare": number(r.visible_share),
         "rotationSigmaDeg": numbers(&r.rotation_sigma_deg),
         "translationSigmaMm": numbers(&r.translation_sigma_mm),

@@ -1,8 +1,8 @@
 //! Writes `web/layout.js`: sizes and offsets of the header's structs in WebAssembly, its constants,
 //! and the types of the structs as JSDoc.
 
-use crate::header::{Field, Header, Struct, read};
-use anyhow::{Context, Result, bail};
+use crate::header::{Field, Header, Struct, WORDS, read, word};
+use anyhow::{Context, Result};
 use std::fmt::Write as _;
 
 /// Where the constants are.
@@ -17,18 +17,17 @@ const HEAD: &str = "\
 /// Fields that JavaScript does not see.
 const HIDDEN: [&str; 5] = ["struct_size", "flags", "reserved", "data", "data_len"];
 
-/// Fields whose numbers are named: struct, field, prefix of the constants, name of the list.
-const NAMED: [(&str, &str, &str, &str); 6] = [
-    ("result", "state", "", "STATES"),
-    ("result", "loss", "LOSS_", "LOSSES"),
-    ("event", "kind", "EVENT_", "EVENTS"),
-    ("event", "loss", "LOSS_", "LOSSES"),
-    ("lens", "model", "LENS_", "LENSES"),
-    ("model_details", "terms", "TERMS_", "TERMS"),
+/// Fields whose numbers are named: struct, field, what the constants begin with.
+const NAMED: [(&str, &str, &str); 8] = [
+    ("result", "state", "STATE"),
+    ("result", "loss", "LOSS"),
+    ("event", "kind", "EVENT"),
+    ("event", "loss", "LOSS"),
+    ("result", "eye_status", "EYE"),
+    ("result", "gaze_status", "EYE"),
+    ("lens", "model", "LENS"),
+    ("model_details", "terms", "TERMS"),
 ];
-
-/// The states have no prefix in common.
-const STATES: [&str; 3] = ["SEARCHING", "TRACKING", "COASTING"];
 
 /// Structs of which a caller may leave out fields.
 const OPTIONAL: [&str; 2] = ["config", "hint"];
@@ -79,7 +78,7 @@ fn size_of(kind: &str, all: &[Struct]) -> Result<(usize, usize)> {
 }
 
 fn write_constants(out: &mut String, header: &Header) -> Result<()> {
-    for name in ["ABI", "ALIGN", "LANDMARKS", "ANIMATIONS"] {
+    for name in ["ABI", "ALIGN", "LANDMARKS", "ANIMATIONS", "EYE_LOOKS"] {
         let value = header.with_prefix(name)[0].1;
         writeln!(out, "\nexport const {name} = {value};")?;
     }
@@ -102,59 +101,36 @@ fn write_constants(out: &mut String, header: &Header) -> Result<()> {
     }
     out.push_str("};\n\n/** Bits of the optional parts by name. */\nexport const PARTS = {\n");
     for (name, value) in header.with_prefix("PART_") {
-        writeln!(out, "  {}: {value},", name.to_lowercase())?;
+        writeln!(out, "  '{}': {value},", word(name))?;
     }
     out.push_str("};\n");
-    let mut written = Vec::new();
-    for (_, _, prefix, list) in NAMED {
-        if written.contains(&list) {
-            continue;
-        }
-        written.push(list);
-        let names: Vec<(String, i64)> = match prefix {
-            "" => (0..)
-                .zip(STATES)
-                .map(|(i, name)| (name.to_owned(), i))
-                .collect(),
-            _ => header
-                .with_prefix(prefix)
-                .into_iter()
-                .map(|(name, value)| (name.to_owned(), value))
-                .collect(),
-        };
-        if names
-            .iter()
-            .enumerate()
-            .any(|(i, (_, value))| *value != i as i64)
-        {
-            bail!("the constants of {list} do not count from 0");
-        }
-        let names: Vec<String> = names
-            .iter()
-            .map(|(name, _)| format!("'{}'", name.to_lowercase()))
-            .collect();
-        writeln!(
-            out,
-            "\n/** @typedef {{(typeof {list})[number]}} {} */",
-            type_of_list(list)
-        )?;
-        writeln!(out, "export const {list} = /** @type {{const}} */ ([")?;
-        for line in names.chunks(4) {
-            writeln!(out, "  {},", line.join(", "))?;
-        }
-        out.push_str("]);\n");
+    for kind in WORDS {
+        write_words(out, kind, &header.words(kind)?)?;
     }
     Ok(())
 }
 
-/// The name of the type of which a list holds all values.
-fn type_of_list(list: &str) -> &'static str {
-    match list {
-        "STATES" => "State",
-        "LOSSES" => "Loss",
-        "EVENTS" => "EventKind",
-        "TERMS" => "Terms",
-        _ => "LensModel",
+/// A list of words and the type of them.
+fn write_words(out: &mut String, kind: &str, words: &[String]) -> Result<()> {
+    let (list, name) = list_of_words(kind);
+    writeln!(out, "\n/** @typedef {{(typeof {list})[number]}} {name} */")?;
+    writeln!(out, "export const {list} = /** @type {{const}} */ ([")?;
+    for line in words.chunks(4) {
+        writeln!(out, "  '{}',", line.join("', '"))?;
+    }
+    out.push_str("]);\n");
+    Ok(())
+}
+
+/// The name of a list of words, and of the type of which it holds all values.
+fn list_of_words(kind: &str) -> (&'static str, &'static str) {
+    match kind {
+        "STATE" => ("STATES", "State"),
+        "LOSS" => ("LOSSES", "Loss"),
+        "EVENT" => ("EVENTS", "EventKind"),
+        "EYE" => ("EYES", "EyeStatus"),
+        "TERMS" => ("TERMS", "Terms"),
+        _ => ("LENSES", "LensModel"),
     }
 }
 
@@ -175,9 +151,9 @@ fn camel(name: &str) -> String {
     })
 }
 
-fn list_of(item: &Struct, field: &Field) -> Option<&'static str> {
+fn list_of(item: &Struct, field: &Field) -> Option<(&'static str, &'static str)> {
     let named = NAMED.iter().find(|n| n.0 == item.name && n.1 == field.name);
-    named.map(|n| n.3)
+    named.map(|(_, _, kind)| list_of_words(kind))
 }
 
 /// A typedef for JSDoc. Those of frames and of what a model says are written by hand: pixels are an
@@ -194,7 +170,8 @@ fn write_type(out: &mut String, item: &Struct) -> Result<()> {
             continue;
         }
         let kind = match (list_of(item, field), field.count) {
-            (Some(list), _) => type_of_list(list).to_owned(),
+            (Some((_, words)), Some(count)) => format!("[{}]", vec![words; count].join(", ")),
+            (Some((_, words)), _) => words.to_owned(),
             (_, Some(count)) => format!("[{}]", vec!["number"; count].join(", ")),
             _ if field.kind == "intrinsics" || field.kind == "lens" => type_name(&field.kind),
             _ => "number".to_owned(),
@@ -245,7 +222,8 @@ fn write_layout(out: &mut String, item: &Struct, all: &[Struct]) -> Result<()> {
         let count = field
             .count
             .map_or(String::new(), |n| format!(", count: {n}"));
-        let names = list_of(item, field).map_or(String::new(), |list| format!(", names: {list}"));
+        let names = list_of(item, field);
+        let names = names.map_or(String::new(), |(list, _)| format!(", names: {list}"));
         let optional = match is_optional(item, field) {
             true => ", optional: true",
             false => "",

@@ -17,7 +17,7 @@ use super::input::Input;
 use super::memory::{Exact, Guarded};
 use super::outputs::Outputs;
 use super::tiny;
-use crate::ffi::{api::*, types::*};
+use crate::ffi::{api::*, names::*, types::*};
 use arguments::{CONFIG, config, is_good, spoilt, stated};
 use monitor::Watched;
 use std::ffi::{CStr, c_char};
@@ -406,4 +406,18 @@ fn constants(input: &mut Input<'_>) {
     let known = index < POSEWISE_ANIMATIONS;
     assert_eq!(posewise_animation_name(index).is_null(), !known);
     text(posewise_animation_name(index % POSEWISE_ANIMATIONS));
+    let names = [
+        (
+            posewise_state_name as extern "C" fn(u32) -> _,
+            POSEWISE_COASTING,
+        ),
+        (posewise_loss_name, POSEWISE_LOSS_EXCLUDED),
+        (posewise_event_name, POSEWISE_EVENT_FORGOTTEN),
+        (posewise_eye_status_name, POSEWISE_EYE_UNCERTAIN),
+        (posewise_eye_look_name, POSEWISE_EYE_LOOKS - 1),
+    ];
+    for (name, last) in names {
+        assert_eq!(name(index).is_null(), index > last);
+        text(name(index % (last + 1)));
+    }
 }

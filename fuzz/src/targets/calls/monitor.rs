@@ -10,7 +10,7 @@ use std::mem::size_of;
 use std::ptr::null;
 
 const CONFIG: u32 = size_of::<posewise_monitor_config>() as u32;
-const OBSERVATION: u32 = size_of::<posewise_observation>() as u32;
+const OBSERVATION: u32 = size_of::<posewise_monitor_observation>() as u32;
 const STATE: u32 = size_of::<posewise_monitor_state>() as u32;
 
 /// A monitor, and what is expected of it.
@@ -104,14 +104,14 @@ impl World {
     ) -> (posewise_status, bool) {
         let (tracker, live) = self.tracker(slot, pointer);
         let size = stated(input, OBSERVATION);
-        let out = lay_out(posewise_observation::default(), size);
+        let out = lay_out(posewise_monitor_observation::default(), size);
         let good = live && size == OBSERVATION;
         // SAFETY: as long as stated.
-        let status = unsafe { posewise_observe(tracker, out.ptr().cast()) };
+        let status = unsafe { posewise_monitor_observe(tracker, out.ptr().cast()) };
         if status == POSEWISE_OK && good {
             self.log.extend(out.get());
             // SAFETY: as long as the struct, as just checked.
-            let seen = unsafe { out.ptr().cast::<posewise_observation>().read() };
+            let seen = unsafe { out.ptr().cast::<posewise_monitor_observation>().read() };
             let text = format!("{seen:?}");
             assert!(!text.contains("NaN") && !text.contains("inf"), "{text}");
             let now_us = input.u32().into();
@@ -134,7 +134,7 @@ impl World {
             }
             other => f32::from(other) / 255.0,
         };
-        let seen = posewise_observation {
+        let seen = posewise_monitor_observation {
             struct_size,
             state: POSEWISE_TRACKING,
             confidence: next(),
@@ -189,7 +189,7 @@ impl World {
         let out = lay_out(posewise_monitor_state::default(), size);
         let good = live && size == STATE;
         // SAFETY: as long as stated.
-        let status = unsafe { posewise_monitor_get_state(monitor, out.ptr().cast()) };
+        let status = unsafe { posewise_monitor_read(monitor, out.ptr().cast()) };
         if good {
             // SAFETY: as long as the struct.
             check_state(unsafe { &*out.ptr().cast::<posewise_monitor_state>() });
@@ -234,13 +234,13 @@ impl World {
     ) -> (posewise_status, bool) {
         let (monitor, live) = self.watched(slot, pointer);
         let count = input.u8() as usize % 10;
-        let zone = |input: &mut Input<'_>| posewise_zone {
+        let zone = |input: &mut Input<'_>| posewise_monitor_zone {
             kind: u32::from(input.u8() % 4),
             flags: u32::from(input.u8() / 127),
             grace_us: u32::from(input.u16()) * 64,
             numbers: [0; 9].map(|_| number(input) - 400.0),
         };
-        let zones: Vec<posewise_zone> = (0..count).map(|_| zone(input)).collect();
+        let zones: Vec<posewise_monitor_zone> = (0..count).map(|_| zone(input)).collect();
         // SAFETY: `count` zones.
         let status = unsafe { posewise_monitor_set_zones(monitor, zones.as_ptr(), count) };
         assert!(status != POSEWISE_OK || live && count <= POSEWISE_MONITOR_ZONES as usize);
@@ -264,13 +264,13 @@ fn monitor_config_default(input: &mut Input<'_>, pointer: u8) -> (posewise_statu
     let (preset, kind) = (u32::from(input.u8() % 8), input.u32());
     let size = stated(input, CONFIG);
     let out = lay_out(posewise_monitor_config::default(), size);
-    let good = is_good(pointer) && size == CONFIG && preset <= POSEWISE_PRESET_EU_DDAW;
+    let good = is_good(pointer) && size == CONFIG && preset <= POSEWISE_MONITOR_PRESET_EU_DDAW;
     // SAFETY: as long as stated.
     unsafe {
         let to = spoilt(out.ptr(), pointer);
         let status = posewise_monitor_config_default(preset, to.cast());
         assert!(!good || posewise_monitor_memory_size(to.cast()) == self::size());
-        let is_known = kind <= POSEWISE_DRIVER_CLOCK_BACK;
+        let is_known = kind <= POSEWISE_MONITOR_EVENT_CLOCK_BACK;
         assert_eq!(posewise_monitor_event_name(kind).is_null(), !is_known);
         (status, good)
     }

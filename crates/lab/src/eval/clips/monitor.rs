@@ -90,13 +90,13 @@ struct Columns {
     pose: [usize; 5],
     sigma: [usize; 3],
     eyes: [usize; 2],
-    /// What the network of single eyes says: `eye_unknown_…` and `eye_open_p_…`, in newer files.
+    /// What the network of single eyes says: `eye_status_…` and `eye_open_p_…`, in newer files.
     network: [Option<[usize; 2]>; 2],
     jaw: usize,
     /// `camera_assumed`, in newer files.
     assumed: Option<usize>,
     mouth: Vec<usize>,
-    /// `gaze_unknown` and both angles, in newer files.
+    /// `gaze_status` and both angles, in newer files.
     gaze: Option<[usize; 3]>,
 }
 
@@ -122,7 +122,7 @@ impl Columns {
             ],
             eyes: [column("eye_open_left")?, column("eye_open_right")?],
             network: ["left", "right"].map(|side| {
-                let unknown = column(&format!("eye_unknown_{side}")).ok()?;
+                let unknown = column(&format!("eye_status_{side}")).ok()?;
                 Some([unknown, column(&format!("eye_open_p_{side}")).ok()?])
             }),
             jaw: column("jawOpen")?,
@@ -130,7 +130,7 @@ impl Columns {
             mouth: (48..68)
                 .map(|i| column(&format!("vis_{i}")))
                 .collect::<Result<_>>()?,
-            gaze: ["gaze_unknown", "gaze_angle_x", "gaze_angle_y"]
+            gaze: ["gaze_status", "gaze_angle_x", "gaze_angle_y"]
                 .map(|name| column(name).ok())
                 .into_iter()
                 .collect::<Option<Vec<usize>>>()
