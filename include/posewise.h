@@ -311,6 +311,17 @@ typedef struct posewise_lens {
     float coefficients[5];
 } posewise_lens;
 
+/// A region of interest: a rectangle of the upright image [px]. All four
+/// 0: the whole frame. This struct never grows.
+typedef struct posewise_roi {
+    /// Upper left corner.
+    uint32_t x;
+    uint32_t y;
+    /// Width and height, at least 1; x + width and y + height are at most 16384.
+    uint32_t width;
+    uint32_t height;
+} posewise_roi;
+
 /// Settings. A NULL pointer to this struct selects all defaults.
 typedef struct posewise_config {
     /// sizeof(posewise_config).
@@ -339,10 +350,12 @@ typedef struct posewise_config {
     /// driver does: part of the mean of the gaze in the head frame is taken off it, at most 8
     /// degrees.
     uint32_t gaze;
+    /// Where faces are searched for; see posewise_set_roi(). All four 0: the whole frame.
+    posewise_roi roi;
 } posewise_config;
 /// Initialises a posewise_config: struct_size is set, all other fields are 0.
 #define POSEWISE_CONFIG_INIT \
-    {sizeof(posewise_config), 0, 0, 0, {0, 0, 0, 0}, 0, 0, {0, {0, 0, 0, 0, 0}}, 0}
+    {sizeof(posewise_config), 0, 0, 0, {0, 0, 0, 0}, 0, 0, {0, {0, 0, 0, 0, 0}}, 0, {0, 0, 0, 0}}
 
 /// What a model says of itself, and what is wrong with it. The texts are UTF-8 without a NUL; name
 /// and sheet lie in the model, check is static.
@@ -566,17 +579,6 @@ typedef struct posewise_event {
     /// 0. Keeps the struct free of padding.
     uint32_t reserved;
 } posewise_event;
-
-/// A region of interest for posewise_set_roi(): a rectangle of the upright image [px]. All four
-/// 0: the whole frame. This struct never grows.
-typedef struct posewise_roi {
-    /// Upper left corner.
-    uint32_t x;
-    uint32_t y;
-    /// Width and height, at least 1; x + width and y + height are at most 16384.
-    uint32_t width;
-    uint32_t height;
-} posewise_roi;
 
 /// Settings of a driver monitor. A NULL pointer to this struct selects all defaults; 0 in a field
 /// selects that of the preset, of which the comments have the general one. Times are at most 71

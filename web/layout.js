@@ -156,6 +156,28 @@ export const LENS = {
 };
 
 /**
+ * A region of interest: a rectangle of the upright image [px]. All four 0: the whole frame. This
+ *   struct never grows.
+ * @typedef {object} Roi
+ * @property {number} x Upper left corner.
+ * @property {number} y Upper left corner.
+ * @property {number} width Width and height, at least 1; x + width and y + height are at most
+ *   16384.
+ * @property {number} height Width and height, at least 1; x + width and y + height are at most
+ *   16384.
+ */
+/** @type {import('./struct.js').Layout} */
+export const ROI = {
+  size: 16,
+  fields: {
+    x: { at: 0, type: 'u32' },
+    y: { at: 4, type: 'u32' },
+    width: { at: 8, type: 'u32' },
+    height: { at: 12, type: 'u32' },
+  },
+};
+
+/**
  * Settings. A NULL pointer to this struct selects all defaults.
  * @typedef {object} Config
  * @property {number} [minFacePx] Least width of a face to search for [px], 24..4096. 0: the
@@ -181,10 +203,12 @@ export const LENS = {
  *   eye. _OFF: those fields stay 0. _NATURAL: as _ON, for a person who looks straight ahead most of
  *   the time, as a driver does: part of the mean of the gaze in the head frame is taken off it, at
  *   most 8 degrees.
+ * @property {Roi} [roi] Where faces are searched for; see posewise_set_roi(). All four 0: the whole
+ *   frame.
  */
 /** @type {import('./struct.js').Layout} */
 export const CONFIG = {
-  size: 68,
+  size: 84,
   fields: {
     structSize: { at: 0, type: 'u32', optional: true },
     flags: { at: 4, type: 'u32', optional: true },
@@ -195,6 +219,7 @@ export const CONFIG = {
     smoothingBeta: { at: 36, type: 'f32', optional: true },
     lens: { at: 40, struct: LENS, optional: true },
     gaze: { at: 64, type: 'u32', optional: true },
+    roi: { at: 68, struct: ROI, optional: true },
   },
 };
 /** @type {import('./struct.js').Layout} */
@@ -463,28 +488,6 @@ export const EVENT = {
     faceBox: { at: 16, type: 'f32', count: 4 },
     confidence: { at: 32, type: 'f32' },
     reserved: { at: 36, type: 'u32' },
-  },
-};
-
-/**
- * A region of interest for posewise_set_roi(): a rectangle of the upright image [px]. All four 0:
- *   the whole frame. This struct never grows.
- * @typedef {object} Roi
- * @property {number} x Upper left corner.
- * @property {number} y Upper left corner.
- * @property {number} width Width and height, at least 1; x + width and y + height are at most
- *   16384.
- * @property {number} height Width and height, at least 1; x + width and y + height are at most
- *   16384.
- */
-/** @type {import('./struct.js').Layout} */
-export const ROI = {
-  size: 16,
-  fields: {
-    x: { at: 0, type: 'u32' },
-    y: { at: 4, type: 'u32' },
-    width: { at: 8, type: 'u32' },
-    height: { at: 12, type: 'u32' },
   },
 };
 

@@ -109,6 +109,15 @@ class Lens(Structure):
     ]
 
 
+class Roi(Structure):
+    _fields_ = [
+        ("x", c_uint32),
+        ("y", c_uint32),
+        ("width", c_uint32),
+        ("height", c_uint32),
+    ]
+
+
 class Config(Structure):
     _fields_ = [
         ("struct_size", c_uint32),
@@ -120,6 +129,7 @@ class Config(Structure):
         ("smoothing_beta", c_float),
         ("lens", Lens),
         ("gaze", c_uint32),
+        ("roi", Roi),
     ]
 
 
@@ -238,15 +248,6 @@ class Event(Structure):
         ("face_box", c_float * 4),
         ("confidence", c_float),
         ("reserved", c_uint32),
-    ]
-
-
-class Roi(Structure):
-    _fields_ = [
-        ("x", c_uint32),
-        ("y", c_uint32),
-        ("width", c_uint32),
-        ("height", c_uint32),
     ]
 
 

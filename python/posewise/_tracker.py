@@ -166,7 +166,7 @@ class Tracker:
     path of a ``.posewise`` file. 0 in any other setting selects its default. ``gaze`` looks at the
     eyes of the face, which takes more time; without it they are "not-seen". ``natural_gaze`` does
     so for a person who looks straight ahead most of the time, as a driver does: part of the mean of
-    the gaze in the head frame is taken off it, at most 8 degrees.
+    the gaze in the head frame is taken off it, at most 8 degrees. ``roi`` is that of set_roi().
     """
 
     def __init__(
@@ -181,6 +181,7 @@ class Tracker:
         lens: Optional[tuple[str, Sequence[float]]] = None,
         gaze: bool = False,
         natural_gaze: bool = False,
+        roi: Optional[tuple[int, int, int, int]] = None,
     ) -> None:
         config = layout.Config()
         config.struct_size = ctypes.sizeof(config)
@@ -193,6 +194,8 @@ class Tracker:
             config.intrinsics = arguments.intrinsics(intrinsics)
         if lens is not None:
             config.lens = arguments.lens(*lens)
+        if roi is not None:
+            config.roi = arguments.roi(roi)
         self._model = checked(path_of(model))
         self._memory = aligned(lib.posewise_memory_size(None))
         self._lock = new_lock()

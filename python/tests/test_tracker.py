@@ -134,6 +134,9 @@ def test_a_hint_and_a_region(clip):
     assert first.state in layout.STATES
     tracker.set_roi((0, 0, 320, 240))
     tracker.set_roi(None)
+    narrow = posewise.Tracker(roi=(0, 0, 16, 240))
+    for i, frame in enumerate(clip[0][:20]):
+        assert narrow.step(frame, i * clip[1]).state == "searching"
     tracker.set_intrinsics((277.0, 277.0, 159.5, 119.5))
     tracker.set_lens(("brown", (0.01, 0.0)))
     tracker.set_lens(None)
@@ -219,5 +222,5 @@ def test_the_gaze_is_given_on_request(clip):
 
 def test_structs_are_those_of_c():
     # Sizes on machines with 64-bit pointers; the header's test has the rest.
-    sizes = {"Config": 68, "Intrinsics": 16, "Lens": 24, "Landmark": 28, "Event": 40, "Roi": 16}
+    sizes = {"Config": 84, "Intrinsics": 16, "Lens": 24, "Landmark": 28, "Event": 40, "Roi": 16}
     assert {name: ctypes.sizeof(getattr(layout, name)) for name in sizes} == sizes

@@ -118,6 +118,7 @@ pub(super) unsafe fn config_from(
         },
         gaze: given.gaze != POSEWISE_GAZE_OFF,
         natural_gaze: given.gaze == POSEWISE_GAZE_NATURAL,
+        roi: roi_from(&given.roi),
         ..default
     };
     if given.flags != 0 || given.gaze > POSEWISE_GAZE_NATURAL {
@@ -367,6 +368,30 @@ const _: () = {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_region_of_the_settings_is_taken_and_checked() {
+        let config = |roi: [u32; 4]| {
+            let [x, y, width, height] = roi;
+            let given = posewise_config {
+                struct_size: size_of::<posewise_config>() as u32,
+                roi: posewise_roi {
+                    x,
+                    y,
+                    width,
+                    height,
+                },
+                ..Default::default()
+            };
+            // SAFETY: a whole struct.
+            unsafe { config_from(&given) }
+        };
+        assert_eq!(config([0; 4]), Ok(Config::default()));
+        let roi = Some(Roi::new(8, 16, 320, 240));
+        assert_eq!(config([8, 16, 320, 240]).map(|config| config.roi), Ok(roi));
+        assert_eq!(config([8, 0, 0, 0]), Err(POSEWISE_E_ROI));
+        assert_eq!(config([16384, 0, 1, 1]), Err(POSEWISE_E_ROI));
+    }
 
     #[test]
     fn formats_are_those_of_the_image_module() {

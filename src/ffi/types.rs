@@ -236,7 +236,7 @@ pub struct posewise_intrinsics {
     pub cy: f32,
 }
 
-/// A region of interest for posewise_set_roi(): a rectangle of the upright image \[px\]. All four
+/// A region of interest: a rectangle of the upright image \[px\]. All four
 /// 0: the whole frame. This struct never grows.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
@@ -294,6 +294,8 @@ pub struct posewise_config {
     /// driver does: part of the mean of the gaze in the head frame is taken off it, at most 8
     /// degrees.
     pub gaze: u32,
+    /// Where faces are searched for; see posewise_set_roi(). All four 0: the whole frame.
+    pub roi: posewise_roi,
 }
 
 /// One camera frame. The library reads it only during the call.
@@ -546,7 +548,7 @@ assert_no_padding!(posewise_roi: x: u32, y: u32, width: u32, height: u32);
 assert_no_padding!(posewise_lens: model: u32, coefficients: [f32; 5]);
 assert_no_padding!(posewise_config: struct_size: u32, flags: u32, min_face_px: u32,
     scan_budget: u32, intrinsics: posewise_intrinsics, smoothing_hz: f32, smoothing_beta: f32,
-    lens: posewise_lens, gaze: u32);
+    lens: posewise_lens, gaze: u32, roi: posewise_roi);
 assert_no_padding!(posewise_frame: struct_size: u32, format: u32, timestamp_us: i64, width: u32,
     height: u32, stride: u32, rotation_deg: u32, flags: u32, reserved: u32, data_len: usize,
     data: *const u8);

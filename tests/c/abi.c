@@ -19,7 +19,7 @@ SIZE(posewise_lens, 24);
 FIELD(posewise_lens, model, 0);
 FIELD(posewise_lens, coefficients, 4);
 
-SIZE(posewise_config, 68);
+SIZE(posewise_config, 84);
 FIELD(posewise_config, struct_size, 0);
 FIELD(posewise_config, flags, 4);
 FIELD(posewise_config, min_face_px, 8);
@@ -29,6 +29,7 @@ FIELD(posewise_config, smoothing_hz, 32);
 FIELD(posewise_config, smoothing_beta, 36);
 FIELD(posewise_config, lens, 40);
 FIELD(posewise_config, gaze, 64);
+FIELD(posewise_config, roi, 68);
 
 SIZE(posewise_frame, 40 + sizeof(size_t) + sizeof(void *));
 FIELD(posewise_frame, struct_size, 0);

@@ -178,6 +178,34 @@ static void test_config(void) {
     c = zero, c.intrinsics.fx = c.intrinsics.fy = 500, c.intrinsics.cy = INFINITY;
     config_rejected(&c);
     c = zero, c.intrinsics.cx = 320, config_rejected(&c);
+    c = zero, c.roi.width = 16, config_rejected(&c);
+    c = zero, c.roi.x = 16384, c.roi.width = c.roi.height = 1, config_rejected(&c);
+}
+
+/* A region of the settings is that of posewise_set_roi(): a frame must hold it. */
+static void test_roi_of_config(void) {
+    const posewise_frame f = clip_frame(&frames, 0);
+    posewise_config c = POSEWISE_CONFIG_INIT;
+    posewise_result r = POSEWISE_RESULT_INIT;
+    guarded memory = tracker_memory(0);
+    posewise_tracker *t;
+    size_t i;
+    c.roi.x = 1, c.roi.width = f.width, c.roi.height = f.height;
+    CHECK_STATUS(posewise_init(&t, memory.start, memory.len, model.start, model.len, &c),
+                 POSEWISE_OK);
+    CHECK_STATUS(posewise_step(t, &f, &r), POSEWISE_E_ROI);
+    CHECK_STATUS(posewise_set_roi(t, NULL), POSEWISE_OK);
+    CHECK_STATUS(posewise_step(t, &f, &r), POSEWISE_OK);
+    /* A narrow one at the edge, in which no face is centred. */
+    c.roi.x = 0, c.roi.width = 16;
+    CHECK_STATUS(posewise_init(&t, memory.start, memory.len, model.start, model.len, &c),
+                 POSEWISE_OK);
+    for (i = 0; i < 60; i++) {
+        const posewise_frame next = clip_frame(&frames, i);
+        CHECK_STATUS(posewise_step(t, &next, &r), POSEWISE_OK);
+        CHECK(r.state == POSEWISE_SEARCHING);
+    }
+    guarded_free(memory);
 }
 
 static void model_rejected(const void *bytes, size_t len, posewise_status expected) {
@@ -586,7 +614,7 @@ static void size_refused(posewise_tracker *t, uint32_t size) {
     void *start = any.start;
     memcpy(start, &size, sizeof size);
     /* 40 and 64: those of the first headers. */
-    if (size != sizeof(posewise_config) && size != 40 && size != 64) {
+    if (size != sizeof(posewise_config) && size != 40 && size != 64 && size != 68) {
         CHECK_STATUS(posewise_config_default(start), POSEWISE_E_ARG);
         CHECK(posewise_memory_size(start) == 0);
     }
@@ -1054,6 +1082,7 @@ int main(int argc, char **argv) {
     test_constants();
     test_default_model();
     test_config();
+    test_roi_of_config();
     test_model();
     test_model_info();
     test_init();

@@ -30,6 +30,7 @@ int main(void) {
     FIELD(posewise_config, smoothing_beta);
     FIELD(posewise_config, lens);
     FIELD(posewise_config, gaze);
+    FIELD(posewise_config, roi);
     SIZE(posewise_frame);
     FIELD(posewise_frame, struct_size);
     FIELD(posewise_frame, format);

@@ -84,7 +84,7 @@ fn layouts_agree() {
     layout!(posewise_roi: x y width height);
     layout!(posewise_lens: model coefficients);
     layout!(posewise_config: struct_size flags min_face_px scan_budget intrinsics
-        smoothing_hz smoothing_beta lens gaze);
+        smoothing_hz smoothing_beta lens gaze roi);
     layout!(posewise_frame: struct_size format timestamp_us width height stride rotation_deg flags
         reserved data_len data);
     layout!(posewise_hint: struct_size face_box yaw_deg roll_deg);

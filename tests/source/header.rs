@@ -61,7 +61,7 @@ fn zero(field: &str) -> String {
         (_, Some((_, count))) => zeros(count.trim_end_matches(']').parse().expect("a number")),
         _ if name == "struct_size" => "sizeof".into(),
         _ if name.starts_with('*') => "NULL".into(),
-        ("posewise_intrinsics", _) => zeros(4),
+        ("posewise_intrinsics" | "posewise_roi", _) => zeros(4),
         ("posewise_monitor_perclos", _) => zeros(6),
         ("posewise_lens", _) => format!("{{0, {}}}", zeros(5)),
         _ => "0".into(),

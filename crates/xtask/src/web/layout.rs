@@ -173,7 +173,7 @@ fn write_type(out: &mut String, item: &Struct) -> Result<()> {
             (Some((_, words)), Some(count)) => format!("[{}]", vec![words; count].join(", ")),
             (Some((_, words)), _) => words.to_owned(),
             (_, Some(count)) => format!("[{}]", vec!["number"; count].join(", ")),
-            _ if field.kind == "intrinsics" || field.kind == "lens" => type_name(&field.kind),
+            _ if ["intrinsics", "lens", "roi"].contains(&&*field.kind) => type_name(&field.kind),
             _ => "number".to_owned(),
         };
         let name = camel(&field.name);

@@ -34,7 +34,7 @@ pub(super) fn stated(input: &mut Input<'_>, own: u32) -> u32 {
         240..248 => 0,
         // Not a size in an earlier header, of which the whole struct would have to be there.
         _ => match input.u32() {
-            40 | 64 | 128 => 41,
+            40 | 64 | 68 | 128 => 41,
             size => size,
         },
     }
@@ -217,6 +217,7 @@ pub(super) fn config(input: &mut Input<'_>) -> (Exact, bool) {
         smoothing_beta,
         lens,
         gaze,
+        ..Default::default()
     };
     (lay_out(config, struct_size), valid)
 }
