@@ -86,9 +86,10 @@ fn result_of(r: &TrackResult) -> Value {
 fn eyes_of(eyes: &Eyes) -> Value {
     let [left, right] = &eyes.each;
     let gazes = [&left.gaze, &right.gaze, &eyes.gaze];
+    let status = [left.unknown, right.unknown].map(EyeUnknown::name_of);
     json!({
         "eyeOpenProbability": numbers(&[left.open, right.open]),
-        "eyeStatus": [left.unknown, right.unknown].map(EyeUnknown::name_of),
+        "eyeStatus": status,
         "irisLeft": numbers(&left.iris),
         "irisRight": numbers(&right.iris),
         "gazeStatus": gazes.map(|gaze| EyeUnknown::name_of(gaze.unknown)),
