@@ -249,58 +249,32 @@ mod tests {
 
     #[test]
     fn kinds_and_presets_are_those_of_the_header() {
+        use MonitorEventKind as Kind;
         let kinds = [
-            (MonitorEventKind::Blink, POSEWISE_MONITOR_EVENT_BLINK),
+            (Kind::Blink, POSEWISE_MONITOR_EVENT_BLINK),
+            (Kind::LongClosure, POSEWISE_MONITOR_EVENT_LONG_CLOSURE),
+            (Kind::Microsleep, POSEWISE_MONITOR_EVENT_MICROSLEEP),
+            (Kind::Sleep, POSEWISE_MONITOR_EVENT_SLEEP),
+            (Kind::Unresponsive, POSEWISE_MONITOR_EVENT_UNRESPONSIVE),
+            (Kind::ClosureEnd, POSEWISE_MONITOR_EVENT_CLOSURE_END),
+            (Kind::Yawn, POSEWISE_MONITOR_EVENT_YAWN),
+            (Kind::YawnEnd, POSEWISE_MONITOR_EVENT_YAWN_END),
+            (Kind::Nod, POSEWISE_MONITOR_EVENT_NOD),
+            (Kind::Glance, POSEWISE_MONITOR_EVENT_GLANCE),
+            (Kind::LongGlance, POSEWISE_MONITOR_EVENT_LONG_GLANCE),
             (
-                MonitorEventKind::LongClosure,
-                POSEWISE_MONITOR_EVENT_LONG_CLOSURE,
-            ),
-            (
-                MonitorEventKind::Microsleep,
-                POSEWISE_MONITOR_EVENT_MICROSLEEP,
-            ),
-            (MonitorEventKind::Sleep, POSEWISE_MONITOR_EVENT_SLEEP),
-            (
-                MonitorEventKind::Unresponsive,
-                POSEWISE_MONITOR_EVENT_UNRESPONSIVE,
-            ),
-            (
-                MonitorEventKind::ClosureEnd,
-                POSEWISE_MONITOR_EVENT_CLOSURE_END,
-            ),
-            (MonitorEventKind::Yawn, POSEWISE_MONITOR_EVENT_YAWN),
-            (MonitorEventKind::YawnEnd, POSEWISE_MONITOR_EVENT_YAWN_END),
-            (MonitorEventKind::Nod, POSEWISE_MONITOR_EVENT_NOD),
-            (MonitorEventKind::Glance, POSEWISE_MONITOR_EVENT_GLANCE),
-            (
-                MonitorEventKind::LongGlance,
-                POSEWISE_MONITOR_EVENT_LONG_GLANCE,
-            ),
-            (
-                MonitorEventKind::CumulativeGlance,
+                Kind::CumulativeGlance,
                 POSEWISE_MONITOR_EVENT_CUMULATIVE_GLANCE,
             ),
-            (MonitorEventKind::Drowsy, POSEWISE_MONITOR_EVENT_DROWSY),
-            (
-                MonitorEventKind::DrowsyEnd,
-                POSEWISE_MONITOR_EVENT_DROWSY_END,
-            ),
-            (MonitorEventKind::Degraded, POSEWISE_MONITOR_EVENT_DEGRADED),
-            (MonitorEventKind::Restored, POSEWISE_MONITOR_EVENT_RESTORED),
-            (
-                MonitorEventKind::OpenEyeLearnt,
-                POSEWISE_MONITOR_EVENT_OPEN_EYE_LEARNT,
-            ),
-            (
-                MonitorEventKind::NaturalLearnt,
-                POSEWISE_MONITOR_EVENT_NATURAL_LEARNT,
-            ),
-            (
-                MonitorEventKind::ClockBack,
-                POSEWISE_MONITOR_EVENT_CLOCK_BACK,
-            ),
+            (Kind::Drowsy, POSEWISE_MONITOR_EVENT_DROWSY),
+            (Kind::DrowsyEnd, POSEWISE_MONITOR_EVENT_DROWSY_END),
+            (Kind::Degraded, POSEWISE_MONITOR_EVENT_DEGRADED),
+            (Kind::Restored, POSEWISE_MONITOR_EVENT_RESTORED),
+            (Kind::OpenEyeLearnt, POSEWISE_MONITOR_EVENT_OPEN_EYE_LEARNT),
+            (Kind::NaturalLearnt, POSEWISE_MONITOR_EVENT_NATURAL_LEARNT),
+            (Kind::ClockBack, POSEWISE_MONITOR_EVENT_CLOCK_BACK),
         ];
-        assert_eq!(kinds.map(|(kind, _)| kind), MonitorEventKind::ALL);
+        assert_eq!(kinds.map(|(kind, _)| kind), Kind::ALL);
         for (kind, number) in kinds {
             assert_eq!(kind as u32, number, "{kind:?}");
         }

@@ -108,13 +108,13 @@ fn tidy(header: &str) -> String {
         let define = comment.and(lines.peek()).and_then(|next| constant(next));
         if let (Some(comment), Some((name, value))) = (comment, define) {
             lines.next();
-            let family = Some(family(name));
-            if family == previous_family && out.ends_with("\n\n") {
+            let family = family(name);
+            if Some(family) == previous_family && out.ends_with("\n\n") {
                 out.pop();
             }
-            previous_family = family;
+            previous_family = Some(family);
             let comment = comment.trim_end_matches('.');
-            let (name_width, value_width) = widths[family.unwrap_or_default()];
+            let (name_width, value_width) = widths[family];
             writeln!(
                 out,
                 "#define {name:<name_width$} {value:<value_width$} ///< {comment}"
