@@ -13,5 +13,7 @@ html_show_copyright = False
 html_show_sphinx = False
 html_copy_source = False
 html_use_index = False
+# Browsers let a page on a disk read no other for a summary.
+html_show_search_summary = False
 # The Rust reference and the demo, which are pages already.
 html_extra_path = ["extra"]
