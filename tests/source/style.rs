@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 const LIMIT: usize = 100;
 
 /// Endings, or whole names, of the files that people write and read.
-const ENDINGS: &str = "md rs toml yml c h cpp hpp java modulemap ld sh cmake in txt run tools Makefile \
-     js mjs html css py";
+const ENDINGS: &str = "md rs toml yml c h cpp hpp java modulemap ld sh cmake in txt run tools \
+     Makefile js mjs html css py";
 
 /// Folders that hold what programs write.
 const OUTPUT: [&str; 5] = ["target", "cache", "corpus", "artifacts", "node_modules"];
