@@ -7,11 +7,14 @@ use std::path::{Path, PathBuf};
 const LIMIT: usize = 100;
 
 /// Endings, or whole names, of the files that people write and read.
-const ENDINGS: &str = "md rs toml c h cpp hpp java modulemap ld sh cmake in txt run tools Makefile \
-     js mjs html css py";
+const ENDINGS: &str = "md rs toml yml c h cpp hpp java modulemap ld sh cmake in txt run tools \
+     Makefile js mjs html css py";
 
 /// Folders that hold what programs write.
 const OUTPUT: [&str; 5] = ["target", "cache", "corpus", "artifacts", "node_modules"];
+
+/// Hidden folders that people write.
+const OWN: [&str; 3] = [".cargo", ".ci", ".github"];
 
 pub fn text_files(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).expect("a folder") {
@@ -21,7 +24,7 @@ pub fn text_files(folder: &Path, found: &mut Vec<PathBuf>) {
         if name.starts_with("NOTICES") {
             continue;
         }
-        let hidden = name.starts_with('.') && name != ".ci" && name != ".cargo";
+        let hidden = name.starts_with('.') && !OWN.contains(&&*name);
         if path.is_dir() {
             if !hidden && !OUTPUT.contains(&&*name) && !path.is_symlink() {
                 text_files(&path, found);

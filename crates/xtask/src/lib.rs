@@ -13,6 +13,7 @@ pub mod picture;
 pub mod python;
 pub mod release;
 mod replay;
+pub mod site;
 mod size;
 pub mod web;
 mod zip;

@@ -4,7 +4,7 @@ use anyhow::{Context, Result};
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 use xtask::{
-    Library, code_size, demo_clip, figures, mobile, notices, picture, release, replay, root,
+    Library, code_size, demo_clip, figures, mobile, notices, picture, release, replay, root, site,
     size_table, web,
 };
 
@@ -57,6 +57,8 @@ enum Task {
         #[arg(long, default_value_t = 8040, requires = "serve")]
         port: u16,
     },
+    /// Builds the documentation as a site, with the demo, in target/site; links are checked
+    Site,
     /// Makes a folder in the shape of an AAR for Android, and prints its path
     Android,
     /// Makes an XCFramework for iOS, and prints its path
@@ -144,6 +146,7 @@ fn main() -> Result<()> {
                 site.serve();
             }
         }
+        Task::Site => println!("{}", site::build(&target_dir())?.display()),
         Task::Android => println!("{}", mobile::android(&target_dir())?.display()),
         Task::Ios => println!("{}", mobile::ios(&target_dir())?.display()),
         Task::Release { out, only } => {
