@@ -119,7 +119,7 @@ install: lib notices $(if $(TARGET)$(filter none,$(COMMAND)),,install-command)
 	$(if $(CAN_SHARE),install -m 755 $(DIST)/lib/$(SONAME) $(TO)/lib/)
 	$(if $(CAN_SHARE),ln -sf $(SONAME) $(TO)/lib/libposewise.so)
 	install -m 644 $(ROOT)/include/posewise.h $(ROOT)/include/posewise.hpp $(TO)/include/
-	install -m 644 $(ROOT)/models/default.posewise $(ROOT)/models/default.md $(ROOT)/LICENSE \
+	install -m 644 $(ROOT)/models/posewise.posewise $(ROOT)/models/posewise.md $(ROOT)/LICENSE \
 		$(NOTICES) $(TO)/share/posewise/
 	install -m 644 $(ROOT)/packaging/posewise-config.cmake $(CMAKE)/
 	sed 's/@VERSION@/$(VERSION)/' $(ROOT)/packaging/posewise-config-version.cmake.in \

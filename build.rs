@@ -1,10 +1,10 @@
-//! Writes the model that the crate embeds: models/default.posewise, in smaller builds without the
+//! Writes the model that the crate embeds: models/posewise.posewise, in smaller builds without the
 //! sections that they do not read. Says whether there is a SIMD kernel for the target.
 
 use posewise_format::{Tag, without};
 use std::path::Path;
 
-const MODEL: &str = "models/default.posewise";
+const MODEL: &str = "models/posewise.posewise";
 
 /// Sections that only one feature reads, by the name that cargo gives it here.
 const READ_BY: [(&str, Tag); 4] = [
@@ -33,7 +33,7 @@ fn main() {
         false => without(&file, &unread).expect("the default model is valid"),
     };
     let out = std::env::var_os("OUT_DIR").expect("cargo sets it");
-    std::fs::write(Path::new(&out).join("default.posewise"), embedded)
+    std::fs::write(Path::new(&out).join("posewise.posewise"), embedded)
         .expect("OUT_DIR is writable");
 }
 

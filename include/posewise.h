@@ -378,7 +378,7 @@ typedef struct posewise_model_details {
     uint32_t wrong_section;
     /// 0. Keeps the struct free of padding.
     uint32_t reserved;
-    /// Name of the model, as "default.posewise".
+    /// Name of the model, as "posewise.posewise".
     const char *name;
     size_t name_len;
     /// Its data sheet, in Markdown: what it was trained on, with which terms.

@@ -2,7 +2,7 @@
 # The target is the static library, or with POSEWISE_SHARED the shared one. Paths are found from
 # this file, so an installed tree may be moved.
 get_filename_component(_posewise_prefix "${CMAKE_CURRENT_LIST_DIR}/../../.." ABSOLUTE)
-set(posewise_MODEL "${_posewise_prefix}/share/posewise/default.posewise")
+set(posewise_MODEL "${_posewise_prefix}/share/posewise/posewise.posewise")
 
 if(POSEWISE_SHARED)
   set(_posewise_kind SHARED)

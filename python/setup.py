@@ -16,8 +16,8 @@ GLIBC = "manylinux_2_17"
 FILES = {
     "LICENSE": "LICENSE",
     "packaging/NOTICES.txt": "NOTICES.txt",
-    "models/default.posewise": "default.posewise",
-    "models/clean.posewise": "clean.posewise",
+    "models/posewise.posewise": "posewise.posewise",
+    "models/research.posewise": "research.posewise",
 }
 
 

@@ -140,10 +140,10 @@ pub const PARTS: [(&str, bool); 5] = [
 #[cfg(feature = "default-model")]
 static DEFAULT: &Aligned<[u8]> = &Aligned(*include_bytes!(concat!(
     env!("OUT_DIR"),
-    "/default.posewise"
+    "/posewise.posewise"
 )));
 
-/// The model that ships with the crate: models/default.posewise, without the sections that this
+/// The model that ships with the crate: models/posewise.posewise, without the sections that this
 /// build does not read.
 #[cfg(feature = "default-model")]
 pub static DEFAULT_MODEL: &[u8] = &DEFAULT.0;

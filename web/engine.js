@@ -35,13 +35,13 @@ import { clearStruct, readStruct, writeStruct } from './struct.js';
  * @property {WebAssembly.Module | BufferSource | string | URL} [wasm] The module, its bytes or its
  *   address. Without it: the one beside this file that suits the browser.
  * @property {BufferSource | string | URL} [model] A .posewise model or its address. Without it:
- *   default.posewise beside this file.
+ *   posewise.posewise beside this file.
  */
 
 /**
  * What a model says of itself.
  * @typedef {object} ModelInfo
- * @property {string} name As `default.posewise`; empty where it has none.
+ * @property {string} name As `posewise.posewise`; empty where it has none.
  * @property {import('./layout.js').Terms} terms What the terms of its training data allow.
  * @property {string} sheet Its data sheet, in Markdown.
  * @property {number} formatVersion Version of the model format.
@@ -118,7 +118,7 @@ async function modelBytes(model) {
   if (ArrayBuffer.isView(model)) {
     return new Uint8Array(model.buffer, model.byteOffset, model.byteLength);
   }
-  const response = await get(model ?? new URL('default.posewise', import.meta.url));
+  const response = await get(model ?? new URL('posewise.posewise', import.meta.url));
   return new Uint8Array(await response.arrayBuffer());
 }
 

@@ -24,7 +24,7 @@ PARTS: tuple[str, ...] = tuple(
 class ModelInfo:
     """What a model says of itself, and what is wrong with it."""
 
-    #: As "default.posewise"; empty where it has none.
+    #: As "posewise.posewise"; empty where it has none.
     name: str
     #: What the terms of its training data allow: "unknown", "free" or "research".
     terms: str
@@ -44,14 +44,14 @@ class ModelInfo:
     check: str
 
 
-def model_info(model: Union[str, Path] = "default") -> ModelInfo:
+def model_info(model: Union[str, Path] = "posewise") -> ModelInfo:
     """What a model says of itself, also one that the library refuses."""
     return _info(_read(path_of(model)))
 
 
 def path_of(model: Union[str, Path]) -> Path:
     """The file of a model, which may be given by its name."""
-    known = model in ("default", "clean")
+    known = model in ("posewise", "research")
     return FOLDER / f"{model}.posewise" if known else Path(model).resolve()
 
 

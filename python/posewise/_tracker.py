@@ -162,16 +162,17 @@ def _numbers(array: Any) -> Floats:
 class Tracker:
     """Follows one face. Several threads may share a tracker: they wait for each other.
 
-    ``model`` is "default", "clean" (whose sources allow any use: may ship in a product), or the
-    path of a ``.posewise`` file. 0 in any other setting selects its default. ``gaze`` looks at the
-    eyes of the face, which takes more time; without it they are "not-seen". ``natural_gaze`` does
+    ``model`` is "posewise" (whose sources allow any use: may ship in a product), "research" (whose
+    do not), or the path of a ``.posewise`` file. 0 in any other setting selects its default.
+    ``gaze`` looks at the eyes of the face, which takes more time; without it they are "not-seen".
+    ``natural_gaze`` does
     so for a person who looks straight ahead most of the time, as a driver does: part of the mean of
     the gaze in the head frame is taken off it, at most 8 degrees. ``roi`` is that of set_roi().
     """
 
     def __init__(
         self,
-        model: Union[str, Path] = "default",
+        model: Union[str, Path] = "posewise",
         *,
         min_face_px: int = 0,
         scan_budget: int = 0,

@@ -134,12 +134,12 @@ def test_a_child_may_be_forked_while_a_thread_steps():
 
 def test_models_say_their_names_terms_and_faults(tmp_path, root):
     info = posewise.model_info()
-    assert (info.name, info.terms) == ("default.posewise", "research")
+    assert (info.name, info.terms) == ("posewise.posewise", "free")
     assert "ALGN" in info.sections and "Trained on" in info.sheet
     assert info.check == "" and info.wrong_section == ""
-    assert posewise.model_info("clean").name == "clean.posewise"
+    assert posewise.model_info("research").name == "research.posewise"
     assert "verifier" in posewise.PARTS
-    whole = bytearray((root / "models/default.posewise").read_bytes())
+    whole = bytearray((root / "models/posewise.posewise").read_bytes())
     assert info.length == len(whole)
     # A section of another name, in a file that is whole.
     table = whole.index(b"ALGN")
@@ -148,7 +148,7 @@ def test_models_say_their_names_terms_and_faults(tmp_path, root):
     spoilt = tmp_path / "spoilt.posewise"
     spoilt.write_bytes(whole)
     info = posewise.model_info(spoilt)
-    assert (info.name, info.wrong_section) == ("default.posewise", "ALGN")
+    assert (info.name, info.wrong_section) == ("posewise.posewise", "ALGN")
     assert info.check == "the section is missing"
     with pytest.raises(posewise.PosewiseError, match="ALGN: the section is missing"):
         posewise.Tracker(spoilt)

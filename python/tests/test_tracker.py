@@ -44,7 +44,7 @@ def test_the_clip_gives_the_same_bits(clip, root):
 
 
 def test_results_have_their_shapes(clip):
-    tracker = posewise.Tracker("clean")
+    tracker = posewise.Tracker("research")
     result = None
     for i, frame in enumerate(clip[0][:10]):
         before, result = result, tracker.step(frame, i * clip[1])

@@ -179,9 +179,11 @@ mod tests {
         const EARLIER_SIZES: &'static [usize] = &[size_of::<posewise_config>()];
     }
 
-    fn later(struct_size: u32, more: u32) -> Later {
+    const NOW: usize = size_of::<posewise_config>();
+
+    fn later(struct_size: usize, more: u32) -> Later {
         let config = posewise_config {
-            struct_size,
+            struct_size: struct_size as u32,
             min_face_px: 50,
             ..Default::default()
         };
@@ -194,14 +196,14 @@ mod tests {
 
     #[test]
     fn short_structs_are_extended_with_zeros() {
-        let old = later(68, 7);
+        let old = later(NOW, 7);
         // SAFETY: a live struct.
         let read = unsafe { read_struct(&old) }.unwrap();
         assert_eq!((read.config.min_face_px, read.more), (50, 0));
-        // SAFETY: a live struct, of which only the first 68 bytes may be written.
-        let mut out = later(68, 9);
-        unsafe { write_struct(&mut out, 68, &later(76, 1)) };
-        assert_eq!((out.config.struct_size, out.more), (68, 9));
+        // SAFETY: a live struct, of which only the first bytes may be written.
+        let mut out = later(NOW, 9);
+        unsafe { write_struct(&mut out, NOW, &later(NOW + 8, 1)) };
+        assert_eq!((out.config.struct_size as usize, out.more), (NOW, 9));
     }
 
     #[test]
@@ -222,7 +224,8 @@ mod tests {
 
     #[test]
     fn sizes_that_no_header_had_are_rejected() {
-        for size in [0, 4, 40, 64, 67, 69, 72, 75, 77, 128, 4096, 4097, u32::MAX] {
+        let others = [0, 4, 40, 68, NOW - 1, NOW + 1, NOW + 7, NOW + 9, 4096, 4097];
+        for size in others.into_iter().chain([u32::MAX as usize]) {
             // SAFETY: nothing beyond `struct_size` is read.
             assert!(unsafe { read_struct(&later(size, 0)) }.is_err(), "{size}");
         }

@@ -509,7 +509,7 @@ pub struct posewise_model_details {
     pub wrong_section: u32,
     /// 0. Keeps the struct free of padding.
     pub reserved: u32,
-    /// Name of the model, as "default.posewise".
+    /// Name of the model, as "posewise.posewise".
     pub name: *const c_char,
     pub name_len: usize,
     /// Its data sheet, in Markdown: what it was trained on, with which terms.

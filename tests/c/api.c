@@ -268,8 +268,8 @@ static void test_model_info(void) {
     guarded copy = guarded_new(model.len, 0);
     posewise_model_details info = empty, *inside;
     CHECK_STATUS(posewise_model_info(model.start, model.len, &info), POSEWISE_OK);
-    CHECK(is_text(info.name, info.name_len, "default.posewise"));
-    CHECK(info.terms == POSEWISE_TERMS_RESEARCH && info.sheet_len > info.name_len);
+    CHECK(is_text(info.name, info.name_len, "posewise.posewise"));
+    CHECK(info.terms == POSEWISE_TERMS_FREE && info.sheet_len > info.name_len);
     CHECK(info.length == model.len && info.format_version > 0);
     CHECK(memcmp(&info.checksum, model.start + 16, 4) == 0);
     CHECK(info.section_count > 6 && info.sections[0] != 0 && info.sections[31] == 0);

@@ -118,7 +118,10 @@ pub fn arguments() -> &'static [String; 4] {
         let path = scratch("c").join("frames.raw");
         std::fs::write(&path, frames).expect("target/ is writable");
         [
-            root().join("models/default.posewise").display().to_string(),
+            root()
+                .join("models/posewise.posewise")
+                .display()
+                .to_string(),
             path.display().to_string(),
             clip.width.to_string(),
             clip.height.to_string(),

@@ -227,7 +227,7 @@ fn y4m(program: &Path, arguments: &[&Path], video: &[u8]) -> Output {
 fn example_answers_as_the_rust_api() {
     let (model, mut tracker) = (model(), tracker(&posewise::Config::default()));
     let clip = demo();
-    let path = root().join("models/default.posewise");
+    let path = root().join("models/posewise.posewise");
     let output = y4m(example(), &[&path], &clip.y4m);
     assert!(
         output.status.success(),
@@ -301,7 +301,7 @@ fn driver_example_prints_events() {
 
 #[test]
 fn example_explains_bad_input() {
-    let model = root().join("models/default.posewise");
+    let model = root().join("models/posewise.posewise");
     let missing = root().join("models/missing.posewise");
     let foreign = root().join("Cargo.toml");
     let video = &demo().y4m;

@@ -301,9 +301,9 @@ fn gstreamer_element_posts_results() {
     let [before, after] = [Path::new(frames), &out].map(|path| std::fs::read(path).unwrap());
     assert!(before == after, "frames pass unchanged");
 
-    let clean = root().join("models/clean.posewise");
+    let research = root().join("models/research.posewise");
     let nv12 = "videoconvert ! video/x-raw,format=NV12 ! posewise model";
-    let (is_well, printed, said) = run(&format!("{nv12}={}", clean.display()));
+    let (is_well, printed, said) = run(&format!("{nv12}={}", research.display()));
     assert!(is_well, "{said}");
     assert!(
         printed.matches("state=(string)tracking").count() >= 50,

@@ -60,7 +60,7 @@ fn android_folder_is_whole() {
         "R.txt",
         "README.md",
         "classes.jar",
-        "default.md",
+        "posewise.md",
         "posewise_jni.c",
         "prefab/modules/posewise/include/posewise.h",
         "prefab/modules/posewise/module.json",
@@ -143,7 +143,7 @@ fn ios_framework_is_whole() {
     }
     let made = mobile::ios(&scratch("dist"));
     let folder = made.unwrap_or_else(|error| panic!("{error:#}"));
-    let mut expected: BTreeSet<String> = ["Info.plist", "LICENSE", "NOTICES.txt", "default.md"]
+    let mut expected: BTreeSet<String> = ["Info.plist", "LICENSE", "NOTICES.txt", "posewise.md"]
         .map(String::from)
         .into();
     for (platform, ..) in PLATFORMS {

@@ -25,8 +25,8 @@ const FILES: [&str; 19] = [
     "share/posewise/LICENSE",
     "share/posewise/NOTICES-command.txt",
     "share/posewise/NOTICES.txt",
-    "share/posewise/default.md",
-    "share/posewise/default.posewise",
+    "share/posewise/posewise.md",
+    "share/posewise/posewise.posewise",
     "share/zsh/site-functions/_posewise",
 ];
 
@@ -93,7 +93,7 @@ fn track(program: &Path, model: &Path) -> String {
 
 /// What the example that cargo's library was linked into makes of it.
 fn expected() -> String {
-    track(example(), &root().join("models/default.posewise"))
+    track(example(), &root().join("models/posewise.posewise"))
 }
 
 #[test]
@@ -123,7 +123,7 @@ fn pkg_config_finds_it() {
         let needs = succeed(Command::new("readelf").arg("--dynamic").arg(&program));
         let is_shared = needs.contains("[libposewise.so.1]");
         assert_eq!(is_shared, name == "posewise-shared", "{needs}");
-        let model = Path::new(&ask(&["--variable=modeldir", name])).join("default.posewise");
+        let model = Path::new(&ask(&["--variable=modeldir", name])).join("posewise.posewise");
         assert_eq!(track(&program, &model), expected());
     }
 }
@@ -145,7 +145,7 @@ fn cmake_finds_it() {
         configure.arg(format!("-DPOSEWISE_SHARED={shared}"));
         succeed(&mut configure);
         succeed(Command::new("cmake").arg("--build").arg(&build));
-        let model = tree.join("share/posewise/default.posewise");
+        let model = tree.join("share/posewise/posewise.posewise");
         let program = build.join("y4m");
         let needs = succeed(Command::new("readelf").arg("--dynamic").arg(&program));
         assert_eq!(needs.contains("[libposewise.so.1]"), shared == "ON");

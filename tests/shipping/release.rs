@@ -140,7 +140,7 @@ fn debian_packages_are_used() {
         succeed(compile.arg(&program));
         let mut run = Command::new(&program);
         run.env("LD_LIBRARY_PATH", tree.join("usr/lib"));
-        run.arg(tree.join("usr/share/posewise/default.posewise"));
+        run.arg(tree.join("usr/share/posewise/posewise.posewise"));
         run.stdin(std::fs::File::open(&clip).expect("just unpacked"));
         let tracked = succeed(run.stdout(Stdio::piped()));
         assert!(tracked.matches(",tracking,").count() > 100, "{library}");

@@ -97,7 +97,7 @@ fn node_gives_the_same_bits() {
         let mut node = Command::new("node");
         node.arg(root().join("web/test/replay.mjs"));
         node.arg(site.join(module))
-            .arg(site.join("default.posewise"));
+            .arg(site.join("posewise.posewise"));
         assert_eq!(succeed(node.arg(&clip)), expected, "{module}");
     }
 }
@@ -111,7 +111,7 @@ fn faults_of_callers_do_no_harm() {
     let mut node = Command::new("node");
     node.arg(root().join("web/test/faults.mjs"));
     node.arg(site.join("posewise-simd128.wasm"));
-    succeed(node.arg(site.join("default.posewise")));
+    succeed(node.arg(site.join("posewise.posewise")));
 }
 
 /// The unit tests of the library as WebAssembly, those of the kernels among them.

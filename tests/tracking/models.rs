@@ -37,8 +37,7 @@ fn every_model_tracks_the_demo_clip() {
 
 #[test]
 fn models_say_their_names_and_terms() {
-    // The clean model's sheet may be older than the line on terms.
-    let research = [("default.posewise", true), ("clean.posewise", false)];
+    let research = [("posewise.posewise", false), ("research.posewise", true)];
     for (name, is_research) in research {
         let bytes = std::fs::read(root().join("models").join(name)).expect("a model");
         let bytes = AlignedBytes::new(&bytes);
@@ -65,7 +64,7 @@ fn the_wrong_section_is_named() {
             });
             let bytes = AlignedBytes::new(&blob(&sections.collect::<Vec<_>>()));
             let info = ModelInfo::read(&bytes).expect("a whole file");
-            assert_eq!(info.name, "default.posewise");
+            assert_eq!(info.name, "posewise.posewise");
             match Model::load(&bytes) {
                 // Optional sections may be missing.
                 Ok(_) => assert!(!is_there),

@@ -8,8 +8,8 @@ import { Source } from './sources.js';
 
 /** What the page says of each model; models/*.md has the terms. */
 const NOTES = {
-  default: 'Trained on renders and research photographs: check its terms before you ship it.',
-  clean: 'Trained on renders and portraits in the public domain: may ship in a product.',
+  posewise: 'Trained on renders and portraits in the public domain: may ship in a product.',
+  research: 'Trained on renders and research photographs: check its terms before you ship it.',
 };
 
 /**
@@ -31,7 +31,7 @@ let shownUs = -1;
 
 /** What the chosen model's tracker is made of. */
 async function chosen() {
-  const name = model.value === 'clean' ? 'clean' : 'default';
+  const name = model.value === 'research' ? 'research' : 'posewise';
   element('model-note', HTMLElement).textContent = NOTES[name];
   return Promise.all([
     compiled(moduleName()),
@@ -122,7 +122,7 @@ function connect() {
 connect();
 connectDisplay(() => tracker?.animationNames ?? []);
 await attempt(async () => {
-  element('model-note', HTMLElement).textContent = NOTES.default;
+  element('model-note', HTMLElement).textContent = NOTES.posewise;
   const parts = Promise.all([firstModule, firstModel, firstWorker]);
   await Promise.all([loadModel(parts), source.clip(firstClip)]);
   say('Looking for a face…');

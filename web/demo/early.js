@@ -21,5 +21,5 @@ async function worker() {
 
 export const firstWorker = begun(worker());
 export const firstModule = begun(compiled(moduleName()));
-export const firstModel = begun(asset('default.posewise'));
+export const firstModel = begun(asset('posewise.posewise'));
 export const firstClip = begun(asset('demo/clip.webm'));

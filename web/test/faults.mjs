@@ -172,8 +172,8 @@ test('integers do not wrap', async () => {
 
 test('a model says its name, its terms and its faults', async () => {
   const { engine } = await bounded();
-  assert.equal(engine.model.name, 'default.posewise');
-  assert.equal(engine.model.terms, 'research');
+  assert.equal(engine.model.name, 'posewise.posewise');
+  assert.equal(engine.model.terms, 'free');
   assert.equal(engine.model.length, model.length);
   assert.ok(engine.model.sections.includes('ALGN') && engine.model.sheet.includes('Trained on'));
   assert.ok(engine.parts.includes('verifier'));

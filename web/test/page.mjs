@@ -114,9 +114,9 @@ async function controls() {
   await page.waitForFunction(() => document.getElementById('video').paused);
   await page.click('#pause');
   await untilTracked(page, 3);
-  await page.selectOption('#model', 'clean');
+  await page.selectOption('#model', 'research');
   const says = (text) => document.getElementById('model-note').textContent.includes(text);
-  await page.waitForFunction(says, 'may ship');
+  await page.waitForFunction(says, 'check its terms');
   await untilTracked(page, 10);
   await page.setInputFiles('#file', join(folder, 'demo/clip.webm'));
   await untilTracked(page, 10);
@@ -141,7 +141,7 @@ async function frames(count) {
     video.srcObject = await navigator.mediaDevices.getUserMedia({ video: true });
     await video.play();
     const [a, b] = await Promise.all([1, 2].map(() =>
-      FaceTracker.create({ model: 'default.posewise' })));
+      FaceTracker.create({ model: 'posewise.posewise' })));
     const records = [];
     while (records.length < count) {
       await new Promise((resolve) => video.requestVideoFrameCallback(resolve));
@@ -234,7 +234,7 @@ async function times() {
     }
     const found = {};
     for (const name of ['posewise-simd128.wasm', 'posewise.wasm']) {
-      const engine = await load({ wasm: `/${name}`, model: '/default.posewise' });
+      const engine = await load({ wasm: `/${name}`, model: '/posewise.posewise' });
       const tracker = engine.createTracker();
       const ms = [];
       for (let i = 0; i < 200; i++) {

@@ -3,7 +3,7 @@
 import { FaceTracker, load, type Tracked } from '../posewise.js';
 
 export async function inAWorker(video: HTMLVideoElement): Promise<string[]> {
-  const tracker = await FaceTracker.create({ model: 'clean.posewise', config: { minFacePx: 60 } });
+  const tracker = await FaceTracker.create({ model: 'research.posewise', config: { minFacePx: 60 } });
   const tracked: Tracked = await tracker.track(video, 1e6 * video.currentTime);
   const { state, yawDeg, faceBox, loss } = tracked.result;
   const [x, y, width, height]: [number, number, number, number] = faceBox;
@@ -18,7 +18,7 @@ export async function inAWorker(video: HTMLVideoElement): Promise<string[]> {
 }
 
 export async function inThisThread(data: Uint8Array): Promise<number> {
-  const engine = await load({ model: new URL('clean.posewise', 'https://example.org/') });
+  const engine = await load({ model: new URL('research.posewise', 'https://example.org/') });
   const tracker = engine.createTracker({ lens: { model: 'brown', coefficients: [0, 0, 0, 0, 0] } });
   const result = tracker.step({ data, width: 640, height: 480, format: 'NV12' }, 0);
   // @ts-expect-error The height is missing.

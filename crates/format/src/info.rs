@@ -28,7 +28,7 @@ pub enum ModelTerms {
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct ModelInfo<'m> {
-    /// Its name, as "default.posewise"; empty where it has none.
+    /// Its name, as "posewise.posewise"; empty where it has none.
     pub name: &'m str,
     /// What the terms of its data allow.
     pub terms: ModelTerms,

@@ -1,17 +1,22 @@
-//! Completes faces of which one half is labelled: the 3D head is fitted to the landmarks that are
-//! known, and says where the others are. What is made up so has no loss; it places the crop.
+//! What the 3D head that was fitted to a photograph tells of its face.
+//!
+//! Of a face of which one half is labelled, it says where the other landmarks are. What is made up
+//! so has no loss; it places the crop.
 
 use crate::face_section::{face_section, open};
 use crate::faces::{self, Face};
-use crate::fit::{FitSettings, Fits, camera};
+use crate::fit::{FitSettings, Fits, PhotoFit, camera};
 use crate::head::Head;
+use crate::labels::Label;
 use crate::photographs::Set;
 use anyhow::Result;
+use posewise::align::crop_to_camera;
 use posewise::shape::{
     self, FaceFit, FaceModel, FitOptions, IdentityEstimator, LANDMARKS, MAX_IDENTITIES, Observed,
 };
 use posewise_format::{AlignedBytes, Blob, blob};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Fits whose known landmarks are farther off on average explain no face \[face sizes, see
@@ -21,6 +26,20 @@ const LARGEST_ERROR: f32 = 0.13;
 const ROUNDS: usize = 3;
 /// Weight of landmarks that the head hides at the initial pose. None of the known ones is.
 const HIDDEN_WEIGHT: f32 = 1.0;
+
+/// Tells whole faces of these labels how the heads that were fitted to them are turned, and how
+/// large they are.
+pub fn place(fits: &Fits, faces: &mut [Face], labels: &[Label]) {
+    let fits: BTreeMap<&str, &PhotoFit> = fits.fits.iter().map(|f| (&*f.image, f)).collect();
+    for (face, label) in faces.iter_mut().zip(labels) {
+        let Some(fit) = fits.get(&*label.image) else {
+            continue;
+        };
+        let to_camera = crop_to_camera(&face.landmarks, 0.0, &fit.intrinsics());
+        face.rotation = Some(to_camera.transpose() * fit.pose().rotation);
+        face.px_per_mm = Some(fit.focal_px / fit.translation_mm[2]);
+    }
+}
 
 /// The faces of a set of half faces; those that no head explains are left out.
 pub fn faces(head: &Head, fits: &Fits, data: &Path, set: &Set) -> Result<Vec<Face>> {

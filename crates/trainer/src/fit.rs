@@ -6,13 +6,11 @@
 //! the focal length as [`FitSettings::focal_per_side`] times the longer side.
 
 use crate::face_section::{face_section, head_identity, identity_directions, open, point_vertices};
-use crate::faces::Face;
 use crate::head::Head;
 use crate::labels::Label;
 use crate::photographs::Set;
 use anyhow::{Context, Result, ensure};
 use indicatif::{ParallelProgressIterator, ProgressBar, ProgressStyle};
-use posewise::align::crop_to_camera;
 use posewise::shape::{self, FaceFit, FaceModel, FitOptions, Identity, IdentityEstimator};
 use posewise::shape::{Intrinsics, LANDMARKS, MAX_IDENTITIES, MIRROR, Observed};
 use posewise_format::{AlignedBytes, Blob, blob};
@@ -113,22 +111,6 @@ impl PhotoFit {
             .iter_mut()
             .for_each(|v| *v = pose.apply((*v).into()).into());
         vertices
-    }
-}
-
-impl Fits {
-    /// Tells the faces of these labels how the heads that were fitted to them are turned, and how
-    /// large they are.
-    pub fn place(&self, faces: &mut [Face], labels: &[Label]) {
-        let fits: BTreeMap<&str, &PhotoFit> = self.fits.iter().map(|f| (&*f.image, f)).collect();
-        for (face, label) in faces.iter_mut().zip(labels) {
-            let Some(fit) = fits.get(&*label.image) else {
-                continue;
-            };
-            let to_camera = crop_to_camera(&face.landmarks, 0.0, &fit.intrinsics());
-            face.rotation = Some(to_camera.transpose() * fit.pose().rotation);
-            face.px_per_mm = Some(fit.focal_px / fit.translation_mm[2]);
-        }
     }
 }
 

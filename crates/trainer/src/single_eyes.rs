@@ -26,7 +26,7 @@ pub struct Args {
     #[arg(long, default_value = "../shared/data/eyes")]
     pub eyes: PathBuf,
     /// The model.
-    #[arg(long, default_value = "models/default.posewise")]
+    #[arg(long, default_value = "models/posewise.posewise")]
     pub model: PathBuf,
     /// Write the numbers as JSON too.
     #[arg(long)]

@@ -86,12 +86,14 @@ pub fn size_table(library: &Library, clip: &Path) -> Result<String> {
 /// Names of the functions that posewise.h declares.
 fn functions_of_the_header() -> Result<Vec<String>> {
     let header = std::fs::read_to_string(root().join("include/posewise.h"))?;
-    let declarations = header.lines();
-    let declarations = declarations.filter(|line| line.starts_with("POSEWISE_API "));
-    let names = declarations.filter_map(|line| {
-        let before = line.split_once('(')?.0;
-        let name = before.rsplit([' ', '*']).next()?;
-        name.starts_with("posewise_").then(|| name.to_string())
-    });
+    // A declaration begins with POSEWISE_API, on its line or the one before.
+    let names = header
+        .split("\nPOSEWISE_API")
+        .skip(1)
+        .filter_map(|declaration| {
+            let before = declaration.split_once('(')?.0;
+            let name = before.rsplit([' ', '*', '\n']).next()?;
+            name.starts_with("posewise_").then(|| name.to_string())
+        });
     Ok(names.collect())
 }

@@ -2,7 +2,10 @@
 
 use crate::common::{arg, fails_with, gradient_clip, posewise};
 
-const DEFAULT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../models/default.posewise");
+const DEFAULT: &str = concat!(
+    env!("CARGO_MANIFEST_DIR"),
+    "/../../models/posewise.posewise"
+);
 
 #[test]
 fn info_prints_the_default_model() {

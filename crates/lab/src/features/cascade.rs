@@ -367,6 +367,7 @@ mod tests {
             known: [true; LANDMARKS],
             is_single_eye: false,
             is_render: true,
+            has_exact_lids: true,
         }
     }
 

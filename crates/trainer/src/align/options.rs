@@ -1,15 +1,11 @@
 //! Options of a network's training.
 
 use super::network::Sizes;
-use super::samples::{Augment, Start};
+use super::samples::{Augment, Start, is_none};
 use serde::Serialize;
 
 /// Displacement of the points of landmarks.
 const SHAKE: f32 = 0.5;
-
-pub(super) fn is_none(share: &f32) -> bool {
-    *share == 0.0
-}
 
 fn is_usual_shake(shake: &f32) -> bool {
     *shake == SHAKE

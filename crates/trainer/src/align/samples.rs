@@ -3,7 +3,6 @@
 
 use super::bend::Bend;
 use super::network::{Points, Sizes};
-use super::options::is_none;
 use super::starts::normal;
 use crate::faces::Face;
 use posewise::align::{Shape, mirror};
@@ -44,6 +43,11 @@ impl Default for Start {
             detected_share: 0.4,
         }
     }
+}
+
+/// Whether a disturbance is not used.
+pub fn is_none(share: &f32) -> bool {
+    *share == 0.0
 }
 
 /// Disturbances of a crop.

@@ -14,7 +14,7 @@ use std::path::PathBuf;
 #[derive(Clone, Debug, clap::Args)]
 pub struct Args {
     /// The model.
-    #[arg(long, default_value = "models/default.posewise")]
+    #[arg(long, default_value = "models/posewise.posewise")]
     pub model: PathBuf,
     /// The shared data: `facekit.npz`.
     #[arg(long, default_value = "../shared/data")]

@@ -2,9 +2,9 @@
 //! photographs.
 //!
 //! Where a landmark of the training labels is, the convention of renders says
-//! ([`Head::conventional_offsets_mm`](super::Head)), or the map of MediaPipe's face mesh. People put
-//! some of them elsewhere. `posewise-train marks` measures what is left over on photographs with
-//! manual landmarks. The last step of a free model's cascade takes it off.
+//! ([`Head::conventional_offsets_mm`](super::Head)), or the map of MediaPipe's face mesh. People
+//! put some of them elsewhere. `posewise-train marks` measures what is left over on photographs
+//! with manual landmarks. The last step of a free model's cascade takes it off.
 
 use glam::{Mat3, Vec2, Vec3};
 use posewise::shape::{LANDMARKS, MIRROR};
@@ -21,9 +21,10 @@ pub enum Labels {
     /// Photographs by the map of the face mesh, and renders by fits to those.
     FaceMesh,
 }
-/// Of [`Labels::Convention`]: offsets \[mm, head frame\] of the landmarks of the image's left half and of the middle, in order
-/// of their indices. Those of the right half are mirrored. The lids of a pair move alike, so that
-/// eyes stay as open as they are.
+
+/// Of [`Labels::Convention`]: offsets \[mm, head frame\] of the landmarks of the image's left half
+/// and of the middle, in order of their indices. Those of the right half are mirrored. The lids of
+/// a pair move alike, so that eyes stay as open as they are.
 const MARKS_MM: [[f32; 3]; 39] = [
     [-1.5, -1.9, 2.0],
     [-0.7, 0.8, 2.2],

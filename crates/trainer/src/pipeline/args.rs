@@ -15,7 +15,7 @@ pub struct Args {
     #[arg(long, default_value = "cache")]
     pub cache: PathBuf,
     /// The model; its data sheet is written beside it, ending in `.md`.
-    #[arg(long, default_value = "models/default.posewise")]
+    #[arg(long, default_value = "models/posewise.posewise")]
     pub out: PathBuf,
     /// Seed of everything random.
     #[arg(long, default_value_t = 1)]

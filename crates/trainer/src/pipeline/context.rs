@@ -181,7 +181,8 @@ impl<'a> Context<'a> {
         if set.framing == Framing::Whole {
             let mut faces = faces::of_set(set, &self.args.data)?;
             if let Some(fits) = self.fits {
-                fits::read(fits)?.place(&mut faces, &set.labels(&self.args.data)?);
+                let labels = set.labels(&self.args.data)?;
+                completion::place(&fits::read(fits)?, &mut faces, &labels);
             }
             return Ok(faces);
         }

@@ -20,7 +20,7 @@ use std::path::PathBuf;
 #[derive(Clone, Debug, clap::Args)]
 pub struct Args {
     /// The model.
-    #[arg(long, default_value = "models/clean.posewise")]
+    #[arg(long, default_value = "models/posewise.posewise")]
     pub model: PathBuf,
     /// The shared data.
     #[arg(long, default_value = "../shared/data")]

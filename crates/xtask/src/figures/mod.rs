@@ -15,7 +15,7 @@ use std::path::PathBuf;
 use crate::root;
 
 /// The models that ship, by the names of their files.
-const MODELS: [&str; 2] = ["default", "clean"];
+const MODELS: [&str; 2] = ["posewise", "research"];
 
 /// Where the figures of a model are committed.
 fn figures_of(model: &str) -> PathBuf {

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 const NOTICES: [(&str, &str); 3] = [
     ("LICENSE", "LICENSE"),
     ("packaging/NOTICES.txt", "NOTICES.txt"),
-    ("models/default.md", "default.md"),
+    ("models/posewise.md", "posewise.md"),
 ];
 
 /// The library for a machine.

@@ -129,9 +129,7 @@ impl Packer {
         for entry in std::fs::read_dir(&self.folder)? {
             let path = entry?.path();
             let name = path.file_name().context("no name")?.to_string_lossy();
-            let hash = Sha256::digest(std::fs::read(&path)?);
-            let digits: String = hash.iter().map(|byte| format!("{byte:02x}")).collect();
-            lines.push(format!("{digits}  {name}\n"));
+            lines.push(format!("{}  {name}\n", sha256(&std::fs::read(&path)?)));
         }
         // By name, which begins after the hash and two blanks.
         lines.sort_by(|a, b| a[66..].cmp(&b[66..]));
@@ -219,3 +217,9 @@ fn epoch() -> Result<String> {
 
 /// The earliest time that a zip archive can state: 1 January 1980, as the wheel is one.
 const ZIP_EPOCH: &str = "315532800";
+
+/// Hexadecimal digits of the SHA-256 of some bytes.
+fn sha256(bytes: &[u8]) -> String {
+    let hash = Sha256::digest(bytes);
+    hash.iter().map(|byte| format!("{byte:02x}")).collect()
+}

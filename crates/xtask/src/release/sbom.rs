@@ -1,7 +1,8 @@
 //! Bills of materials in CycloneDX: what the library and the command are made of, by
-//! cargo-cyclonedx, and from them what is in the wheel and in the JavaScript package.
+//! cargo-cyclonedx, and from them what is in the wheel and in the JavaScript package. Models are
+//! named with what the terms of their training data allow.
 
-use super::{Outcome, Packer, VERSION, exists};
+use super::{Outcome, Packer, VERSION, exists, sha256};
 use crate::{notices, output_of, root};
 use anyhow::{Context, Result};
 use serde_json::{Value, json};
@@ -17,6 +18,16 @@ const ANY_ROOT: &str = "path+file:///posewise";
 /// A package that holds the library: ending of the file's name, type and name in a package URL,
 /// and what it needs beside the library.
 const HOLDERS: [(&str, &str, &[&str]); 2] = [("wheel", "pypi", &["numpy"]), ("npm", "npm", &[])];
+
+/// The model that is built into library and command.
+const BUILT_IN: &str = "posewise";
+/// How what a data sheet says of terms begins.
+const TERMS: [&str; 2] = [
+    "The terms of all of these",
+    "Research terms on some of these",
+];
+/// The models that wheel and JavaScript package hold.
+const MODELS: [&str; 2] = [BUILT_IN, "research"];
 
 impl Packer {
     /// One file for the library, one for the command, one for each package that holds the library.
@@ -46,11 +57,15 @@ impl Packer {
         let command = notices::linked("posewise-cli", "default")?;
         let command = bom(root().join("crates/cli"), command)?;
         let mut files = vec![
-            ("posewise".into(), library.clone()),
-            ("posewise-cli".into(), command),
+            (
+                "posewise".into(),
+                with_models(library.clone(), &[BUILT_IN])?,
+            ),
+            ("posewise-cli".into(), with_models(command, &[BUILT_IN])?),
         ];
         for (ending, kind, needs) in HOLDERS {
-            files.push((format!("posewise-{ending}"), holder(&library, kind, needs)));
+            let bom = with_models(holder(&library, kind, needs), &MODELS)?;
+            files.push((format!("posewise-{ending}"), bom));
         }
         let write = |(name, bom): (String, Value)| {
             let path = self.folder.join(format!("{name}-{VERSION}.cdx.json"));
@@ -133,13 +148,66 @@ fn holder(library: &Value, kind: &str, needs: &[&str]) -> Value {
             "type": "library", "bom-ref": needed, "name": name, "purl": needed, "scope": "required",
         }));
     }
-    let append = |list: &mut Value, more: Vec<Value>| {
-        if let Some(list) = list.as_array_mut() {
-            list.extend(more);
-        }
-    };
     append(&mut bom["components"], components);
     let dependency = json!({ "ref": own, "dependsOn": depends_on });
     append(&mut bom["dependencies"], vec![dependency]);
     bom
+}
+
+/// A bill with these models of the repository, of which its component is made too.
+fn with_models(mut bom: Value, names: &[&str]) -> Result<Value> {
+    let of = bom["metadata"]["component"]["bom-ref"].clone();
+    for name in names {
+        let path = root().join("models").join(name);
+        let bytes = std::fs::read(path.with_extension("posewise"))?;
+        let sheet = std::fs::read_to_string(path.with_extension("md"))?;
+        let mut paragraphs = sheet.split("\n\n");
+        let terms = paragraphs.find(|text| TERMS.iter().any(|begin| text.starts_with(begin)));
+        let terms = terms.with_context(|| format!("{name}.md says nothing of terms"))?;
+        let own = format!("model:{name}");
+        append(
+            &mut bom["components"],
+            vec![json!({
+                "type": "machine-learning-model", "bom-ref": own,
+                "name": format!("{name}.posewise"), "version": VERSION, "description": terms,
+                "hashes": [{ "alg": "SHA-256", "content": sha256(&bytes) }],
+            })],
+        );
+        for dependency in bom["dependencies"].as_array_mut().into_iter().flatten() {
+            if dependency["ref"] == of {
+                append(&mut dependency["dependsOn"], vec![json!(own)]);
+            }
+        }
+    }
+    Ok(bom)
+}
+
+fn append(list: &mut Value, more: Vec<Value>) {
+    if let Some(list) = list.as_array_mut() {
+        list.extend(more);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn models_are_named_with_their_terms() {
+        let bom = json!({
+            "metadata": { "component": { "bom-ref": "own" } },
+            "components": [],
+            "dependencies": [{ "ref": "own", "dependsOn": [] }, { "ref": "else", "dependsOn": [] }],
+        });
+        let bom = with_models(bom, &MODELS).unwrap();
+        let names = ["posewise.posewise", "research.posewise"];
+        for (component, name) in bom["components"].as_array().unwrap().iter().zip(names) {
+            assert_eq!(component["name"], name);
+            let terms = component["description"].as_str().unwrap();
+            assert_eq!(terms.contains("any use"), name == names[0], "{terms}");
+        }
+        let depends_on = json!(["model:posewise", "model:research"]);
+        assert_eq!(bom["dependencies"][0]["dependsOn"], depends_on);
+        assert_eq!(bom["dependencies"][1]["dependsOn"], json!([]));
+    }
 }

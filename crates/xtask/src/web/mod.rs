@@ -37,7 +37,7 @@ const FILES: [&str; 20] = [
 ];
 
 /// Models that the page can load.
-const MODELS: [&str; 2] = ["default.posewise", "clean.posewise"];
+const MODELS: [&str; 2] = ["posewise.posewise", "research.posewise"];
 
 /// The modules that `make wasm` builds: for browsers with SIMD, and for those without it.
 const MODULES: [&str; 2] = ["posewise-simd128.wasm", "posewise.wasm"];

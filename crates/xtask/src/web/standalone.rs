@@ -37,8 +37,8 @@ const PAGE: [&str; 14] = [
 
 /// What the page fetches otherwise.
 const DATA: [&str; 5] = [
-    "default.posewise",
-    "clean.posewise",
+    "posewise.posewise",
+    "research.posewise",
     "posewise.wasm",
     "posewise-simd128.wasm",
     "demo/clip.webm",

@@ -22,7 +22,7 @@ pub struct Args {
     #[arg(long, default_value = "../shared/data")]
     data: PathBuf,
     /// The model.
-    #[arg(long, default_value = "models/default.posewise")]
+    #[arg(long, default_value = "models/posewise.posewise")]
     model: PathBuf,
     /// Clips that `posewise-lab sweeps` wrote, to be measured too.
     #[arg(long)]
