@@ -24,7 +24,7 @@ use rayon::prelude::*;
 use samples::Sample;
 
 /// Weight of the squared norm beside the mean loss: the values with the least log loss on unseen
-/// people of the default model's training data, of two per decade. The log loss is flat there.
+/// people of the research model's training data, of two per decade. The log loss is flat there.
 const FACE_RIDGE: f32 = 0.03;
 const CORRECT_RIDGE: f32 = 0.001;
 const VISIBLE_RIDGE: f32 = 0.003;
