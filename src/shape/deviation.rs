@@ -42,12 +42,12 @@ const fn terms(base: f32, turn: [f32; 2], [hidden, small, doubt]: [f32; 3]) -> T
 /// of seed 61 and seven rendered clips, whole, small and blurred. The people of seed 62 and of the
 /// other five clips chose nothing.
 const SYSTEMATIC: [Terms; 6] = [
-    terms(1.27, [0.11, -0.31], [0.70, 0.14, 0.64]),
-    terms(1.27, [0.23, -0.60], [1.57, 0.08, 1.77]),
-    terms(0.26, [0.63, -0.11], [1.13, 0.10, 1.08]),
-    terms(0.31, [0.32, -0.44], [2.12, 0.01, 2.04]),
-    terms(0.57, [0.12, -0.17], [1.49, 0.00, 0.97]),
-    terms(-2.55, [0.00, 0.00], [0.26, 0.25, 0.47]),
+    terms(1.43, [0.00, 0.00], [0.57, 0.11, 0.67]),
+    terms(1.33, [0.06, 0.00], [1.53, 0.08, 1.75]),
+    terms(0.36, [0.59, 0.00], [1.12, 0.13, 1.03]),
+    terms(0.40, [0.17, 0.00], [2.04, 0.01, 2.05]),
+    terms(0.69, [0.04, 0.00], [1.41, 0.03, 0.93]),
+    terms(-2.41, [0.00, 0.00], [0.26, 0.27, 0.44]),
 ];
 
 /// Largest negative logarithm of a confidence: below 0.5 errors grow no more.
@@ -211,8 +211,7 @@ mod tests {
         let yaw = |yaw_deg, change: fn(&mut Seen)| sigmas(yaw_deg, [0.0, 0.0, 600.0], change)[2][0];
         let front = yaw(0.0, |_| {});
         assert!(front > 3.0 && front < 4.0, "{front}");
-        // A head in profile hides near half of its landmarks.
-        assert!(yaw(80.0, |seen| seen.visible_share = 0.6) > front);
+        assert!(yaw(80.0, |_| {}) > front);
         assert!(yaw(0.0, |seen| seen.visible_share = 0.4) > 1.9 * front);
         assert!(yaw(0.0, |seen| seen.confidence = 0.5) > 2.0 * front);
         assert_eq!(
