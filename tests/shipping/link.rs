@@ -81,7 +81,7 @@ fn only_the_functions_of_the_header_are_visible() {
     if !require("make") || !require("nm") {
         return;
     }
-    let mut functions = exported();
+    let mut functions = xtask::functions_of_the_header().expect("posewise.h");
     functions.sort_unstable();
     let shared = shared_library();
     for (which, library) in [("--extern-only", library()), ("--dynamic", &shared)] {
@@ -249,23 +249,10 @@ fn whole() -> &'static Path {
         let whole = scratch("c").join("whole.o");
         let mut link = Command::new(cc());
         link.args(["-r", "-nostdlib", "-Wl,--gc-sections"]);
-        for name in exported() {
+        for name in xtask::functions_of_the_header().expect("posewise.h") {
             link.arg(format!("-Wl,-u,{name},--gc-keep-exported"));
         }
         succeed(link.arg(library()).arg("-o").arg(&whole));
         whole
     })
-}
-
-/// The functions that the header declares.
-fn exported() -> Vec<String> {
-    let header = std::fs::read_to_string(root().join("include/posewise.h")).expect("posewise.h");
-    let lines = header.lines();
-    let lines = lines.filter(|line| !line.contains("//") && !line.starts_with(" *"));
-    let names = lines.filter_map(|line| {
-        let before = line.split_once('(')?.0;
-        let name = before.rsplit([' ', '*']).next()?;
-        (before.contains(' ') && name.starts_with("posewise_")).then(|| name.to_string())
-    });
-    names.collect()
 }

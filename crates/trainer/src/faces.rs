@@ -54,6 +54,25 @@ pub struct Face {
 const INTER_OCULAR_MM: f32 = 90.0;
 
 impl Face {
+    /// A photograph of which all landmarks are seen and labelled, of weight 1, of person 0.
+    pub fn new(picture: Picture, landmarks: Shape) -> Face {
+        Face {
+            picture: Arc::new(picture),
+            landmarks,
+            person: 0,
+            yaw_deg: None,
+            rotation: None,
+            px_per_mm: None,
+            weight: 1.0,
+            share: 1.0,
+            visible: [true; LANDMARKS],
+            known: [true; LANDMARKS],
+            is_single_eye: false,
+            is_render: false,
+            has_exact_lids: false,
+        }
+    }
+
     /// The face in a mirror.
     pub fn mirrored(&self) -> Face {
         let last = self.picture.size[0] as f32 - 1.0;
@@ -71,12 +90,6 @@ impl Face {
             known: MIRROR.map(|from| self.known[from]),
             ..self.clone()
         }
-    }
-
-    /// Whether its eyes may be shut by drawing ([`crate::align::shut`]): renders have shut eyes of
-    /// their own.
-    pub fn can_be_shut(&self) -> bool {
-        !self.is_render && !self.is_single_eye
     }
 
     /// Width of the face, roughly, however it is turned \[px\].
@@ -172,20 +185,13 @@ pub fn labelled(labels: &[Label], data: &Path, set: &Set) -> Result<Vec<Face>> {
     labels
         .par_iter()
         .map(|label| {
+            let picture = Picture::read(&data.join(&label.image))?;
             Ok(Face {
-                picture: Arc::new(Picture::read(&data.join(&label.image))?),
-                landmarks: label.points,
                 person: number(&set.person_in(&label.image)),
-                yaw_deg: None,
-                rotation: None,
-                px_per_mm: None,
                 weight: label_weight(label.spread, set.half_weight_spread),
                 share: set.share,
-                visible: [true; LANDMARKS],
                 known: label.known,
-                is_single_eye: false,
-                is_render: false,
-                has_exact_lids: false,
+                ..Face::new(picture, label.points)
             })
         })
         .collect()
@@ -213,19 +219,18 @@ pub fn rendered(path: &Path, count: usize) -> Result<Vec<Face>> {
             rotation: Some(rotation_of(&sample)),
             px_per_mm: Some(px_per_mm(&sample)),
             weight: visible_weight(&sample.visible),
-            share: 1.0,
-            landmarks: sample.landmarks.map(|p| p.to_array()),
-            picture: Arc::new(Picture {
-                size: [sample.width as u32, sample.height as u32],
-                luma: sample.luma,
-            }),
             person: sample.person,
             yaw_deg: Some(sample.angles.yaw_deg),
             visible: sample.visible,
-            known: [true; LANDMARKS],
-            is_single_eye: false,
             is_render: true,
             has_exact_lids: true,
+            ..Face::new(
+                Picture {
+                    size: [sample.width as u32, sample.height as u32],
+                    luma: sample.luma,
+                },
+                sample.landmarks.map(|p| p.to_array()),
+            )
         })
         .collect())
 }

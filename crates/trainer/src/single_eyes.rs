@@ -17,7 +17,6 @@ use posewise_metrics::landmarks::distance;
 use rayon::prelude::*;
 use serde_json::json;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 /// Settings of `posewise-train eyes`.
 #[derive(Clone, Debug, clap::Args)]
@@ -74,19 +73,12 @@ pub fn for_training(model: &AlignModel<'_>, folder: &Path) -> Result<Vec<Single>
             BROW.chain(EYE).for_each(|k| visible[k] = true);
             Single {
                 face: Face {
-                    picture: Arc::new(picture),
-                    landmarks: if shut { with_shut_lids(found) } else { found },
                     person: u32::MAX,
-                    yaw_deg: None,
-                    rotation: None,
-                    px_per_mm: None,
-                    weight: 1.0,
-                    share: 1.0,
                     visible,
                     known: visible,
                     is_single_eye: true,
-                    is_render: false,
                     has_exact_lids: true,
+                    ..Face::new(picture, if shut { with_shut_lids(found) } else { found })
                 },
                 found,
             }

@@ -22,7 +22,7 @@ pub use instructions::{COUNTING_EMULATOR, instructions_per_step};
 pub use library::{Library, optional_parts};
 pub use machine::{Machine, WINE};
 pub use replay::{Replay, demo_clip, replay, run_c};
-pub use size::{code_size, monitor_size, size_table};
+pub use size::{code_size, functions_of_the_header, monitor_size, size_table};
 
 use anyhow::{Context, Result, ensure};
 use std::path::{Path, PathBuf};
@@ -46,4 +46,10 @@ fn output_of(command: &mut Command) -> Result<Output> {
         String::from_utf8_lossy(&output.stderr)
     );
     Ok(output)
+}
+
+/// Writes a file and the folders above it.
+fn write(path: &Path, contents: impl AsRef<[u8]>) -> Result<()> {
+    std::fs::create_dir_all(path.parent().context("no folder")?)?;
+    std::fs::write(path, contents).with_context(|| format!("cannot write {path:?}"))
 }

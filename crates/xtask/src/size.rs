@@ -84,7 +84,7 @@ pub fn size_table(library: &Library, clip: &Path) -> Result<String> {
 }
 
 /// Names of the functions that posewise.h declares.
-fn functions_of_the_header() -> Result<Vec<String>> {
+pub fn functions_of_the_header() -> Result<Vec<String>> {
     let header = std::fs::read_to_string(root().join("include/posewise.h"))?;
     // A declaration begins with POSEWISE_API, on its line or the one before.
     let names = header

@@ -331,10 +331,8 @@ impl Cascade {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use posewise::shape::LANDMARKS;
     use posewise_metrics::BoxJitter;
     use posewise_train::faces::Picture;
-    use std::sync::Arc;
 
     /// A face of dark dots where its landmarks are.
     fn dots(person: u32, rng: &mut ChaCha8Rng) -> Face {
@@ -351,23 +349,13 @@ mod tests {
                 luma[at] = 40;
             }
         }
+        let size = [128; 2];
         Face {
-            picture: Arc::new(Picture {
-                size: [128; 2],
-                luma,
-            }),
-            landmarks,
             person,
             yaw_deg: Some(0.0),
-            rotation: None,
-            px_per_mm: None,
-            weight: 1.0,
-            share: 1.0,
-            visible: [true; LANDMARKS],
-            known: [true; LANDMARKS],
-            is_single_eye: false,
             is_render: true,
             has_exact_lids: true,
+            ..Face::new(Picture { size, luma }, landmarks)
         }
     }
 

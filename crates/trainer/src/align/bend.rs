@@ -1,8 +1,10 @@
-//! Crops bent smoothly, so that a photograph shows training more faces than its own.
+//! Crops for training, some of them bent smoothly, so that a photograph shows more faces than its
+//! own.
 
 use super::starts::normal;
 use crate::faces::Picture;
 use posewise::math::Similarity;
+use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 
 /// Deviation of the stretch along a diagonal or an axis, the other one shrinking as much.
@@ -16,6 +18,45 @@ const MOST_TAPS: usize = 4;
 /// Rounds in which the way back is found; each leaves about a quarter of the error.
 const ROUNDS: usize = 8;
 
+/// A square crop around the origin of a frame, and where it shows the picture's places.
+pub struct Cut {
+    side: usize,
+    to_frame: Similarity,
+    back: Similarity,
+    bend: Option<Bend>,
+}
+
+impl Cut {
+    /// Of `side` px; `to_frame` leads from px from the crop's middle into the picture.
+    pub fn new(to_frame: Similarity, side: usize, bend: Option<Bend>) -> Cut {
+        Cut {
+            side,
+            to_frame,
+            back: to_frame.inverse().expect("a crop has extent"),
+            bend,
+        }
+    }
+
+    /// Its pixels, row by row.
+    pub fn crop(&self, picture: &Picture, mirrored: bool) -> Vec<f32> {
+        let Some(bend) = &self.bend else {
+            return picture.crop(&self.to_frame, self.side, mirrored);
+        };
+        let mut crop = bend.crop(picture, &self.to_frame, self.side);
+        if mirrored {
+            crop.chunks_exact_mut(self.side).for_each(<[f32]>::reverse);
+        }
+        crop
+    }
+
+    /// Where it shows a place of the picture, in px from its middle, not mirrored.
+    pub fn place(&self, at: [f32; 2]) -> [f32; 2] {
+        let at = self.back.apply(at);
+        let bend = self.bend.as_ref();
+        bend.map_or(at, |bend| bend.apply(at, self.side))
+    }
+}
+
 /// A smooth displacement of the places of a square crop, in half sides from its middle.
 pub struct Bend {
     /// Strain along x and along the diagonal.
@@ -25,8 +66,13 @@ pub struct Bend {
 }
 
 impl Bend {
+    /// A random one for this share of the crops.
+    pub fn sometimes(share: f32, rng: &mut ChaCha8Rng) -> Option<Bend> {
+        (rng.random_range(0.0..1.0) < share).then(|| Bend::random(rng))
+    }
+
     /// A random one.
-    pub fn random(rng: &mut ChaCha8Rng) -> Bend {
+    fn random(rng: &mut ChaCha8Rng) -> Bend {
         let mut number = |sigma: f32| sigma * normal(rng).clamp(-LARGEST, LARGEST);
         Bend {
             strain: [0; 2].map(|_| number(STRETCH)),
@@ -45,7 +91,7 @@ impl Bend {
     }
 
     /// Where the bent crop shows a place of the unbent one; both in px from the middle.
-    pub fn apply(&self, at: [f32; 2], side: usize) -> [f32; 2] {
+    fn apply(&self, at: [f32; 2], side: usize) -> [f32; 2] {
         let half = side as f32 / 2.0;
         // Outside of the crop the squares grow without end.
         let to = at.map(|v| (v / half).clamp(-1.5, 1.5));
@@ -58,7 +104,7 @@ impl Bend {
     }
 
     /// The bent crop of `side` px around the origin of `to_frame`, row by row.
-    pub fn crop(&self, picture: &Picture, to_frame: &Similarity, side: usize) -> Vec<f32> {
+    fn crop(&self, picture: &Picture, to_frame: &Similarity, side: usize) -> Vec<f32> {
         let half = side as f32 / 2.0;
         // A pixel is the mean of as many places as it has px of the picture, about.
         let taps = (to_frame.scale().round() as usize).clamp(1, MOST_TAPS);

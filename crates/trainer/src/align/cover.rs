@@ -170,21 +170,8 @@ mod tests {
     fn a_cut_face_keeps_its_place_in_the_picture() {
         let size = [120u32, 100];
         let luma: Vec<u8> = (0..size[0] * size[1]).map(|k| (k % 120) as u8).collect();
-        let face = Face {
-            picture: Arc::new(Picture { size, luma }),
-            landmarks: std::array::from_fn(|i| [20.0 + i as f32, 10.0 + i as f32]),
-            person: 1,
-            yaw_deg: None,
-            rotation: None,
-            px_per_mm: None,
-            weight: 1.0,
-            share: 1.0,
-            visible: [true; LANDMARKS],
-            known: [true; LANDMARKS],
-            is_single_eye: false,
-            is_render: false,
-            has_exact_lids: false,
-        };
+        let landmarks = std::array::from_fn(|i| [20.0 + i as f32, 10.0 + i as f32]);
+        let face = Face::new(Picture { size, luma }, landmarks);
         let mut rng = ChaCha8Rng::seed_from_u64(3);
         for _ in 0..50 {
             let cut = cut_off(&face, &mut rng);

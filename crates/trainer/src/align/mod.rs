@@ -20,7 +20,7 @@ pub mod refiners;
 pub mod rotation_regression;
 mod samples;
 pub mod shape_regression;
-pub mod shut;
+mod shut;
 mod source;
 mod starts;
 mod train;

@@ -1,7 +1,7 @@
 //! Training samples: crops around labelled faces as the tracker would cut them, disturbed as
 //! cameras and light disturb them.
 
-use super::bend::Bend;
+use super::bend::{Bend, Cut};
 use super::network::{Points, Sizes};
 use super::starts::normal;
 use crate::faces::Face;
@@ -113,7 +113,7 @@ pub fn sample(
     sizes: &Sizes,
     start: &Start,
     augment: &Augment,
-    bend: Option<&Bend>,
+    bend: Option<Bend>,
     rng: &mut ChaCha8Rng,
 ) -> Sample {
     let detected = rng.random_range(0.0..1.0) < start.detected_share;
@@ -148,30 +148,20 @@ pub fn cut(
     mean: &Shape,
     side: usize,
     to_canonical: Similarity,
-    bend: Option<&Bend>,
+    bend: Option<Bend>,
     mirrored: bool,
 ) -> Sample {
     let canonical = Similarity::fit(mean, &face.landmarks).expect("a face has extent");
-    let to_frame = to_canonical.then(&canonical);
-    let mut crop = match bend {
-        Some(bend) => bend.crop(&face.picture, &to_frame, side),
-        None => face.picture.crop(&to_frame, side, false),
-    };
-    let back = to_frame.inverse().expect("a face has extent");
-    let shown = |p| {
-        let at = back.apply(p);
-        bend.map_or(at, |bend| bend.apply(at, side))
-    };
-    let mut truth = face.landmarks.map(shown);
+    let cut = Cut::new(to_canonical.then(&canonical), side, bend);
+    let mut truth = face.landmarks.map(|p| cut.place(p));
     let mut known = face.known;
     if mirrored {
-        crop.chunks_exact_mut(side).for_each(<[f32]>::reverse);
         truth = mirror(&truth);
         known = MIRROR.map(|from| face.known[from]);
     }
     let weight = |known| if known { face.weight } else { 0.0 };
     Sample {
-        crop,
+        crop: cut.crop(&face.picture, mirrored),
         start: vec![[0.0; 2]; LANDMARKS],
         truth: truth.to_vec(),
         weights: known.map(weight).to_vec(),

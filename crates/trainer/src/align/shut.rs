@@ -27,8 +27,15 @@ const TALLEST: f32 = 1.5;
 const EYE: [usize; 6] = [36, 37, 38, 39, 40, 41];
 const BROW: [usize; 5] = [17, 18, 19, 20, 21];
 
+/// For this share of the photographs of faces, what [`shut`] makes of them. Renders have shut eyes
+/// of their own.
+pub fn sometimes(face: &Face, share: f32, rng: &mut ChaCha8Rng) -> Option<Face> {
+    let can_be = !face.is_render && !face.is_single_eye;
+    (can_be && rng.random_range(0.0..1.0) < share).then(|| shut(face, rng))
+}
+
 /// A face with one or both eyes shut or nearly so, where they are open and their lids are known.
-pub fn shut(face: &Face, rng: &mut ChaCha8Rng) -> Face {
+fn shut(face: &Face, rng: &mut ChaCha8Rng) -> Face {
     let both = !rng.random_bool(WINKS);
     let only = rng.random_range(0..2);
     let by = match rng.random_bool(WHOLLY) {
@@ -242,24 +249,8 @@ mod tests {
                 }
             }
         }
-        Face {
-            picture: Arc::new(Picture {
-                size: [170, 120],
-                luma,
-            }),
-            landmarks,
-            person: 1,
-            yaw_deg: None,
-            rotation: None,
-            px_per_mm: None,
-            weight: 1.0,
-            share: 1.0,
-            visible: [true; LANDMARKS],
-            known: [true; LANDMARKS],
-            is_single_eye: false,
-            is_render: false,
-            has_exact_lids: false,
-        }
+        let size = [170, 120];
+        Face::new(Picture { size, luma }, landmarks)
     }
 
     #[test]

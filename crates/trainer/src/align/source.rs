@@ -5,7 +5,7 @@ use super::cover::{covered, cut_off};
 use super::network::Points;
 use super::options::{Aperture, Options};
 use super::samples::{Sample, sample};
-use super::shut::shut;
+use super::shut;
 use crate::faces::Face;
 use anyhow::{Result, ensure};
 use posewise::align::Shape;
@@ -98,11 +98,6 @@ impl Draw {
     }
 }
 
-/// Whether the next crop is bent.
-pub fn bends(options: &Options, rng: &mut ChaCha8Rng) -> bool {
-    rng.random_range(0.0..1.0) < options.bent
-}
-
 /// Whole faces.
 pub struct Faces<'a> {
     pub faces: &'a [Face],
@@ -116,8 +111,8 @@ impl Source for Faces<'_> {
         let mut face = &self.faces[self.draw.next(rng)];
         let options = self.options;
         let (eyes_shut, hidden, cut);
-        if face.can_be_shut() && rng.random_range(0.0..1.0) < options.shut {
-            eyes_shut = shut(face, rng);
+        if let Some(shut) = shut::sometimes(face, options.shut, rng) {
+            eyes_shut = shut;
             face = &eyes_shut;
         }
         if rng.random_range(0.0..1.0) < options.occluded {
@@ -129,8 +124,7 @@ impl Source for Faces<'_> {
             face = &cut;
         }
         let (start, augment) = (&options.start, &options.augment);
-        let bend = bends(options, rng).then(|| Bend::random(rng));
-        let bend = bend.as_ref();
+        let bend = Bend::sometimes(options.bent, rng);
         sample(face, self.mean, &options.sizes, start, augment, bend, rng)
     }
 

@@ -1,8 +1,8 @@
 //! The folder for Android has the shape of an AAR, the archive from which Gradle takes a library.
 
-use super::{copy, copy_notices, empty, library, objects, write};
+use super::{copy, copy_notices, empty, library, objects};
 use crate::zip::zip;
-use crate::{output_of, root};
+use crate::{output_of, root, write};
 use anyhow::Result;
 use serde_json::json;
 use std::path::{Path, PathBuf};

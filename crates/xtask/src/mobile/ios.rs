@@ -1,8 +1,8 @@
 //! The XCFramework for iOS: a folder with a library for each kind of device, from which Xcode and
 //! Swift packages take the one that they need.
 
-use super::{copy, copy_notices, empty, library, objects, write};
-use crate::root;
+use super::{copy, copy_notices, empty, library, objects};
+use crate::{root, write};
 use anyhow::Result;
 use std::path::{Path, PathBuf};
 

@@ -9,7 +9,7 @@ pub use android::{ABIS, android};
 pub use ios::{PLATFORMS, ios};
 pub use objects::{Contents, contents};
 
-use crate::{Library, notices, root};
+use crate::{Library, notices, root, write};
 use anyhow::{Context, Result};
 use std::path::{Path, PathBuf};
 
@@ -42,13 +42,6 @@ fn empty(folder: &Path) -> Result<()> {
         std::fs::remove_dir_all(folder).with_context(|| format!("cannot empty {folder:?}"))?;
     }
     std::fs::create_dir_all(folder).with_context(|| format!("cannot create {folder:?}"))
-}
-
-/// Writes a file and the folders above it.
-fn write(path: &Path, contents: &[u8]) -> Result<()> {
-    let folder = path.parent().context("no folder")?;
-    std::fs::create_dir_all(folder)?;
-    std::fs::write(path, contents).with_context(|| format!("cannot write {path:?}"))
 }
 
 /// Copies the licences, written anew, and the data sheet of the model into a folder.

@@ -2,7 +2,7 @@
 //! and the demo, which may be put on any server or read from a disk. Sphinx makes the pages, and
 //! refuses links that lead nowhere.
 
-use crate::{output_of, root, web};
+use crate::{output_of, root, web, write};
 use anyhow::{Context, Result, ensure};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -184,11 +184,6 @@ fn names(folder: &Path) -> Result<Vec<String>> {
     let mut names: Vec<String> = entries.map(name).collect::<Result<_>>()?;
     names.sort();
     Ok(names)
-}
-
-fn write(path: &Path, text: &str) -> Result<()> {
-    std::fs::create_dir_all(path.parent().context("no folder")?)?;
-    std::fs::write(path, text).with_context(|| format!("cannot write {path:?}"))
 }
 
 fn copy(from: &Path, to: &Path) -> Result<()> {

@@ -2,12 +2,12 @@
 
 use super::refiner::Refiner;
 use super::starts::{STARTS, Start};
-use crate::align::bend::Bend;
+use crate::align::bend::{Bend, Cut};
 use crate::align::network::Points;
 use crate::align::options::{Aperture, Options};
 use crate::align::samples::{Sample, disturb, standardise};
-use crate::align::shut::shut;
-use crate::align::source::{Draw, Source, bends};
+use crate::align::shut;
+use crate::align::source::{Draw, Source};
 use crate::align::starts::normal;
 use crate::faces::{Face, ratio};
 use posewise::align::place_refiner;
@@ -96,8 +96,8 @@ impl Source for RefinerFaces<'_> {
         let mut face = &self.faces[index];
         let mut start = self.starts[index][rng.random_range(0..STARTS)];
         let eyes_shut;
-        if face.can_be_shut() && rng.random_range(0.0..1.0) < self.options.shut {
-            eyes_shut = shut(face, rng);
+        if let Some(shut) = shut::sometimes(face, self.options.shut, rng) {
+            eyes_shut = shut;
             start.follow(&face.landmarks, &eyes_shut.landmarks, rng);
             face = &eyes_shut;
         }
@@ -107,21 +107,14 @@ impl Source for RefinerFaces<'_> {
         let (to_frame, points) = jittered(&start, &landmarks, rng);
         let sizes = &self.options.sizes;
         let to_frame = place_refiner(&to_frame, &points, sizes.zoom).expect("points have extent");
-        let bend = bends(self.options, rng).then(|| Bend::random(rng));
-        let mut crop = match &bend {
-            Some(bend) => bend.crop(&face.picture, &to_frame, sizes.side),
-            None => face.picture.crop(&to_frame, sizes.side, false),
-        };
-        if mirrored {
-            crop.chunks_exact_mut(sizes.side).for_each(<[f32]>::reverse);
-        }
+        let bend = Bend::sometimes(self.options.bent, rng);
+        let cut = Cut::new(to_frame, sizes.side, bend);
+        let mut crop = cut.crop(&face.picture, mirrored);
         disturb(&mut crop, sizes.side, &self.options.augment, rng);
         standardise(&mut crop);
-        let to_crop = to_frame.inverse().expect("a crop has extent");
         let side = if mirrored { -1.0 } else { 1.0 };
         let into = |p: [f32; 2]| {
-            let at = to_crop.apply(p);
-            let [x, y] = bend.as_ref().map_or(at, |bend| bend.apply(at, sizes.side));
+            let [x, y] = cut.place(p);
             [side * x, y]
         };
         Sample {
