@@ -68,7 +68,7 @@ fn stage_pages(source: &Path) -> Result<()> {
     let mut linked: BTreeSet<PathBuf> = SHOWN.iter().map(PathBuf::from).collect();
     let (folder, name) = HIDDEN;
     let hidden = std::fs::read_to_string(root().join(folder).join(name))?;
-    write(&source.join(name), &hidden.replace("](../", "]("))?;
+    write(&source.join(name), hidden.replace("](../", "]("))?;
     for page in pages()? {
         let text = std::fs::read_to_string(root().join(&page))?;
         let (text, targets) = page_of_site(&page, &text);
