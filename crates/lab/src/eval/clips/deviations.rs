@@ -264,8 +264,9 @@ fn print_constants(out: &mut String, frames: &[Frame]) {
 }
 
 /// The factors of the logarithm of a deviation with which [`WITHIN`] of the errors lie within two
-/// of it, whatever the terms, none of which makes it smaller: a smoothed quantile regression (Koenker and Bassett 1978) by Newton's
-/// method. How far off a lost face is does not count, as in a variance.
+/// of it, whatever the terms, none of which makes it smaller: a smoothed quantile regression
+/// (Koenker and Bassett 1978) by Newton's method. How far off a lost face is does not count, as in
+/// a variance.
 fn fit(frames: &[Frame], quantity: usize) -> SVector<f64, TERMS> {
     let clips = frames
         .iter()
