@@ -50,6 +50,11 @@ pub struct MonitorConfig {
     pub nod_deg: f32,
     /// The head is up again within this time.
     pub nod_us: u32,
+    /// Eyes look down when their gaze is lowered from the road by this \[deg\], 10..60. Zones are
+    /// met by the gaze then, and by the head otherwise.
+    pub look_down_deg: f32,
+    /// A look down of this length is reported.
+    pub look_down_us: u32,
     /// Direction of the road in the camera frame, as the yaw of a face that looks there \[deg\].
     pub forward_yaw_deg: f32,
     /// As its pitch \[deg\].
@@ -126,6 +131,7 @@ impl MonitorConfig {
             && self.sleep_us < self.unresponsive_us
             && self.yawn_us < self.yawn_max_us
             && self.nod_us >= 1_000_000
+            && self.look_down_us > 0
             && self.long_glance_us > 0
             && (1..=CUMULATIVE_WINDOW_US).contains(&self.cumulative_us)
             && self.return_us <= self.clear_us
@@ -151,6 +157,7 @@ impl MonitorConfig {
         (10.0..=90.0).contains(&self.eye_yaw_deg)
             && (10.0..=90.0).contains(&self.eye_pitch_deg)
             && (5.0..=60.0).contains(&self.nod_deg)
+            && (10.0..=60.0).contains(&self.look_down_deg)
             && self.forward_yaw_deg.abs() <= 90.0
             && self.forward_pitch_deg.abs() <= 60.0
             && (0.0..=50.0).contains(&self.natural_yaw_deg)

@@ -7,6 +7,7 @@ use super::config::{MonitorConfig, MonitorConfigError};
 use super::drowsiness;
 use super::event::{MonitorEvent, MonitorEventKind, MonitorEventLog};
 use super::glance::Glances;
+use super::look_down::LookDown;
 use super::natural::Natural;
 use super::nod::Nods;
 use super::observation::Observation;
@@ -41,10 +42,13 @@ pub struct Monitor {
     /// The last observation, which counts until the next one.
     reading: Reading,
     direction: Option<Direction>,
+    /// That of the gaze.
+    gaze: Option<Direction>,
     windows: Windows,
     closures: Closures,
     yawns: Yawns,
     nods: Nods,
+    look_down: LookDown,
     glances: Glances,
     baseline: Baseline,
     natural: Natural,
@@ -93,10 +97,12 @@ impl Monitor {
             clock: Clock::NEW,
             reading: Reading::NONE,
             direction: None,
+            gaze: None,
             windows: Windows::EMPTY,
             closures: Closures::NONE,
             yawns: Yawns::NONE,
             nods: Nods::NONE,
+            look_down: LookDown::NONE,
             glances: Glances::NONE,
             baseline: Baseline::NEW,
             natural: Natural::NEW,
@@ -131,7 +137,8 @@ impl Monitor {
         (self.windows, self.closures) = (Windows::EMPTY, Closures::NONE);
         (self.yawns, self.nods, self.glances) = (Yawns::NONE, Nods::NONE, Glances::NONE);
         (self.baseline, self.natural) = (Baseline::NEW, Natural::NEW);
-        (self.reading, self.direction, self.clock) = (Reading::NONE, None, Clock::NEW);
+        (self.reading, self.clock) = (Reading::NONE, Clock::NEW);
+        (self.direction, self.gaze, self.look_down) = (None, None, LookDown::NONE);
         (self.drowsiness, self.sight) = (Drowsiness::Unknown, Sight::default());
     }
 
@@ -149,7 +156,8 @@ impl Monitor {
         }
         let open_eye = self.baseline.open_eye();
         self.reading = Reading::new(seen, &self.reading, open_eye, &self.config);
-        self.direction = self.direction_of(&self.reading);
+        self.direction = (self.reading.pose).and_then(|pose| self.direction_of(pose.turn_deg));
+        self.gaze = (self.reading.gaze_deg).and_then(|at_deg| self.direction_of(at_deg));
         self.see(now_us);
         Ok(())
     }
@@ -167,6 +175,8 @@ impl Monitor {
         let is_closed = self.closures.is_closed && held.openness.is_some();
         let pitch = held.pose.map(|pose| pose.pitch_deg());
         self.nods.pass(time_us, pitch, is_closed, config);
+        let is_known = held.gaze_deg.is_some();
+        (self.look_down).pass(time_us, is_known, now_us, config, log);
         let zone = match is_directed {
             true => self.glances.zone,
             false => ZoneState::Unknown,
@@ -244,7 +254,10 @@ impl Monitor {
         if let Some(pitch) = self.reading.pose.map(|pose| pose.pitch_deg()) {
             self.nods.see(pitch, now_us, config, log);
         }
-        let zone = match &self.direction {
+        if let Some(gaze) = &self.gaze {
+            (self.look_down).see(gaze.pitch_deg, now_us, config, log);
+        }
+        let zone = match self.direction_of_zone() {
             None => ZoneState::Unknown,
             Some(at) => (self.zones).at(at, self.glances.zone, config.zone_margin_deg),
         };
@@ -274,10 +287,17 @@ impl Monitor {
         });
     }
 
-    /// Where the head is turned to, if the road is known.
-    fn direction_of(&self, reading: &Reading) -> Option<Direction> {
-        let pose = reading.pose?;
-        let [yaw, pitch] = pose.turn_deg;
+    /// The direction that meets a zone.
+    fn direction_of_zone(&self) -> Option<&Direction> {
+        match self.look_down.is_on() {
+            true => self.gaze.as_ref().or(self.direction.as_ref()),
+            false => self.direction.as_ref(),
+        }
+    }
+
+    /// Where a head or a gaze of this yaw and pitch is turned to, if the road is known.
+    fn direction_of(&self, [yaw, pitch]: [f32; 2]) -> Option<Direction> {
+        let pose = self.reading.pose?;
         if !self.natural.is_known(&self.config) {
             return None;
         }
@@ -300,9 +320,10 @@ impl Monitor {
         }
         self.yawns.end(now_us, true, config, log);
         self.nods.forget();
+        self.look_down.end(now_us, true, config, log);
         self.glances.end(now_us, true, log);
         self.glances.interrupt();
-        (self.reading, self.direction) = (Reading::NONE, None);
+        (self.reading, self.direction, self.gaze) = (Reading::NONE, None, None);
         (self.sight.since_us, self.drowsy_since_us) = (now_us, now_us);
         log.push(MonitorEvent {
             timestamp_us: now_us,
@@ -331,7 +352,8 @@ impl Monitor {
             blinks: self.closures.blinks,
             yawns: self.yawns.count,
             nods: self.nods.count,
-            mouth_open_us: self.yawns.open_us,
+            mouth_open_us: self.yawns.open_us(),
+            look_down_us: self.look_down.time_us(),
             zone: self.glances.zone,
             zone_us: self.glances.zone_us,
             away_us: self.glances.away_us(),

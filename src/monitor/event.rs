@@ -45,13 +45,17 @@ pub enum MonitorEventKind {
     OpenEyeLearnt,
     /// The natural pose of this person is learnt; `value` is the offset in yaw \[deg\].
     NaturalLearnt,
-    /// A timestamp was before the last one: closures, yawns and glances have ended.
+    /// A timestamp was before the last one: closures, yawns, looks down and glances have ended.
     ClockBack,
+    /// The eyes have looked down for a while.
+    LookDown,
+    /// That look ended.
+    LookDownEnd,
 }
 
 impl MonitorEventKind {
     /// Every kind, in the order of the C ABI.
-    pub const ALL: [MonitorEventKind; 19] = [
+    pub const ALL: [MonitorEventKind; 21] = [
         MonitorEventKind::Blink,
         MonitorEventKind::LongClosure,
         MonitorEventKind::Microsleep,
@@ -71,6 +75,8 @@ impl MonitorEventKind {
         MonitorEventKind::OpenEyeLearnt,
         MonitorEventKind::NaturalLearnt,
         MonitorEventKind::ClockBack,
+        MonitorEventKind::LookDown,
+        MonitorEventKind::LookDownEnd,
     ];
 
     /// Its name in every table and language, as `long-closure`.
@@ -95,6 +101,8 @@ impl MonitorEventKind {
             MonitorEventKind::OpenEyeLearnt => "open-eye-learnt",
             MonitorEventKind::NaturalLearnt => "natural-learnt",
             MonitorEventKind::ClockBack => "clock-back",
+            MonitorEventKind::LookDown => "look-down",
+            MonitorEventKind::LookDownEnd => "look-down-end",
         }
     }
 }

@@ -11,7 +11,8 @@
 //! | `config`, `preset`, `zone` | settings, where their values come from, zones of interest |
 //! | `observation`, `reading` | what is observed, and what of it is known |
 //! | `clock`, `perclos`, `recent` | time, and exact sums over windows of whole bins |
-//! | `closure`, `yawn`, `nod`, `glance`, `drowsiness` | one state machine each |
+//! | `closure`, `yawn`, `nod`, `look_down`, `glance`, `drowsiness` | one state machine each |
+//! | `episode` | what yawns and looks down have in common |
 //! | `baseline`, `natural` | openness of this person's open eyes, direction of the road |
 //! | `quantile` | of the histograms from which both are learnt |
 //! | `event`, `state`, `driver` | outputs, and the whole |
@@ -24,8 +25,10 @@ mod closure;
 mod config;
 mod driver;
 mod drowsiness;
+mod episode;
 mod event;
 mod glance;
+mod look_down;
 mod natural;
 mod nod;
 mod observation;

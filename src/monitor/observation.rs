@@ -1,7 +1,7 @@
 //! What a monitor sees of one frame.
 
 use crate::shape::SHUT;
-use crate::track::{Eye, EyeUnknown, State, TrackResult};
+use crate::track::{Eye, EyeUnknown, Eyes, Gaze, State, TrackResult};
 
 /// One frame as a monitor sees it: a subset of [`TrackResult`]. A number that is not finite is
 /// unknown.
@@ -20,11 +20,13 @@ pub struct Observation {
     pub translation_mm: [f32; 3],
     /// Standard deviations of the rotation about the camera's axes \[deg\].
     pub rotation_sigma_deg: [f32; 3],
-    /// Distance of the lids in that of open ones, of the person's left and right eye: 0 shut, 1
-    /// open, below 0 unknown (`fused_openness`).
+    /// Distance of the lids in that of open ones that look where these do, of the person's left
+    /// and right eye: 0 shut, 1 open, below 0 unknown (`fused_openness`).
     pub eye_open: [f32; 2],
     /// Animation weight `jawOpen`, 0..1, below 0 unknown.
     pub jaw_open: f32,
+    /// Unit gaze of both eyes, camera frame; zeros where it is unknown.
+    pub gaze: [f32; 3],
     /// As [`TrackResult::camera_assumed`]: a natural pose that is learnt, and the angles from the
     /// road with it, are relative to the line of sight then.
     pub camera_assumed: bool,
@@ -41,6 +43,7 @@ impl Observation {
         rotation_sigma_deg: [0.0; 3],
         eye_open: [-1.0; 2],
         jaw_open: -1.0,
+        gaze: [0.0; 3],
         camera_assumed: false,
     };
 }
@@ -110,6 +113,21 @@ fn by_network(open: f32) -> (f32, f32) {
     (openness, odds)
 }
 
+/// From so far down on \[deg, in the head\] lids follow a lowered gaze, and how far they have come
+/// per degree: the upper lid of an eye that looks 30° down leaves half of the distance.
+const LOWERED_FROM_DEG: f32 = 4.0;
+const LOWERED_PER_DEG: f32 = 0.0188;
+/// Least share of the distance of open lids that a gaze leaves.
+const LOWERED_LEAST: f32 = 0.3;
+
+/// Distance of lids that are open, as far as this gaze lets them, in that of an eye that looks
+/// ahead.
+fn allowed(gaze: &Gaze) -> f32 {
+    let [_, down, _] = gaze.head;
+    let down_deg = libm::asinf(down.clamp(-1.0, 1.0)).to_degrees();
+    (1.0 - LOWERED_PER_DEG * (down_deg - LOWERED_FROM_DEG)).clamp(LOWERED_LEAST, 1.0)
+}
+
 /// Openness of an eye, below 0 unknown, by what is known of the other eye.
 #[derive(Clone, Copy)]
 struct Openness {
@@ -131,11 +149,11 @@ impl Openness {
         }
     }
 
-    /// By the lids and the network.
-    fn new(lids: f32, eye: &Eye) -> Openness {
+    /// By the lids, of which the gaze allows so much, and the network.
+    fn new(lids: f32, eye: &Eye, allowed: f32) -> Openness {
         let lids = if lids > 0.0 { distance(lids) } else { lids };
         match eye.unknown {
-            None => Openness::of_seen(lids, eye.open),
+            None => Openness::of_seen((lids / allowed).min(1.0), eye.open),
             Some(
                 EyeUnknown::DarkGlasses
                 | EyeUnknown::Glare
@@ -177,10 +195,11 @@ impl Openness {
 /// dark glasses and reflections and where something covers it, an eye is unknown, −1, as it is
 /// where the network is not sure and contradicts the lids; one that is known alone sooner than two,
 /// unless it is a lens that hides the other.
-pub fn fused_openness(lids: [f32; 2], eyes: &[Eye; 2]) -> [f32; 2] {
-    let ([left_lids, right_lids], [left_eye, right_eye]) = (lids, eyes);
-    let left = Openness::new(left_lids, left_eye);
-    let right = Openness::new(right_lids, right_eye);
+pub fn fused_openness(lids: [f32; 2], eyes: &Eyes) -> [f32; 2] {
+    let ([left_lids, right_lids], [left_eye, right_eye]) = (lids, &eyes.each);
+    let allowed = allowed(&eyes.gaze);
+    let left = Openness::new(left_lids, left_eye, allowed);
+    let right = Openness::new(right_lids, right_eye, allowed);
     let beside = |this: Openness, other: Openness, other_eye: &Eye| match other_eye.unknown {
         _ if other.with_other >= 0.0 => this.with_other,
         Some(EyeUnknown::DarkGlasses | EyeUnknown::Glare) => this.beside_lens,
@@ -205,8 +224,9 @@ impl From<&TrackResult> for Observation {
             pitch_deg: result.pitch_deg,
             translation_mm: result.translation_mm,
             rotation_sigma_deg: result.rotation_sigma_deg,
-            eye_open: fused_openness(result.eye_open, &result.eyes.each),
+            eye_open: fused_openness(result.eye_open, &result.eyes),
             jaw_open: jaw_open.copied().unwrap_or(-1.0),
+            gaze: result.eyes.gaze.camera,
             camera_assumed: result.camera_assumed,
         }
     }
@@ -229,7 +249,14 @@ mod tests {
             ..Eye::EMPTY
         };
         let near = |a: f32, b: f32| assert!((a - b).abs() < 1e-5, "{a} {b}");
-        let both = |lids: f32, eye: Eye| fused_openness([lids; 2], &[eye; 2])[0];
+        let of = |lids: [f32; 2], each: [Eye; 2]| {
+            let eyes = Eyes {
+                each,
+                ..Eyes::EMPTY
+            };
+            fused_openness(lids, &eyes)
+        };
+        let both = |lids: f32, eye: Eye| of([lids; 2], [eye; 2])[0];
         near(both(0.4, eye(Some(EyeUnknown::NotSeen), 0.0)), 0.496);
         near(both(0.04, eye(Some(EyeUnknown::NotSeen), 0.0)), 0.16);
         assert_eq!(both(0.0, eye(Some(EyeUnknown::NotSeen), 0.0)), 0.0);
@@ -253,18 +280,40 @@ mod tests {
         assert_eq!(both(-1.0, eye(None, 0.6)), -1.0);
         let one = |lids: f32, open: f32| {
             let eyes = [eye(None, open), eye(Some(EyeUnknown::Hidden), 0.0)];
-            fused_openness([lids, -1.0], &eyes)
+            of([lids, -1.0], eyes)
         };
         near(one(0.0, 0.01)[0], 0.0);
         assert_eq!(one(0.4, 0.5), [-1.0; 2]);
         assert_eq!(one(0.4, 0.01), [-1.0; 2]);
         let beside_lens = |lids: f32, open: f32| {
             let eyes = [eye(None, open), eye(Some(EyeUnknown::Glare), 0.0)];
-            fused_openness([lids, -1.0], &eyes)
+            of([lids, -1.0], eyes)
         };
         near(beside_lens(0.4, 0.01)[0], 0.0);
         near(beside_lens(0.0, 0.15)[0], 0.11011);
         assert_eq!(beside_lens(0.4, 0.2), [-1.0; 2]);
+    }
+
+    #[test]
+    fn lids_that_follow_a_lowered_gaze_are_open() {
+        let lowered = |down_deg: f32, lids: f32, open: f32| {
+            let (down, level) = (down_deg.to_radians().sin(), down_deg.to_radians().cos());
+            let eye = Eye {
+                unknown: None,
+                open,
+                ..Eye::EMPTY
+            };
+            let mut eyes = Eyes {
+                each: [eye; 2],
+                ..Eyes::EMPTY
+            };
+            (eyes.gaze.unknown, eyes.gaze.head) = (None, [0.0, down, -level]);
+            fused_openness([lids; 2], &eyes)[0]
+        };
+        // A reading of 0.1 is a distance of 0.24.
+        assert!(lowered(0.0, 0.1, 0.97) < 0.5);
+        assert!(lowered(40.0, 0.1, 0.97) > 0.7);
+        assert!(lowered(40.0, 0.0, 0.01) < 0.01, "shut");
     }
 
     #[test]

@@ -117,6 +117,9 @@ const GENERAL: MonitorConfig = MonitorConfig {
     // 12 to 20° within a second, back within 3 s.
     nod_deg: 12.0,
     nod_us: 3_000_000,
+    // Chosen: below the windscreen. Instruments are 25° down, a telephone on the lap 50°.
+    look_down_deg: 18.0,
+    look_down_us: 500_000,
     // A camera straight ahead, or anywhere within the bounds of the natural pose.
     forward_yaw_deg: 0.0,
     forward_pitch_deg: 0.0,

@@ -31,6 +31,8 @@ pub(super) struct Reading {
     pub(super) jaw: Option<f32>,
     /// Where the head is and where it is turned to.
     pub(super) pose: Option<HeadPose>,
+    /// Yaw and pitch of the gaze, of the kind of [`HeadPose::turn_deg`] \[deg\].
+    pub(super) gaze_deg: Option<[f32; 2]>,
 }
 
 /// Where a head is and where it is turned to.
@@ -52,6 +54,20 @@ impl HeadPose {
     pub(super) fn pitch_deg(&self) -> f32 {
         let [_, pitch] = self.turn_deg;
         pitch
+    }
+
+    /// Yaw and pitch \[deg\], of the kind of `turn_deg`, of a unit direction in the camera frame;
+    /// `None` for what is none.
+    fn angles_of(&self, direction: Vec3) -> Option<[f32; 2]> {
+        let ray = match self.is_facing {
+            true => towards(self.origin_mm).transpose() * direction,
+            false => direction,
+        };
+        let yaw = libm::atan2f(ray.x, -ray.z).to_degrees();
+        let pitch = libm::asinf((-ray.y).clamp(-1.0, 1.0)).to_degrees();
+        // No comparison holds for a NaN.
+        let is_unit = (ray.length_squared() - 1.0).abs() < 0.1;
+        is_unit.then_some([yaw, pitch])
     }
 
     /// The unit direction of these angles, of the kind of `turn_deg`, in the camera frame.
@@ -79,6 +95,7 @@ impl Reading {
         eyes: [None; 2],
         jaw: None,
         pose: None,
+        gaze_deg: None,
     };
 
     pub(super) fn new(
@@ -123,6 +140,7 @@ impl Reading {
             },
             eyes,
             jaw: Some(seen.jaw_open).filter(is_share),
+            gaze_deg: pose.angles_of(seen.gaze.into()),
             ..reading
         }
     }

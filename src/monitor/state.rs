@@ -128,7 +128,9 @@ pub struct MonitorState {
     pub nods: u32,
     /// Known time for which the mouth has been open as in a yawn \[µs\]; 0 while it is shut.
     pub mouth_open_us: u32,
-    /// Where the driver looks.
+    /// Known time for which the eyes have looked down \[µs\]; 0 while they do not.
+    pub look_down_us: u32,
+    /// Where the driver looks: by the gaze while the eyes look down, by the head otherwise.
     pub zone: ZoneState,
     /// For how long without a break \[µs\].
     pub zone_us: u32,

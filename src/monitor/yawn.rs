@@ -1,28 +1,35 @@
 //! Yawns: a mouth that stays wide open for longer than a word and shorter than a grimace.
 
 use super::config::MonitorConfig;
-use super::event::{MonitorEvent, MonitorEventKind, MonitorEventLog};
+use super::episode::{Episode, Reports};
+use super::event::{MonitorEventKind, MonitorEventLog};
 
 /// The mouth.
 #[derive(Clone)]
 pub(super) struct Yawns {
-    is_open: bool,
-    start_us: i64,
-    pub(super) open_us: u32,
-    unknown_us: u32,
-    is_reported: bool,
+    mouth: Episode,
     pub(super) count: u32,
+}
+
+fn reports(config: &MonitorConfig) -> Reports {
+    Reports {
+        begin: MonitorEventKind::Yawn,
+        end: MonitorEventKind::YawnEnd,
+        after_us: config.yawn_us,
+        gap_us: config.gap_us,
+    }
 }
 
 impl Yawns {
     pub(super) const NONE: Yawns = Yawns {
-        is_open: false,
-        start_us: 0,
-        open_us: 0,
-        unknown_us: 0,
-        is_reported: false,
+        mouth: Episode::NONE,
         count: 0,
     };
+
+    /// Time for which the mouth has been open \[µs\].
+    pub(super) fn open_us(&self) -> u32 {
+        self.mouth.time_us
+    }
 
     /// Lets time pass with this openness of the jaw.
     pub(super) fn pass(
@@ -33,22 +40,8 @@ impl Yawns {
         config: &MonitorConfig,
         log: &mut MonitorEventLog,
     ) {
-        if !self.is_open {
-            return;
-        }
-        if jaw.is_none() {
-            self.unknown_us = self.unknown_us.saturating_add(time_us);
-            if self.unknown_us > config.gap_us {
-                self.end(now_us, true, config, log);
-            }
-            return;
-        }
-        self.unknown_us = 0;
-        self.open_us = self.open_us.saturating_add(time_us);
-        if self.open_us >= config.yawn_us && !self.is_reported {
-            self.is_reported = true;
-            log.push(self.event(MonitorEventKind::Yawn, now_us, false));
-        }
+        let ended = (self.mouth).pass(time_us, jaw.is_some(), now_us, &reports(config), log);
+        self.count(ended, config);
     }
 
     /// The openness of the jaw in a new observation.
@@ -59,20 +52,14 @@ impl Yawns {
         config: &MonitorConfig,
         log: &mut MonitorEventLog,
     ) {
-        if self.is_open && jaw < config.yawn_below {
+        if self.mouth.is_on && jaw < config.yawn_below {
             self.end(now_us, false, config, log);
-        } else if !self.is_open && jaw > config.yawn_above {
-            *self = Yawns {
-                is_open: true,
-                start_us: now_us,
-                count: self.count,
-                ..Yawns::NONE
-            };
+        } else if !self.mouth.is_on && jaw > config.yawn_above {
+            self.mouth.begin(now_us);
         }
     }
 
-    /// Ends it. A mouth that was open for too long has not yawned, whatever was reported.
-    #[inline(never)]
+    /// Ends it.
     pub(super) fn end(
         &mut self,
         now_us: i64,
@@ -80,23 +67,13 @@ impl Yawns {
         config: &MonitorConfig,
         log: &mut MonitorEventLog,
     ) {
-        if self.is_open && self.is_reported {
-            if self.open_us <= config.yawn_max_us {
-                self.count = self.count.saturating_add(1);
-            }
-            log.push(self.event(MonitorEventKind::YawnEnd, now_us, is_cut));
-        }
-        (self.is_open, self.is_reported, self.open_us) = (false, false, 0);
+        let ended = self.mouth.end(now_us, is_cut, &reports(config), log);
+        self.count(ended, config);
     }
 
-    fn event(&self, kind: MonitorEventKind, now_us: i64, is_cut: bool) -> MonitorEvent {
-        MonitorEvent {
-            timestamp_us: now_us,
-            start_us: self.start_us,
-            duration_us: self.open_us,
-            kind,
-            is_cut,
-            ..MonitorEvent::default()
-        }
+    /// A mouth that was open for too long has not yawned, whatever was reported.
+    fn count(&mut self, ended_us: Option<u32>, config: &MonitorConfig) {
+        let is_yawn = ended_us.is_some_and(|open_us| open_us <= config.yawn_max_us);
+        self.count = self.count.saturating_add(u32::from(is_yawn));
     }
 }

@@ -534,6 +534,58 @@ fn glances_are_timed() {
     assert!((900_000..1_050_000).contains(&away_us), "{away_us}");
 }
 
+/// A face whose eyes look down by so much from straight ahead.
+fn looking_down(openness: f32, down_deg: f32) -> Observation {
+    let (down, level) = down_deg.to_radians().sin_cos();
+    let mut seen = face(Some(openness), 0.0);
+    seen.gaze = [0.0, down, -level];
+    seen
+}
+
+#[test]
+fn a_look_down_is_off_the_road_and_no_closure() {
+    use MonitorEventKind::{Glance, LongGlance, LookDown, LookDownEnd};
+    let mut show = Show::new(&fixed(), 25);
+    assert_eq!(show.show(2.0, &looking_down(1.0, 2.0)), []);
+    // At the telephone for 4 s, with a blink; the head does not move.
+    let mut events = show.show(2.0, &looking_down(0.8, 40.0));
+    let state = show.monitor.state();
+    assert_eq!((state.eyes, state.zone), (EyeState::Open, ZoneState::In(1)));
+    assert!((1_900_000..2_100_000).contains(&state.look_down_us));
+    events.extend(show.show(0.16, &face(Some(0.0), 0.0)));
+    events.extend(show.show(1.9, &looking_down(0.8, 40.0)));
+    events.extend(show.show(2.0, &looking_down(1.0, 2.0)));
+    let seen: Vec<_> = kinds(&events);
+    let blink = MonitorEventKind::Blink;
+    assert_eq!(seen, [LookDown, blink, LongGlance, LookDownEnd, Glance]);
+    assert_eq!(show.monitor.state().look_down_us, 0);
+    let [.., end, _] = &events[..] else {
+        panic!("{events:?}");
+    };
+    // Without the time in which the lids were shut.
+    assert!((3_850_000..3_950_000).contains(&end.duration_us), "{end:?}");
+    // Too short, and not low enough.
+    assert_eq!(kinds(&show.show(0.3, &looking_down(0.8, 25.0))), []);
+    assert_eq!(show.show(2.0, &looking_down(0.9, 14.0)).len(), 0);
+}
+
+#[test]
+fn a_gaze_that_is_lost_ends_a_look_down() {
+    let mut show = Show::new(&fixed(), 25);
+    show.show(1.0, &looking_down(0.8, 30.0));
+    let events = show.show(1.0, &face(Some(0.8), 0.0));
+    let end = events.first().expect("an event");
+    assert_eq!(end.kind, MonitorEventKind::LookDownEnd);
+    assert!(end.is_cut);
+    // A direction that is none.
+    let mut seen = looking_down(0.8, 30.0);
+    for gaze in [[f32::NAN; 3], [0.0, 3.0, -1.0], [f32::INFINITY, 0.0, 0.0]] {
+        seen.gaze = gaze;
+        assert_eq!(show.show(1.0, &seen), []);
+        assert_eq!(show.monitor.state().look_down_us, 0);
+    }
+}
+
 #[test]
 fn a_camera_at_the_side_is_learnt() {
     for yaw in [-40.0, 0.0, 30.0] {

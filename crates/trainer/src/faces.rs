@@ -189,7 +189,7 @@ pub fn labelled(labels: &[Label], data: &Path, set: &Set) -> Result<Vec<Face>> {
             Ok(Face {
                 person: number(&set.person_in(&label.image)),
                 weight: label_weight(label.spread, set.half_weight_spread),
-                share: set.share,
+                share: set.share_of(&label.image),
                 known: label.known,
                 ..Face::new(picture, label.points)
             })

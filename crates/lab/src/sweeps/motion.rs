@@ -3,7 +3,7 @@
 use super::plan::{Kind, Sweep, Video};
 use glam::Vec3;
 use posewise::math::HeadAngles;
-use posewise_train::render::expression::Expression;
+use posewise_train::render::expression::{Expression, LOWEST};
 use posewise_train::render::noise::smoothstep;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
@@ -39,6 +39,8 @@ pub struct Moment {
     pub smile: f32,
     pub(super) brows: f32,
     pub(super) pucker: f32,
+    /// How far cheeks and lower lids narrow the eyes.
+    pub(super) squint: f32,
     /// Gaze to the image right and down \[rad\].
     pub gaze: (f32, f32),
     /// How far the cover has come: 0 away, 1 there.
@@ -52,6 +54,8 @@ impl Moment {
     pub fn expression(&self) -> Expression {
         let mut face = Expression::default();
         face.gaze = self.gaze;
+        let (_, down) = self.gaze;
+        let squint = self.squint * (1.0 - (down / LOWEST).clamp(0.0, 1.0));
         for (name, weight) in [
             ("eyeBlinkLeft", self.blink),
             ("eyeBlinkRight", self.blink),
@@ -62,6 +66,10 @@ impl Moment {
             ("browInnerUp", self.brows),
             ("browOuterUpLeft", self.brows),
             ("browOuterUpRight", self.brows),
+            ("eyeSquintLeft", squint),
+            ("eyeSquintRight", squint),
+            ("cheekSquintLeft", 0.7 * squint),
+            ("cheekSquintRight", 0.7 * squint),
         ] {
             face.add(name, weight);
         }
@@ -183,6 +191,7 @@ impl Motion {
             smile: self.smile.at(share).clamp(0.0, 0.9),
             brows: 0.4 * (1.0 + (2.3 * t).sin()) * talk,
             pucker: 0.2 * talk * (1.0 + (4.3 * t).sin()),
+            squint: 0.0,
             gaze: (self.gaze[0].at(share), self.gaze[1].at(share)),
             cover: cover(self.kind, t),
             light_turn: match self.kind {

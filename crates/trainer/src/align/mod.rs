@@ -28,6 +28,7 @@ mod train;
 pub use posewise_metrics::BoxJitter as Jitter;
 
 pub use evaluate::{Accuracy, Boxes, evaluate, evaluate_float};
+pub use finished::parameters;
 pub use global::{cascade, ensemble_member};
 pub use mean::{align as mean_aligned, mean_shape};
 pub use network::{Network, Sizes};

@@ -7,7 +7,7 @@ use crate::verifier::platt;
 use anyhow::{Context, Result};
 use glam::Mat3;
 use posewise::align::{EyeModel, EyePlace, SeenEye, Workspace};
-use posewise_format::{AlignedBytes, Blob, SectionWriter, blob};
+use posewise_format::{AlignedBytes, Blob, Section, SectionWriter, blob};
 use posewise_metrics::auc;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -44,6 +44,15 @@ impl Numbers {
         out.array(&self.classes);
         out.array(&self.gaze.concat());
         out.array(&self.sigma);
+    }
+
+    /// Reads over them.
+    pub fn skip(section: &mut Section<'_>) -> Result<()> {
+        let numbers = Numbers::first(0.0);
+        section.f32s(numbers.classes.len())?;
+        section.f32s(numbers.gaze.as_flattened().len())?;
+        section.f32s(numbers.sigma.len())?;
+        Ok(())
     }
 }
 

@@ -12,11 +12,11 @@ pub mod tracked;
 pub use calibration::{Figures, figures};
 pub use single::{SingleEye, read as read_single};
 
-use crate::align::{Augment, Options, Sizes, Source, Trained, train, write_regressor};
+use crate::align::{Augment, Options, Sizes, Source, Trained, parameters, train, write_regressor};
 use crate::render::eye_cache::Eye;
 use anyhow::{Context, Result};
 use posewise::align::{EYE_OUTPUTS, EYES_TAG, GLOBAL, SHAPE_INDEXED};
-use posewise_format::SectionWriter;
+use posewise_format::{Section, SectionWriter};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use samples::Eyes;
@@ -89,10 +89,19 @@ fn source<'a>(rendered: &'a [Eye], single: &'a [SingleEye], options: &'a EyeOpti
 }
 
 /// The first round: trains the network on rendered eyes; goes on from the checkpoint if there is
-/// one, and leaves the network there.
-pub fn train_rendered(rendered: &[Eye], options: &EyeOptions, checkpoint: &Path) -> Result<()> {
-    let source = source(rendered, &[], options);
-    train(&source, &options.network, checkpoint, None).map(drop)
+/// one, else from the section `before`, and leaves the network there.
+pub fn train_rendered(
+    rendered: &[Eye],
+    options: &EyeOptions,
+    checkpoint: &Path,
+    before: Option<Section<'_>>,
+) -> Result<()> {
+    let (source, network) = (source(rendered, &[], options), &options.network);
+    let before = before.map(|mut section| {
+        calibration::Numbers::skip(&mut section)?;
+        parameters(&mut section, &network.sizes, network.seed)
+    });
+    train(&source, network, checkpoint, before.transpose()?).map(drop)
 }
 
 /// The section, of the network of the first round. With photographs there is a second round, which

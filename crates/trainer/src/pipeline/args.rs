@@ -65,8 +65,7 @@ impl Args {
 
     /// The same as `posewise-train render` would be given, for one kind.
     pub fn render(&self, kind: Kind, sources: &Sources) -> render::Args {
-        // Eyes are drawn on the morphable head alone.
-        let share = |of: f64, has: bool| if has && kind != Kind::Eyes { of } else { 0.0 };
+        let share = |of: f64, has: bool| if has { of } else { 0.0 };
         render::Args {
             data: self.data.clone(),
             cache: self.cache.clone(),

@@ -28,7 +28,8 @@ const FIGURES: &str = "figures.json";
 /// Makes the section.
 pub fn make(context: &Context<'_>) -> Result<Output> {
     let args = context.args;
-    let options = EyeOptions::new(args.seed, args.eye_steps);
+    let mut options = EyeOptions::new(args.seed, args.eye_steps);
+    options.network.rate = context.rate(options.network.rate);
     // Eyes are procedural in every render, so photographed skins bring little and take long.
     let render = crate::render::Args {
         clean: true,
@@ -45,8 +46,10 @@ pub fn make(context: &Context<'_>) -> Result<Output> {
     let stage = Stage::new("eyes-network", 3)
         .options(&(&options.network, options.by_nose, MARKS_VERSION))?
         .input("renders-eyes", rendered.hash(renders::FILE)?);
+    let stage = context.with_finished(stage);
     let network = context.store.make(&stage, &[NETWORK], |folder| {
-        eyes::train_rendered(&read(&rendered)?, &options, &folder.join(NETWORK))
+        let before = context.section(EYES_TAG)?;
+        eyes::train_rendered(&read(&rendered)?, &options, &folder.join(NETWORK), before)
     })?;
     let stage = Stage::new("eyes", 5)
         .options(&options)?

@@ -53,7 +53,11 @@ pub fn make(store: &Store, args: &Args, photographed: Photographed<'_>) -> Resul
         makehuman_people: (args.makehuman > 0.0).then(|| args.kind.makehuman_people()),
     };
     let data = |name: &str| store.data(&args.data.join(name));
-    let mut stage = Stage::new(name, 4)
+    let version = match args.kind {
+        Kind::Eyes => 5,
+        Kind::Plain | Kind::Near => 4,
+    };
+    let mut stage = Stage::new(name, version)
         .options(&options)?
         .input("facekit.npz", data("facekit.npz")?);
     if args.makehuman > 0.0 {

@@ -6,6 +6,12 @@ use posewise::shape::{ANIMATION_NAMES, ANIMATIONS};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 
+/// Largest weight of lids that follow a lowered gaze. That of the kit's shapes is 1 at half a
+/// radian, where they leave 46 % of the distance of the lids; 40° down they leave a quarter.
+const LOWERED: f32 = 1.4;
+/// How far eyes look down \[rad\].
+pub const LOWEST: f32 = 0.7;
+
 /// Named weights of a face.
 #[derive(Clone, Debug, Default)]
 pub struct Expression {
@@ -147,7 +153,11 @@ impl Expression {
         let wide = if rng.random_bool(0.6) { 1.0 } else { 0.4 };
         self.gaze = (
             wide * rng.random_range(-0.6..0.6f32),
-            wide * rng.random_range(-0.35..0.45f32),
+            match rng.random_bool(0.3) {
+                // Reading, cluster, lap.
+                true => rng.random_range(0.2..LOWEST),
+                false => wide * rng.random_range(-0.35..0.45f32),
+            },
         );
         let blink = match rng.random_range(0..20) {
             0..9 => rng.random_range(0.0..0.15f32),
@@ -155,8 +165,11 @@ impl Expression {
             _ => 1.0,
         };
         self.pair(["eyeBlinkLeft", "eyeBlinkRight"], blink, 0.0);
-        if blink < 0.5 && rng.random_bool(0.2) {
-            let squint = rng.random_range(0.0..0.6);
+        if blink < 0.5 && rng.random_bool(0.3) {
+            // Up to eyes that laugh; a smile raises the cheeks by itself. What a lowered gaze leaves
+            // between the lids stays.
+            let (_, down) = self.gaze;
+            let squint = rng.random_range(0.0..1.0) * (1.0 - (down / LOWEST).max(0.0));
             self.pair(["eyeSquintLeft", "eyeSquintRight"], squint, 0.0);
         }
         if blink < 0.2 && rng.random_bool(0.2) {
@@ -169,12 +182,13 @@ impl Expression {
     /// Lids follow the eyeballs (the kit's shapes have weight 1 at about half a radian).
     pub fn follow_gaze(&mut self, amount: f32) {
         let (x, y) = (2.0 * amount * self.gaze.0, 2.0 * amount * self.gaze.1);
-        let both = if y > 0.0 {
-            ["eyeLookDownLeft", "eyeLookDownRight"]
+        if y > 0.0 {
+            for name in ["eyeLookDownLeft", "eyeLookDownRight"] {
+                self.add(name, y.min(LOWERED));
+            }
         } else {
-            ["eyeLookUpLeft", "eyeLookUpRight"]
-        };
-        self.pair(both, y.abs().min(1.0), 0.0);
+            self.pair(["eyeLookUpLeft", "eyeLookUpRight"], (-y).min(1.0), 0.0);
+        }
         let side = if x > 0.0 {
             ["eyeLookOutLeft", "eyeLookInRight"]
         } else {

@@ -10,7 +10,7 @@ use anyhow::{Result, bail};
 use glam::DVec3;
 use posewise::monitor::fused_openness;
 use posewise::{
-    Eye, EyeUnknown, MonitorEvent, MonitorEventKind as Kind, MonitorState, Observation, Preset,
+    EyeUnknown, Eyes, MonitorEvent, MonitorEventKind as Kind, MonitorState, Observation, Preset,
     State,
 };
 use posewise_cli::monitor::watch::Watch;
@@ -98,6 +98,8 @@ struct Columns {
     mouth: Vec<usize>,
     /// `gaze_status` and both angles, in newer files.
     gaze: Option<[usize; 3]>,
+    /// The gaze in the head.
+    gaze_head: Option<[usize; 3]>,
 }
 
 impl Columns {
@@ -130,11 +132,8 @@ impl Columns {
             mouth: (48..68)
                 .map(|i| column(&format!("vis_{i}")))
                 .collect::<Result<_>>()?,
-            gaze: ["gaze_status", "gaze_angle_x", "gaze_angle_y"]
-                .map(|name| column(name).ok())
-                .into_iter()
-                .collect::<Option<Vec<usize>>>()
-                .and_then(|columns| columns.try_into().ok()),
+            gaze: three(csv, ["gaze_status", "gaze_angle_x", "gaze_angle_y"]),
+            gaze_head: three(csv, ["gaze_head_x", "gaze_head_y", "gaze_head_z"]),
         })
     }
 
@@ -165,18 +164,26 @@ impl Columns {
         for (to, column) in seen.rotation_sigma_deg.iter_mut().zip(self.sigma) {
             *to = number(column)?;
         }
-        let (mut lids, mut eyes) = ([-1.0; 2], [Eye::EMPTY; 2]);
+        let (mut lids, mut eyes) = ([-1.0; 2], Eyes::EMPTY);
         for (k, (column, network)) in self.eyes.iter().zip(self.network).enumerate() {
             lids[k] = number(*column)?;
             if let Some([unknown, open]) = network {
                 let word = csv.text(row, unknown);
                 let reason = EyeUnknown::ALL.into_iter().find(|u| u.name() == word);
-                eyes[k].unknown = match word == EyeUnknown::name_of(None) {
+                eyes.each[k].unknown = match word == EyeUnknown::name_of(None) {
                     true => None,
                     false => Some(reason.unwrap_or_default()),
                 };
-                eyes[k].open = number(open)?;
+                eyes.each[k].open = number(open)?;
             }
+        }
+        if let (Some([x, y]), Some(head)) = (self.gaze(csv, row)?, self.gaze_head) {
+            eyes.gaze.unknown = None;
+            for (to, column) in eyes.gaze.head.iter_mut().zip(head) {
+                *to = number(column)?;
+            }
+            let gaze = DVec3::new(x.tan(), y.tan(), -1.0).normalize();
+            seen.gaze = gaze.as_vec3().to_array();
         }
         seen.eye_open = fused_openness(lids, &eyes);
         let mut visibility = 0.0;
@@ -188,6 +195,12 @@ impl Columns {
         seen.jaw_open = if is_visible { number(self.jaw)? } else { -1.0 };
         Ok(seen)
     }
+}
+
+/// Columns that newer files have.
+fn three(csv: &Table, names: [&str; 3]) -> Option<[usize; 3]> {
+    let columns: Option<Vec<usize>> = names.iter().map(|name| csv.column(name).ok()).collect();
+    columns?.try_into().ok()
 }
 
 /// Shows the rows to a monitor, some of them left out.

@@ -37,6 +37,10 @@ pub enum Condition {
     HandOnMouth,
     /// The rim of the wheel is before the chin, and before the eyes when the driver slumps.
     Wheel,
+    /// Reads from the lap and looks at the instruments, up to 40° down with the eyes alone.
+    Reading,
+    /// Laughs with narrowed eyes, and looks down.
+    Laughing,
 }
 
 /// How often a driver does what, in a minute.
@@ -45,6 +49,10 @@ pub struct Recipe {
     pub closures_s: &'static [f32],
     pub mirrors: usize,
     pub laps: usize,
+    /// Long glances down, and short ones of the eyes.
+    pub readings: usize,
+    pub clusters: usize,
+    pub laughs: usize,
     /// Turns by 60° and more from the camera.
     pub turns: usize,
     pub yawns: usize,
@@ -60,6 +68,9 @@ const USUAL: Recipe = Recipe {
     closures_s: &[0.25, 0.5, 1.2, 2.3],
     mirrors: 3,
     laps: 1,
+    readings: 0,
+    clusters: 0,
+    laughs: 0,
     turns: 1,
     yawns: 1,
     nods: 1,
@@ -114,6 +125,30 @@ impl Condition {
                 covers: 4,
                 ..USUAL
             },
+            Condition::Reading => Recipe {
+                closures_s: &[0.3, 0.7, 1.4],
+                mirrors: 1,
+                laps: 0,
+                readings: 5,
+                clusters: 4,
+                turns: 0,
+                yawns: 0,
+                nods: 0,
+                droop: 0.0,
+                ..USUAL
+            },
+            Condition::Laughing => Recipe {
+                closures_s: &[0.3, 0.7, 1.4],
+                mirrors: 1,
+                readings: 1,
+                clusters: 2,
+                laughs: 7,
+                turns: 0,
+                yawns: 0,
+                nods: 0,
+                droop: 0.0,
+                ..USUAL
+            },
             _ => USUAL,
         }
     }
@@ -141,7 +176,7 @@ pub struct Clip {
 }
 
 /// Names, conditions, and how far the camera is off the road \[deg\]; seeds choose the side.
-const CLIPS: [(&str, Condition, f32); 22] = [
+const CLIPS: [(&str, Condition, f32); 34] = [
     ("alert", Condition::Alert, 3.0),
     ("alert", Condition::Alert, 30.0),
     ("mirrors", Condition::Mirrors, 22.0),
@@ -164,6 +199,18 @@ const CLIPS: [(&str, Condition, f32); 22] = [
     ("hand", Condition::HandOnMouth, 0.0),
     ("wheel", Condition::Wheel, 0.0),
     ("wheel", Condition::Wheel, 14.0),
+    ("reading", Condition::Reading, 0.0),
+    ("reading", Condition::Reading, 8.0),
+    ("reading", Condition::Reading, 15.0),
+    ("reading", Condition::Reading, 20.0),
+    ("reading", Condition::Reading, 25.0),
+    ("reading", Condition::Reading, 30.0),
+    ("reading", Condition::Reading, 35.0),
+    ("laughing", Condition::Laughing, 0.0),
+    ("laughing", Condition::Laughing, 8.0),
+    ("laughing", Condition::Laughing, 15.0),
+    ("laughing", Condition::Laughing, 22.0),
+    ("laughing", Condition::Laughing, 30.0),
 ];
 
 /// All clips.

@@ -31,6 +31,8 @@ pub enum What {
     Nod,
     /// The mouth moves.
     Talk,
+    /// The driver laughs, with narrowed eyes.
+    Laugh,
     /// A hand comes before the face, or the driver slumps behind the wheel.
     Cover,
 }
@@ -172,10 +174,11 @@ impl Script {
             let of = self.acts.iter().filter(|act| act.what == what);
             of.map(|act| act.at(t) * act.weight).fold(0.0, f32::max)
         };
-        let (yawn, nod, talk, cover) = (
+        let (yawn, nod, talk, laugh, cover) = (
             sum(What::Yawn),
             sum(What::Nod),
             sum(What::Talk),
+            sum(What::Laugh),
             sum(What::Cover),
         );
         let droop = self.droop * (0.5 + slow(4, 0.5, 0.07));
@@ -195,10 +198,13 @@ impl Script {
                 slow(1, 10.0, 0.05),
             ),
             blink: lids.max(sum(What::Close)).max(smoothstep(0.1, 0.4, nod)),
-            jaw: yawn.max(talk * chatter.max(0.0)),
-            smile: 0.3 * talk * (1.0 + slow(2, 1.0, 0.3)),
+            jaw: yawn
+                .max(talk * chatter.max(0.0))
+                .max(0.5 * laugh * chatter.max(0.0)),
+            smile: (0.3 * talk * (1.0 + slow(2, 1.0, 0.3))).max(laugh),
             brows: 0.3 * talk * (1.0 + (2.3 * t).sin()) + 0.4 * yawn,
             pucker: 0.2 * talk * (1.0 + (4.3 * t).sin()),
+            squint: laugh,
             gaze: self.gaze(t),
             cover: if self.is_covered { 1.0 } else { cover },
             light_turn: 0.0,
@@ -246,6 +252,26 @@ fn acts(rng: &mut ChaCha8Rng, recipe: &Recipe, clip: &Clip) -> Vec<Act> {
         ];
         let gaze = [rng.random_range(-5.0..5.0), rng.random_range(8.0..20.0)];
         all.push(Act::glance(turn, gaze, rng.random_range(0.8..3.0), 60.0));
+    }
+    for _ in 0..recipe.readings {
+        // A telephone on the lap or at the wheel, read with head and eyes or with the eyes alone.
+        let turn = [rng.random_range(-8.0..8.0), rng.random_range(-20.0..0.0)];
+        let gaze = [rng.random_range(-6.0..6.0), rng.random_range(20.0..36.0)];
+        let stays_s = rng.random_range(2.0..7.0);
+        all.push(Act::glance(turn, gaze, stays_s, 60.0));
+    }
+    for _ in 0..recipe.clusters {
+        let turn = [rng.random_range(-3.0..3.0), rng.random_range(-5.0..1.0)];
+        let gaze = [rng.random_range(-5.0..5.0), rng.random_range(12.0..26.0)];
+        all.push(Act::glance(turn, gaze, rng.random_range(0.5..2.5), 90.0));
+    }
+    for _ in 0..recipe.laughs {
+        let stays = rng.random_range(0.8..3.5);
+        all.push(Act {
+            weight: rng.random_range(0.6..1.0),
+            turn_deg: [0.0, rng.random_range(-6.0..6.0)],
+            ..Act::new(What::Laugh, [0.4, stays, 0.6])
+        });
     }
     for _ in 0..recipe.turns {
         let side = if rng.random_bool(0.5) { 1.0 } else { -1.0 };

@@ -55,9 +55,9 @@ const ARKIT: [(&str, &[(&str, f32)]); 37] = [
     ("eyeSquintRight", &[("eye-right-slit", 0.35)]),
     ("eyeWideLeft", &[("eye-left-opened-up", 1.0)]),
     ("eyeWideRight", &[("eye-right-opened-up", 1.0)]),
-    // Lids follow the gaze; there are no units for it.
-    ("eyeLookDownLeft", &[("eye-left-closure", 0.3)]),
-    ("eyeLookDownRight", &[("eye-right-closure", 0.3)]),
+    // Lids follow the gaze as far as those of the morphable head; there are no units for it.
+    ("eyeLookDownLeft", &[("eye-left-closure", 0.44)]),
+    ("eyeLookDownRight", &[("eye-right-closure", 0.44)]),
     ("eyeLookUpLeft", &[("eye-left-opened-up", 0.7)]),
     ("eyeLookUpRight", &[("eye-right-opened-up", 0.7)]),
     ("jawOpen", &[("mouth-open", 0.95)]),
