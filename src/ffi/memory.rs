@@ -21,7 +21,7 @@ pub(super) unsafe trait Growing: Copy {
     const EARLIER_SIZES: &'static [usize];
 }
 
-// SAFETY: `repr(C)` and free of padding (asserted in types.rs), plain numbers and pointers only.
+// SAFETY: `repr(C)` and free of padding (asserted in layout.rs), plain numbers and pointers only.
 unsafe impl Growing for posewise_config {
     // 40: before `lens`; 64: before `gaze`; 68: before `roi`.
     const EARLIER_SIZES: &'static [usize] = &[40, 64, 68];
