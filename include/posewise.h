@@ -512,13 +512,19 @@ typedef struct posewise_result {
     float focal_px;
     /// Whether 60 degrees across the frame were assumed, for want of intrinsics [0 or 1].
     uint32_t camera_assumed;
+    /// Angle between the direction of the face and the line to the camera [deg, 0..180]: what
+    /// facing_yaw_deg and facing_pitch_deg are together. 0: the face looks into the lens.
+    float facing_angle_deg;
+    /// Distance between the outer eye corners as if seen from the front [px]: how large the face
+    /// is, however it is turned. Errors of landmarks are in proportion to it.
+    float interocular_px;
 } posewise_result;
 /// Initialises a posewise_result: struct_size is set, all other fields are 0.
 #define POSEWISE_RESULT_INIT \
     {sizeof(posewise_result), 0, 0, 0, 0, 0, {0, 0, 0, 0}, {0, 0, 0, 0}, 0, 0, 0, {0, 0, 0}, \
      {0, 0}, 0, 0, {0, 0, 0}, {0, 0, 0}, {0, 0}, {0, 0}, {0, 0}, {0, 0}, {0, 0, 0}, {0, 0, 0}, \
      {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, 0, 0, {0, 0, 0, 0, 0, 0, 0, 0}, 0, 0, 0, \
-     {0, 0, 0}, 0, 0}
+     {0, 0, 0}, 0, 0, 0, 0}
 
 /// Where a face is expected, for posewise_step_at(): found by another detector, or by a tracker of
 /// another camera.

@@ -31,7 +31,9 @@ inline posewise_hint hint() { return POSEWISE_HINT_INIT; }
 inline posewise_result result() { return POSEWISE_RESULT_INIT; }
 inline posewise_model_details model_details() { return POSEWISE_MODEL_DETAILS_INIT; }
 inline posewise_monitor_config monitor_config() { return POSEWISE_MONITOR_CONFIG_INIT; }
-inline posewise_monitor_observation monitor_observation() { return POSEWISE_MONITOR_OBSERVATION_INIT; }
+inline posewise_monitor_observation monitor_observation() {
+    return POSEWISE_MONITOR_OBSERVATION_INIT;
+}
 inline posewise_monitor_state monitor_state() { return POSEWISE_MONITOR_STATE_INIT; }
 
 // A grey image without padding between rows.

@@ -256,7 +256,7 @@ export const HINT = {
 /**
  * The result of one frame. Every number is finite.
  * @typedef {object} Result
- * @property {State} state What the tracker does ["searching", _TRACKING, _COASTING].
+ * @property {State} state What the tracker does ["searching", "tracking", "coasting"].
  * @property {number} timestampUs Capture time of the frame [us], as given in frame.
  * @property {number} ageUs Time since the frame of the last fit [us]; 0 while tracking.
  * @property {number} landmarkCount Number of landmarks that landmarks() gives: 68; 0 while
@@ -326,10 +326,15 @@ export const HINT = {
  * @property {number} focalPx Focal length along x with which the face was fitted [px].
  * @property {number} cameraAssumed Whether 60 degrees across the frame were assumed, for want of
  *   intrinsics [0 or 1].
+ * @property {number} facingAngleDeg Angle between the direction of the face and the line to the
+ *   camera [deg, 0..180]: what facing_yaw_deg and facing_pitch_deg are together. 0: the face looks
+ *   into the lens.
+ * @property {number} interocularPx Distance between the outer eye corners as if seen from the front
+ *   [px]: how large the face is, however it is turned. Errors of landmarks are in proportion to it.
  */
 /** @type {import('./struct.js').Layout} */
 export const RESULT = {
-  size: 304,
+  size: 312,
   fields: {
     structSize: { at: 0, type: 'u32' },
     state: { at: 4, type: 'u32', names: STATES },
@@ -367,6 +372,8 @@ export const RESULT = {
     facingSigmaDeg: { at: 284, type: 'f32', count: 3 },
     focalPx: { at: 296, type: 'f32' },
     cameraAssumed: { at: 300, type: 'u32' },
+    facingAngleDeg: { at: 304, type: 'f32' },
+    interocularPx: { at: 308, type: 'f32' },
   },
 };
 
@@ -588,7 +595,7 @@ export const MONITOR_CONFIG = {
  * A zone of a driver monitor. Where zones overlap, the first one counts. This struct never grows,
  *   so the layout of arrays stays the same.
  * @typedef {object} Monitor_zone
- * @property {number} kind Its shape [POSEWISE_MONITOR_ZONE_ANGLES, _BOX, _PLANE].
+ * @property {number} kind Its shape [POSEWISE_MONITOR_ZONE_ANGLES, POSEWISE_BOX, POSEWISE_PLANE].
  * @property {number} graceUs Time of a stay that does not count as away [us]; 0xFFFFFFFF: none of
  *   it does.
  * @property {[number, number, number, number, number, number, number, number, number]} numbers As
@@ -613,7 +620,7 @@ export const MONITOR_ZONE = {
  * What a driver monitor sees of one frame, from posewise_monitor_observe() or from elsewhere.
  *   Numbers that are not finite are unknown.
  * @typedef {object} Monitor_observation
- * @property {State} state As in Result ["searching", _TRACKING, _COASTING]. Only "tracking" is a
+ * @property {State} state As in Result ["searching", "tracking", "coasting"]. Only "tracking" is a
  *   face that is observed.
  * @property {number} confidence As in Result [0..1].
  * @property {number} yawDeg As in Result [deg].
@@ -674,7 +681,7 @@ export const MONITOR_PERCLOS = {
  * @typedef {object} Monitor_state
  * @property {number} eyes What the eyes are [POSEWISE_MONITOR_EYES_*].
  * @property {number} timestampUs Timestamp of the last observation [us]; 0 before the first.
- * @property {number} eyesReason Why the eyes are unknown, _NONE where they are known
+ * @property {number} eyesReason Why the eyes are unknown, POSEWISE_NONE where they are known
  *   [POSEWISE_MONITOR_REASON_*].
  * @property {number} openness Both eyes, relative to this person's open ones [0..1 or -1]: 0 shut,
  *   1 open, -1 unknown.

@@ -30,7 +30,7 @@ def floats(array: Any) -> Floats:
 class Fields:
     """What one frame gave, but for landmarks and weights. Arrays belong to the result."""
 
-    #: What the tracker does ["searching", _TRACKING, _COASTING].
+    #: What the tracker does ["searching", "tracking", "coasting"].
     state: str
     #: Capture time of the frame [us], as given in frame.
     timestamp_us: int
@@ -84,7 +84,7 @@ class Fields:
     gaze_status: tuple[str, ...]
     #: Standard deviations of these gazes along each axis across them [deg].
     gaze_sigma_deg: Floats
-    #: (3, 3): unit gazes of the left eye, the right eye and both, camera frame; 0 where unknown.
+    #: (3, 3): unit gazes of the left eye, the right eye and both, camera frame [-1..1].
     gaze: Floats
     #: That of both eyes in the head frame [-1..1]: (0, 0, -1) is straight ahead.
     gaze_head: Floats
@@ -109,6 +109,12 @@ class Fields:
     focal_px: float
     #: Whether 60 degrees across the frame were assumed, for want of intrinsics [0 or 1].
     camera_assumed: bool
+    #: Angle between the direction of the face and the line to the camera [deg, 0..180]: what
+    #: facing_yaw_deg and facing_pitch_deg are together. 0: the face looks into the lens.
+    facing_angle_deg: float
+    #: Distance between the outer eye corners as if seen from the front [px]: how large the face is,
+    #: however it is turned. Errors of landmarks are in proportion to it.
+    interocular_px: float
 
 
 def fields(out: layout.Result) -> dict[str, Any]:
@@ -145,4 +151,6 @@ def fields(out: layout.Result) -> dict[str, Any]:
         facing_sigma_deg=floats(out.facing_sigma_deg),
         focal_px=out.focal_px,
         camera_assumed=bool(out.camera_assumed),
+        facing_angle_deg=out.facing_angle_deg,
+        interocular_px=out.interocular_px,
     )

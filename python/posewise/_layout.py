@@ -195,6 +195,8 @@ class Result(Structure):
         ("facing_sigma_deg", c_float * 3),
         ("focal_px", c_float),
         ("camera_assumed", c_uint32),
+        ("facing_angle_deg", c_float),
+        ("interocular_px", c_float),
     ]
 
 

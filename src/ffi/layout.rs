@@ -33,14 +33,15 @@ layout! {
         flags 32, reserved 36, data_len 40, data 40 + P;
     posewise_hint 28;
         struct_size 0, face_box 4, yaw_deg 20, roll_deg 24;
-    posewise_result 304;
+    posewise_result 312;
         struct_size 0, state 4, timestamp_us 8, age_us 16, landmark_count 24, confidence 28,
         face_box 32, rotation 48, yaw_deg 64, pitch_deg 68, roll_deg 72, translation_mm 76,
         eye_open 88, loss 96, visible_share 100, rotation_sigma_deg 104, translation_sigma_mm 116,
         eye_open_probability 128, eye_status 136, iris_left 144, iris_right 152, gaze_status 160,
         gaze_sigma_deg 172, gaze_left 184, gaze_right 196, gaze 208, gaze_head 220, glasses 232,
         dark_glasses 236, eye_look 240, facing_yaw_deg 272, facing_pitch_deg 276,
-        facing_roll_deg 280, facing_sigma_deg 284, focal_px 296, camera_assumed 300;
+        facing_roll_deg 280, facing_sigma_deg 284, focal_px 296, camera_assumed 300,
+        facing_angle_deg 304, interocular_px 308;
     posewise_landmark 28;
         x 0, y 4, confidence 8, visibility 12, x_mm 16, y_mm 20, z_mm 24;
     posewise_event 40;

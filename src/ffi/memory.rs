@@ -40,8 +40,8 @@ unsafe impl Growing for posewise_model_details {
 }
 // SAFETY: as above.
 unsafe impl Growing for posewise_result {
-    // Before `eye_open_probability`.
-    const EARLIER_SIZES: &'static [usize] = &[128];
+    // 128: before `eye_open_probability`; 304: before `facing_angle_deg`.
+    const EARLIER_SIZES: &'static [usize] = &[128, 304];
 }
 
 // SAFETY: as above.

@@ -436,6 +436,12 @@ pub struct posewise_result {
     pub focal_px: f32,
     /// Whether 60 degrees across the frame were assumed, for want of intrinsics \[0 or 1\].
     pub camera_assumed: u32,
+    /// Angle between the direction of the face and the line to the camera \[deg, 0..180\]: what
+    /// facing_yaw_deg and facing_pitch_deg are together. 0: the face looks into the lens.
+    pub facing_angle_deg: f32,
+    /// Distance between the outer eye corners as if seen from the front \[px\]: how large the face
+    /// is, however it is turned. Errors of landmarks are in proportion to it.
+    pub interocular_px: f32,
 }
 
 /// One landmark. This struct never grows, so the layout of arrays stays the same.

@@ -47,7 +47,12 @@ fn layout_is_that_of_c() {
         "-ffreestanding",
         "-fsyntax-only",
     ]);
-    succeed(clang.arg("-I").arg(root().join("include")).arg(crate::c::layouts()));
+    succeed(
+        clang
+            .arg("-I")
+            .arg(root().join("include"))
+            .arg(crate::c::layouts()),
+    );
 }
 
 /// The comments declare types that fit the code, the page and what a caller in TypeScript writes.

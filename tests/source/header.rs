@@ -38,12 +38,21 @@ fn every_exported_function_is_declared() {
     let folder = std::fs::read_dir(root().join("src/ffi")).expect("a folder");
     let text = |path: &std::path::Path| std::fs::read_to_string(path).expect("a source");
     let count = folder.map(|entry| text(&entry.expect("an entry").path()));
-    let count: usize = count.map(|t| t.matches("#[unsafe(no_mangle)]\n").count()).sum();
+    let count: usize = count
+        .map(|t| t.matches("#[unsafe(no_mangle)]\n").count())
+        .sum();
     let functions = table().functions;
-    assert_eq!(functions.len(), count, "in the files that the header is made of");
+    assert_eq!(
+        functions.len(),
+        count,
+        "in the files that the header is made of"
+    );
     for function in functions {
         let name = function.name;
-        assert!(header.contains(&format!("{name}(")), "{name} is not in the header");
+        assert!(
+            header.contains(&format!("{name}(")),
+            "{name} is not in the header"
+        );
         assert!(!function.comment.is_empty(), "{name} has no comment");
     }
 }
@@ -63,7 +72,9 @@ impl<T: Copy> Settings<T> {
         let numbers = item.fields.iter().cloned().zip(starts);
         let is_number = |f: &Field| matches!(f.kind, Kind::U32 | Kind::F32) && f.count.is_none();
         let is_stated = |f: &Field| f.facts.default.is_some() || f.facts.range.is_some();
-        numbers.filter(|(f, _)| is_number(f) && is_stated(f)).collect()
+        numbers
+            .filter(|(f, _)| is_number(f) && is_stated(f))
+            .collect()
     }
 
     fn get(&self, kind: &Kind, at: usize) -> f64 {
@@ -93,19 +104,28 @@ impl<T: Copy> Settings<T> {
             let name = &field.name;
             if let Some(stated) = &field.facts.default {
                 let stated: f32 = stated.parse().expect("a number");
-                assert_eq!(self.get(&field.kind, *at), f64::from(stated), "default of {name}");
+                assert_eq!(
+                    self.get(&field.kind, *at),
+                    f64::from(stated),
+                    "default of {name}"
+                );
             }
             let Some(range) = &field.facts.range else {
                 continue;
             };
-            let [least, most] = range.each_ref().map(|text| text.parse::<f32>().expect("a number"));
+            let [least, most] = range
+                .each_ref()
+                .map(|text| text.parse::<f32>().expect("a number"));
             let outside = match field.kind {
                 Kind::F32 => [least.next_down(), most.next_up()].map(f32::to_bits),
                 _ => [(least as u32).saturating_sub(1), most as u32 + 1],
             };
             // 0 is the default.
             for bits in outside.into_iter().filter(|bits| *bits << 1 != 0) {
-                assert!(!self.is_valid_with(*at, bits), "{name}: {bits:#x} is not in its range");
+                assert!(
+                    !self.is_valid_with(*at, bits),
+                    "{name}: {bits:#x} is not in its range"
+                );
             }
         }
         assert!(numbers.len() > 3, "{} fields", numbers.len());
@@ -119,10 +139,18 @@ fn documented_defaults_and_ranges_are_those_of_the_library() {
         ..Default::default()
     };
     // SAFETY: a whole struct, here and below.
-    assert_eq!(unsafe { posewise_config_default(&mut default) }, POSEWISE_OK);
+    assert_eq!(
+        unsafe { posewise_config_default(&mut default) },
+        POSEWISE_OK
+    );
     let is_valid = |config: &posewise_config| unsafe { posewise_memory_size(config) } != 0;
     let name = "config";
-    Settings { name, default, is_valid }.check();
+    Settings {
+        name,
+        default,
+        is_valid,
+    }
+    .check();
 
     let mut default = posewise_monitor_config {
         struct_size: size_of::<posewise_monitor_config>() as u32,
@@ -134,7 +162,12 @@ fn documented_defaults_and_ranges_are_those_of_the_library() {
     let is_valid =
         |config: &posewise_monitor_config| unsafe { posewise_monitor_memory_size(config) } != 0;
     let name = "monitor_config";
-    Settings { name, default, is_valid }.check();
+    Settings {
+        name,
+        default,
+        is_valid,
+    }
+    .check();
 }
 
 /// The text that a function of names gives, without the NUL.

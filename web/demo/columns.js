@@ -6,4 +6,6 @@
  * @type {[string[], number, (t: import('../worker.js').Tracked) => ArrayLike<number | string>][]}
  */
 export const LATER = [
+  [['facing_angle_deg'], 3, ({ result: r }) => [r.facingAngleDeg]],
+  [['interocular_px'], 2, ({ result: r }) => [r.interocularPx]],
 ];

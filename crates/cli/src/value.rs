@@ -12,16 +12,20 @@ pub struct Field {
     pub name: &'static str,
     /// Numbers or words of an array, else 1.
     pub count: usize,
+    /// Its value.
+    pub value: fn(&TrackResult) -> Value,
+    /// Its column in the table, if the list of columns does not name it.
+    pub column: Option<Column>,
+}
+
+/// The column of a field under its own name.
+pub struct Column {
     /// Unit or range.
     pub unit: &'static str,
-    /// Decimals with which tables have it.
+    /// Decimals.
     pub decimals: usize,
     /// What it is.
     pub meaning: &'static str,
-    /// Whether the table has it under its own name, because the list of columns does not name it.
-    pub is_later: bool,
-    /// Its value.
-    pub value: fn(&TrackResult) -> Value,
 }
 
 /// What a field holds.

@@ -4,8 +4,8 @@ use anyhow::{Context, Result};
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 use xtask::{
-    Library, code_size, demo_clip, figures, interface, mobile, notices, picture, release, replay, root, site,
-    size_table, web,
+    Library, code_size, demo_clip, figures, interface, mobile, notices, picture, release, replay,
+    root, site, size_table, web,
 };
 
 /// Measures the static library and the models.

@@ -6,6 +6,8 @@ use anyhow::{Context, Result};
 use std::fmt::Write as _;
 
 const BEGIN: &str = "// Structs with struct_size set and all other fields 0, their defaults.\n";
+/// The longest line \[columns\].
+const MAX_COLUMNS: usize = 100;
 const END: &str = "\n// A grey image ";
 
 /// The wrapper, with a function for each struct that starts with its size.
@@ -17,7 +19,14 @@ pub fn text(table: &Table) -> Result<String> {
     for item in table.structs.iter().filter(|item| item.grows()) {
         let (name, upper) = (&item.name, item.name.to_uppercase());
         let kind = format!("posewise_{name}");
-        writeln!(out, "inline {kind} {name}() {{ return POSEWISE_{upper}_INIT; }}")?;
+        let (head, body) = (
+            format!("inline {kind} {name}() {{"),
+            format!("return POSEWISE_{upper}_INIT;"),
+        );
+        match head.len() + body.len() + 4 > MAX_COLUMNS {
+            true => writeln!(out, "{head}\n    {body}\n}}")?,
+            false => writeln!(out, "{head} {body} }}")?,
+        }
     }
     Ok(format!("{out}{END}{after}"))
 }

@@ -152,12 +152,21 @@ mod tests {
         assert_eq!(states, ["SEARCHING", "TRACKING"]);
         let zones = values("[POSEWISE_MONITOR_ZONE_BOX, _PLANE]");
         assert_eq!(zones, ["MONITOR_ZONE_BOX", "MONITOR_ZONE_PLANE"]);
-        assert_eq!(Facts::of("[0..1 or -1]", 0).expect("facts").range_text(), "0..1 or -1");
+        assert_eq!(
+            Facts::of("[0..1 or -1]", 0).expect("facts").range_text(),
+            "0..1 or -1"
+        );
     }
 
     #[test]
     fn what_is_not_of_the_grammar_is_refused() {
-        for text in ["[furlong]", "[0..many]", "[px", "[px] [mm]", "[default 1 and 2]"] {
+        for text in [
+            "[furlong]",
+            "[0..many]",
+            "[px",
+            "[px] [mm]",
+            "[default 1 and 2]",
+        ] {
             assert!(Facts::of(text, 2).is_err(), "{text}");
         }
         let facts = |text| Facts::of(text, 0).expect("facts");

@@ -47,7 +47,10 @@ fn with_initialisers(header: &str, table: &Table) -> Result<String> {
 fn zero(field: &Field, table: &Table) -> Result<String> {
     let of_all = |item: &Struct| -> Result<String> {
         let zeros = item.fields.iter().map(|field| zero(field, table));
-        Ok(format!("{{{}}}", zeros.collect::<Result<Vec<_>>>()?.join(", ")))
+        Ok(format!(
+            "{{{}}}",
+            zeros.collect::<Result<Vec<_>>>()?.join(", ")
+        ))
     };
     Ok(match (&field.kind, field.count) {
         // Of an array that does not fit into a line, the elements that are not named are 0 too.

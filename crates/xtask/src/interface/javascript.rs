@@ -1,5 +1,5 @@
-//! `web/layout.js`: sizes and offsets of the structs in WebAssembly, the constants, and the types of
-//! the structs as JSDoc.
+//! `web/layout.js`: sizes and offsets of the structs in WebAssembly, the constants, and the types
+//! of the structs as JSDoc.
 
 use super::layout::offsets;
 use super::table::{Field, Kind, Struct, Table, WORDS, word, words_of};
@@ -144,7 +144,10 @@ fn write_type(out: &mut String, item: &Struct, table: &Table) -> Result<()> {
         };
         wrapped(
             out,
-            &format!("@property {{{kind}}} {name} {}", spoken(&field.comment, table)),
+            &format!(
+                "@property {{{kind}}} {name} {}",
+                spoken(&field.comment, table)
+            ),
         );
     }
     out.push_str(" */\n");

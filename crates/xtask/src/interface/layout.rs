@@ -72,7 +72,10 @@ fn size_of(kind: &Kind, table: &Table, pointer: usize) -> Result<(usize, usize)>
         Kind::Size | Kind::Pointer => (pointer, pointer),
         Kind::Struct(inner) => {
             let inner = table.get(inner)?;
-            (offsets(inner, table, pointer)?.0, align_of(inner, table, pointer)?)
+            (
+                offsets(inner, table, pointer)?.0,
+                align_of(inner, table, pointer)?,
+            )
         }
     })
 }
@@ -95,7 +98,9 @@ fn expressions(item: &Struct, table: &Table) -> Result<(String, Vec<String>)> {
         n => format!("{} + {n} * P", narrow - 4 * n),
     };
     let pairs = starts.into_iter().zip(wide_starts);
-    let starts = pairs.map(|(narrow, wide)| expression(narrow, wide)).collect();
+    let starts = pairs
+        .map(|(narrow, wide)| expression(narrow, wide))
+        .collect();
     Ok((expression(size, wide_size), starts))
 }
 
@@ -132,7 +137,11 @@ pub fn c(table: &Table) -> Result<String> {
         let (size, starts) = expressions(item, table)?;
         writeln!(out, "\nSIZE(posewise_{}, {size});", item.name)?;
         for (field, start) in item.fields.iter().zip(starts) {
-            writeln!(out, "FIELD(posewise_{}, {}, {start});", item.name, field.name)?;
+            writeln!(
+                out,
+                "FIELD(posewise_{}, {}, {start});",
+                item.name, field.name
+            )?;
         }
     }
     Ok(out)
@@ -148,7 +157,10 @@ fn places(layout: &str) -> Vec<(String, Vec<String>)> {
     let structs = parts.chunks_exact(2).map(|pair| {
         let name = pair[0].split(' ').next().unwrap_or_default();
         let fields = pair[1].split(", ").filter_map(|f| f.split_once(' '));
-        (name.to_owned(), fields.map(|(_, at)| at.to_owned()).collect())
+        (
+            name.to_owned(),
+            fields.map(|(_, at)| at.to_owned()).collect(),
+        )
     });
     structs.collect()
 }
@@ -177,7 +189,8 @@ mod tests {
 
     #[test]
     fn fields_stay_where_they_are() {
-        let layout = |fields: &str| format!("layout! {{\n    posewise_a 8;\n        {fields};\n}}\n");
+        let layout =
+            |fields: &str| format!("layout! {{\n    posewise_a 8;\n        {fields};\n}}\n");
         let before = layout("x 0, y 4");
         assert!(check_growth(&before, &layout("x 0, renamed 4, z 8")).is_ok());
         assert!(check_growth("", &before).is_ok());

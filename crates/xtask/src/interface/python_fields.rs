@@ -49,7 +49,7 @@ const MERGED: [(&str, &str, &[&str]); 2] = [
     ),
     (
         "gaze",
-        "(3, 3): unit gazes of the left eye, the right eye and both, camera frame; 0 where unknown.",
+        "(3, 3): unit gazes of the left eye, the right eye and both, camera frame [-1..1].",
         &["gaze_left", "gaze_right", "gaze"],
     ),
 ];

@@ -31,7 +31,11 @@ pub fn reference(table: &Table) -> Result<String> {
     for function in &table.functions {
         let name = &function.name;
         let prototype = prototype(&header, name).with_context(|| format!("no {name}"))?;
-        writeln!(out, "\n### {name}\n\n```c\n{prototype}\n```\n\n{}", text(&function.comment))?;
+        writeln!(
+            out,
+            "\n### {name}\n\n```c\n{prototype}\n```\n\n{}",
+            text(&function.comment)
+        )?;
     }
     out += "\n## Constants\n";
     let mut previous = None;
@@ -40,7 +44,12 @@ pub fn reference(table: &Table) -> Result<String> {
             out += "\n| constant | value | meaning |\n|---|---|---|\n";
         }
         previous = Some(constant.family);
-        let Constant { name, value, comment, .. } = constant;
+        let Constant {
+            name,
+            value,
+            comment,
+            ..
+        } = constant;
         let value = match name.starts_with("FMT_") || name == "VERSION" {
             true => format!("{value:#x}"),
             false => value.to_string(),
@@ -51,11 +60,26 @@ pub fn reference(table: &Table) -> Result<String> {
 }
 
 fn write_struct(out: &mut String, item: &Struct) -> Result<()> {
-    writeln!(out, "\n### posewise_{}\n\n{}\n", item.name, text(&item.comment))?;
-    *out += "| field | type | unit | range | default | meaning | since |\n|---|---|---|---|---|---|---|\n";
+    writeln!(
+        out,
+        "\n### posewise_{}\n\n{}\n",
+        item.name,
+        text(&item.comment)
+    )?;
+    *out += "| field | type | unit | range | default | meaning | since |\n";
+    *out += "|---|---|---|---|---|---|---|\n";
     for field in &item.fields {
-        let Field { name, comment, facts, .. } = field;
-        let since = if facts.since == "0.1" { "" } else { &facts.since };
+        let Field {
+            name,
+            comment,
+            facts,
+            ..
+        } = field;
+        let since = if facts.since == "0.1" {
+            ""
+        } else {
+            &facts.since
+        };
         writeln!(
             out,
             "| `{name}` | `{}` | {} | {} | {} | {} | {since} |",
@@ -92,7 +116,9 @@ fn prototype(header: &str, name: &str) -> Option<String> {
 
 /// A comment as Markdown.
 fn text(comment: &str) -> String {
-    ["\\", "*", "|", "<", "[", "]"].iter().fold(comment.to_owned(), |text, sign| {
-        text.replace(sign, &format!("\\{sign}"))
-    })
+    ["\\", "*", "|", "<", "[", "]"]
+        .iter()
+        .fold(comment.to_owned(), |text, sign| {
+            text.replace(sign, &format!("\\{sign}"))
+        })
 }

@@ -161,7 +161,10 @@ impl Table {
             let (kind, count) = kind_of(&field.ty)?;
             let facts = Facts::of(&comment, nth).with_context(|| format!("{name}.{ident}"))?;
             let ident = ident.to_string();
-            let is_free = matches!(kind, Kind::U32 | Kind::Size | Kind::Pointer | Kind::Struct(_));
+            let is_free = matches!(
+                kind,
+                Kind::U32 | Kind::Size | Kind::Pointer | Kind::Struct(_)
+            );
             facts.check(&ident, is_free).context(name.to_owned())?;
             found.push(Field {
                 name: ident,

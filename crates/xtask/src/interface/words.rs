@@ -3,13 +3,17 @@
 use super::table::{Table, WORDS, word};
 
 /// Names of structs, and what they are called elsewhere.
-const STRUCTS: [(&str, &str); 2] = [("posewise_result", "Result"), ("posewise_config", "the settings")];
+const STRUCTS: [(&str, &str); 2] = [
+    ("posewise_result", "Result"),
+    ("posewise_config", "the settings"),
+];
 
 /// A comment in which constants that are words are their words, and functions have no prefix.
 pub fn spoken(comment: &str, table: &Table) -> String {
     let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '*';
     let mut out = String::new();
-    let mut rest = comment;
+    let comment = comment.replace(", _", ", POSEWISE_");
+    let mut rest = &*comment;
     while let Some(at) = rest.to_lowercase().find("posewise_") {
         let (before, from) = rest.split_at(at);
         let end = from.find(|c| !is_name(c)).unwrap_or(from.len());
@@ -53,10 +57,18 @@ mod tests {
     #[test]
     fn constants_are_words() {
         let table = Table::read().expect("src/ffi is read");
+        let states = spoken("[POSEWISE_SEARCHING, _TRACKING]", &table);
+        assert_eq!(states, "[\"searching\", \"tracking\"]");
         let text = "POSEWISE_EYE_KNOWN while POSEWISE_TRACKING; see posewise_smoothed().";
         let expected = "\"known\" while \"tracking\"; see smoothed().";
         assert_eq!(spoken(text, &table), expected);
-        assert_eq!(spoken("[POSEWISE_LENS_*]", &table), "[\"pinhole\", \"brown\", \"fisheye\"]");
-        assert_eq!(spoken("by POSEWISE_EYE_LOOK_* [0..1]", &table), "by POSEWISE_EYE_LOOK_* [0..1]");
+        assert_eq!(
+            spoken("[POSEWISE_LENS_*]", &table),
+            "[\"pinhole\", \"brown\", \"fisheye\"]"
+        );
+        assert_eq!(
+            spoken("by POSEWISE_EYE_LOOK_* [0..1]", &table),
+            "by POSEWISE_EYE_LOOK_* [0..1]"
+        );
     }
 }
