@@ -15,7 +15,7 @@ use posewise::{
 };
 
 use crate::fields::FIELDS;
-use crate::value::Field;
+use crate::value::{Cell, Field};
 
 /// What one row is made of.
 #[derive(Clone, Copy)]
@@ -41,24 +41,6 @@ pub enum Names {
     List(&'static [&'static str]),
     /// A field under its own name, with its decimals.
     Field(&'static Field, usize),
-}
-
-/// One value of a row.
-pub enum Cell {
-    /// A number and its decimals.
-    Number(f64, usize),
-    /// A word.
-    Word(&'static str),
-}
-
-impl Cell {
-    /// As it stands in the table.
-    pub fn text(&self) -> String {
-        match *self {
-            Cell::Number(value, decimals) => format!("{value:.decimals$}"),
-            Cell::Word(word) => word.to_string(),
-        }
-    }
 }
 
 /// A group of columns.

@@ -8,19 +8,7 @@ use serde_json::{Map, Value, json};
 
 use crate::csv::Row;
 use crate::fields::FIELDS;
-
-/// Shortest decimal form of an f32, so that 0.1 is not written as 0.10000000149011612.
-pub fn number(value: f32) -> Value {
-    value
-        .to_string()
-        .parse::<f64>()
-        .map_or(Value::Null, Value::from)
-}
-
-/// A list of them.
-pub fn numbers(values: &[f32]) -> Value {
-    values.iter().copied().map(number).collect()
-}
+use crate::value::{number, numbers};
 
 /// The object of one frame.
 pub fn object(row: &Row<'_>) -> Value {

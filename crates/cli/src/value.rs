@@ -1,10 +1,38 @@
-//! The value of a field of a result, whatever its type.
+//! Values of a result as tables and JSON have them, whatever their type.
 
 use posewise::{EyeUnknown, Gaze, Loss, State, TrackResult};
 use serde_json::Value as Json;
 
-use crate::csv::Cell;
-use crate::jsonl::{number, numbers};
+/// One value of a row of a table.
+pub enum Cell {
+    /// A number and its decimals.
+    Number(f64, usize),
+    /// A word.
+    Word(&'static str),
+}
+
+impl Cell {
+    /// As it stands in the table.
+    pub fn text(&self) -> String {
+        match *self {
+            Cell::Number(value, decimals) => format!("{value:.decimals$}"),
+            Cell::Word(word) => word.to_string(),
+        }
+    }
+}
+
+/// Shortest decimal form of an f32, so that 0.1 is not written as 0.10000000149011612.
+pub fn number(value: f32) -> Value {
+    value
+        .to_string()
+        .parse::<f64>()
+        .map_or(Value::Null, Value::from)
+}
+
+/// A list of them.
+pub fn numbers(values: &[f32]) -> Value {
+    values.iter().copied().map(number).collect()
+}
 
 /// A field of a result; [`crate::fields`] has all.
 pub struct Field {

@@ -10,10 +10,9 @@ use serde_json::{Map, Value, json};
 use tungstenite::Bytes;
 
 use crate::fields::FIELDS;
-use crate::jsonl::{number, numbers};
 use crate::picture::Picture;
 use crate::session::Session;
-use crate::value::Value as Of;
+use crate::value::{Value as Of, number, numbers};
 
 /// Quality of the JPEG. Source: chosen; the demo clip at 640×480 takes 16 KB a picture.
 const QUALITY: u8 = 75;
