@@ -25,45 +25,16 @@ using Animation = std::array<float, POSEWISE_ANIMATIONS>;
 using MonitorEvents = std::array<posewise_monitor_event, POSEWISE_MONITOR_EVENTS>;
 
 // Structs with struct_size set and all other fields 0, their defaults.
-inline posewise_config config() {
-    posewise_config c = POSEWISE_CONFIG_INIT;
-    return c;
-}
-
-inline posewise_frame frame() {
-    posewise_frame f = POSEWISE_FRAME_INIT;
-    return f;
-}
-
-inline posewise_hint hint() {
-    posewise_hint h = POSEWISE_HINT_INIT;
-    return h;
-}
-
-inline posewise_result result() {
-    posewise_result r = POSEWISE_RESULT_INIT;
-    return r;
-}
-
-inline posewise_model_details model_details() {
-    posewise_model_details d = POSEWISE_MODEL_DETAILS_INIT;
-    return d;
-}
-
-inline posewise_monitor_config monitor_config() {
-    posewise_monitor_config c = POSEWISE_MONITOR_CONFIG_INIT;
-    return c;
-}
-
+inline posewise_config config() { return POSEWISE_CONFIG_INIT; }
+inline posewise_frame frame() { return POSEWISE_FRAME_INIT; }
+inline posewise_hint hint() { return POSEWISE_HINT_INIT; }
+inline posewise_result result() { return POSEWISE_RESULT_INIT; }
+inline posewise_model_details model_details() { return POSEWISE_MODEL_DETAILS_INIT; }
+inline posewise_monitor_config monitor_config() { return POSEWISE_MONITOR_CONFIG_INIT; }
 inline posewise_monitor_observation monitor_observation() {
-    posewise_monitor_observation o = POSEWISE_MONITOR_OBSERVATION_INIT;
-    return o;
+    return POSEWISE_MONITOR_OBSERVATION_INIT;
 }
-
-inline posewise_monitor_state monitor_state() {
-    posewise_monitor_state s = POSEWISE_MONITOR_STATE_INIT;
-    return s;
-}
+inline posewise_monitor_state monitor_state() { return POSEWISE_MONITOR_STATE_INIT; }
 
 // A grey image without padding between rows.
 inline posewise_frame grey(const std::uint8_t *data, std::uint32_t width, std::uint32_t height,

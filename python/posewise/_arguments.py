@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _layout as layout
+from ._fields import Floats
 
-Floats = npt.NDArray[np.float32]
 Pixels = npt.NDArray[Any]
 
 # What an array is by its kind and number of channels, unless the caller says otherwise.

@@ -11,7 +11,8 @@ import numpy as np
 
 from . import _arguments as arguments
 from . import _layout as layout
-from ._arguments import Floats, Pixels
+from ._arguments import Pixels
+from ._fields import Fields, Floats, fields, floats, word
 from ._forking import new_lock
 from ._library import aligned, call, lib
 from ._model import checked, path_of
@@ -31,69 +32,9 @@ _MOST_FACES = 16
 
 
 @dataclass(frozen=True)
-class Result:
+class Result(Fields):
     """What one frame gave. Arrays belong to the result; the tracker never changes them."""
 
-    #: "searching", "tracking" or "coasting"; coasting repeats the last fit.
-    state: str
-    #: As given [us].
-    timestamp_us: int
-    #: Time since the frame of the last fit [us]; 0 while tracking.
-    age_us: int
-    #: Calibrated probability that this is a face whose landmarks are right.
-    confidence: float
-    #: Box of the landmarks: x, y, width, height [px].
-    face_box: Floats
-    #: Head-to-camera rotation: unit quaternion x, y, z, w.
-    rotation: Floats
-    #: > 0: the face turns to the image right [deg].
-    yaw_deg: float
-    #: > 0: the face turns up [deg].
-    pitch_deg: float
-    #: > 0: the face tilts clockwise in the image [deg].
-    roll_deg: float
-    #: Midway between the eyeballs, in the camera frame [mm].
-    translation_mm: Floats
-    #: Left and right eye: 0 shut, 1 open, -1 unknown.
-    eye_open: Floats
-    #: Why tracking was lost: "none", "low-confidence", "left-frame", "no-pose", "excluded".
-    loss: str
-    #: Mean visibility of the landmarks.
-    visible_share: float
-    #: Standard deviations of the rotation about the camera's axes [deg].
-    rotation_sigma_deg: Floats
-    #: Standard deviations of translation_mm [mm].
-    translation_sigma_mm: Floats
-    #: Relative to the line of sight: 0 where the face looks into the lens [deg].
-    facing_yaw_deg: float
-    facing_pitch_deg: float
-    facing_roll_deg: float
-    #: Standard deviations of the facing yaw, pitch and roll [deg].
-    facing_sigma_deg: Floats
-    #: Focal length with which the face was fitted [px].
-    focal_px: float
-    #: Whether 60 degrees across the frame were assumed, because there are no intrinsics.
-    camera_assumed: bool
-    #: Probability that the left and right eye is open, by a network of single eyes; -1 unknown.
-    eye_open_probability: Floats
-    #: Why the lids of the left and right eye are unknown, or "known": see EYES.
-    eye_status: tuple[str, ...]
-    #: (2, 2): middle of the iris of the left and right eye [px].
-    iris: Floats
-    #: Why the gaze of the left eye, the right eye and both is unknown, or "known".
-    gaze_status: tuple[str, ...]
-    #: Standard deviations of these gazes [deg].
-    gaze_sigma_deg: Floats
-    #: (3, 3): unit gazes of the left eye, the right eye and both, camera frame.
-    gaze: Floats
-    #: Unit gaze of both eyes, head frame.
-    gaze_head: Floats
-    #: Probability of glasses, -1 unknown.
-    glasses: float
-    #: Probability that they are dark, -1 unknown.
-    dark_glasses: float
-    #: (8,): ARKit's weights of the gaze, named by EYE_LOOK_NAMES.
-    eye_look: Floats
     #: (68, 2): x, y in the upright image [px]; zeros while searching.
     landmarks: Floats
     #: (68,): probability that the landmark is right.
@@ -144,19 +85,6 @@ class Event:
     face_box: Floats
     #: As in Result.
     confidence: float
-
-
-def _name(names: Sequence[str], value: int) -> str:
-    # A later library may have values that this package lacks.
-    return names[value] if value < len(names) else str(value)
-
-
-def _names(numbers: Any) -> tuple[str, ...]:
-    return tuple(_name(layout.EYES, number) for number in numbers)
-
-
-def _numbers(array: Any) -> Floats:
-    return np.array(array, dtype=np.float32)
 
 
 class Tracker:
@@ -257,37 +185,7 @@ class Tracker:
         weights = np.empty(layout.ANIMATIONS, dtype=np.float32)
         call(animation, self._tracker, weights.ctypes.data, layout.ANIMATIONS)
         return Result(
-            state=_name(layout.STATES, out.state),
-            timestamp_us=out.timestamp_us,
-            age_us=out.age_us,
-            confidence=out.confidence,
-            face_box=_numbers(out.face_box),
-            rotation=_numbers(out.rotation),
-            yaw_deg=out.yaw_deg,
-            pitch_deg=out.pitch_deg,
-            roll_deg=out.roll_deg,
-            translation_mm=_numbers(out.translation_mm),
-            eye_open=_numbers(out.eye_open),
-            loss=_name(layout.LOSSES, out.loss),
-            visible_share=out.visible_share,
-            rotation_sigma_deg=_numbers(out.rotation_sigma_deg),
-            translation_sigma_mm=_numbers(out.translation_sigma_mm),
-            facing_yaw_deg=out.facing_yaw_deg,
-            facing_pitch_deg=out.facing_pitch_deg,
-            facing_roll_deg=out.facing_roll_deg,
-            facing_sigma_deg=_numbers(out.facing_sigma_deg),
-            focal_px=out.focal_px,
-            camera_assumed=bool(out.camera_assumed),
-            eye_open_probability=_numbers(out.eye_open_probability),
-            eye_status=_names(out.eye_status),
-            iris=np.stack([_numbers(out.iris_left), _numbers(out.iris_right)]),
-            gaze_status=_names(out.gaze_status),
-            gaze_sigma_deg=_numbers(out.gaze_sigma_deg),
-            gaze=np.stack([_numbers(g) for g in (out.gaze_left, out.gaze_right, out.gaze)]),
-            gaze_head=_numbers(out.gaze_head),
-            glasses=out.glasses,
-            dark_glasses=out.dark_glasses,
-            eye_look=_numbers(out.eye_look),
+            **fields(out),
             # As in posewise_landmark: x, y, confidence, visibility, x_mm, y_mm, z_mm.
             landmarks=points[:, 0:2],
             landmark_confidence=points[:, 2],
@@ -314,7 +212,7 @@ class Tracker:
             call("detect", self._tracker, frame_at, found, _MOST_FACES, count_at, finished_at)
         del pixels
         faces = [
-            Face(_numbers(f.face_box), f.yaw_deg, f.roll_deg, f.confidence)
+            Face(floats(f.face_box), f.yaw_deg, f.roll_deg, f.confidence)
             for f in found[: count.value]
         ]
         return Detected(faces, finished.value == 1)
@@ -329,9 +227,9 @@ class Tracker:
         events = [
             Event(
                 timestamp_us=e.timestamp_us,
-                kind=_name(layout.EVENTS, e.kind),
-                loss=_name(layout.LOSSES, e.loss),
-                face_box=_numbers(e.face_box),
+                kind=word(layout.EVENTS, e.kind),
+                loss=word(layout.LOSSES, e.loss),
+                face_box=floats(e.face_box),
                 confidence=e.confidence,
             )
             for e in read[: count.value]

@@ -284,6 +284,8 @@ pub(super) fn result_to(result: &TrackResult) -> posewise_result {
         facing_sigma_deg: result.facing_sigma_deg,
         focal_px: result.focal_px,
         camera_assumed: u32::from(result.camera_assumed),
+        facing_angle_deg: result.facing_angle_deg,
+        interocular_px: result.interocular_px,
     }
 }
 

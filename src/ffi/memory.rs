@@ -21,7 +21,7 @@ pub(super) unsafe trait Growing: Copy {
     const EARLIER_SIZES: &'static [usize];
 }
 
-// SAFETY: `repr(C)` and free of padding (asserted in types.rs), plain numbers and pointers only.
+// SAFETY: `repr(C)` and free of padding (asserted in layout.rs), plain numbers and pointers only.
 unsafe impl Growing for posewise_config {
     // 40: before `lens`; 64: before `gaze`; 68: before `roi`.
     const EARLIER_SIZES: &'static [usize] = &[40, 64, 68];
@@ -40,8 +40,8 @@ unsafe impl Growing for posewise_model_details {
 }
 // SAFETY: as above.
 unsafe impl Growing for posewise_result {
-    // Before `eye_open_probability`.
-    const EARLIER_SIZES: &'static [usize] = &[128];
+    // 128: before `eye_open_probability`; 304: before `facing_angle_deg`.
+    const EARLIER_SIZES: &'static [usize] = &[128, 304];
 }
 
 // SAFETY: as above.

@@ -4,6 +4,7 @@
 //! `convert` checks the caller's structs and converts them to the crate's types, and results back.
 //! `memory` does all pointer work, `block` holds the tracker in the caller's memory, `events`
 //! writes unread events.
+//! `layout` holds the structs to their sizes.
 //! `monitor`, `monitor_types` and `monitor_convert` are the same for driver monitoring.
 //! `float_env` sets the floating-point environment for the time of a call.
 
@@ -15,6 +16,7 @@ mod block;
 mod convert;
 mod events;
 mod float_env;
+mod layout;
 mod memory;
 #[cfg(feature = "monitor")]
 pub mod monitor;

@@ -1,8 +1,12 @@
 //! Every constant and struct of `include/posewise.h`, in the order in which the header shows them.
 //!
-//! The header is generated from this file: the comments below are written for the C reader.
-//! Nothing here refers to the rest of the crate, so a test can compare the layouts with a C
-//! compiler's.
+//! This is the one description of the interface. `cargo xtask interface` makes from it the header,
+//! the layouts for JavaScript and Python, and the checks of sizes; `cargo xtask site` makes the
+//! reference. The comments are written for the C reader. What they have in brackets is read by a
+//! program: `\[unit, least..most, default value, since release\]`, each where it is known; in place
+//! of a range, `0 or 1`, or the constants that are the values. -1 may follow a range: `0..1 or -1`.
+//! Fields without a comment share the one above, and its defaults are then `a and b`. Constants
+//! without an empty line between them are one family.
 
 use core::ffi::c_char;
 
@@ -22,10 +26,8 @@ pub const POSEWISE_ANIMATIONS: u32 = 24;
 pub const POSEWISE_EYE_LOOKS: u32 = 8;
 /// Most boxes of posewise_set_excluded().
 pub const POSEWISE_EXCLUDED: u32 = 16;
-
 /// Unread events that a tracker keeps.
 pub const POSEWISE_EVENTS: u32 = 64;
-
 /// Dot products of AArch64, for posewise_set_cpu().
 pub const POSEWISE_CPU_DOTPROD: u32 = 1;
 
@@ -228,23 +230,23 @@ pub const POSEWISE_EVENT_FORGOTTEN: u32 = 8;
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
 pub struct posewise_intrinsics {
-    /// Focal lengths \[px\], 1..1000000; fy is 0.1..10 times fx.
+    /// Focal lengths \[px, 1..1000000\]; fy is 0.1..10 times fx.
     pub fx: f32,
     pub fy: f32,
-    /// Principal point \[px\], -100000..100000.
+    /// Principal point \[px, -100000..100000\].
     pub cx: f32,
     pub cy: f32,
 }
 
-/// A region of interest: a rectangle of the upright image \[px\]. All four
-/// 0: the whole frame. This struct never grows.
+/// A region of interest: a rectangle of the upright image. All four 0: the whole frame. This struct
+/// never grows.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
 pub struct posewise_roi {
-    /// Upper left corner.
+    /// Upper left corner \[px, 0..16383\].
     pub x: u32,
     pub y: u32,
-    /// Width and height, at least 1; x + width and y + height are at most 16384.
+    /// Width and height \[px, 1..16384\]; x + width and y + height are at most 16384.
     pub width: u32,
     pub height: u32,
 }
@@ -254,11 +256,11 @@ pub struct posewise_roi {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
 pub struct posewise_lens {
-    /// POSEWISE_LENS_*.
+    /// What the coefficients mean \[POSEWISE_LENS_*\].
     pub model: u32,
-    /// With POSEWISE_LENS_BROWN, Brown-Conrady, x and y at unit depth and s = x^2 + y^2: x times
-    /// (1 + k1 s + k2 s^2 + k3 s^3) plus 2 p1 x y + p2 (s + 2 x^2), y likewise with p1 and p2
-    /// swapped; k1, k2, k3 are -10000..10000, p1, p2 -0.1..0.1. With POSEWISE_LENS_FISHEYE,
+    /// Numbers of the lens \[-10000..10000\]. With POSEWISE_LENS_BROWN, Brown-Conrady, x and y at
+    /// unit depth and s = x^2 + y^2: x times (1 + k1 s + k2 s^2 + k3 s^3) plus 2 p1 x y + p2 (s + 2
+    /// x^2), y likewise with p1 and p2 swapped; p1, p2 are -0.1..0.1. With POSEWISE_LENS_FISHEYE,
     /// Kannala-Brandt, a point at the angle t from the axis is at t (1 + k1 t^2 + k2 t^4 + k3 t^6 +
     /// k4 t^8); all are -10..10. The picture must not turn back within 1 degree of the axis.
     pub coefficients: [f32; 5],
@@ -272,27 +274,27 @@ pub struct posewise_config {
     pub struct_size: u32,
     /// Must be 0: no flags are defined.
     pub flags: u32,
-    /// Least width of a face to search for \[px\], 24..4096. 0: the default, 40.
+    /// Least width of a face to search for \[px, 24..4096, default 40\].
     pub min_face_px: u32,
-    /// Work per step while searching, 100..10000000: 3000 is about a tracking step, 600 is one tile
-    /// of the detector. A smaller budget shortens a step and delays detection.
-    /// 0: the default, 3600.
+    /// Work per step while searching \[100..10000000, default 3600\]: 3000 is about a tracking
+    /// step, 600 is one tile of the detector. A smaller budget shortens a step and delays
+    /// detection.
     pub scan_budget: u32,
     /// The camera; see posewise_set_intrinsics().
     pub intrinsics: posewise_intrinsics,
-    /// Parameters of the One-Euro filter behind posewise_smoothed() (Casiez et al., CHI 2012).
-    /// smoothing_hz: cutoff frequency at rest \[Hz\], 0.01..100; lower values reduce jitter.
-    /// smoothing_beta: increase of the cutoff per unit of speed, up to 1000; higher values reduce
-    /// lag. Speed is in face widths, radians or weights per second. 0: the defaults, 1 and 12.
+    /// Of the One-Euro filter behind posewise_smoothed() (Casiez et al., CHI 2012): cutoff
+    /// frequency at rest \[Hz, 0.01..100, default 1\]; lower values reduce jitter.
     pub smoothing_hz: f32,
+    /// Of the same filter: increase of the cutoff per unit of speed \[0..1000, default 12\]; higher
+    /// values reduce lag. Speed is in face widths, radians or weights per second.
     pub smoothing_beta: f32,
     /// The lens of the camera; other than POSEWISE_LENS_PINHOLE only with intrinsics.
     pub lens: posewise_lens,
-    /// POSEWISE_GAZE_ON: look at the eyes of the tracked face, which fills eye_open_probability to
-    /// eye_look of posewise_result. It takes more time: a network for each eye. _OFF: those fields
-    /// stay 0. _NATURAL: as _ON, for a person who looks straight ahead most of the time, as a
-    /// driver does: part of the mean of the gaze in the head frame is taken off it, at most 8
-    /// degrees.
+    /// Whether to look at the eyes of the tracked face \[POSEWISE_GAZE_*\]. _ON fills
+    /// eye_open_probability to eye_look of posewise_result. It takes more time: a network for each
+    /// eye. _OFF: those fields stay 0. _NATURAL: as _ON, for a person who looks straight ahead most
+    /// of the time, as a driver does: part of the mean of the gaze in the head frame is taken off
+    /// it, at most 8 degrees.
     pub gaze: u32,
     /// Where faces are searched for; see posewise_set_roi(). All four 0: the whole frame.
     pub roi: posewise_roi,
@@ -304,23 +306,23 @@ pub struct posewise_config {
 pub struct posewise_frame {
     /// sizeof(posewise_frame).
     pub struct_size: u32,
-    /// POSEWISE_FMT_*: the values of V4L2_PIX_FMT_*. Only luma is read.
+    /// Pixel format \[POSEWISE_FMT_*\]: the values of V4L2_PIX_FMT_*. Only luma is read.
     pub format: u32,
     /// Capture time of the frame \[us\], on any monotonic clock; must increase from step to step.
     pub timestamp_us: i64,
-    /// Stored width and height \[px\], 1..16384.
+    /// Stored width and height \[px, 1..16384\].
     pub width: u32,
     pub height: u32,
     /// Distance between the starts of two rows \[bytes\] (V4L2: bytesperline); at least one row.
     pub stride: u32,
-    /// Clockwise rotation that makes the stored image upright: 0, 90, 180 or 270. Results are in
-    /// pixels of the upright image.
+    /// Clockwise rotation that makes the stored image upright \[deg\]: 0, 90, 180 or 270. Results
+    /// are in pixels of the upright image.
     pub rotation_deg: u32,
     /// 0 or POSEWISE_FRAME_MIRRORED. Mirroring is undone before the rotation.
     pub flags: u32,
     /// Must be 0. Keeps the struct free of padding.
     pub reserved: u32,
-    /// Readable bytes at data. The last row need not be padded to the stride.
+    /// Readable length at data \[bytes\]. The last row need not be padded to the stride.
     pub data_len: usize,
     /// First byte of the first stored row.
     pub data: *const u8,
@@ -337,9 +339,9 @@ pub struct posewise_hint {
     /// brows to below the chin and from ear to ear; boxes of whole heads are larger. The longer
     /// side is at least 16.
     pub face_box: [f32; 4],
-    /// As facing_yaw_deg of posewise_result \[deg\], 0 where it is not known.
+    /// As facing_yaw_deg of posewise_result \[deg, -180..180\], 0 where it is not known.
     pub yaw_deg: f32,
-    /// Roll \[deg\] as in posewise_result, 0 where it is not known.
+    /// Roll as in posewise_result \[deg, -360..360\], 0 where it is not known.
     pub roll_deg: f32,
 }
 
@@ -349,7 +351,7 @@ pub struct posewise_hint {
 pub struct posewise_result {
     /// sizeof(posewise_result), set by the caller.
     pub struct_size: u32,
-    /// POSEWISE_SEARCHING, POSEWISE_TRACKING or POSEWISE_COASTING.
+    /// What the tracker does \[POSEWISE_SEARCHING, _TRACKING, _COASTING\].
     pub state: u32,
     /// Capture time of the frame \[us\], as given in posewise_frame.
     pub timestamp_us: i64,
@@ -357,77 +359,89 @@ pub struct posewise_result {
     pub age_us: i64,
     /// Number of landmarks that posewise_landmarks() gives: 68; 0 while searching.
     pub landmark_count: u32,
-    /// Calibrated probability that this is a face whose landmarks are right, 0..1. Right: the mean
-    /// error is below a tenth of the distance between the outer eye corners. In a library built
-    /// without the verifier: goodness of fit of the 3D face, 0..1, not a probability.
+    /// Calibrated probability that this is a face whose landmarks are right \[0..1\]. Right: the
+    /// mean error is below a tenth of the distance between the outer eye corners. In a library
+    /// built without the verifier: goodness of fit of the 3D face, 0..1, not a probability.
     pub confidence: f32,
     /// Bounding box of the landmarks: x, y, width, height \[px\].
     pub face_box: [f32; 4],
-    /// Head-to-camera rotation as a unit quaternion x, y, z, w.
+    /// Head-to-camera rotation as a unit quaternion x, y, z, w \[-1..1\].
     pub rotation: [f32; 4],
-    /// The rotation as angles relative to the camera's axes \[deg\]. yaw > 0: the face turns to
-    /// the image right, -180..180. pitch > 0: the face turns up, -90..90. roll > 0: the face tilts
-    /// clockwise in the image, -180..180.
+    /// Yaw of the rotation relative to the camera's axes \[deg, -180..180\]. > 0: the face turns to
+    /// the image right.
     pub yaw_deg: f32,
+    /// Pitch, likewise \[deg, -90..90\]. > 0: the face turns up.
     pub pitch_deg: f32,
+    /// Roll, likewise \[deg, -180..180\]. > 0: the face tilts clockwise in the image.
     pub roll_deg: f32,
     /// Origin of the head frame, midway between the eyeballs, in the camera frame \[mm\].
     pub translation_mm: [f32; 3],
-    /// Eye opening, the person's left and right eye: 0 shut .. 1 open, -1 unknown because the eye
-    /// is hidden or moves too fast.
+    /// Eye opening, the person's left and right eye \[0..1 or -1\]: 0 shut, 1 open, -1 unknown
+    /// because the eye is hidden or moves too fast.
     pub eye_open: [f32; 2],
-    /// POSEWISE_LOSS_*: why tracking was lost, while coasting or searching.
+    /// Why tracking was lost, while coasting or searching \[POSEWISE_LOSS_*\].
     pub loss: u32,
-    /// Mean visibility of the landmarks, 0..1: low when much of the face is occluded.
+    /// Mean visibility of the landmarks \[0..1\]: low when much of the face is occluded.
     pub visible_share: f32,
-    /// Standard deviations of the rotation about the camera's x, y and z axes \[deg\], as measured
-    /// on rendered heads, by how the face is turned and how much of it is seen. At most 180.
-    /// Without intrinsics they hold the unknown focal length.
+    /// Standard deviations of the rotation about the camera's x, y and z axes \[deg, 0..180\], as
+    /// measured on rendered heads, by how the face is turned and how much of it is seen. Without
+    /// intrinsics they hold the unknown focal length.
     pub rotation_sigma_deg: [f32; 3],
-    /// Standard deviations of translation_mm \[mm\], estimated likewise. At most 100000.
+    /// Standard deviations of translation_mm \[mm, 0..100000\], estimated likewise.
     pub translation_sigma_mm: [f32; 3],
-    /// Calibrated probability that the person's left and right eye is open, 0..1, by a network
-    /// that sees one eye at a time; -1 where eye_status is neither POSEWISE_EYE_KNOWN nor
-    /// POSEWISE_EYE_UNCERTAIN. This and all below is 0 unless state is POSEWISE_TRACKING and
-    /// posewise_config has gaze, and with a model without that network.
+    /// Calibrated probability that the person's left and right eye is open \[0..1 or -1\], by a
+    /// network that sees one eye at a time; -1 where eye_status is neither POSEWISE_EYE_KNOWN nor
+    /// POSEWISE_EYE_UNCERTAIN. This and all down to eye_look is 0 unless state is POSEWISE_TRACKING
+    /// and posewise_config has gaze, and with a model without that network.
     pub eye_open_probability: [f32; 2],
-    /// POSEWISE_EYE_KNOWN where the lids of the left and right eye are known, else why they are
-    /// not. With POSEWISE_EYE_UNCERTAIN there is a probability.
+    /// Whether the lids of the left and right eye are known, else why they are not
+    /// \[POSEWISE_EYE_*\]. With POSEWISE_EYE_UNCERTAIN there is a probability.
     pub eye_status: [u32; 2],
-    /// Middle of the iris \[px of the upright image\]: x, y; that of the landmarks of the eye where
-    /// its gaze is unknown.
+    /// Middle of the left iris in the upright image: x, y \[px\]; that of the landmarks of the eye
+    /// where its gaze is unknown.
     pub iris_left: [f32; 2],
+    /// Middle of the right iris, likewise \[px\].
     pub iris_right: [f32; 2],
-    /// POSEWISE_EYE_KNOWN where the gaze of the left eye, the right eye and both together is known,
-    /// else why it is not. The numbers below are 0 where it is unknown.
+    /// Whether the gaze of the left eye, the right eye and both together is known, else why it is
+    /// not \[POSEWISE_EYE_*\]. The numbers of a gaze are 0 where it is unknown.
     pub gaze_status: [u32; 3],
     /// Standard deviations of these gazes along each axis across them \[deg\].
     pub gaze_sigma_deg: [f32; 3],
-    /// Unit directions in which the left eye, the right eye and both together look, camera frame.
+    /// Unit direction in which the left eye looks, camera frame \[-1..1\].
     pub gaze_left: [f32; 3],
+    /// That of the right eye, likewise \[-1..1\].
     pub gaze_right: [f32; 3],
+    /// That of both eyes together, likewise \[-1..1\].
     pub gaze: [f32; 3],
-    /// That of both in the head frame: (0, 0, -1) is straight ahead.
+    /// That of both eyes in the head frame \[-1..1\]: (0, 0, -1) is straight ahead.
     pub gaze_head: [f32; 3],
-    /// Probability that the person wears glasses, 0..1; -1 where neither eye is seen.
+    /// Probability that the person wears glasses \[0..1 or -1\]; -1 where neither eye is seen.
     pub glasses: f32,
-    /// Probability that these are dark, 0..1; -1 where neither eye is seen.
+    /// Probability that these are dark \[0..1 or -1\]; -1 where neither eye is seen.
     pub dark_glasses: f32,
-    /// ARKit's weights of the gaze, POSEWISE_EYE_LOOK_*, 0..1; 0 where it is unknown.
+    /// ARKit's weights of the gaze by POSEWISE_EYE_LOOK_* \[0..1\]; 0 where it is unknown.
     pub eye_look: [f32; 8],
-    /// Facing: the rotation relative to the line from the face to the camera \[deg\]. All 0: the
-    /// face looks into the lens, wherever in the picture it is. Signs and ranges as of yaw_deg,
+    /// Facing: yaw relative to the line from the face to the camera \[deg, -180..180\]. All three
+    /// 0: the face looks into the lens, wherever in the picture it is. Signs as of yaw_deg,
     /// pitch_deg and roll_deg, which are relative to the camera's axes. These hardly depend on the
     /// focal length; use them where it is not known.
     pub facing_yaw_deg: f32,
+    /// Pitch, likewise \[deg, -90..90\].
     pub facing_pitch_deg: f32,
+    /// Roll, likewise \[deg, -180..180\].
     pub facing_roll_deg: f32,
-    /// Standard deviations of the facing yaw, pitch and roll \[deg\]. At most 180.
+    /// Standard deviations of the facing yaw, pitch and roll \[deg, 0..180\].
     pub facing_sigma_deg: [f32; 3],
     /// Focal length along x with which the face was fitted \[px\].
     pub focal_px: f32,
-    /// 1: without intrinsics, 60 degrees across the frame were assumed. 0: the tracker has them.
+    /// Whether 60 degrees across the frame were assumed, for want of intrinsics \[0 or 1\].
     pub camera_assumed: u32,
+    /// Angle between the direction of the face and the line to the camera \[deg, 0..180\]: what
+    /// facing_yaw_deg and facing_pitch_deg are together. 0: the face looks into the lens.
+    pub facing_angle_deg: f32,
+    /// Distance between the outer eye corners as if seen from the front \[px\]: how large the face
+    /// is, however it is turned. Errors of landmarks are in proportion to it.
+    pub interocular_px: f32,
 }
 
 /// One landmark. This struct never grows, so the layout of arrays stays the same.
@@ -439,9 +453,9 @@ pub struct posewise_landmark {
     pub x: f32,
     pub y: f32,
     /// Calibrated probability that the error of (x, y) is below a tenth of the distance between
-    /// the outer eye corners of the same face seen from the front, 0..1.
+    /// the outer eye corners of the same face seen from the front \[0..1\].
     pub confidence: f32,
-    /// Calibrated probability that the landmark is visible, 0..1: neither the head itself nor
+    /// Calibrated probability that the landmark is visible \[0..1\]: neither the head itself nor
     /// anything in front of it hides it. In a library built without the verifier: 0 where the head
     /// itself hides it, else 1; the landmark's confidence is then that of the face.
     pub visibility: f32,
@@ -460,13 +474,13 @@ pub struct posewise_landmark {
 pub struct posewise_event {
     /// Capture time of the frame \[us\]; of a call between two frames, that of the first.
     pub timestamp_us: i64,
-    /// POSEWISE_EVENT_*.
+    /// What happened \[POSEWISE_EVENT_*\].
     pub kind: u32,
-    /// POSEWISE_LOSS_*: why the face is lost; while searching, why the last one was.
+    /// Why the face is lost; while searching, why the last one was \[POSEWISE_LOSS_*\].
     pub loss: u32,
     /// Bounding box of the landmarks: x, y, width, height \[px\].
     pub face_box: [f32; 4],
-    /// As in posewise_result.
+    /// As in posewise_result \[0..1\].
     pub confidence: f32,
     /// 0. Keeps the struct free of padding.
     pub reserved: u32,
@@ -478,11 +492,11 @@ pub struct posewise_event {
 pub struct posewise_face {
     /// Box of the landmarks in the upright image: x, y, width, height \[px\].
     pub face_box: [f32; 4],
-    /// As facing_yaw_deg of posewise_result \[deg\]; rough.
+    /// As facing_yaw_deg of posewise_result \[deg, -90..90\]; rough.
     pub yaw_deg: f32,
-    /// Roll \[deg\] as in posewise_result.
+    /// Roll as in posewise_result \[deg, -180..180\].
     pub roll_deg: f32,
-    /// As in posewise_result. In a library built without the verifier: always 1.
+    /// As in posewise_result \[0..1\]. In a library built without the verifier: always 1.
     pub confidence: f32,
 }
 
@@ -500,7 +514,7 @@ pub struct posewise_model_details {
     pub length: u32,
     /// CRC-32 by which models are told apart.
     pub checksum: u32,
-    /// POSEWISE_TERMS_*: what the terms of the data that it was trained on allow.
+    /// What the terms of the data that it was trained on allow \[POSEWISE_TERMS_*\].
     pub terms: u32,
     /// Number of sections, and the name of each: four characters, the first in the lowest byte.
     pub section_count: u32,
@@ -526,50 +540,3 @@ pub struct posewise_model_details {
 pub struct posewise_tracker {
     _private: [u8; 0],
 }
-
-/// Fails to compile when the fields leave padding, which would be shared between struct versions.
-macro_rules! assert_no_padding {
-    ($name:ident: $($field:ident: $type:ty),+) => {
-        const _: () = {
-            let mut end = 0;
-            $(
-                assert!(core::mem::offset_of!($name, $field) == end);
-                end += size_of::<$type>();
-            )+
-            assert!(size_of::<$name>() == end);
-        };
-    };
-}
-
-pub(super) use assert_no_padding;
-
-assert_no_padding!(posewise_intrinsics: fx: f32, fy: f32, cx: f32, cy: f32);
-assert_no_padding!(posewise_roi: x: u32, y: u32, width: u32, height: u32);
-assert_no_padding!(posewise_lens: model: u32, coefficients: [f32; 5]);
-assert_no_padding!(posewise_config: struct_size: u32, flags: u32, min_face_px: u32,
-    scan_budget: u32, intrinsics: posewise_intrinsics, smoothing_hz: f32, smoothing_beta: f32,
-    lens: posewise_lens, gaze: u32, roi: posewise_roi);
-assert_no_padding!(posewise_frame: struct_size: u32, format: u32, timestamp_us: i64, width: u32,
-    height: u32, stride: u32, rotation_deg: u32, flags: u32, reserved: u32, data_len: usize,
-    data: *const u8);
-assert_no_padding!(posewise_hint: struct_size: u32, face_box: [f32; 4], yaw_deg: f32,
-    roll_deg: f32);
-assert_no_padding!(posewise_result: struct_size: u32, state: u32, timestamp_us: i64, age_us: i64,
-    landmark_count: u32, confidence: f32, face_box: [f32; 4], rotation: [f32; 4], yaw_deg: f32,
-    pitch_deg: f32, roll_deg: f32, translation_mm: [f32; 3], eye_open: [f32; 2],
-    loss: u32, visible_share: f32, rotation_sigma_deg: [f32; 3], translation_sigma_mm: [f32; 3],
-    eye_open_probability: [f32; 2], eye_status: [u32; 2], iris_left: [f32; 2],
-    iris_right: [f32; 2], gaze_status: [u32; 3], gaze_sigma_deg: [f32; 3], gaze_left: [f32; 3],
-    gaze_right: [f32; 3], gaze: [f32; 3], gaze_head: [f32; 3], glasses: f32, dark_glasses: f32,
-    eye_look: [f32; 8], facing_yaw_deg: f32, facing_pitch_deg: f32, facing_roll_deg: f32,
-    facing_sigma_deg: [f32; 3], focal_px: f32, camera_assumed: u32);
-assert_no_padding!(posewise_model_details: struct_size: u32, format_version: u32, length: u32,
-    checksum: u32, terms: u32, section_count: u32, sections: [u32; 32], wrong_section: u32,
-    reserved: u32, name: *const c_char, name_len: usize, sheet: *const c_char, sheet_len: usize,
-    check: *const c_char, check_len: usize);
-assert_no_padding!(posewise_face: face_box: [f32; 4], yaw_deg: f32, roll_deg: f32,
-    confidence: f32);
-assert_no_padding!(posewise_landmark: x: f32, y: f32, confidence: f32, visibility: f32,
-    x_mm: f32, y_mm: f32, z_mm: f32);
-assert_no_padding!(posewise_event: timestamp_us: i64, kind: u32, loss: u32, face_box: [f32; 4],
-    confidence: f32, reserved: u32);

@@ -34,7 +34,7 @@ pub(crate) const PIXEL_ASPECT: RangeInclusive<f32> = 0.1..=10.0;
 pub(crate) const PRINCIPAL_PX: f32 = 1e5;
 
 /// Least depth for a projection \[mm\]: nearer points are projected from here.
-pub(super) const NEAREST_MM: f32 = 20.0;
+pub(crate) const NEAREST_MM: f32 = 20.0;
 
 /// Greatest distance of a head \[mm\]: at 100 m a head is smaller than a pixel.
 pub(crate) const FARTHEST_MM: f32 = 100_000.0;

@@ -26,6 +26,12 @@ impl Pose {
         self.rotation.z_axis.dot(sight)
     }
 
+    /// Angle between the nose's direction and the line from the head to the camera \[deg\].
+    pub fn facing_angle_deg(&self) -> f32 {
+        let [x, y, z] = self.facing().z_axis.to_array();
+        libm::atan2f(libm::sqrtf(x * x + y * y), z).to_degrees()
+    }
+
     /// Variances of the facing angles \[rad²\] by a covariance of the pose: rotation vector about
     /// the camera's axes \[rad\], then translation \[mm\].
     pub fn facing_variances(&self, covariance: &[[f32; 6]; 6]) -> [f32; 3] {
@@ -109,6 +115,25 @@ mod tests {
         // the line of sight, on which the face looks 10° to the left when it looks into the lens.
         let beside = pose(40.0, 0.0, 0.0, [173.648, 0.0, 984.808]);
         assert!((beside.facing_angles().yaw_deg - 50.0).abs() < 1e-2);
+    }
+
+    #[test]
+    fn the_facing_angle_is_yaw_and_pitch_together() {
+        let at = [173.648, 90.0, 984.808];
+        for [yaw, pitch] in [
+            [0.0, 0.0],
+            [50.0, 0.0],
+            [-20.0, 35.0],
+            [120.0, 10.0],
+            [3.0, -89.0],
+        ] {
+            let pose = pose(yaw, pitch, 15.0, at);
+            let [yaw, pitch, _] = numbers(pose.facing_angles()).map(f32::to_radians);
+            let angle = (yaw.cos() * pitch.cos()).acos().to_degrees();
+            let found = pose.facing_angle_deg();
+            assert!((found - angle).abs() < 0.1, "{found} is not {angle}");
+            assert!((found.to_radians().cos() - pose.facing_cosine()).abs() < 1e-5);
+        }
     }
 
     #[test]

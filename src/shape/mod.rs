@@ -14,7 +14,7 @@ mod rotation_prior;
 mod state;
 mod step;
 
-pub(crate) use camera::{FARTHEST_MM, FOCAL_PX, PIXEL_ASPECT, PRINCIPAL_PX};
+pub(crate) use camera::{FARTHEST_MM, FOCAL_PX, NEAREST_MM, PIXEL_ASPECT, PRINCIPAL_PX};
 pub use camera::{Intrinsics, Pose};
 pub(crate) use deviation::{Seen, Variances};
 pub use distortion::Distortion;

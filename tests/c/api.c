@@ -618,8 +618,8 @@ static void size_refused(posewise_tracker *t, uint32_t size) {
         CHECK_STATUS(posewise_config_default(start), POSEWISE_E_ARG);
         CHECK(posewise_memory_size(start) == 0);
     }
-    /* 128: the first header's. */
-    if (size != sizeof(posewise_result) && size != 128) {
+    /* 128 and 304: those of the first headers. */
+    if (size != sizeof(posewise_result) && size != 128 && size != 304) {
         CHECK_STATUS(posewise_step(t, &f, start), POSEWISE_E_ARG);
         CHECK_STATUS(posewise_smoothed(t, start), POSEWISE_E_ARG);
     }

@@ -5,7 +5,6 @@ use crate::common::c::{require, succeed};
 use crate::common::skip::{need, skipped};
 use crate::common::{demo, grey, model, root, scratch, tracker};
 use posewise::{Config, State};
-use std::fmt::Write as _;
 use std::io::Read;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -35,34 +34,12 @@ fn site() -> Option<&'static Path> {
     built.as_deref()
 }
 
-/// clang computes the layout from the header itself.
+/// `layout.js` has the offsets of this program, for pointers of four bytes.
 #[test]
 fn layout_is_that_of_c() {
     if !require("clang") {
         return;
     }
-    let header = xtask::header::read().expect("posewise.h is read");
-    let mut source = String::from("#include \"posewise.h\"\n");
-    for item in &header.structs {
-        let (size, starts) = web::offsets(item, &header.structs).expect("known types");
-        let name = format!("posewise_{}", item.name);
-        writeln!(
-            source,
-            "_Static_assert(sizeof({name}) == {size}, \"{name}\");"
-        )
-        .unwrap();
-        for (field, start) in item.fields.iter().zip(starts) {
-            let field = &field.name;
-            writeln!(
-                source,
-                "_Static_assert(offsetof({name}, {field}) == {start}, \"{name}.{field}\");"
-            )
-            .unwrap();
-        }
-    }
-    assert!(source.lines().count() > 70, "all structs are checked");
-    let path = scratch("web").join("layout.c");
-    std::fs::write(&path, source).expect("target/ is writable");
     let mut clang = Command::new("clang");
     clang.args([
         "--target=wasm32",
@@ -70,7 +47,12 @@ fn layout_is_that_of_c() {
         "-ffreestanding",
         "-fsyntax-only",
     ]);
-    succeed(clang.arg("-I").arg(root().join("include")).arg(path));
+    succeed(
+        clang
+            .arg("-I")
+            .arg(root().join("include"))
+            .arg(crate::c::layouts()),
+    );
 }
 
 /// The comments declare types that fit the code, the page and what a caller in TypeScript writes.

@@ -1,5 +1,7 @@
-// The table that `posewise track --csv` writes, with the same columns; a test compares them.
+// The table that `posewise track --csv` writes, with the same columns; a test compares them. Fields
+// that came later than these have columns by themselves.
 
+import { LATER } from './columns.js';
 import { axesOf } from './overlay.js';
 
 /** @typedef {import('../worker.js').Tracked} Tracked */
@@ -70,6 +72,7 @@ const GROUPS = [
     ({ result: r }) => r.facingSigmaDeg],
   [['focal_px'], 1, ({ result: r }) => [r.focalPx]],
   [['camera_assumed'], 0, ({ result: r }) => [r.cameraAssumed]],
+  ...LATER,
 ];
 
 /** @param {string} name */

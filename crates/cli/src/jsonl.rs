@@ -7,19 +7,8 @@ use posewise::{ANIMATION_NAMES, EYE_LOOK_NAMES, EyeUnknown, Eyes, Gaze};
 use serde_json::{Map, Value, json};
 
 use crate::csv::Row;
-
-/// Shortest decimal form of an f32, so that 0.1 is not written as 0.10000000149011612.
-pub fn number(value: f32) -> Value {
-    value
-        .to_string()
-        .parse::<f64>()
-        .map_or(Value::Null, Value::from)
-}
-
-/// A list of them.
-pub fn numbers(values: &[f32]) -> Value {
-    values.iter().copied().map(number).collect()
-}
+use crate::fields::FIELDS;
+use crate::value::{number, numbers};
 
 /// The object of one frame.
 pub fn object(row: &Row<'_>) -> Value {
@@ -35,36 +24,40 @@ pub fn object(row: &Row<'_>) -> Value {
         .map(|l| numbers(&[l.x, l.y, l.confidence, l.visibility]))
         .collect();
     let points: Vec<Value> = r.points_mm.iter().map(|p| numbers(p)).collect();
-    json!({
-        "frame": row.frame,
-        "face_id": row.face_id,
-        "timestamp_us": r.timestamp_us,
-        "age_us": r.age_us,
-        "state": r.state.name(),
-        "confidence": number(r.confidence),
-        "box": numbers(&r.face_box),
-        "rotation": numbers(&r.rotation),
-        "yaw_deg": number(r.yaw_deg),
-        "pitch_deg": number(r.pitch_deg),
-        "roll_deg": number(r.roll_deg),
-        "translation_mm": numbers(&r.translation_mm),
-        "eye_open": numbers(&r.eye_open),
-        "loss": r.loss.name(),
-        "visible_share": number(r.visible_share),
-        "rotation_sigma_deg": numbers(&r.rotation_sigma_deg),
-        "translation_sigma_mm": numbers(&r.translation_sigma_mm),
-        "facing_yaw_deg": number(r.facing_yaw_deg),
-        "facing_pitch_deg": number(r.facing_pitch_deg),
-        "facing_roll_deg": number(r.facing_roll_deg),
-        "facing_sigma_deg": numbers(&r.facing_sigma_deg),
-        "focal_px": number(r.focal_px),
-        "camera_assumed": r.camera_assumed,
-        "eyes": eyes(&r.eyes),
-        "animation": animation,
-        "landmarks": landmarks,
-        "points_mm": points,
-    })
+    let mut out = Map::new();
+    out.insert("frame".into(), row.frame.into());
+    out.insert("face_id".into(), row.face_id.into());
+    let fields = FIELDS.iter().filter(|field| !NESTED.contains(&field.name));
+    for field in fields {
+        let name = match field.name {
+            "face_box" => "box",
+            name => name,
+        };
+        out.insert(name.into(), (field.value)(r).json());
+    }
+    out.insert("eyes".into(), eyes(&r.eyes));
+    out.insert("animation".into(), animation.into());
+    out.insert("landmarks".into(), landmarks.into());
+    out.insert("points_mm".into(), points.into());
+    out.into()
 }
+
+/// Fields that are in the object `eyes`.
+const NESTED: [&str; 13] = [
+    "eye_open_probability",
+    "eye_status",
+    "iris_left",
+    "iris_right",
+    "gaze_status",
+    "gaze_sigma_deg",
+    "gaze_left",
+    "gaze_right",
+    "gaze",
+    "gaze_head",
+    "glasses",
+    "dark_glasses",
+    "eye_look",
+];
 
 /// What is seen of the eyes: the person's left and right one, then both together.
 fn eyes(eyes: &Eyes) -> Value {

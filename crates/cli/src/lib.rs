@@ -10,6 +10,7 @@
 //! | `source/` | INPUT → a stream of [`picture::Picture`]s |
 //! | `track`, `faces`, `session` | `posewise track`: the loop and its trackers |
 //! | `csv`, `jsonl`, `log`, `overlay/`, `plot` | its outputs |
+//! | `fields`, `value` | the fields of a result, whatever their type |
 //! | `streams/` | its results as datagrams for other programs |
 //! | `monitor/` | a driver monitor over the results |
 //! | `lens`, `calibration` | the camera, by options, EXIF or a file |
@@ -29,6 +30,8 @@ mod csv;
 pub mod demo;
 mod destination;
 mod faces;
+#[rustfmt::skip] // generated
+mod fields;
 mod index;
 mod interrupt;
 mod jsonl;
@@ -49,4 +52,5 @@ pub mod source;
 mod streams;
 mod text;
 mod track;
+mod value;
 mod view;

@@ -3,14 +3,13 @@
 //! same functions.
 
 pub mod figures;
-pub mod header;
 mod instructions;
+pub mod interface;
 mod library;
 mod machine;
 pub mod mobile;
 pub mod notices;
 pub mod picture;
-pub mod python;
 pub mod release;
 mod replay;
 pub mod site;

@@ -4,8 +4,8 @@ use anyhow::{Context, Result};
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 use xtask::{
-    Library, code_size, demo_clip, figures, mobile, notices, picture, release, replay, root, site,
-    size_table, web,
+    Library, code_size, demo_clip, figures, interface, mobile, notices, picture, release, replay,
+    root, site, size_table, web,
 };
 
 /// Measures the static library and the models.
@@ -44,6 +44,8 @@ enum Task {
     Measure(figures::measure::Args),
     /// Writes docs/accuracy.md and the figures in README.md from the JSON of `measure`
     Accuracy,
+    /// Writes what says again what src/ffi describes: posewise.h, layouts for other languages
+    Interface,
     /// Writes packaging/NOTICES*.txt, the licences of what is linked in, as `make install` does
     Notices,
     /// Writes docs/tracked.png, the picture in README.md
@@ -135,6 +137,7 @@ fn main() -> Result<()> {
         }
         Task::Measure(args) => figures::measure::run(&args)?,
         Task::Accuracy => figures::pages::write()?,
+        Task::Interface => println!("written: {:?}", interface::write()?),
         Task::Notices => notices::write()?,
         Task::Picture => picture::write()?,
         Task::Web { serve, port } => {

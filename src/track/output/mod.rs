@@ -13,7 +13,7 @@ use super::fit::Fitted;
 use super::geometry::{bounds, length};
 use super::policy::{EYE_MAX_BLUR, EYE_MIN_FACING, EYE_MIN_VISIBILITY};
 use super::step::Step;
-use crate::shape::{FARTHEST_MM, LANDMARKS, Seen, Variances, eye_open};
+use crate::shape::{FARTHEST_MM, LANDMARKS, NEAREST_MM, Seen, Variances, eye_open};
 use crate::verifier::Confidence;
 
 /// Writes all of a result: of a face that moves by `blur_px` while the frame is exposed, at most.
@@ -54,6 +54,8 @@ pub fn write(
         facing_sigma_deg,
         focal_px,
         camera_assumed,
+        facing_angle_deg,
+        interocular_px,
     } = to;
     *state = State::Tracking;
     (*timestamp_us, *age_us) = (step.now_us, 0);
@@ -80,8 +82,22 @@ pub fn write(
         .facing
         .map(|v| sigma(v, MAX_SIGMA_RAD).to_degrees());
     (*focal_px, *camera_assumed) = (fitted.camera.fx, step.camera_assumed);
+    *facing_angle_deg = pose.facing_angle_deg();
+    *interocular_px = interocular(fitted);
     *eyes = *seen_eyes;
 }
+
+/// Distance between the outer eye corners, as a camera sees it that the face looks into \[px\].
+fn interocular(fitted: &Fitted<'_>) -> f32 {
+    let corner = |i: usize| fitted.fit.points_mm.get(i).copied().unwrap_or_default();
+    let apart_mm = corner(RIGHT_EYE_CORNER).distance(corner(LEFT_EYE_CORNER));
+    let away_mm = fitted.fit.state.pose.translation_mm.z.max(NEAREST_MM);
+    apart_mm * fitted.camera.fx / away_mm
+}
+
+/// Landmarks of the outer corners of the person's eyes.
+const RIGHT_EYE_CORNER: usize = 36;
+const LEFT_EYE_CORNER: usize = 45;
 
 /// Variances of the pose, by how it is seen.
 fn variances_of(step: &Step<'_>, fitted: &Fitted<'_>) -> Variances {

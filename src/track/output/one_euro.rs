@@ -128,6 +128,7 @@ fn write_angles(to: &mut TrackResult) {
     (to.yaw_deg, to.pitch_deg, to.roll_deg) = (angles.yaw_deg, angles.pitch_deg, angles.roll_deg);
     (to.facing_yaw_deg, to.facing_pitch_deg, to.facing_roll_deg) =
         (facing.yaw_deg, facing.pitch_deg, facing.roll_deg);
+    to.facing_angle_deg = pose.facing_angle_deg();
 }
 
 /// The unit quaternion along this one, with w ≥ 0.

@@ -159,6 +159,11 @@ pub struct TrackResult {
     /// facing angles say where the head is turned to, the axis angles and the position err with
     /// the lens.
     pub camera_assumed: bool,
+    /// Angle between the direction of the face and the line to the camera, 0..180 \[deg\]: 0 where
+    /// the face looks into the lens.
+    pub facing_angle_deg: f32,
+    /// Distance between the outer eye corners as if seen from the front \[px\].
+    pub interocular_px: f32,
 }
 
 impl TrackResult {
@@ -189,6 +194,8 @@ impl TrackResult {
         facing_sigma_deg: [0.0; 3],
         focal_px: 0.0,
         camera_assumed: false,
+        facing_angle_deg: 0.0,
+        interocular_px: 0.0,
     };
 }
 

@@ -3,7 +3,7 @@
 
 use posewise::{MonitorState, Perclos, UnknownReason, ZoneState};
 
-use crate::csv::Cell;
+use crate::value::Cell;
 
 /// One column.
 pub struct Column {

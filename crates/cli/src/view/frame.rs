@@ -5,13 +5,14 @@ use std::time::Duration;
 
 use anyhow::{Context, Result};
 use image::codecs::jpeg::JpegEncoder;
-use posewise::{ANIMATION_NAMES, EyeUnknown, Eyes, Intrinsics, TrackResult};
-use serde_json::{Value, json};
+use posewise::{ANIMATION_NAMES, Intrinsics, TrackResult};
+use serde_json::{Map, Value, json};
 use tungstenite::Bytes;
 
-use crate::jsonl::{number, numbers};
+use crate::fields::FIELDS;
 use crate::picture::Picture;
 use crate::session::Session;
+use crate::value::{Value as Of, number, numbers};
 
 /// Quality of the JPEG. Source: chosen; the demo clip at 640×480 takes 16 KB a picture.
 const QUALITY: u8 = 75;
@@ -76,58 +77,25 @@ impl Encoder {
 
 /// `Result` of `web/layout.js`.
 fn result_of(r: &TrackResult) -> Value {
-    let mut out = pose_of(r);
-    if let (Value::Object(all), Value::Object(eyes)) = (&mut out, eyes_of(&r.eyes)) {
-        all.extend(eyes);
-    }
-    out
+    let fields = FIELDS.iter().map(|field| {
+        let value = match (field.value)(r) {
+            Of::Flag(value) => u32::from(value).into(),
+            value => value.json(),
+        };
+        (camel(field.name), value)
+    });
+    let mut out: Map<String, Value> = fields.collect();
+    out.insert("landmarkCount".into(), r.landmarks.len().into());
+    out.into()
 }
 
-fn eyes_of(eyes: &Eyes) -> Value {
-    let [left, right] = &eyes.each;
-    let gazes = [&left.gaze, &right.gaze, &eyes.gaze];
-    let status = [left.unknown, right.unknown].map(EyeUnknown::name_of);
-    json!({
-        "eyeOpenProbability": numbers(&[left.open, right.open]),
-        "eyeStatus": status,
-        "irisLeft": numbers(&left.iris),
-        "irisRight": numbers(&right.iris),
-        "gazeStatus": gazes.map(|gaze| EyeUnknown::name_of(gaze.unknown)),
-        "gazeSigmaDeg": numbers(&gazes.map(|gaze| gaze.sigma_deg)),
-        "gazeLeft": numbers(&left.gaze.camera),
-        "gazeRight": numbers(&right.gaze.camera),
-        "gaze": numbers(&eyes.gaze.camera),
-        "gazeHead": numbers(&eyes.gaze.head),
-        "glasses": number(eyes.glasses),
-        "darkGlasses": number(eyes.dark_glasses),
-        "eyeLook": numbers(&eyes.look),
-    })
-}
-
-fn pose_of(r: &TrackResult) -> Value {
-    json!({
-        "state": r.state.name(),
-        "timestampUs": r.timestamp_us,
-        "ageUs": r.age_us,
-        "landmarkCount": r.landmarks.len(),
-        "confidence": number(r.confidence),
-        "faceBox": numbers(&r.face_box),
-        "rotation": numbers(&r.rotation),
-        "yawDeg": number(r.yaw_deg),
-        "pitchDeg": number(r.pitch_deg),
-        "rollDeg": number(r.roll_deg),
-        "translationMm": numbers(&r.translation_mm),
-        "eyeOpen": numbers(&r.eye_open),
-        "loss": r.loss.name(),
-        "visibleShare": number(r.visible_share),
-        "rotationSigmaDeg": numbers(&r.rotation_sigma_deg),
-        "translationSigmaMm": numbers(&r.translation_sigma_mm),
-        "facingYawDeg": number(r.facing_yaw_deg),
-        "facingPitchDeg": number(r.facing_pitch_deg),
-        "facingRollDeg": number(r.facing_roll_deg),
-        "facingSigmaDeg": numbers(&r.facing_sigma_deg),
-        "focalPx": number(r.focal_px),
-        "cameraAssumed": u32::from(r.camera_assumed),
+/// `faceBox` of `face_box`.
+fn camel(name: &str) -> String {
+    let mut words = name.split('_');
+    let first = words.next().unwrap_or_default().to_owned();
+    words.fold(first, |out, word| {
+        let (start, rest) = word.split_at(word.len().min(1));
+        out + &start.to_uppercase() + rest
     })
 }
 

@@ -26,7 +26,7 @@ macro_rules! script {
 }
 
 /// Everything that the page loads.
-pub const FILES: [File; 8] = [
+pub const FILES: [File; 9] = [
     File {
         path: "demo/style.css",
         kind: "text/css; charset=utf-8",
@@ -34,6 +34,7 @@ pub const FILES: [File; 8] = [
     },
     script!("layout.js"),
     script!("demo/charts.js"),
+    script!("demo/columns.js"),
     script!("demo/csv.js"),
     script!("demo/display.js"),
     script!("demo/live.js"),

@@ -2,6 +2,7 @@
 //! and the demo, which may be put on any server or read from a disk. Sphinx makes the pages, and
 //! refuses links that lead nowhere.
 
+use crate::interface::{Table, reference};
 use crate::{output_of, root, web, write};
 use anyhow::{Context, Result, ensure};
 use std::collections::BTreeSet;
@@ -28,7 +29,7 @@ const OWN: [(&str, &str); 4] = [
     ("conf.py", include_str!("conf.py")),
     ("index.md", include_str!("index.md")),
     ("gallery.md", include_str!("gallery.md")),
-    ("reference.md", include_str!("reference.md")),
+    ("header.md", include_str!("header.md")),
 ];
 
 /// Files that the site's own pages show.
@@ -88,7 +89,7 @@ fn stage_pages(source: &Path) -> Result<()> {
     for (name, text) in OWN {
         write(&source.join(name), text)?;
     }
-    Ok(())
+    write(&source.join("reference.md"), reference(&Table::read()?)?)
 }
 
 /// The pages, relative to the repository.

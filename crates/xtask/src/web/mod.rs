@@ -1,6 +1,5 @@
 //! The web page and the JavaScript package, ready to be served: `cargo xtask web`.
 
-pub mod layout;
 mod serve;
 mod standalone;
 
@@ -9,11 +8,10 @@ use anyhow::{Context, Result};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-pub use layout::offsets;
 pub use serve::Site;
 
 /// Files of the package and of the page that are served as they are in the repository, from web/.
-const FILES: [&str; 20] = [
+const FILES: [&str; 21] = [
     "README.md",
     "package.json",
     "index.html",
@@ -27,6 +25,7 @@ const FILES: [&str; 20] = [
     "demo/assets.js",
     "demo/charts.js",
     "demo/clip.webm",
+    "demo/columns.js",
     "demo/csv.js",
     "demo/display.js",
     "demo/early.js",

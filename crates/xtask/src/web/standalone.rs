@@ -18,7 +18,7 @@ const WORKER: [&str; 5] = [
 ];
 
 /// Modules of the page, likewise.
-const PAGE: [&str; 14] = [
+const PAGE: [&str; 15] = [
     "layout.js",
     "struct.js",
     "engine.js",
@@ -27,6 +27,7 @@ const PAGE: [&str; 14] = [
     "demo/assets.js",
     "demo/charts.js",
     "demo/overlay.js",
+    "demo/columns.js",
     "demo/csv.js",
     "demo/readings.js",
     "demo/display.js",
