@@ -273,6 +273,8 @@
 #define POSEWISE_MONITOR_EVENT_OPEN_EYE_LEARNT   16u ///< open_eye is final; value: mean of both
 #define POSEWISE_MONITOR_EVENT_NATURAL_LEARNT    17u ///< natural_deg is final; value: its yaw
 #define POSEWISE_MONITOR_EVENT_CLOCK_BACK        18u ///< A timestamp was before the last one
+#define POSEWISE_MONITOR_EVENT_LOOK_DOWN         19u ///< The eyes look down for look_down_us
+#define POSEWISE_MONITOR_EVENT_LOOK_DOWN_END     20u ///< That look ended
 
 /// A driver monitor, opaque. It starts at the start of the caller's memory and holds no pointer: a
 /// memcpy of posewise_monitor_memory_size() bytes to memory of the same alignment is a second,
@@ -672,11 +674,17 @@ typedef struct posewise_monitor_config {
     uint32_t clear_us;
     /// Eyes that are unknown for this long are reported [us, default 10000000]: Euro NCAP 2026.
     uint32_t degraded_us;
+    /// The eyes look down when their gaze is lowered by this much from the direction of the road
+    /// [deg, 10..60, default 18], chosen: below the windscreen. Zones are met by the gaze then,
+    /// by the head otherwise.
+    float look_down_deg;
+    /// A look down of this length is reported [us, default 500000], chosen.
+    uint32_t look_down_us;
 } posewise_monitor_config;
 /// Initialises a posewise_monitor_config: struct_size is set, all other fields are 0.
 #define POSEWISE_MONITOR_CONFIG_INIT \
     {sizeof(posewise_monitor_config), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, \
-     0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}
+     0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}
 
 /// What a driver monitor sees of one frame, from posewise_monitor_observe() or from elsewhere.
 /// Numbers that are not finite are unknown.
@@ -695,9 +703,9 @@ typedef struct posewise_monitor_observation {
     float translation_mm[3];
     /// As in posewise_result [deg].
     float rotation_sigma_deg[3];
-    /// Distance of the lids in that of open ones, of the person's left and right eye [0..1 or
-    /// -1]: 0 shut, 1 open, -1 unknown; posewise_monitor_observe() computes it from
-    /// posewise_result.eye_open and what the gaze says of the eyes.
+    /// Distance of the lids in that of open ones that look where these do, of the person's left and
+    /// right eye [0..1 or -1]: 0 shut, 1 open, -1 unknown; posewise_monitor_observe() computes it
+    /// from posewise_result.eye_open and what the gaze says of the eyes.
     float eye_open[2];
     /// The animation weight jawOpen [0..1 or -1]; -1: unknown, because the mouth is hidden.
     float jaw_open;
@@ -705,10 +713,13 @@ typedef struct posewise_monitor_observation {
     /// count, relative to the line of sight, which hardly depends on the focal length; not with
     /// POSEWISE_MONITOR_FIXED_POSE.
     uint32_t camera_assumed;
+    /// Unit gaze of both eyes in the camera frame [-1..1]; zeros where it is unknown.
+    float gaze[3];
 } posewise_monitor_observation;
 /// Initialises a posewise_monitor_observation: struct_size is set, all other fields are 0.
 #define POSEWISE_MONITOR_OBSERVATION_INIT \
-    {sizeof(posewise_monitor_observation), 0, 0, 0, 0, {0, 0, 0}, {0, 0, 0}, {0, 0}, 0, 0}
+    {sizeof(posewise_monitor_observation), 0, 0, 0, 0, {0, 0, 0}, {0, 0, 0}, {0, 0}, 0, 0, \
+     {0, 0, 0}}
 
 /// Measures of eye closure over a window of whole seconds. This struct never grows.
 typedef struct posewise_monitor_perclos {
@@ -745,7 +756,8 @@ typedef struct posewise_monitor_state {
     uint32_t nods;
     /// Known time for which the mouth is open as in a yawn [us].
     uint32_t mouth_open_us;
-    /// Index of the zone, POSEWISE_MONITOR_ZONE_OUTSIDE or POSEWISE_MONITOR_ZONE_UNKNOWN.
+    /// Index of the zone, by the gaze while the eyes look down, else by the head;
+    /// POSEWISE_MONITOR_ZONE_OUTSIDE or POSEWISE_MONITOR_ZONE_UNKNOWN.
     uint32_t zone;
     /// Time there [us].
     uint32_t zone_us;
@@ -769,8 +781,8 @@ typedef struct posewise_monitor_state {
     uint32_t drowsiness;
     /// Whether the eyes have been unknown for degraded_us [0 or 1].
     uint32_t degraded;
-    /// 0. Keeps the struct free of padding.
-    uint32_t reserved;
+    /// Known time for which the eyes have looked down [us]; 0 while they do not.
+    uint32_t look_down_us;
     /// Known time in each zone so far [us].
     int64_t zones_us[8];
     /// Measures over the last 60 and 180 whole seconds since the first observation. They change

@@ -549,10 +549,15 @@ export const MODEL_DETAILS = {
  *   NCAP 2026.
  * @property {number} degradedUs Eyes that are unknown for this long are reported [us, default
  *   10000000]: Euro NCAP 2026.
+ * @property {number} lookDownDeg The eyes look down when their gaze is lowered by this much from
+ *   the direction of the road [deg, 10..60, default 18], chosen: below the windscreen. Zones are
+ *   met by the gaze then, by the head otherwise.
+ * @property {number} lookDownUs A look down of this length is reported [us, default 500000],
+ *   chosen.
  */
 /** @type {import('./struct.js').Layout} */
 export const MONITOR_CONFIG = {
-  size: 136,
+  size: 144,
   fields: {
     structSize: { at: 0, type: 'u32' },
     flags: { at: 4, type: 'u32' },
@@ -588,6 +593,8 @@ export const MONITOR_CONFIG = {
     returnUs: { at: 124, type: 'u32' },
     clearUs: { at: 128, type: 'u32' },
     degradedUs: { at: 132, type: 'u32' },
+    lookDownDeg: { at: 136, type: 'f32' },
+    lookDownUs: { at: 140, type: 'u32' },
   },
 };
 
@@ -627,18 +634,20 @@ export const MONITOR_ZONE = {
  * @property {number} pitchDeg As in Result [deg].
  * @property {[number, number, number]} translationMm As in Result [mm].
  * @property {[number, number, number]} rotationSigmaDeg As in Result [deg].
- * @property {[number, number]} eyeOpen Distance of the lids in that of open ones, of the person's
- *   left and right eye [0..1 or -1]: 0 shut, 1 open, -1 unknown; monitor_observe() computes it from
- *   Result.eye_open and what the gaze says of the eyes.
+ * @property {[number, number]} eyeOpen Distance of the lids in that of open ones that look where
+ *   these do, of the person's left and right eye [0..1 or -1]: 0 shut, 1 open, -1 unknown;
+ *   monitor_observe() computes it from Result.eye_open and what the gaze says of the eyes.
  * @property {number} jawOpen The animation weight jawOpen [0..1 or -1]; -1: unknown, because the
  *   mouth is hidden.
  * @property {number} cameraAssumed As in Result [0 or 1]. 1: the natural pose is learnt, and angles
  *   from the road count, relative to the line of sight, which hardly depends on the focal length;
  *   not with POSEWISE_MONITOR_FIXED_POSE.
+ * @property {[number, number, number]} gaze Unit gaze of both eyes in the camera frame [-1..1];
+ *   zeros where it is unknown.
  */
 /** @type {import('./struct.js').Layout} */
 export const MONITOR_OBSERVATION = {
-  size: 60,
+  size: 72,
   fields: {
     structSize: { at: 0, type: 'u32' },
     state: { at: 4, type: 'u32', names: STATES },
@@ -650,6 +659,7 @@ export const MONITOR_OBSERVATION = {
     eyeOpen: { at: 44, type: 'f32', count: 2 },
     jawOpen: { at: 52, type: 'f32' },
     cameraAssumed: { at: 56, type: 'u32' },
+    gaze: { at: 60, type: 'f32', count: 3 },
   },
 };
 
@@ -690,8 +700,8 @@ export const MONITOR_PERCLOS = {
  * @property {number} yawns Blinks, yawns and nods so far.
  * @property {number} nods Blinks, yawns and nods so far.
  * @property {number} mouthOpenUs Known time for which the mouth is open as in a yawn [us].
- * @property {number} zone Index of the zone, POSEWISE_MONITOR_ZONE_OUTSIDE or
- *   POSEWISE_MONITOR_ZONE_UNKNOWN.
+ * @property {number} zone Index of the zone, by the gaze while the eyes look down, else by the
+ *   head; POSEWISE_MONITOR_ZONE_OUTSIDE or POSEWISE_MONITOR_ZONE_UNKNOWN.
  * @property {number} zoneUs Time there [us].
  * @property {number} awayUs Known time away from the road, less the grace of zones, in this glance
  *   [us].
@@ -709,6 +719,8 @@ export const MONITOR_PERCLOS = {
  *   known eyes while alert.
  * @property {number} drowsiness How drowsy the driver is [POSEWISE_MONITOR_DROWSINESS_*].
  * @property {number} degraded Whether the eyes have been unknown for degraded_us [0 or 1].
+ * @property {number} lookDownUs Known time for which the eyes have looked down [us]; 0 while they
+ *   do not.
  * @property {[number, number, number, number, number, number, number, number]} zonesUs Known time
  *   in each zone so far [us].
  * @property {Monitor_perclos} perclos60 Measures over the last 60 and 180 whole seconds since the
@@ -741,7 +753,7 @@ export const MONITOR_STATE = {
     openEyeIsFinal: { at: 88, type: 'u32' },
     drowsiness: { at: 92, type: 'u32' },
     degraded: { at: 96, type: 'u32' },
-    reserved: { at: 100, type: 'u32' },
+    lookDownUs: { at: 100, type: 'u32' },
     zonesUs: { at: 104, type: 'i64', count: 8 },
     perclos60: { at: 168, struct: MONITOR_PERCLOS },
     perclos180: { at: 192, struct: MONITOR_PERCLOS },

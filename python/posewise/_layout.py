@@ -288,6 +288,8 @@ class Monitor_config(Structure):
         ("return_us", c_uint32),
         ("clear_us", c_uint32),
         ("degraded_us", c_uint32),
+        ("look_down_deg", c_float),
+        ("look_down_us", c_uint32),
     ]
 
 
@@ -312,6 +314,7 @@ class Monitor_observation(Structure):
         ("eye_open", c_float * 2),
         ("jaw_open", c_float),
         ("camera_assumed", c_uint32),
+        ("gaze", c_float * 3),
     ]
 
 
@@ -349,7 +352,7 @@ class Monitor_state(Structure):
         ("open_eye_is_final", c_uint32),
         ("drowsiness", c_uint32),
         ("degraded", c_uint32),
-        ("reserved", c_uint32),
+        ("look_down_us", c_uint32),
         ("zones_us", c_int64 * 8),
         ("perclos_60", Monitor_perclos),
         ("perclos_180", Monitor_perclos),

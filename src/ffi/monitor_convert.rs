@@ -13,7 +13,7 @@ const _: () = {
     use crate::monitor::{MAX_ZONES, MONITOR_EVENTS};
     assert!(POSEWISE_MONITOR_ZONES as usize == MAX_ZONES);
     assert!(POSEWISE_MONITOR_EVENTS as usize == MONITOR_EVENTS);
-    assert!(MonitorEventKind::ALL.len() == POSEWISE_MONITOR_EVENT_CLOCK_BACK as usize + 1);
+    assert!(MonitorEventKind::ALL.len() == POSEWISE_MONITOR_EVENT_LOOK_DOWN_END as usize + 1);
 };
 
 /// The preset of a number.
@@ -59,9 +59,9 @@ fn settings(given: &posewise_monitor_config, default: &MonitorConfig) -> Monitor
     }
     take!(or: min_confidence eye_yaw_deg eye_pitch_deg closed_below open_above drowsy_p80_60
         drowsy_p80_180 awake_share min_known yawn_above yawn_below nod_deg forward_yaw_deg
-        forward_pitch_deg natural_yaw_deg natural_pitch_deg zone_margin_deg);
+        forward_pitch_deg natural_yaw_deg natural_pitch_deg zone_margin_deg look_down_deg);
     take!(or_us: gap_us blink_us long_closure_us microsleep_us sleep_us unresponsive_us yawn_us
-        yawn_max_us nod_us long_glance_us cumulative_us return_us clear_us degraded_us);
+        yawn_max_us nod_us long_glance_us cumulative_us return_us clear_us degraded_us look_down_us);
     config
 }
 
@@ -80,7 +80,8 @@ pub(super) fn monitor_config_to(preset: u32, config: &MonitorConfig) -> posewise
         drowsy_p80_180 awake_share min_known yawn_above yawn_below nod_deg forward_yaw_deg
         forward_pitch_deg natural_yaw_deg natural_pitch_deg zone_margin_deg gap_us blink_us
         long_closure_us microsleep_us sleep_us unresponsive_us yawn_us yawn_max_us nod_us
-        long_glance_us cumulative_us return_us clear_us degraded_us);
+        long_glance_us cumulative_us return_us clear_us degraded_us look_down_deg
+        look_down_us);
     to
 }
 
@@ -136,6 +137,7 @@ pub(super) fn observation_from(given: &posewise_monitor_observation) -> Observat
     seen.rotation_sigma_deg = given.rotation_sigma_deg;
     (seen.eye_open, seen.jaw_open) = (given.eye_open, given.jaw_open);
     seen.camera_assumed = given.camera_assumed != 0;
+    seen.gaze = given.gaze;
     seen
 }
 
@@ -156,6 +158,7 @@ pub(super) fn observation_to(seen: &Observation) -> posewise_monitor_observation
         eye_open: seen.eye_open,
         jaw_open: seen.jaw_open,
         camera_assumed: u32::from(seen.camera_assumed),
+        gaze: seen.gaze,
     }
 }
 
@@ -217,7 +220,7 @@ pub(super) fn monitor_state_to(state: &MonitorState) -> posewise_monitor_state {
             Drowsiness::Drowsy => POSEWISE_MONITOR_DROWSINESS_DROWSY,
         },
         degraded: u32::from(state.degraded),
-        reserved: 0,
+        look_down_us: state.look_down_us,
         zones_us: state.zones_us.map(|us| us as i64),
         perclos_60: perclos_to(&state.perclos_60),
         perclos_180: perclos_to(&state.perclos_180),
@@ -273,6 +276,8 @@ mod tests {
             (Kind::OpenEyeLearnt, POSEWISE_MONITOR_EVENT_OPEN_EYE_LEARNT),
             (Kind::NaturalLearnt, POSEWISE_MONITOR_EVENT_NATURAL_LEARNT),
             (Kind::ClockBack, POSEWISE_MONITOR_EVENT_CLOCK_BACK),
+            (Kind::LookDown, POSEWISE_MONITOR_EVENT_LOOK_DOWN),
+            (Kind::LookDownEnd, POSEWISE_MONITOR_EVENT_LOOK_DOWN_END),
         ];
         assert_eq!(kinds.map(|(kind, _)| kind), Kind::ALL);
         for (kind, number) in kinds {

@@ -101,6 +101,10 @@ pub const POSEWISE_MONITOR_EVENT_OPEN_EYE_LEARNT: u32 = 16;
 pub const POSEWISE_MONITOR_EVENT_NATURAL_LEARNT: u32 = 17;
 /// A timestamp was before the last one.
 pub const POSEWISE_MONITOR_EVENT_CLOCK_BACK: u32 = 18;
+/// The eyes look down for look_down_us.
+pub const POSEWISE_MONITOR_EVENT_LOOK_DOWN: u32 = 19;
+/// That look ended.
+pub const POSEWISE_MONITOR_EVENT_LOOK_DOWN_END: u32 = 20;
 
 /// Settings of a driver monitor. A NULL pointer to this struct selects all defaults; 0 in a field
 /// selects that of the preset, of which the comments have the general one. Times are at most 71
@@ -182,6 +186,12 @@ pub struct posewise_monitor_config {
     pub clear_us: u32,
     /// Eyes that are unknown for this long are reported \[us, default 10000000\]: Euro NCAP 2026.
     pub degraded_us: u32,
+    /// The eyes look down when their gaze is lowered by this much from the direction of the road
+    /// \[deg, 10..60, default 18\], chosen: below the windscreen. Zones are met by the gaze then,
+    /// by the head otherwise.
+    pub look_down_deg: f32,
+    /// A look down of this length is reported \[us, default 500000\], chosen.
+    pub look_down_us: u32,
 }
 
 /// A zone of a driver monitor. Where zones overlap, the first one counts. This struct never grows,
@@ -222,9 +232,9 @@ pub struct posewise_monitor_observation {
     pub translation_mm: [f32; 3],
     /// As in posewise_result \[deg\].
     pub rotation_sigma_deg: [f32; 3],
-    /// Distance of the lids in that of open ones, of the person's left and right eye \[0..1 or
-    /// -1\]: 0 shut, 1 open, -1 unknown; posewise_monitor_observe() computes it from
-    /// posewise_result.eye_open and what the gaze says of the eyes.
+    /// Distance of the lids in that of open ones that look where these do, of the person's left and
+    /// right eye \[0..1 or -1\]: 0 shut, 1 open, -1 unknown; posewise_monitor_observe() computes it
+    /// from posewise_result.eye_open and what the gaze says of the eyes.
     pub eye_open: [f32; 2],
     /// The animation weight jawOpen \[0..1 or -1\]; -1: unknown, because the mouth is hidden.
     pub jaw_open: f32,
@@ -232,6 +242,8 @@ pub struct posewise_monitor_observation {
     /// count, relative to the line of sight, which hardly depends on the focal length; not with
     /// POSEWISE_MONITOR_FIXED_POSE.
     pub camera_assumed: u32,
+    /// Unit gaze of both eyes in the camera frame \[-1..1\]; zeros where it is unknown.
+    pub gaze: [f32; 3],
 }
 
 /// Measures of eye closure over a window of whole seconds. This struct never grows.
@@ -273,7 +285,8 @@ pub struct posewise_monitor_state {
     pub nods: u32,
     /// Known time for which the mouth is open as in a yawn \[us\].
     pub mouth_open_us: u32,
-    /// Index of the zone, POSEWISE_MONITOR_ZONE_OUTSIDE or POSEWISE_MONITOR_ZONE_UNKNOWN.
+    /// Index of the zone, by the gaze while the eyes look down, else by the head;
+    /// POSEWISE_MONITOR_ZONE_OUTSIDE or POSEWISE_MONITOR_ZONE_UNKNOWN.
     pub zone: u32,
     /// Time there \[us\].
     pub zone_us: u32,
@@ -297,8 +310,8 @@ pub struct posewise_monitor_state {
     pub drowsiness: u32,
     /// Whether the eyes have been unknown for degraded_us \[0 or 1\].
     pub degraded: u32,
-    /// 0. Keeps the struct free of padding.
-    pub reserved: u32,
+    /// Known time for which the eyes have looked down \[us\]; 0 while they do not.
+    pub look_down_us: u32,
     /// Known time in each zone so far \[us\].
     pub zones_us: [i64; 8],
     /// Measures over the last 60 and 180 whole seconds since the first observation. They change

@@ -119,13 +119,30 @@ const LOWERED_FROM_DEG: f32 = 4.0;
 const LOWERED_PER_DEG: f32 = 0.0188;
 /// Least share of the distance of open lids that a gaze leaves.
 const LOWERED_LEAST: f32 = 0.3;
+/// Share of the network where the gaze is so far down \[deg\]: lids tell little there.
+const LOWERED_SHARE: f32 = 0.8;
+const LOWERED_SHARE_DEG: f32 = 14.0;
 
-/// Distance of lids that are open, as far as this gaze lets them, in that of an eye that looks
-/// ahead.
-fn allowed(gaze: &Gaze) -> f32 {
-    let [_, down, _] = gaze.head;
-    let down_deg = libm::asinf(down.clamp(-1.0, 1.0)).to_degrees();
-    (1.0 - LOWERED_PER_DEG * (down_deg - LOWERED_FROM_DEG)).clamp(LOWERED_LEAST, 1.0)
+/// How lids count that follow a gaze.
+#[derive(Clone, Copy)]
+struct Lowered {
+    /// Distance of lids that are open, as far as the gaze lets them, in that of an eye that looks
+    /// ahead.
+    allowed: f32,
+    /// Share of the network in the openness of an eye.
+    network_share: f32,
+}
+
+impl Lowered {
+    fn new(gaze: &Gaze) -> Lowered {
+        let [_, down, _] = gaze.head;
+        let down_deg = libm::asinf(down.clamp(-1.0, 1.0)).to_degrees() - LOWERED_FROM_DEG;
+        let share = (down_deg / (LOWERED_SHARE_DEG - LOWERED_FROM_DEG)).clamp(0.0, 1.0);
+        Lowered {
+            allowed: (1.0 - LOWERED_PER_DEG * down_deg).clamp(LOWERED_LEAST, 1.0),
+            network_share: NETWORK_SHARE + (LOWERED_SHARE - NETWORK_SHARE) * share,
+        }
+    }
 }
 
 /// Openness of an eye, below 0 unknown, by what is known of the other eye.
@@ -149,11 +166,11 @@ impl Openness {
         }
     }
 
-    /// By the lids, of which the gaze allows so much, and the network.
-    fn new(lids: f32, eye: &Eye, allowed: f32) -> Openness {
+    /// By the lids, which follow the gaze, and the network.
+    fn new(lids: f32, eye: &Eye, lowered: Lowered) -> Openness {
         let lids = if lids > 0.0 { distance(lids) } else { lids };
         match eye.unknown {
-            None => Openness::of_seen((lids / allowed).min(1.0), eye.open),
+            None => Openness::of_seen(lids, eye.open, lowered),
             Some(
                 EyeUnknown::DarkGlasses
                 | EyeUnknown::Glare
@@ -166,15 +183,16 @@ impl Openness {
 
     /// Of an eye that the network sees, by the distance of the lids and the probability that it is
     /// open.
-    fn of_seen(lids: f32, open: f32) -> Openness {
+    fn of_seen(lids: f32, open: f32, lowered: Lowered) -> Openness {
         let (network, odds) = by_network(open);
         let sure_from = |least: f32| odds.abs() >= least;
         let only_if = |is: bool, openness: f32| if is { openness } else { -1.0 };
         if lids < 0.0 {
             return Openness::always(only_if(sure_from(ALONE_ODDS), network));
         }
+        let lids = (lids / lowered.allowed).min(1.0);
         let apart = (network - lids).abs();
-        let mean = NETWORK_SHARE * network + (1.0 - NETWORK_SHARE) * lids;
+        let mean = lids + lowered.network_share * (network - lids);
         let with_other = only_if(sure_from(UNSURE_ODDS) || apart <= APART, mean);
         let alone = only_if(sure_from(ALONE_ODDS) && apart <= ALONE_APART, mean);
         let are_shut = sure_from(UNSURE_ODDS) && network.max(lids) < LENS_SHUT;
@@ -197,9 +215,9 @@ impl Openness {
 /// unless it is a lens that hides the other.
 pub fn fused_openness(lids: [f32; 2], eyes: &Eyes) -> [f32; 2] {
     let ([left_lids, right_lids], [left_eye, right_eye]) = (lids, &eyes.each);
-    let allowed = allowed(&eyes.gaze);
-    let left = Openness::new(left_lids, left_eye, allowed);
-    let right = Openness::new(right_lids, right_eye, allowed);
+    let lowered = Lowered::new(&eyes.gaze);
+    let left = Openness::new(left_lids, left_eye, lowered);
+    let right = Openness::new(right_lids, right_eye, lowered);
     let beside = |this: Openness, other: Openness, other_eye: &Eye| match other_eye.unknown {
         _ if other.with_other >= 0.0 => this.with_other,
         Some(EyeUnknown::DarkGlasses | EyeUnknown::Glare) => this.beside_lens,

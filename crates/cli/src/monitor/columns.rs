@@ -121,6 +121,12 @@ pub const COLUMNS: [&[Column]; 4] = [
             |s| count(s.mouth_open_us),
         ),
         column(
+            "look_down_us",
+            "µs",
+            "time for which the eyes have looked down",
+            |s| count(s.look_down_us),
+        ),
+        column(
             "zone",
             "",
             "index of the zone; −1 unknown, −2 outside of all",
