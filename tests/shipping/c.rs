@@ -172,6 +172,7 @@ fn every_wrong_call_is_answered_under_sanitizers() {
 /// What goes beyond a block of memory, also in the library, and what depends on memory that was
 /// never written.
 #[test]
+#[ignore = "minutes under valgrind: .ci/nightly"]
 fn every_wrong_call_is_answered_under_valgrind() {
     if !require("valgrind") {
         return;

@@ -54,6 +54,7 @@ fn runs(console: &str) -> Vec<(String, Run)> {
 }
 
 #[test]
+#[ignore = "boots an emulated machine: .ci/nightly"]
 fn captures_from_a_device() {
     let Some(kernel) = std::env::var_os("POSEWISE_KERNEL") else {
         require("POSEWISE_KERNEL");

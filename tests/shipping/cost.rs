@@ -57,6 +57,7 @@ fn steps_take_as_many_instructions_as_documented() {
 }
 
 #[test]
+#[ignore = "minutes of emulation: .ci/nightly"]
 fn steps_take_as_many_instructions_as_documented_on_aarch64() {
     let target = "aarch64-unknown-linux-gnu";
     let library = Library {

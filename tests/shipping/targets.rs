@@ -124,12 +124,14 @@ fn aarch64_answers_alike() {
 }
 
 #[test]
+#[ignore = "a second emulated machine: .ci/nightly"]
 fn armv7_answers_alike() {
     let programs = ["arm-linux-gnueabihf-gcc", "qemu-arm-static"];
     check_target("armv7-unknown-linux-gnueabihf", "ARMv7", 0, &programs);
 }
 
 #[test]
+#[ignore = "a third emulated machine: .ci/nightly"]
 fn cortex_m_answers_alike() {
     let programs = ["arm-none-eabi-gcc", "qemu-system-arm"];
     check_target("thumbv7em-none-eabihf", "Cortex-M4", 0, &programs);
@@ -178,6 +180,7 @@ fn every_wrong_call_is_answered_on_arm() {
 
 /// Compiled with MinGW and run with Wine.
 #[test]
+#[ignore = "a fourth emulated machine: .ci/nightly"]
 fn windows_answers_alike() {
     let target = "x86_64-pc-windows-gnu";
     if require("make") && possible(target, &["x86_64-w64-mingw32-gcc", xtask::WINE]) {
