@@ -24,7 +24,9 @@ fn main() {
 /// Lines about the tests that are marked so: `#[ignore = "WHY: .ci/nightly"]`.
 fn left_to_the_night() -> Vec<String> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let mut folders = ["crates", "src", "tests"].map(|name| root.join(name)).to_vec();
+    let mut folders = ["crates", "src", "tests"]
+        .map(|name| root.join(name))
+        .to_vec();
     let mut left = Vec::new();
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(folder).expect("a folder of the repository") {
@@ -34,7 +36,9 @@ fn left_to_the_night() -> Vec<String> {
             } else if path.extension().is_some_and(|ending| ending == "rs") {
                 let text = std::fs::read_to_string(&path).expect("a source file");
                 let file = path.strip_prefix(&root).expect("inside").display();
-                left.extend(marked(&text).map(|(test, why)| format!("left: {file}: {test}: {why}\n")));
+                left.extend(
+                    marked(&text).map(|(test, why)| format!("left: {file}: {test}: {why}\n")),
+                );
             }
         }
     }
