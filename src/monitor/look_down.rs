@@ -47,7 +47,8 @@ impl LookDown {
         config: &MonitorConfig,
         log: &mut MonitorEventLog,
     ) {
-        self.look.pass(time_us, is_known, now_us, &reports(config), log);
+        self.look
+            .pass(time_us, is_known, now_us, &reports(config), log);
     }
 
     /// The pitch of a new gaze from the direction of the road \[deg\].

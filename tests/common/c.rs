@@ -76,13 +76,15 @@ pub fn library() -> &'static Path {
     })
 }
 
-/// The `posewise` command, as a build of the whole workspace makes it.
+/// The `posewise` command, as the tests of the whole workspace have built it: a test among what is
+/// asked for makes cargo choose the same features.
 pub fn command() -> &'static Path {
     static COMMAND: OnceLock<PathBuf> = OnceLock::new();
     COMMAND.get_or_init(|| {
         let mut cargo = Command::new(env!("CARGO"));
         cargo.args(["build", "--quiet", "--release", "--workspace"]);
-        succeed(cargo.args(["--bin", "posewise"]).current_dir(root()));
+        cargo.args(["--bin", "posewise", "--test", "skipped"]);
+        succeed(cargo.current_dir(root()));
         let tmp = Path::new(env!("CARGO_TARGET_TMPDIR"));
         tmp.with_file_name("release").join("posewise")
     })

@@ -49,6 +49,7 @@ fn android() -> Option<&'static Path> {
 }
 
 #[test]
+#[ignore = "builds the library twice more: .ci/nightly"]
 fn android_folder_is_whole() {
     let Some(folder) = android() else { return };
     let module = "prefab/modules/posewise";
@@ -91,6 +92,7 @@ fn android_folder_is_whole() {
 
 /// The JVM of this machine loads what CMake makes of the folder.
 #[test]
+#[ignore = "builds the library twice more: .ci/nightly"]
 fn android_classes_track_the_demo() {
     let Some(folder) = android() else { return };
     if !cfg!(all(target_os = "linux", target_arch = "x86_64")) || !require("cmake") {
@@ -112,6 +114,7 @@ fn android_classes_track_the_demo() {
 
 /// A Linux program links Android's library, which asks of no system.
 #[test]
+#[ignore = "builds the library twice more: .ci/nightly"]
 fn android_library_gives_the_same_results() {
     let Some(_) = android() else { return };
     if !require("aarch64-linux-gnu-gcc") || !require("qemu-aarch64-static") {
@@ -137,6 +140,7 @@ fn android_library_gives_the_same_results() {
 const FRAMES: usize = 20;
 
 #[test]
+#[ignore = "builds the library twice more: .ci/nightly"]
 fn ios_framework_is_whole() {
     if !has_rust_for(PLATFORMS.iter().map(|platform| platform.1)) || !require("make") {
         return;

@@ -214,6 +214,7 @@ fn notices_are_of_what_is_linked_in() {
 
 /// Built in another folder, the archive has the same bytes.
 #[test]
+#[ignore = "builds the library once more: .ci/nightly"]
 fn archive_is_reproducible() {
     if !require("make") {
         return;

@@ -12,6 +12,7 @@ const STACK_BYTES: usize = 64 << 20;
 /// Runs a command on a stack of its own; `name` is for messages. The command may ask for an exit
 /// status.
 pub fn run(name: &str, command: impl FnOnce() -> Result<Option<u8>> + Send + 'static) -> ExitCode {
+    end_on_panic();
     detect_cpu();
     report_large_files();
     let outcome = std::thread::Builder::new()
@@ -32,6 +33,16 @@ pub fn run(name: &str, command: impl FnOnce() -> Result<Option<u8>> + Send + 'st
             ExitCode::FAILURE
         }
     }
+}
+
+/// A panic in any thread ends the program: the others would wait for that thread, or go on without
+/// it.
+fn end_on_panic() {
+    let report = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        report(panic);
+        std::process::abort();
+    }));
 }
 
 /// Tells the library what of the processor it cannot find out without an operating system.
