@@ -2,8 +2,8 @@
 
 #[path = "../common/mod.rs"]
 mod common;
-mod header;
 mod imports;
+mod interface;
 mod layering;
 mod links;
 mod style;

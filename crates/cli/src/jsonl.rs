@@ -28,7 +28,8 @@ pub fn object(row: &Row<'_>) -> Value {
     out.insert("frame".into(), row.frame.into());
     out.insert("face_id".into(), row.face_id.into());
     let fields = FIELDS.iter().filter(|field| !NESTED.contains(&field.name));
-    for field in fields {
+    let (times, others): (Vec<_>, Vec<_>) = fields.partition(|field| field.name.ends_with("_us"));
+    for field in times.into_iter().chain(others) {
         let name = match field.name {
             "face_box" => "box",
             name => name,

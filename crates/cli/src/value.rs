@@ -22,15 +22,15 @@ impl Cell {
 }
 
 /// Shortest decimal form of an f32, so that 0.1 is not written as 0.10000000149011612.
-pub fn number(value: f32) -> Value {
+pub fn number(value: f32) -> Json {
     value
         .to_string()
         .parse::<f64>()
-        .map_or(Value::Null, Value::from)
+        .map_or(Json::Null, Json::from)
 }
 
 /// A list of them.
-pub fn numbers(values: &[f32]) -> Value {
+pub fn numbers(values: &[f32]) -> Json {
     values.iter().copied().map(number).collect()
 }
 

@@ -7,7 +7,7 @@ use posewise::ffi::monitor::{posewise_monitor_config_default, posewise_monitor_m
 use posewise::ffi::monitor_types::{POSEWISE_MONITOR_PRESET_GENERAL, posewise_monitor_config};
 use posewise::ffi::types::{POSEWISE_OK, posewise_config};
 use posewise::ffi::{monitor, names};
-use xtask::interface::{self, Field, Kind, Table, layout};
+use xtask::interface::{self as generated, Field, Kind, Table, layout};
 
 fn table() -> Table {
     Table::read().expect("src/ffi is read")
@@ -16,7 +16,7 @@ fn table() -> Table {
 /// The header, the layouts for JavaScript and Python, and their likes.
 #[test]
 fn generated_files_are_up_to_date() {
-    interface::check().unwrap_or_else(|error| panic!("{error:#}"));
+    generated::check().unwrap_or_else(|error| panic!("{error:#}"));
 }
 
 #[test]
@@ -54,6 +54,34 @@ fn every_exported_function_is_declared() {
             "{name} is not in the header"
         );
         assert!(!function.comment.is_empty(), "{name} has no comment");
+    }
+}
+
+/// A struct of the header of each release is accepted: where fields came later, memory.rs has the
+/// size before them.
+#[test]
+fn sizes_of_earlier_releases_are_accepted() {
+    let memory = std::fs::read_to_string(root().join("src/ffi/memory.rs")).expect("memory.rs");
+    let table = table();
+    for item in table.structs.iter().filter(|item| item.grows()) {
+        let name = format!("posewise_{}", item.name);
+        let (_, section) = memory
+            .split_once(&format!("impl Growing for {name} {{"))
+            .unwrap_or_else(|| panic!("{name} in memory.rs"));
+        let (_, list) = section.split_once("= &[").expect("a list");
+        let (list, _) = list.split_once(']').expect("its end");
+        let (_, starts) = layout::offsets(item, &table, size_of::<usize>()).expect("a layout");
+        let fields: Vec<_> = item.fields.iter().zip(starts).collect();
+        for pair in fields.windows(2) {
+            let [(before, _), (field, start)] = [pair[0], pair[1]];
+            let is_listed = list.split(", ").any(|size| size == start.to_string());
+            let is_new = field.facts.since != before.facts.since;
+            assert!(
+                !is_new || is_listed,
+                "{start}, the size before {name}.{}",
+                field.name
+            );
+        }
     }
 }
 
