@@ -15,7 +15,8 @@ use parquet::schema::types::Type;
 use posewise::TrackResult;
 use serde_json::Value;
 
-use crate::csv::{self, Cell, Row};
+use crate::columns::Cell;
+use crate::csv::{self, Row};
 
 /// Frames of a row group. Source: chosen; 9 MB of memory for each thread, and pages of 16 KB.
 const GROUP: usize = 4096;
