@@ -3,7 +3,7 @@
 use anyhow::Result;
 
 use crate::cli::{Cli, Command, ModelCommand};
-use crate::{columns, csv, demo, index, manual, model_info, monitor, output, track, view};
+use crate::{csv, demo, index, manual, model_info, monitor, output, track, view};
 
 /// Runs a command; the exit status that it asks for, if any.
 pub fn run(cli: Cli) -> Result<Option<u8>> {
@@ -21,9 +21,6 @@ pub fn run(cli: Cli) -> Result<Option<u8>> {
 
 /// The columns of `track --csv`, then those that `--monitor` adds.
 fn columns() -> String {
-    let (own, more) = (
-        csv::documentation(),
-        columns::table(monitor::columns::COLUMNS),
-    );
+    let (own, more) = (csv::documentation(), monitor::columns::documentation());
     format!("{own}\nWith `--monitor`, at the end:\n\n{more}")
 }

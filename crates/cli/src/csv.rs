@@ -2,16 +2,16 @@
 //!
 //! OpenFace 2's columns, names and units come first, so that scripts for its tables read ours;
 //! then what OpenFace does not have. [`COLUMNS`] is the only list: names, units, documentation
-//! and values all come from it, and a test compares docs/command-line.md with it.
+//! and values all come from it, and a test compares docs/command-line.md with it. The list makes
+//! this file longer than others.
 
 use std::io::Write;
 
 use anyhow::{Context, Result, anyhow};
 use glam::{Mat3, Quat};
-use posewise::{ANIMATION_NAMES, EYE_LOOK_NAMES, EyeUnknown, Gaze, State, TrackResult};
-
-use crate::columns::Names::{Animations, List, One, PerLandmark};
-use crate::columns::{self, Cell, Column, columns, num};
+use posewise::{
+    ANIMATION_NAMES, EYE_LOOK_NAMES, Eye, EyeUnknown, Eyes, Gaze, LANDMARKS, State, TrackResult,
+};
 
 /// What one row is made of.
 #[derive(Clone, Copy)]
@@ -24,6 +24,94 @@ pub struct Row<'a> {
     pub result: &'a TrackResult,
 }
 
+/// The names of a group of columns.
+pub enum Names {
+    /// One column.
+    One(&'static str),
+    /// `name_0` … `name_67`.
+    PerLandmark(&'static str),
+    /// ARKit's blendshape names.
+    Animations,
+    /// Several columns.
+    List(&'static [&'static str]),
+}
+
+/// One value of a row.
+pub enum Cell {
+    /// A number and its decimals.
+    Number(f64, usize),
+    /// A word.
+    Word(&'static str),
+}
+
+impl Cell {
+    /// As it stands in the table.
+    pub fn text(&self) -> String {
+        match *self {
+            Cell::Number(value, decimals) => format!("{value:.decimals$}"),
+            Cell::Word(word) => word.to_string(),
+        }
+    }
+}
+
+/// A group of columns.
+pub struct Column {
+    /// Names.
+    pub names: Names,
+    /// Unit, for the docs.
+    pub unit: &'static str,
+    /// Meaning, for the docs.
+    pub meaning: &'static str,
+    /// The value of the group's n-th column.
+    pub value: fn(&Row<'_>, usize) -> Cell,
+}
+
+const fn one(
+    name: &'static str,
+    unit: &'static str,
+    meaning: &'static str,
+    value: fn(&Row<'_>, usize) -> Cell,
+) -> Column {
+    Column {
+        names: Names::One(name),
+        unit,
+        meaning,
+        value,
+    }
+}
+
+const fn per_landmark(
+    name: &'static str,
+    unit: &'static str,
+    meaning: &'static str,
+    value: fn(&Row<'_>, usize) -> Cell,
+) -> Column {
+    Column {
+        names: Names::PerLandmark(name),
+        unit,
+        meaning,
+        value,
+    }
+}
+
+const fn list(
+    names: &'static [&'static str],
+    unit: &'static str,
+    meaning: &'static str,
+    value: fn(&Row<'_>, usize) -> Cell,
+) -> Column {
+    Column {
+        names: Names::List(names),
+        unit,
+        meaning,
+        value,
+    }
+}
+
+fn num(value: f32, decimals: usize) -> Cell {
+    Cell::Number(f64::from(value), decimals)
+}
+
 fn landmark(row: &Row<'_>, i: usize) -> posewise::Landmark {
     row.result.landmarks.get(i).copied().unwrap_or_default()
 }
@@ -33,114 +121,335 @@ fn point(row: &Row<'_>, i: usize, axis: usize) -> Cell {
     num(point[axis], 2)
 }
 
-columns! {
-    /// Every column, in order.
-    pub const COLUMNS: fn(&Row<'_>, usize) -> Cell = |row, i|;
-    One("frame"), "", "number of the frame, from 1" => Cell::Number(row.frame as f64, 0);
-    One("face_id"), "", "number of the face, from 0" => Cell::Number(row.face_id as f64, 0);
-    One("timestamp"), "s", "time of the frame"
-        => Cell::Number(row.result.timestamp_us as f64 / 1e6, 6);
-    One("confidence"), "0..1", "probability that this is a face and that the fit is right"
-        => num(row.result.confidence, 4);
-    One("success"), "0 or 1", "1 when the face was fitted on this frame (state tracking)"
-        => Cell::Number(f64::from(row.result.state == State::Tracking), 0);
-    One("pose_Tx"), "mm", "head position, + to the image right"
-        => num(row.result.translation_mm[0], 2);
-    One("pose_Ty"), "mm", "head position, + down" => num(row.result.translation_mm[1], 2);
-    One("pose_Tz"), "mm", "head position, + away from the camera"
-        => num(row.result.translation_mm[2], 2);
-    One("pose_Rx"), "rad", "OpenFace's pitch, + is nose down"
-        => num(openface_angles(row.result)[0], 5);
-    One("pose_Ry"), "rad", "OpenFace's yaw, + is nose to the image left"
-        => num(openface_angles(row.result)[1], 5);
-    One("pose_Rz"), "rad", "OpenFace's roll, + is clockwise in the image"
-        => num(openface_angles(row.result)[2], 5);
-    PerLandmark("x"), "px", "landmark in the image, + right" => num(landmark(row, i).x, 3);
-    PerLandmark("y"), "px", "landmark in the image, + down" => num(landmark(row, i).y, 3);
-    PerLandmark("X"), "mm", "landmark of the 3D face, camera frame" => point(row, i, 0);
-    PerLandmark("Y"), "mm", "landmark of the 3D face, camera frame" => point(row, i, 1);
-    PerLandmark("Z"), "mm", "landmark of the 3D face, camera frame" => point(row, i, 2);
-    One("state"), "word", "`searching`, `tracking` or `coasting`"
-        => Cell::Word(row.result.state.name());
-    One("yaw_deg"), "deg", "+ turns the face to the image right" => num(row.result.yaw_deg, 3);
-    One("pitch_deg"), "deg", "+ turns the face up" => num(row.result.pitch_deg, 3);
-    One("roll_deg"), "deg", "+ tilts the head clockwise in the image"
-        => num(row.result.roll_deg, 3);
-    PerLandmark("c"), "0..1", "confidence: probability of an error below 0.1 inter-ocular distances"
-        => num(landmark(row, i).confidence, 3);
-    PerLandmark("vis"), "0..1", "visibility: probability that nothing hides the landmark"
-        => num(landmark(row, i).visibility, 2);
-    One("eye_open_left"), "0..1, −1", "left eye: 0 shut, 1 open, −1 unknown (hidden or too fast)"
-        => num(row.result.eye_open[0], 3);
-    One("eye_open_right"), "0..1, −1", "right eye, likewise" => num(row.result.eye_open[1], 3);
-    Animations, "0..1", "animation weights; all names are listed below"
-        => num(row.result.animation.get(i).copied().unwrap_or(0.0), 3);
-    One("box_x"), "px", "left edge of the landmarks' box" => num(row.result.face_box[0], 2);
-    One("box_y"), "px", "upper edge of the landmarks' box" => num(row.result.face_box[1], 2);
-    One("box_w"), "px", "width of the landmarks' box" => num(row.result.face_box[2], 2);
-    One("box_h"), "px", "height of the landmarks' box" => num(row.result.face_box[3], 2);
-    One("age_us"), "µs", "time since the frame that the fit belongs to; 0 when tracking"
-        => Cell::Number(row.result.age_us as f64, 0);
-    One("loss"), "word", "`none`, `low-confidence`, `left-frame`, `no-pose`, `excluded`"
-        => Cell::Word(row.result.loss.name());
-    One("visible_share"), "0..1", "mean visibility of the landmarks"
-        => num(row.result.visible_share, 3);
-    One("R_sigma_x"), "deg", "standard deviation of the rotation about the camera's x axis"
-        => num(row.result.rotation_sigma_deg[0], 3);
-    One("R_sigma_y"), "deg", "standard deviation of the rotation about the camera's y axis"
-        => num(row.result.rotation_sigma_deg[1], 3);
-    One("R_sigma_z"), "deg", "standard deviation of the rotation about the camera's z axis"
-        => num(row.result.rotation_sigma_deg[2], 3);
-    One("T_sigma_x"), "mm", "standard deviation of pose_Tx"
-        => num(row.result.translation_sigma_mm[0], 2);
-    One("T_sigma_y"), "mm", "standard deviation of pose_Ty"
-        => num(row.result.translation_sigma_mm[1], 2);
-    One("T_sigma_z"), "mm", "standard deviation of pose_Tz"
-        => num(row.result.translation_sigma_mm[2], 2);
-    List(&["gaze_0_x", "gaze_0_y", "gaze_0_z"]),
-        "", "gaze of the image left's eye, unit vector, camera frame"
-        => num(row.result.eyes.each[1].gaze.camera[i], 4);
-    List(&["gaze_1_x", "gaze_1_y", "gaze_1_z"]), "", "gaze of the image right's eye, likewise"
-        => num(row.result.eyes.each[0].gaze.camera[i], 4);
-    List(&["gaze_angle_x", "gaze_angle_y"]),
-        "rad", "gaze of both eyes, + to the image right and down"
-        => num(gaze_angles(&row.result.eyes.gaze)[i], 4);
-    List(&["gaze_head_x", "gaze_head_y", "gaze_head_z"]),
-        "", "gaze of both eyes, unit vector, head frame"
-        => num(row.result.eyes.gaze.head[i], 4);
-    One("gaze_sigma_deg"), "deg", "standard deviation of the gaze of both eyes"
-        => num(row.result.eyes.gaze.sigma_deg, 2);
-    One("gaze_status"), "word", "`known`, or why the gaze of both eyes is unknown; it is 0 then"
-        => Cell::Word(EyeUnknown::name_of(row.result.eyes.gaze.unknown));
-    List(&["eye_open_p_left", "eye_open_p_right"]),
-        "0..1, −1", "probability that the eye is open, −1 unknown"
-        => num(row.result.eyes.each[i].open, 3);
-    List(&["eye_status_left", "eye_status_right"]), "word", "`known`, or why the lids are unknown"
-        => Cell::Word(EyeUnknown::name_of(row.result.eyes.each[i].unknown));
-    List(&["iris_left_x", "iris_left_y"]),
-        "px", "middle of the left iris; of the eye if its gaze is unknown"
-        => num(row.result.eyes.each[0].iris[i], 3);
-    List(&["iris_right_x", "iris_right_y"]), "px", "middle of the right iris, likewise"
-        => num(row.result.eyes.each[1].iris[i], 3);
-    One("glasses"), "0..1, −1", "probability of glasses, −1 unknown"
-        => num(row.result.eyes.glasses, 3);
-    One("dark_glasses"), "0..1, −1", "probability that they are dark, −1 unknown"
-        => num(row.result.eyes.dark_glasses, 3);
-    List(&EYE_LOOK_NAMES), "0..1", "ARKit's weights of the gaze, 0 where it is unknown"
-        => num(row.result.eyes.look[i], 3);
-    One("facing_yaw_deg"), "deg", "yaw relative to the line of sight, 0 looks into the lens"
-        => num(row.result.facing_yaw_deg, 3);
-    One("facing_pitch_deg"), "deg", "pitch relative to the line of sight"
-        => num(row.result.facing_pitch_deg, 3);
-    One("facing_roll_deg"), "deg", "roll relative to the line of sight"
-        => num(row.result.facing_roll_deg, 3);
-    List(&["facing_yaw_sigma", "facing_pitch_sigma", "facing_roll_sigma"]),
-        "deg", "their standard deviations"
-        => num(row.result.facing_sigma_deg[i], 3);
-    One("focal_px"), "px", "focal length with which the face was fitted"
-        => num(row.result.focal_px, 1);
-    One("camera_assumed"), "0 or 1", "1 without intrinsics: 60° across were assumed"
-        => Cell::Number(f64::from(u8::from(row.result.camera_assumed)), 0);
+/// Every column, in order.
+pub const COLUMNS: &[Column] = &[
+    one("frame", "", "number of the frame, from 1", |r, _| {
+        Cell::Number(r.frame as f64, 0)
+    }),
+    one("face_id", "", "number of the face, from 0", |r, _| {
+        Cell::Number(r.face_id as f64, 0)
+    }),
+    one("timestamp", "s", "time of the frame", |r, _| {
+        Cell::Number(r.result.timestamp_us as f64 / 1e6, 6)
+    }),
+    one(
+        "confidence",
+        "0..1",
+        "probability that this is a face and that the fit is right",
+        |r, _| num(r.result.confidence, 4),
+    ),
+    one(
+        "success",
+        "0 or 1",
+        "1 when the face was fitted on this frame (state tracking)",
+        |r, _| Cell::Number(f64::from(r.result.state == State::Tracking), 0),
+    ),
+    one(
+        "pose_Tx",
+        "mm",
+        "head position, + to the image right",
+        |r, _| num(r.result.translation_mm[0], 2),
+    ),
+    one("pose_Ty", "mm", "head position, + down", |r, _| {
+        num(r.result.translation_mm[1], 2)
+    }),
+    one(
+        "pose_Tz",
+        "mm",
+        "head position, + away from the camera",
+        |r, _| num(r.result.translation_mm[2], 2),
+    ),
+    one(
+        "pose_Rx",
+        "rad",
+        "OpenFace's pitch, + is nose down",
+        |r, _| num(openface_angles(r.result)[0], 5),
+    ),
+    one(
+        "pose_Ry",
+        "rad",
+        "OpenFace's yaw, + is nose to the image left",
+        |r, _| num(openface_angles(r.result)[1], 5),
+    ),
+    one(
+        "pose_Rz",
+        "rad",
+        "OpenFace's roll, + is clockwise in the image",
+        |r, _| num(openface_angles(r.result)[2], 5),
+    ),
+    per_landmark("x", "px", "landmark in the image, + right", |r, i| {
+        num(landmark(r, i).x, 3)
+    }),
+    per_landmark("y", "px", "landmark in the image, + down", |r, i| {
+        num(landmark(r, i).y, 3)
+    }),
+    per_landmark(
+        "X",
+        "mm",
+        "landmark of the 3D face, camera frame",
+        |r, i| point(r, i, 0),
+    ),
+    per_landmark(
+        "Y",
+        "mm",
+        "landmark of the 3D face, camera frame",
+        |r, i| point(r, i, 1),
+    ),
+    per_landmark(
+        "Z",
+        "mm",
+        "landmark of the 3D face, camera frame",
+        |r, i| point(r, i, 2),
+    ),
+    one(
+        "state",
+        "word",
+        "`searching`, `tracking` or `coasting`",
+        |r, _| Cell::Word(r.result.state.name()),
+    ),
+    one(
+        "yaw_deg",
+        "deg",
+        "+ turns the face to the image right",
+        |r, _| num(r.result.yaw_deg, 3),
+    ),
+    one("pitch_deg", "deg", "+ turns the face up", |r, _| {
+        num(r.result.pitch_deg, 3)
+    }),
+    one(
+        "roll_deg",
+        "deg",
+        "+ tilts the head clockwise in the image",
+        |r, _| num(r.result.roll_deg, 3),
+    ),
+    per_landmark(
+        "c",
+        "0..1",
+        "confidence: probability of an error below 0.1 inter-ocular distances",
+        |r, i| num(landmark(r, i).confidence, 3),
+    ),
+    per_landmark(
+        "vis",
+        "0..1",
+        "visibility: probability that nothing hides the landmark",
+        |r, i| num(landmark(r, i).visibility, 2),
+    ),
+    one(
+        "eye_open_left",
+        "0..1, −1",
+        "left eye: 0 shut, 1 open, −1 unknown (hidden or too fast)",
+        |r, _| num(r.result.eye_open[0], 3),
+    ),
+    one(
+        "eye_open_right",
+        "0..1, −1",
+        "right eye, likewise",
+        |r, _| num(r.result.eye_open[1], 3),
+    ),
+    Column {
+        names: Names::Animations,
+        unit: "0..1",
+        meaning: "animation weights; all names are listed below",
+        value: |r, i| num(r.result.animation.get(i).copied().unwrap_or(0.0), 3),
+    },
+    one("box_x", "px", "left edge of the landmarks' box", |r, _| {
+        num(r.result.face_box[0], 2)
+    }),
+    one("box_y", "px", "upper edge of the landmarks' box", |r, _| {
+        num(r.result.face_box[1], 2)
+    }),
+    one("box_w", "px", "width of the landmarks' box", |r, _| {
+        num(r.result.face_box[2], 2)
+    }),
+    one("box_h", "px", "height of the landmarks' box", |r, _| {
+        num(r.result.face_box[3], 2)
+    }),
+    one(
+        "age_us",
+        "µs",
+        "time since the frame that the fit belongs to; 0 when tracking",
+        |r, _| Cell::Number(r.result.age_us as f64, 0),
+    ),
+    one(
+        "loss",
+        "word",
+        "`none`, `low-confidence`, `left-frame`, `no-pose`, `excluded`",
+        |r, _| Cell::Word(r.result.loss.name()),
+    ),
+    one(
+        "visible_share",
+        "0..1",
+        "mean visibility of the landmarks",
+        |r, _| num(r.result.visible_share, 3),
+    ),
+    one(
+        "R_sigma_x",
+        "deg",
+        "standard deviation of the rotation about the camera's x axis",
+        |r, _| num(r.result.rotation_sigma_deg[0], 3),
+    ),
+    one(
+        "R_sigma_y",
+        "deg",
+        "standard deviation of the rotation about the camera's y axis",
+        |r, _| num(r.result.rotation_sigma_deg[1], 3),
+    ),
+    one(
+        "R_sigma_z",
+        "deg",
+        "standard deviation of the rotation about the camera's z axis",
+        |r, _| num(r.result.rotation_sigma_deg[2], 3),
+    ),
+    one(
+        "T_sigma_x",
+        "mm",
+        "standard deviation of pose_Tx",
+        |r, _| num(r.result.translation_sigma_mm[0], 2),
+    ),
+    one(
+        "T_sigma_y",
+        "mm",
+        "standard deviation of pose_Ty",
+        |r, _| num(r.result.translation_sigma_mm[1], 2),
+    ),
+    one(
+        "T_sigma_z",
+        "mm",
+        "standard deviation of pose_Tz",
+        |r, _| num(r.result.translation_sigma_mm[2], 2),
+    ),
+    list(
+        &["gaze_0_x", "gaze_0_y", "gaze_0_z"],
+        "",
+        "gaze of the image left's eye, unit vector, camera frame",
+        |r, i| num(right_eye(r).gaze.camera[i], 4),
+    ),
+    list(
+        &["gaze_1_x", "gaze_1_y", "gaze_1_z"],
+        "",
+        "gaze of the image right's eye, likewise",
+        |r, i| num(left_eye(r).gaze.camera[i], 4),
+    ),
+    list(
+        &["gaze_angle_x", "gaze_angle_y"],
+        "rad",
+        "gaze of both eyes, + to the image right and down",
+        |r, i| num(gaze_angles(&r.result.eyes.gaze)[i], 4),
+    ),
+    list(
+        &["gaze_head_x", "gaze_head_y", "gaze_head_z"],
+        "",
+        "gaze of both eyes, unit vector, head frame",
+        |r, i| num(r.result.eyes.gaze.head[i], 4),
+    ),
+    one(
+        "gaze_sigma_deg",
+        "deg",
+        "standard deviation of the gaze of both eyes",
+        |r, _| num(r.result.eyes.gaze.sigma_deg, 2),
+    ),
+    one(
+        "gaze_status",
+        "word",
+        "`known`, or why the gaze of both eyes is unknown; it is 0 then",
+        |r, _| Cell::Word(EyeUnknown::name_of(r.result.eyes.gaze.unknown)),
+    ),
+    list(
+        &["eye_open_p_left", "eye_open_p_right"],
+        "0..1, −1",
+        "probability that the eye is open, −1 unknown",
+        |r, i| num(r.result.eyes.each[i].open, 3),
+    ),
+    list(
+        &["eye_status_left", "eye_status_right"],
+        "word",
+        "`known`, or why the lids are unknown",
+        |r, i| Cell::Word(EyeUnknown::name_of(r.result.eyes.each[i].unknown)),
+    ),
+    list(
+        &["iris_left_x", "iris_left_y"],
+        "px",
+        "middle of the left iris; of the eye if its gaze is unknown",
+        |r, i| num(r.result.eyes.each[0].iris[i], 3),
+    ),
+    list(
+        &["iris_right_x", "iris_right_y"],
+        "px",
+        "middle of the right iris, likewise",
+        |r, i| num(r.result.eyes.each[1].iris[i], 3),
+    ),
+    one(
+        "glasses",
+        "0..1, −1",
+        "probability of glasses, −1 unknown",
+        |r, _| num(r.result.eyes.glasses, 3),
+    ),
+    one(
+        "dark_glasses",
+        "0..1, −1",
+        "probability that they are dark, −1 unknown",
+        |r, _| num(r.result.eyes.dark_glasses, 3),
+    ),
+    list(
+        &EYE_LOOK_NAMES,
+        "0..1",
+        "ARKit's weights of the gaze, 0 where it is unknown",
+        |r, i| num(r.result.eyes.look[i], 3),
+    ),
+    one(
+        "facing_yaw_deg",
+        "deg",
+        "yaw relative to the line of sight, 0 looks into the lens",
+        |r, _| num(r.result.facing_yaw_deg, 3),
+    ),
+    one(
+        "facing_pitch_deg",
+        "deg",
+        "pitch relative to the line of sight",
+        |r, _| num(r.result.facing_pitch_deg, 3),
+    ),
+    one(
+        "facing_roll_deg",
+        "deg",
+        "roll relative to the line of sight",
+        |r, _| num(r.result.facing_roll_deg, 3),
+    ),
+    list(
+        &[
+            "facing_yaw_sigma",
+            "facing_pitch_sigma",
+            "facing_roll_sigma",
+        ],
+        "deg",
+        "their standard deviations",
+        |r, i| num(r.result.facing_sigma_deg[i], 3),
+    ),
+    one(
+        "focal_px",
+        "px",
+        "focal length with which the face was fitted",
+        |r, _| num(r.result.focal_px, 1),
+    ),
+    one(
+        "camera_assumed",
+        "0 or 1",
+        "1 without intrinsics: 60° across were assumed",
+        |r, _| Cell::Number(f64::from(u8::from(r.result.camera_assumed)), 0),
+    ),
+];
+
+fn left_eye<'a>(row: &Row<'a>) -> &'a Eye {
+    let Eyes {
+        each: [left, _], ..
+    } = &row.result.eyes;
+    left
+}
+
+fn right_eye<'a>(row: &Row<'a>) -> &'a Eye {
+    let Eyes {
+        each: [_, right], ..
+    } = &row.result.eyes;
+    right
 }
 
 /// OpenFace's angles of a gaze \[rad\]; 0 where it is unknown.
@@ -170,19 +479,37 @@ pub fn openface_angles(result: &TrackResult) -> [f32; 3] {
 
 /// All column names, in order.
 pub fn names() -> Vec<String> {
-    columns::names(COLUMNS)
+    COLUMNS
+        .iter()
+        .flat_map(|column| match column.names {
+            Names::One(name) => vec![name.to_string()],
+            Names::PerLandmark(name) => (0..LANDMARKS).map(|i| format!("{name}_{i}")).collect(),
+            Names::Animations => ANIMATION_NAMES.map(String::from).to_vec(),
+            Names::List(names) => names.iter().map(|name| name.to_string()).collect(),
+        })
+        .collect()
 }
 
 /// All values of one row, in order.
 pub fn cells<'a>(row: &'a Row<'_>) -> impl Iterator<Item = Cell> + 'a {
-    COLUMNS
-        .iter()
-        .flat_map(move |column| (0..column.names.count()).map(move |i| (column.value)(row, i)))
+    COLUMNS.iter().flat_map(move |column| {
+        let count = match column.names {
+            Names::One(_) => 1,
+            Names::PerLandmark(_) => LANDMARKS,
+            Names::Animations => ANIMATION_NAMES.len(),
+            Names::List(names) => names.len(),
+        };
+        (0..count).map(move |i| (column.value)(row, i))
+    })
 }
 
 /// All values of one row as they stand in the table.
 pub fn values(row: &Row<'_>) -> Vec<String> {
     cells(row).map(|cell| cell.text()).collect()
+}
+
+fn is_long(column: &Column) -> bool {
+    matches!(column.names, Names::List(names) if names.len() > 3)
 }
 
 /// Names of animation weights on one line of the documentation.
@@ -191,7 +518,25 @@ const NAMES_PER_LINE: usize = 4;
 /// The columns as a Markdown table and the names of the animation weights: what `posewise columns`
 /// prints and the docs contain.
 pub fn documentation() -> String {
-    let mut out = columns::table(COLUMNS);
+    let mut out = String::from("| column | unit | meaning |\n|---|---|---|\n");
+    for column in COLUMNS {
+        let name = match column.names {
+            Names::One(name) => format!("`{name}`"),
+            Names::PerLandmark(name) => format!("`{name}_0` … `{name}_67`"),
+            Names::Animations => {
+                let (first, last) = (ANIMATION_NAMES.first(), ANIMATION_NAMES.last());
+                format!("`{}` … `{}`", first.unwrap_or(&""), last.unwrap_or(&""))
+            }
+            Names::List([first, .., last]) if is_long(column) => {
+                format!("`{first}` … `{last}`")
+            }
+            Names::List(names) => {
+                let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+                names.join(", ")
+            }
+        };
+        out += &format!("| {name} | {} | {} |\n", column.unit, column.meaning);
+    }
     out += "\nThe animation weights, in order, under ARKit's blendshape names:\n";
     for line in ANIMATION_NAMES.chunks(NAMES_PER_LINE) {
         let names: Vec<String> = line.iter().map(|name| format!("`{name}`")).collect();
@@ -237,7 +582,6 @@ impl<W: Write> CsvWriter<W> {
 mod tests {
     use super::*;
     use glam::EulerRot;
-    use posewise::LANDMARKS;
 
     #[test]
     fn docs_list_the_columns() {

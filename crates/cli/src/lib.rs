@@ -10,7 +10,6 @@
 //! | `source/` | INPUT → a stream of [`picture::Picture`]s |
 //! | `track`, `faces`, `session` | `posewise track`: the loop and its trackers |
 //! | `csv`, `jsonl`, `log`, `overlay/`, `plot` | its outputs |
-//! | `columns` | lists of columns: names, units, docs and values |
 //! | `streams/` | its results as datagrams for other programs |
 //! | `monitor/` | a driver monitor over the results |
 //! | `lens`, `calibration` | the camera, by options, EXIF or a file |
@@ -25,7 +24,6 @@
 mod bounded;
 mod calibration;
 pub mod cli;
-mod columns;
 pub mod command;
 mod csv;
 pub mod demo;

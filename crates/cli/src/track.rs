@@ -22,7 +22,7 @@ use crate::picture::Picture;
 use crate::plot::{self, Sample};
 use crate::source::Source;
 use crate::streams::{Pace, Streams};
-use crate::{columns, jsonl, log, output, source};
+use crate::{jsonl, log, output, source};
 
 /// What happened over a run.
 #[derive(Default)]
@@ -88,7 +88,7 @@ impl Outputs {
             Watch::new(args.monitor_preset, zones, Some(out), args.plot.is_some())
         });
         let more = match &watch {
-            Some(_) => columns::names(monitor::columns::COLUMNS),
+            Some(_) => monitor::columns::names(),
             None => Vec::new(),
         };
         Ok(Outputs {

@@ -15,8 +15,7 @@ use parquet::schema::types::Type;
 use posewise::TrackResult;
 use serde_json::Value;
 
-use crate::columns::Cell;
-use crate::csv::{self, Row};
+use crate::csv::{self, Cell, Row};
 
 /// Frames of a row group. Source: chosen; 9 MB of memory for each thread, and pages of 16 KB.
 const GROUP: usize = 4096;

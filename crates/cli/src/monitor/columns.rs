@@ -1,65 +1,195 @@
 //! The columns that `track --monitor` adds at the end of the CSV. [`COLUMNS`] is the only list, as
 //! for the tracker's.
 
-use posewise::{MonitorState, UnknownReason, ZoneState};
+use posewise::{MonitorState, Perclos, UnknownReason, ZoneState};
 
-use crate::columns::Names::One;
-use crate::columns::{Cell, Column, columns, num};
+use crate::csv::Cell;
+
+/// One column.
+pub struct Column {
+    name: &'static str,
+    unit: &'static str,
+    meaning: &'static str,
+    value: fn(&MonitorState) -> Cell,
+}
+
+const fn column(
+    name: &'static str,
+    unit: &'static str,
+    meaning: &'static str,
+    value: fn(&MonitorState) -> Cell,
+) -> Column {
+    Column {
+        name,
+        unit,
+        meaning,
+        value,
+    }
+}
+
+fn num(value: f32, decimals: usize) -> Cell {
+    Cell::Number(f64::from(value), decimals)
+}
 
 fn count(value: u32) -> Cell {
     Cell::Number(f64::from(value), 0)
 }
 
-columns! {
-    /// Every column, in order.
-    pub const COLUMNS: fn(&MonitorState, usize) -> Cell = |state, i|;
-    One("eyes"), "word", "`unknown`, `open` or `closed`" => Cell::Word(state.eyes.name());
-    One("eyes_reason"),
-        "word", "why unknown: `none`, `no-face`, `low-confidence`, `turned`, `hidden`"
-        => Cell::Word(UnknownReason::name_of(state.eyes_reason));
-    One("openness"), "0..1, −1", "of both eyes, relative to this person's open ones; −1 unknown"
-        => num(state.openness, 3);
-    One("closure_us"), "µs", "length of the closure that goes on" => count(state.closure_us);
-    One("perclos_p70_60"), "0..1", "P70 over the last 60 s" => num(state.perclos_60.p70, 4);
-    One("perclos_p80_60"), "0..1", "P80 over the last 60 s" => num(state.perclos_60.p80, 4);
-    One("perclos_em_60"), "0..1", "mean square closure over the last 60 s"
-        => num(state.perclos_60.em, 4);
-    One("perclos_known_60"), "0..1", "known share of that time" => num(state.perclos_60.known, 4);
-    One("closures_60"), "", "closures that ended in it, blinks too"
-        => count(state.perclos_60.closures);
-    One("mean_closure_us_60"), "µs", "their mean length" => count(state.perclos_60.mean_closure_us);
-    One("perclos_p70_180"), "0..1", "P70 over the last 180 s" => num(state.perclos_180.p70, 4);
-    One("perclos_p80_180"), "0..1", "P80 over the last 180 s" => num(state.perclos_180.p80, 4);
-    One("perclos_em_180"), "0..1", "mean square closure over the last 180 s"
-        => num(state.perclos_180.em, 4);
-    One("perclos_known_180"), "0..1", "known share of that time" => num(state.perclos_180.known, 4);
-    One("closures_180"), "", "closures that ended in it, blinks too"
-        => count(state.perclos_180.closures);
-    One("mean_closure_us_180"), "µs", "their mean length"
-        => count(state.perclos_180.mean_closure_us);
-    One("blinks"), "", "blinks so far" => count(state.blinks);
-    One("yawns"), "", "yawns so far" => count(state.yawns);
-    One("nods"), "", "nods so far" => count(state.nods);
-    One("mouth_open_us"), "µs", "time of a mouth that is wide open" => count(state.mouth_open_us);
-    One("zone"), "", "index of the zone; −1 unknown, −2 outside of all"
-        => Cell::Number(zone_number(state.zone), 0);
-    One("zone_us"), "µs", "time in it" => count(state.zone_us);
-    One("away_us"), "µs", "time away from the road in this glance" => count(state.away_us);
-    One("away_30_us"), "µs", "time away from the road in the last 30 s" => count(state.away_30_us);
-    One("road_yaw_deg"), "deg", "yaw from the direction of the road"
-        => num(state.from_road_deg[0], 2);
-    One("road_pitch_deg"), "deg", "pitch from the direction of the road"
-        => num(state.from_road_deg[1], 2);
-    One("drowsiness"), "word", "`unknown`, `awake`, `questionable` or `drowsy`"
-        => Cell::Word(state.drowsiness.name());
-    One("degraded"), "0 or 1", "1: the eyes have long been unknown"
-        => Cell::Number(f64::from(state.degraded), 0);
+/// The measures of a window.
+macro_rules! window {
+    ($window:ident, $seconds:literal) => {
+        [
+            column(
+                concat!("perclos_p70_", $seconds),
+                "0..1",
+                concat!("P70 over the last ", $seconds, " s"),
+                |s| num(s.$window.p70, 4),
+            ),
+            column(
+                concat!("perclos_p80_", $seconds),
+                "0..1",
+                concat!("P80 over the last ", $seconds, " s"),
+                |s| num(s.$window.p80, 4),
+            ),
+            column(
+                concat!("perclos_em_", $seconds),
+                "0..1",
+                concat!("mean square closure over the last ", $seconds, " s"),
+                |s| num(s.$window.em, 4),
+            ),
+            column(
+                concat!("perclos_known_", $seconds),
+                "0..1",
+                "known share of that time",
+                |s| num(s.$window.known, 4),
+            ),
+            column(
+                concat!("closures_", $seconds),
+                "",
+                "closures that ended in it, blinks too",
+                |s| count(closures(&s.$window)),
+            ),
+            column(
+                concat!("mean_closure_us_", $seconds),
+                "µs",
+                "their mean length",
+                |s| count(s.$window.mean_closure_us),
+            ),
+        ]
+    };
+}
+
+fn closures(window: &Perclos) -> u32 {
+    window.closures
+}
+
+/// Groups of columns, in order.
+pub const COLUMNS: [&[Column]; 4] = [
+    &[
+        column("eyes", "word", "`unknown`, `open` or `closed`", |s| {
+            Cell::Word(s.eyes.name())
+        }),
+        column(
+            "eyes_reason",
+            "word",
+            "why unknown: `none`, `no-face`, `low-confidence`, `turned`, `hidden`",
+            |s| Cell::Word(UnknownReason::name_of(s.eyes_reason)),
+        ),
+        column(
+            "openness",
+            "0..1, −1",
+            "of both eyes, relative to this person's open ones; −1 unknown",
+            |s| num(s.openness, 3),
+        ),
+        column(
+            "closure_us",
+            "µs",
+            "length of the closure that goes on",
+            |s| count(s.closure_us),
+        ),
+    ],
+    &window!(perclos_60, 60),
+    &window!(perclos_180, 180),
+    &[
+        column("blinks", "", "blinks so far", |s| count(s.blinks)),
+        column("yawns", "", "yawns so far", |s| count(s.yawns)),
+        column("nods", "", "nods so far", |s| count(s.nods)),
+        column(
+            "mouth_open_us",
+            "µs",
+            "time of a mouth that is wide open",
+            |s| count(s.mouth_open_us),
+        ),
+        column(
+            "zone",
+            "",
+            "index of the zone; −1 unknown, −2 outside of all",
+            |s| Cell::Number(zone_number(s.zone), 0),
+        ),
+        column("zone_us", "µs", "time in it", |s| count(s.zone_us)),
+        column(
+            "away_us",
+            "µs",
+            "time away from the road in this glance",
+            |s| count(s.away_us),
+        ),
+        column(
+            "away_30_us",
+            "µs",
+            "time away from the road in the last 30 s",
+            |s| count(s.away_30_us),
+        ),
+        column(
+            "road_yaw_deg",
+            "deg",
+            "yaw from the direction of the road",
+            |s| num(s.from_road_deg[0], 2),
+        ),
+        column(
+            "road_pitch_deg",
+            "deg",
+            "pitch from the direction of the road",
+            |s| num(s.from_road_deg[1], 2),
+        ),
+        column(
+            "drowsiness",
+            "word",
+            "`unknown`, `awake`, `questionable` or `drowsy`",
+            |s| Cell::Word(s.drowsiness.name()),
+        ),
+        column(
+            "degraded",
+            "0 or 1",
+            "1: the eyes have long been unknown",
+            |s| Cell::Number(f64::from(s.degraded), 0),
+        ),
+    ],
+];
+
+fn all() -> impl Iterator<Item = &'static Column> {
+    COLUMNS.into_iter().flatten()
+}
+
+/// Their names.
+pub fn names() -> Vec<String> {
+    all().map(|column| column.name.to_string()).collect()
 }
 
 /// Their values.
 pub fn values(state: &MonitorState) -> Vec<String> {
-    let values = COLUMNS.iter().map(|column| (column.value)(state, 0).text());
-    values.collect()
+    all().map(|column| (column.value)(state).text()).collect()
+}
+
+/// The columns as a Markdown table.
+pub fn documentation() -> String {
+    let mut out = String::from("| column | unit | meaning |\n|---|---|---|\n");
+    for column in all() {
+        out += &format!(
+            "| `{}` | {} | {} |\n",
+            column.name, column.unit, column.meaning
+        );
+    }
+    out
 }
 
 /// The zone's index; −1 unknown, −2 outside of all.
@@ -78,7 +208,7 @@ mod tests {
     #[test]
     fn docs_list_the_columns() {
         let docs = include_str!("../../../../docs/driver-monitor.md");
-        let table = crate::columns::table(COLUMNS);
+        let table = documentation();
         assert!(
             docs.contains(&table),
             "docs/driver-monitor.md must contain:\n{table}"
