@@ -120,8 +120,8 @@ pub use posewise_format::{Aligned, ModelError, ModelInfo, ModelTerms};
 pub use shape::{ANIMATION_NAMES, ANIMATIONS, Distortion, Intrinsics, LANDMARKS};
 pub use track::{
     Config, ConfigError, Detected, EVENTS, EYE_LOOK_NAMES, EYE_LOOKS, Event, EventKind, EventLog,
-    Eye, EyeUnknown, Eyes, FaceHint, FoundFace, Gaze, Landmark, Loss, MAX_EXCLUDED, Model,
-    Smoothing, is_same_face,
+    EventRing, Eye, EyeUnknown, Eyes, FaceHint, FoundFace, Gaze, Landmark, Loss, MAX_EXCLUDED,
+    Model, Smoothing, is_same_face,
 };
 pub use track::{State, StepError, TrackResult, Tracker};
 

@@ -1,7 +1,8 @@
-//! Events of a monitor: a queue that the caller reads when it wants to.
+//! Events of a monitor: a ring that the caller reads when it wants to.
 
-/// Unread events that a monitor keeps; when it is full, the oldest is overwritten and counted.
-/// Chosen: a restless driver has about one event a second.
+use crate::track::EventRing;
+
+/// Unread events that a monitor keeps. Chosen: a restless driver has about one event a second.
 pub const MONITOR_EVENTS: usize = 24;
 
 /// What happened.
@@ -130,67 +131,24 @@ pub struct MonitorEvent {
     pub value: f32,
 }
 
-/// The unread events of a monitor, oldest first.
-#[derive(Clone)]
-pub struct MonitorEventLog {
-    queue: heapless::Deque<MonitorEvent, MONITOR_EVENTS>,
-    overwritten: u32,
-}
+/// The unread events of a monitor.
+pub type MonitorEventLog = EventRing<MonitorEvent, MONITOR_EVENTS>;
 
 impl MonitorEventLog {
-    pub(super) const EMPTY: MonitorEventLog = MonitorEventLog {
-        queue: heapless::Deque::new(),
-        overwritten: 0,
-    };
-
-    /// Takes the oldest unread event; `None` when all are read.
-    pub fn pop(&mut self) -> Option<MonitorEvent> {
-        self.queue.pop_front()
-    }
-
-    /// Number of unread events.
-    pub fn unread(&self) -> usize {
-        self.queue.len()
-    }
-
-    /// How many events were overwritten unread since this was last asked.
-    pub fn take_overwritten(&mut self) -> u32 {
-        core::mem::take(&mut self.overwritten)
-    }
-
-    /// Not inlined, as other parts that are called from several places: code is to stay small.
-    #[inline(never)]
-    pub(super) fn push(&mut self, event: MonitorEvent) {
-        if let Err(event) = self.queue.push_back(event) {
-            self.queue.pop_front();
-            self.overwritten = self.overwritten.saturating_add(1);
-            // There is room for one now.
-            let _ = self.queue.push_back(event);
-        }
-    }
+    pub(super) const EMPTY: MonitorEventLog = EventRing::new(MonitorEvent {
+        timestamp_us: 0,
+        start_us: 0,
+        duration_us: 0,
+        kind: MonitorEventKind::Blink,
+        zone: None,
+        is_cut: false,
+        value: 0.0,
+    });
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_oldest_are_overwritten_and_counted() {
-        let at = |timestamp_us| MonitorEvent {
-            timestamp_us,
-            ..MonitorEvent::default()
-        };
-        let mut log = MonitorEventLog::EMPTY;
-        assert_eq!(log.pop(), None);
-        let more = 5;
-        (0..MONITOR_EVENTS as i64 + more).for_each(|time| log.push(at(time)));
-        assert_eq!(log.unread(), MONITOR_EVENTS);
-        assert_eq!(
-            (log.take_overwritten(), log.take_overwritten()),
-            (more as u32, 0)
-        );
-        assert_eq!(log.pop(), Some(at(more)));
-    }
 
     #[test]
     fn kinds_have_names_and_stand_in_order() {

@@ -38,7 +38,9 @@ pub use config::{Config, ConfigError, MAX_EXCLUDED, Smoothing};
 pub use eyes::{EYE_LOOK_NAMES, EYE_LOOKS, Eye, EyeUnknown, Eyes, Gaze};
 pub use geometry::is_same_face;
 pub use model::Model;
-pub use output::{EVENTS, Event, EventKind, EventLog, Landmark, Loss, State, TrackResult};
+pub use output::{
+    EVENTS, Event, EventKind, EventLog, EventRing, Landmark, Loss, State, TrackResult,
+};
 pub use search::{Detected, FaceHint, FoundFace};
 pub use step::StepError;
 pub use tracker::Tracker;

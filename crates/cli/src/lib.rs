@@ -45,7 +45,7 @@ pub mod output;
 mod overlay;
 pub mod parse;
 pub mod picture;
-pub mod plot;
+mod plot;
 pub mod program;
 pub mod session;
 pub mod source;

@@ -1,6 +1,7 @@
 //! Small text in pictures, from the 8×8 bitmap font of the `font8x8` crate: no font files needed.
 
 use font8x8::legacy::BASIC_LEGACY;
+use image::{Rgb, RgbImage};
 
 /// Side of a glyph \[px\].
 pub const GLYPH: i32 = 8;
@@ -13,6 +14,25 @@ pub fn each_pixel(text: &str, mut set: impl FnMut(i32, i32)) {
             for x in (0..GLYPH).filter(|x| bits >> x & 1 == 1) {
                 set(i as i32 * GLYPH + x, y);
             }
+        }
+    }
+}
+
+/// Writes text from an upper left corner on, as far as it is in the picture.
+pub fn write(image: &mut RgbImage, [left, top]: [u32; 2], text: &str, color: Rgb<u8>) {
+    each_pixel(text, |x, y| {
+        if let Some(pixel) = image.get_pixel_mut_checked(left + x as u32, top + y as u32) {
+            *pixel = color;
+        }
+    });
+}
+
+/// Makes a strip on which text can be read: from the left edge on, as far as it is in the picture.
+pub fn darken(image: &mut RgbImage, width: u32, rows: std::ops::Range<u32>) {
+    for y in rows.start..rows.end.min(image.height()) {
+        for x in 0..width.min(image.width()) {
+            let pixel = image.get_pixel_mut(x, y);
+            pixel.0 = pixel.0.map(|v| v / 3);
         }
     }
 }

@@ -134,14 +134,6 @@ impl<'m> Section<'m> {
         self.array(len)
     }
 
-    /// The next `len` values of `u16`.
-    ///
-    /// # Errors
-    /// [`ModelError::Section`] at the end, as for all readers here.
-    pub fn u16s(&mut self, len: usize) -> Result<&'m [u16], ModelError> {
-        self.array(len)
-    }
-
     /// The next `len` values of `i32`.
     ///
     /// # Errors

@@ -1,10 +1,14 @@
-//! posewise itself, through its public interface.
+//! posewise itself, as the command runs it.
 
 use crate::tracked::Tracked;
-use crate::video::Luma;
-use anyhow::{Context, Result, anyhow};
-use posewise::{Config, Intrinsics, Model, State, TrackResult, Tracker};
-use posewise_format::AlignedBytes;
+use anyhow::Result;
+use image::GrayImage;
+use posewise::{Model, State, TrackResult};
+use posewise_cli::cli::TrackerArgs;
+use posewise_cli::model_file::ModelFile;
+use posewise_cli::picture::Picture;
+use posewise_cli::session;
+use posewise_cli::source::read_rgb;
 use std::path::{Path, PathBuf};
 
 /// Time between frames \[µs\]: 30 a second.
@@ -14,8 +18,6 @@ const STEP_US: i64 = 33_333;
 const STILL_SEARCHES: usize = 8;
 /// More steps on a still once it is tracked, as `posewise-lab eval landmarks` has by default.
 const STILL_STEPS: usize = 4;
-/// Work per step: nothing here is in a hurry.
-const SCAN_BUDGET: u32 = 10_000_000;
 
 /// Which model, and which camera.
 #[derive(Clone, Debug, clap::Args)]
@@ -28,96 +30,65 @@ pub struct Options {
     pub focal: Option<f32>,
 }
 
-/// The bytes of a model, and the camera.
-pub struct Product {
-    bytes: Option<AlignedBytes>,
-    focal: Option<f32>,
+/// Reads the model.
+pub fn read(options: &Options) -> Result<ModelFile> {
+    let file = ModelFile::read(options.model.as_deref())?;
+    file.model()?;
+    Ok(file)
 }
 
-impl Product {
-    /// Reads the model.
-    pub fn new(options: &Options) -> Result<Product> {
-        let read = |path: &PathBuf| -> Result<AlignedBytes> {
-            let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
-            Ok(AlignedBytes::new(&bytes))
-        };
-        let product = Product {
-            bytes: options.model.as_ref().map(read).transpose()?,
-            focal: options.focal,
-        };
-        product.model()?;
-        Ok(product)
-    }
+/// A tracker that follows one clip.
+pub struct Session<'m> {
+    session: session::Session<'m>,
+    time_us: i64,
+}
 
-    /// The model.
-    pub fn model(&self) -> Result<Model<'_>> {
-        Model::load(self.bytes()).map_err(|e| anyhow!("the model: {e}"))
-    }
-
-    /// The bytes of the model.
-    pub fn bytes(&self) -> &[u8] {
-        self.bytes.as_deref().unwrap_or(posewise::DEFAULT_MODEL)
-    }
-
-    /// A tracker for one clip.
-    pub fn start(&self) -> Result<Session<'_>> {
-        self.start_with(self.focal)
-    }
-
-    /// A tracker for one clip of a camera with this focal length \[px\].
-    pub fn start_with(&self, focal: Option<f32>) -> Result<Session<'_>> {
-        let mut config = Config::default();
-        config.scan_budget = SCAN_BUDGET;
-        Ok(Session {
+impl<'m> Session<'m> {
+    /// For a clip of a camera with this focal length \[px\].
+    pub fn new(model: &'m Model<'m>, focal: Option<f32>) -> Result<Session<'m>> {
+        let settings = TrackerArgs {
             focal,
-            model: self.model()?,
-            tracker: Box::new(Tracker::new(&config).map_err(|e| anyhow!("{e}"))?),
+            ..TrackerArgs::default()
+        };
+        Ok(Session {
+            session: session::Session::new(model, &settings, false)?,
             time_us: 0,
         })
     }
 
-    /// One picture for a fresh tracker, which sees it again until it has settled.
-    pub fn still(&self, path: &Path) -> Result<Option<Tracked>> {
-        let luma = Luma::read(path)?;
-        let mut session = self.start()?;
-        let mut is_tracked = false;
-        for _ in 0..STILL_SEARCHES {
-            is_tracked = is_tracked || session.step(&luma)?.state == State::Tracking;
-        }
-        let mut found = None;
-        for _ in 0..STILL_STEPS {
-            found = Tracked::of(session.step(&luma)?).or(found);
-        }
-        Ok(found)
-    }
-}
-
-/// A tracker that follows one clip.
-pub struct Session<'p> {
-    focal: Option<f32>,
-    model: Model<'p>,
-    tracker: Box<Tracker>,
-    time_us: i64,
-}
-
-impl Session<'_> {
-    /// The camera of frames of this size.
-    pub fn camera(&self, width: usize, height: usize) -> Intrinsics {
-        let default = Intrinsics::of_frame(width as i32, height as i32);
-        let given = |f| Intrinsics::new(f, f, default.cx, default.cy);
-        self.focal.map_or(default, given)
+    /// The camera of the last frame.
+    pub fn camera(&self) -> posewise::Intrinsics {
+        self.session.intrinsics()
     }
 
     /// The next frame.
-    pub fn step(&mut self, luma: &Luma) -> Result<&TrackResult> {
-        if self.time_us == 0 {
-            let camera = self.camera(luma.width, luma.height);
-            let set = self.tracker.set_intrinsics(Some(camera));
-            set.map_err(|e| anyhow!("{e}"))?;
-        }
-        self.time_us += STEP_US;
-        let frame = luma.frame()?;
-        let stepped = self.tracker.step(&self.model, &frame, self.time_us);
-        stepped.map_err(|e| anyhow!("{e}"))
+    pub fn step(&mut self, luma: &GrayImage) -> Result<&TrackResult> {
+        self.show(Picture::from_grey(luma.clone()))
     }
+
+    /// The next frame, a picture.
+    pub fn step_file(&mut self, path: &Path) -> Result<&TrackResult> {
+        self.show(Picture::from_rgb(read_rgb(path)?))
+    }
+
+    fn show(&mut self, mut picture: Picture) -> Result<&TrackResult> {
+        self.time_us += STEP_US;
+        picture.timestamp_us = self.time_us;
+        self.session.step(&picture)
+    }
+}
+
+/// One picture for a fresh tracker, which sees it again until it has settled.
+pub fn still(model: &Model<'_>, focal: Option<f32>, path: &Path) -> Result<Option<Tracked>> {
+    let luma = Picture::from_rgb(read_rgb(path)?).upright_grey()?;
+    let mut session = Session::new(model, focal)?;
+    let mut is_tracked = false;
+    for _ in 0..STILL_SEARCHES {
+        is_tracked = is_tracked || session.step(&luma)?.state == State::Tracking;
+    }
+    let mut found = None;
+    for _ in 0..STILL_STEPS {
+        found = Tracked::of(session.step(&luma)?).or(found);
+    }
+    Ok(found)
 }

@@ -22,6 +22,8 @@ pub struct Confidence {
     pub face: f64,
     /// Of each landmark.
     pub landmarks: [f64; 68],
+    /// That each landmark is visible.
+    pub visibility: Option<[f64; 68]>,
 }
 
 /// One frame.
@@ -54,6 +56,7 @@ impl Frame {
         let confidence = || Confidence {
             face: f64::from(result.confidence),
             landmarks: result.landmarks.map(|l| f64::from(l.confidence)),
+            visibility: Some(result.landmarks.map(|l| f64::from(l.visibility))),
         };
         Frame {
             translation: (tracked.as_ref()).map(|_| result.translation_mm.map(f64::from)),
@@ -71,21 +74,17 @@ const TRANSLATION: [&str; 3] = ["pose_Tx", "pose_Ty", "pose_Tz"];
 struct Optional {
     translation: Option<[usize; 3]>,
     confidence: Option<(usize, [usize; 68])>,
+    visibility: Option<[usize; 68]>,
     milliseconds: Option<usize>,
 }
 
 impl Optional {
     fn of(table: &Table) -> Optional {
-        let all = |names: &[String]| {
-            let found: Option<Vec<usize>> = names.iter().map(|n| table.find(n)).collect();
-            found
-        };
-        let landmarks: Vec<String> = (0..68).map(|i| format!("c_{i}")).collect();
-        let landmarks = all(&landmarks).and_then(|found| found.try_into().ok());
-        let translation = all(&TRANSLATION.map(String::from));
+        let translation: Option<Vec<usize>> = TRANSLATION.iter().map(|n| table.find(n)).collect();
         Optional {
             translation: translation.and_then(|found| found.try_into().ok()),
-            confidence: table.find("confidence").zip(landmarks),
+            confidence: table.find("confidence").zip(table.columns68("c_").ok()),
+            visibility: table.columns68("vis_").ok(),
             milliseconds: table.find("milliseconds"),
         }
     }
@@ -121,6 +120,9 @@ pub fn read(path: &Path) -> Result<BTreeMap<usize, Frame>> {
                 read.confidence = Some(Confidence {
                     face: table.number(row, face)?,
                     landmarks: table.numbers(row, landmarks)?,
+                    visibility: (optional.visibility)
+                        .map(|columns| table.numbers(row, columns))
+                        .transpose()?,
                 });
             }
         }
@@ -136,6 +138,8 @@ pub fn write(path: &Path, frames: &[Frame]) -> Result<()> {
     let mut writer = csv::Writer::from_path(path).with_context(shown)?;
     let has_translation = frames.iter().any(|f| f.translation.is_some());
     let has_confidence = frames.iter().any(|f| f.confidence.is_some());
+    let visibility = |f: &Frame| f.confidence.as_ref()?.visibility;
+    let has_visibility = frames.iter().any(|f| visibility(f).is_some());
     let has_time = frames.iter().any(|f| f.milliseconds.is_some());
     let name = |names: &[&str]| names.iter().map(|n| n.to_string()).collect::<Vec<_>>();
     let mut header = [name(&["frame", "success"]), name(&ANGLES)].concat();
@@ -149,6 +153,9 @@ pub fn write(path: &Path, frames: &[Frame]) -> Result<()> {
     if has_confidence {
         header.push("confidence".into());
         header.extend((0..68).map(|i| format!("c_{i}")));
+    }
+    if has_visibility {
+        header.extend((0..68).map(|i| format!("vis_{i}")));
     }
     writer.write_record(&header)?;
     for (number, frame) in frames.iter().enumerate() {
@@ -168,6 +175,9 @@ pub fn write(path: &Path, frames: &[Frame]) -> Result<()> {
             let confidence = frame.confidence.as_ref();
             row.push(confidence.map_or(0.0, |c| c.face));
             row.extend(confidence.map_or([0.0; 68], |c| c.landmarks));
+        }
+        if has_visibility {
+            row.extend(visibility(frame).unwrap_or([0.0; 68]));
         }
         words.extend(row.iter().map(f64::to_string));
         writer.write_record(words)?;
@@ -193,6 +203,7 @@ mod tests {
             confidence: Some(Confidence {
                 face: 0.3_f32.into(),
                 landmarks: std::array::from_fn(|i| third(i).abs() / 20.0),
+                visibility: Some(std::array::from_fn(|i| third(i).abs() / 30.0)),
             }),
             milliseconds: Some(0.123_456),
         };

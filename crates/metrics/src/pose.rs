@@ -1,8 +1,13 @@
 //! Errors of head pose over the frames of clips.
 
+/// a − b of angles \[deg\], from −180 to 180.
+pub fn angle_difference(a: f64, b: f64) -> f64 {
+    (a - b + 180.0).rem_euclid(360.0) - 180.0
+}
+
 /// |a − b| of angles \[deg\], at most 180.
 pub fn angle_error(a: f64, b: f64) -> f64 {
-    ((a - b + 180.0).rem_euclid(360.0) - 180.0).abs()
+    angle_difference(a, b).abs()
 }
 
 /// Mean of the errors of yaw, pitch and roll.
@@ -72,6 +77,7 @@ mod tests {
 
     #[test]
     fn differences_wrap() {
+        assert_eq!(angle_difference(179.0, -179.0), -2.0);
         assert_eq!(angle_error(179.0, -179.0), 2.0);
         assert_eq!(angle_error(-10.0, 20.0), 30.0);
         assert_eq!(angle_error(0.0, 180.0), 180.0);

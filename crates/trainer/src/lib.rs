@@ -2,7 +2,6 @@
 
 pub mod align;
 pub mod completion;
-pub mod demo_clip;
 mod dequantized;
 pub mod detect;
 pub mod eyes;

@@ -3,7 +3,7 @@
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use posewise_format::Tag;
-use posewise_train::{demo_clip, eyes, pipeline, render, single_eyes};
+use posewise_train::{eyes, pipeline, render, single_eyes};
 use std::path::PathBuf;
 
 /// Trains the models of posewise.
@@ -42,15 +42,6 @@ enum Command {
         #[arg(long, required = true, value_parser = tag)]
         without: Vec<Tag>,
     },
-    /// Render the clip that `posewise demo` tracks.
-    DemoClip {
-        /// The morphable head.
-        #[arg(long, default_value = "../shared/data/facekit.npz")]
-        facekit: PathBuf,
-        /// Where the clip and its truth go.
-        #[arg(long, default_value = "tests/data")]
-        out: PathBuf,
-    },
 }
 
 fn tag(text: &str) -> Result<Tag, &'static str> {
@@ -78,6 +69,5 @@ fn main() -> Result<()> {
             let smaller = posewise_format::without(&bytes, &without)?;
             Ok(std::fs::write(&out, smaller)?)
         }
-        Command::DemoClip { facekit, out } => demo_clip::write(&facekit, &out),
     }
 }

@@ -1,7 +1,5 @@
-//! What happened to the tracked face: a ring of events that the caller reads when it wants to.
-//!
-//! The log takes part in no decision. It holds [`EVENTS`] events; when it is full, the oldest one
-//! is overwritten and counted.
+//! What happened to the tracked face: a ring of events that the caller reads when it wants to. It
+//! takes part in no decision.
 
 use super::{Loss, TrackResult};
 
@@ -106,31 +104,42 @@ impl Event {
     }
 }
 
-/// The unread events of a tracker, oldest first. Plain data.
+/// Unread events, oldest first; when it is full, the oldest one is overwritten and counted. Plain
+/// data.
 #[derive(Clone)]
-pub struct EventLog {
-    ring: [Event; EVENTS],
+pub struct EventRing<E, const N: usize> {
+    ring: [E; N],
     /// Place of the oldest unread event.
     first: u32,
     unread: u32,
     overwritten: u32,
 }
 
+/// The unread events of a tracker.
+pub type EventLog = EventRing<Event, EVENTS>;
+
 impl EventLog {
-    pub(in crate::track) const EMPTY: EventLog = EventLog {
-        ring: [Event::EMPTY; EVENTS],
-        first: 0,
-        unread: 0,
-        overwritten: 0,
-    };
+    pub(in crate::track) const EMPTY: EventLog = EventRing::new(Event::EMPTY);
+}
+
+impl<E: Copy, const N: usize> EventRing<E, N> {
+    /// Without unread events; `empty` is any event.
+    pub(crate) const fn new(empty: E) -> Self {
+        EventRing {
+            ring: [empty; N],
+            first: 0,
+            unread: 0,
+            overwritten: 0,
+        }
+    }
 
     /// Takes the oldest unread event; `None` when all are read.
-    pub fn pop(&mut self) -> Option<Event> {
+    pub fn pop(&mut self) -> Option<E> {
         if self.unread == 0 {
             return None;
         }
         let event = self.ring.get(self.first as usize).copied();
-        self.first = (self.first + 1) % EVENTS as u32;
+        self.first = (self.first + 1) % N as u32;
         self.unread -= 1;
         event
     }
@@ -145,15 +154,17 @@ impl EventLog {
         core::mem::take(&mut self.overwritten)
     }
 
-    pub(in crate::track) fn push(&mut self, event: Event) {
-        let place = (self.first + self.unread) as usize % EVENTS;
+    /// Not inlined, as other parts that are called from several places: code is to stay small.
+    #[inline(never)]
+    pub(crate) fn push(&mut self, event: E) {
+        let place = (self.first + self.unread) as usize % N;
         if let Some(slot) = self.ring.get_mut(place) {
             *slot = event;
         }
-        if self.unread < EVENTS as u32 {
+        if self.unread < N as u32 {
             self.unread += 1;
         } else {
-            self.first = (self.first + 1) % EVENTS as u32;
+            self.first = (self.first + 1) % N as u32;
             self.overwritten = self.overwritten.saturating_add(1);
         }
     }

@@ -4,7 +4,7 @@ mod event;
 mod one_euro;
 mod result;
 
-pub use event::{EVENTS, Event, EventKind, EventLog};
+pub use event::{EVENTS, Event, EventKind, EventLog, EventRing};
 pub use one_euro::Smoother;
 pub use result::{Landmark, Loss, State, TrackResult};
 

@@ -46,21 +46,11 @@ pub fn legend(image: &mut RgbImage, styles: &[Style]) {
         return;
     }
     let top = height - strip * lines.len() as u32;
-    for y in top..height {
-        for x in 0..longest {
-            let pixel = image.get_pixel_mut(x, y);
-            pixel.0 = pixel.0.map(|v| v / 3);
-        }
-    }
+    text::darken(image, longest, top..height);
     for (i, words) in (0..).zip(&lines) {
         let mut left = 2;
         for (word, color) in words {
-            text::each_pixel(word, |x, y| {
-                let at = (left + x as u32, top + i * strip + 1 + y as u32);
-                if let Some(pixel) = image.get_pixel_mut_checked(at.0, at.1) {
-                    *pixel = *color;
-                }
-            });
+            text::write(image, [left, top + i * strip + 1], word, *color);
             left += text::width(word) as u32;
         }
     }

@@ -193,18 +193,8 @@ fn summary(result: &TrackResult) -> String {
 fn label(image: &mut RgbImage, line: u32, words: &str) {
     let strip = text::GLYPH as u32 + 4;
     let top = line * strip;
-    let width = (text::width(words) as u32 + 4).min(image.width());
-    for y in top..(top + strip).min(image.height()) {
-        for x in 0..width {
-            let pixel = image.get_pixel_mut(x, y);
-            pixel.0 = pixel.0.map(|v| v / 3);
-        }
-    }
-    text::each_pixel(words, |x, y| {
-        if let Some(pixel) = image.get_pixel_mut_checked(x as u32 + 2, top + y as u32 + 2) {
-            *pixel = WHITE;
-        }
-    });
+    text::darken(image, text::width(words) as u32 + 4, top..top + strip);
+    text::write(image, [2, top + 2], words, WHITE);
 }
 
 #[cfg(test)]

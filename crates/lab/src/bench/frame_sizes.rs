@@ -12,7 +12,7 @@ use posewise::Model;
 use serde_json::{Value, json};
 
 use super::steps::{Kind, Steps};
-use crate::footage::backgrounds::{BackgroundsArgs, covering, list, open, window};
+use crate::footage::backgrounds::{covering, held_out, open, window};
 use crate::random::Random;
 
 /// QVGA to 4K.
@@ -77,12 +77,7 @@ fn row(size: (u32, u32), tracking: &Steps, searching: &Steps) -> Value {
 
 /// The first pictures of a folder that no training used, as `eval faceless` shows them.
 fn read(folder: &Path) -> Result<Vec<GrayImage>> {
-    let args = BackgroundsArgs {
-        backgrounds: folder.to_path_buf(),
-        every: 5,
-        offset: None,
-    };
-    let paths = list(&args)?;
+    let paths = held_out(folder)?;
     paths.iter().take(PICTURES).map(|path| open(path)).collect()
 }
 

@@ -9,7 +9,6 @@ mod stack;
 mod stages;
 mod steps;
 
-use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use anyhow::Result;
@@ -110,10 +109,7 @@ pub fn run(args: &Args) -> Result<()> {
     value["tracker_bytes"] = json!(std::mem::size_of::<Tracker>());
     value["peak_stack_bytes"] = json!(peak_stack);
     value["threads"] = json!(1);
-    if let Some(path) = &args.json {
-        output::write_json(path, &value)?;
-    }
-    output::print(&report(&value))
+    output::show(&value, args.json.as_deref())
 }
 
 /// Times of tracking steps of several trackers in turn on each frame, as JSON.
@@ -162,116 +158,4 @@ fn measure_stack(model: &Model<'_>, frames: &[GrayImage], shuffled: &[GrayImage]
             }
         }
     })
-}
-
-/// A number with at most two decimals.
-fn number(value: &Value) -> String {
-    match value.as_f64() {
-        Some(value) => format!("{}", (value * 100.0).round() / 100.0),
-        None => "–".into(),
-    }
-}
-
-fn report(value: &Value) -> String {
-    let mut out = String::new();
-    // Writing to a String cannot fail.
-    let _ = writeln!(
-        out,
-        "{:<18}{:>12}{:>12}{:>12}{:>8}   (each step: the shortest of {} runs)",
-        "[ns]",
-        "median",
-        "p99",
-        "maximum",
-        "steps",
-        number(&value["runs"])
-    );
-    for state in ["tracking", "acquiring", "searching", "coasting", "all"] {
-        let v = &value[state];
-        let _ = writeln!(
-            out,
-            "{state:<18}{:>12}{:>12}{:>12}{:>8}",
-            number(&v["median_ns"]),
-            number(&v["p99_ns"]),
-            number(&v["max_ns"]),
-            number(&v["steps"])
-        );
-    }
-    let _ = writeln!(
-        out,
-        "{:<19}{:>11} × the median of tracking ({})",
-        "worst_over_tracking",
-        number(&value["worst_over_tracking"]),
-        value["worst_state"].as_str().unwrap_or("–")
-    );
-    report_stages(&mut out, &value["stages"]);
-    report_sizes(&mut out, &value["frame_sizes"]);
-    report_shared(&mut out, &value["trackers"]);
-    for (name, key, unit) in [
-        ("search / track", "searching_over_tracking", "×"),
-        ("model", "model_bytes", "bytes"),
-        ("tracker memory", "tracker_bytes", "bytes"),
-        ("peak stack", "peak_stack_bytes", "bytes"),
-    ] {
-        let _ = writeln!(out, "{name:<18}{:>12} {unit}", number(&value[key]));
-    }
-    out
-}
-
-fn report_stages(out: &mut String, stages: &Value) {
-    // Writing to a String cannot fail, here and below.
-    let _ = writeln!(
-        out,
-        "{:<18}{:>12}{:>12}{:>12}{:>8}",
-        "stage", "median ns", "MAC", "MAC/ns", "share"
-    );
-    for stage in stages.as_array().into_iter().flatten() {
-        let _ = writeln!(
-            out,
-            "  {:<16}{:>12}{:>12}{:>12}{:>8}",
-            stage["name"].as_str().unwrap_or_default(),
-            number(&stage["ns"]),
-            number(&stage["multiply_adds"]),
-            number(&stage["multiply_adds_per_ns"]),
-            number(&stage["share_of_tracking"])
-        );
-    }
-}
-
-fn report_sizes(out: &mut String, sizes: &Value) {
-    let _ = writeln!(
-        out,
-        "{:<18}{:>12}{:>12}{:>12}{:>12}   p99 / tracking",
-        "frame [ns]", "tracking", "in clutter", "p99", "maximum"
-    );
-    for row in sizes.as_array().into_iter().flatten() {
-        let searching = &row["searching"];
-        let frame = format!("{}×{}", row["frame"][0], row["frame"][1]);
-        let _ = writeln!(
-            out,
-            "  {frame:<16}{:>12}{:>12}{:>12}{:>12}{:>17}",
-            number(&row["tracking"]["median_ns"]),
-            number(&searching["median_ns"]),
-            number(&searching["p99_ns"]),
-            number(&searching["max_ns"]),
-            number(&row["searching_p99_over_tracking"])
-        );
-    }
-}
-
-fn report_shared(out: &mut String, rows: &Value) {
-    let _ = writeln!(
-        out,
-        "{:<18}{:>12}{:>12}",
-        "trackers [ns]", "tracking", "p99"
-    );
-    for row in rows.as_array().into_iter().flatten() {
-        let tracking = &row["tracking"];
-        let _ = writeln!(
-            out,
-            "  {:<16}{:>12}{:>12}",
-            number(&row["count"]),
-            number(&tracking["median_ns"]),
-            number(&tracking["p99_ns"])
-        );
-    }
 }

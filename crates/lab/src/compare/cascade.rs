@@ -12,8 +12,9 @@ use super::state::State;
 use super::svm::{REFINEMENT, Templates, picture};
 use super::training::Trained;
 use crate::features::cascade::Cascade;
-use crate::video::Luma;
+use crate::video;
 use anyhow::Result;
+use image::GrayImage;
 use posewise::Model;
 use posewise::align::Shape;
 use posewise::math::{Similarity, head_angles};
@@ -31,7 +32,7 @@ pub struct Regressed<'a> {
     person: &'a Person<'a>,
     cascade: &'a Cascade,
     /// Its initial shapes: no network is run.
-    model: Model<'a>,
+    model: &'a Model<'a>,
     shape: Shape,
     state: State,
 }
@@ -42,7 +43,7 @@ impl<'a> Regressed<'a> {
         person: &'a Person<'a>,
         first: &State,
         landmarks: &Shape,
-        model: Model<'a>,
+        model: &'a Model<'a>,
         trained: &'a Trained,
     ) -> Result<Regressed<'a>> {
         Ok(Regressed {
@@ -68,8 +69,8 @@ impl<'a> Regressed<'a> {
 }
 
 impl Follower for Regressed<'_> {
-    fn step(&mut self, luma: &Luma) -> Result<Found> {
-        let frame = luma.frame()?;
+    fn step(&mut self, luma: &GrayImage) -> Result<Found> {
+        let frame = video::frame(luma)?;
         let shape = self.start().and_then(|s| self.cascade.run(&frame, s));
         // A shape that has burst starts anew.
         let shape = shape.unwrap_or_else(|| self.projected(&self.state));
@@ -110,7 +111,7 @@ impl<'a> Hybrid<'a> {
 }
 
 impl Follower for Hybrid<'_> {
-    fn step(&mut self, luma: &Luma) -> Result<Found> {
+    fn step(&mut self, luma: &GrayImage) -> Result<Found> {
         let found = self.cascade.step(luma)?;
         let state = self
             .templates

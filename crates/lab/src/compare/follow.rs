@@ -17,12 +17,13 @@ use super::svm::Templates;
 use super::synthesis::samples;
 use super::training::Trained;
 use super::view_based::ViewBased;
-use crate::product::Product;
+use crate::product::Session;
 use crate::tracked::{Frame, Tracked};
-use crate::video::Video;
 use anyhow::{Context, Result};
 use cpu_time::ThreadTime;
 use glam::Vec3;
+use image::GrayImage;
+use posewise::Model;
 use posewise::align::Shape;
 use posewise::math::head_angles;
 
@@ -33,55 +34,52 @@ pub struct Clip<'a> {
     /// Its settings.
     pub settings: &'a Settings,
     /// Finds the landmarks of the first frame.
-    pub product: &'a Product,
+    pub product: &'a Model<'a>,
     /// What the method has learned beforehand, if it does.
     pub trained: Option<&'a Trained>,
     /// Focal length \[px\].
     pub focal: Option<f32>,
-    /// Most frames.
-    pub limit: usize,
 }
 
 /// posewise on a clip.
 pub fn product(
-    product: &Product,
+    model: &Model<'_>,
     focal: Option<f32>,
-    limit: usize,
-    video: &mut Video,
+    video: impl Iterator<Item = Result<GrayImage>>,
 ) -> Result<Vec<Frame>> {
-    let mut session = product.start_with(focal)?;
-    let mut frames = Vec::new();
-    while frames.len() < limit
-        && let Some(luma) = video.next()?
-    {
+    let mut session = Session::new(model, focal)?;
+    let step = |luma: Result<GrayImage>| {
+        let luma = luma?;
         let watch = ThreadTime::now();
-        let result = session.step(luma)?;
-        frames.push(Frame::of(result, milliseconds(&watch)));
-    }
-    Ok(frames)
+        let result = session.step(&luma)?;
+        Ok(Frame::of(result, milliseconds(&watch)))
+    };
+    video.map(step).collect()
 }
 
 /// A comparator on a clip. Frames before posewise has found the face are not tracked.
-pub fn comparator(clip: &Clip<'_>, model: &FaceModel, video: &mut Video) -> Result<Vec<Frame>> {
-    let mut session = clip.product.start_with(clip.focal)?;
+pub fn comparator(
+    clip: &Clip<'_>,
+    model: &FaceModel,
+    mut video: impl Iterator<Item = Result<GrayImage>>,
+) -> Result<Vec<Frame>> {
+    let mut session = Session::new(clip.product, clip.focal)?;
     let mut frames = Vec::new();
     let (picture, landmarks) = loop {
-        let luma = video.next()?.context("no face in the clip")?;
-        let result = session.step(luma)?;
+        let luma = video.next().context("no face in the clip")??;
+        let result = session.step(&luma)?;
         if Tracked::of(result).is_some() {
-            break (Picture::of(luma), result.landmarks.map(|l| [l.x, l.y]));
+            break (Picture::of(&luma), result.landmarks.map(|l| [l.x, l.y]));
         }
         frames.push(Frame::default());
     };
-    let camera = session.camera(picture.width, picture.height);
-    let (person, first) = model.fit(camera, &landmarks)?;
+    let (person, first) = model.fit(session.camera(), &landmarks)?;
     let mut follower = follower(clip, &person, &picture, &first, &landmarks)?;
     frames.push(frame(&person, &first, None, 0.0));
-    while frames.len() < clip.limit
-        && let Some(luma) = video.next()?
-    {
+    for luma in video {
+        let luma = luma?;
         let watch = ThreadTime::now();
-        let found = follower.step(luma)?;
+        let found = follower.step(&luma)?;
         let time = milliseconds(&watch);
         frames.push(frame(&person, &found.state, found.landmarks, time));
     }
@@ -98,18 +96,14 @@ fn follower<'a>(
 ) -> Result<Box<dyn Follower + 'a>> {
     let trained = || clip.trained.context("the trained parts");
     Ok(match clip.method {
-        Method::Svm => {
-            let model = clip.product.model()?;
-            Box::new(Templates::new(person, first, model, trained()?)?)
-        }
+        Method::Svm => Box::new(Templates::new(person, first, clip.product, trained()?)?),
         Method::Cascade => {
-            let model = clip.product.model()?;
+            let model = clip.product;
             Box::new(Regressed::new(person, first, landmarks, model, trained()?)?)
         }
         Method::Hybrid => {
-            let model = clip.product.model()?;
+            let model = clip.product;
             let templates = Templates::new(person, first, model, trained()?)?;
-            let model = clip.product.model()?;
             let cascade = Regressed::new(person, first, landmarks, model, trained()?)?;
             Box::new(Hybrid::new(cascade, templates))
         }

@@ -7,8 +7,8 @@ use super::person::Person;
 use super::picture::Picture;
 use super::scorer::Scorer;
 use super::state::State;
-use crate::video::Luma;
 use anyhow::Result;
+use image::GrayImage;
 use posewise::align::Shape;
 
 /// What a frame shows.
@@ -22,7 +22,7 @@ pub struct Found {
 /// A comparator behind its first frame.
 pub trait Follower {
     /// The next frame.
-    fn step(&mut self, luma: &Luma) -> Result<Found>;
+    fn step(&mut self, luma: &GrayImage) -> Result<Found>;
 }
 
 /// The methods that minimise an energy in the Bayesian loop.
@@ -38,7 +38,7 @@ pub struct ByEnergy<'a> {
 }
 
 impl Follower for ByEnergy<'_> {
-    fn step(&mut self, luma: &Luma) -> Result<Found> {
+    fn step(&mut self, luma: &GrayImage) -> Result<Found> {
         let before = *self.tracker.state();
         let blur = BLUR_MM * self.person.camera.fx / before.translation.z;
         let picture = Picture::of(luma).blurred(blur);

@@ -4,7 +4,7 @@ use crate::tracked::Frame;
 use crate::truth::Truth;
 use posewise_metrics::jitter::{Shape, landmark_jitter, second_difference};
 use posewise_metrics::landmarks::{INNER, box_size, nme_percent};
-use posewise_metrics::pose::PoseErrors;
+use posewise_metrics::pose::{PoseErrors, angle_difference};
 use posewise_metrics::{mean, median};
 use serde::Serialize;
 
@@ -32,8 +32,7 @@ pub fn nme(truth: &Truth, found: &Shape) -> f64 {
 /// Found less true angles, from −180 to 180.
 pub fn signed(truth: &Truth, frame: &Frame) -> Option<[f64; 3]> {
     let angles = frame.tracked.as_ref()?.angles;
-    let difference = |i: usize| (angles[i] - truth.angles[i] + 180.0).rem_euclid(360.0) - 180.0;
-    Some([0, 1, 2].map(difference))
+    Some([0, 1, 2].map(|i| angle_difference(angles[i], truth.angles[i])))
 }
 
 /// Mean over the axes of the mean distance of the errors from their median.

@@ -1,6 +1,6 @@
 //! Grey pictures in floating point, with smooth reading between pixels.
 
-use crate::video::Luma;
+use image::GrayImage;
 
 /// A grey picture, 0 to 255.
 #[derive(Clone, Debug)]
@@ -15,11 +15,11 @@ pub struct Picture {
 
 impl Picture {
     /// From a frame.
-    pub fn of(luma: &Luma) -> Picture {
+    pub fn of(luma: &GrayImage) -> Picture {
         Picture {
-            width: luma.width,
-            height: luma.height,
-            pixels: luma.pixels.iter().map(|v| f32::from(*v)).collect(),
+            width: luma.width() as usize,
+            height: luma.height() as usize,
+            pixels: luma.as_raw().iter().map(|v| f32::from(*v)).collect(),
         }
     }
 

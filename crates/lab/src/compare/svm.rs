@@ -12,8 +12,8 @@ use super::training::Trained;
 use crate::templates::correct::Correction;
 use crate::templates::descriptor::{Patches, Placement};
 use crate::templates::svm::Bank;
-use crate::video::Luma;
 use anyhow::Result;
+use image::GrayImage;
 use posewise::Model;
 use posewise::align::Shape;
 use posewise::shape::LANDMARKS;
@@ -34,7 +34,7 @@ const WIDE: f64 = 1.5;
 pub struct Templates<'a> {
     person: &'a Person<'a>,
     /// Its views and its mean shape: no network is run.
-    model: Model<'a>,
+    model: &'a Model<'a>,
     bank: &'a Bank,
     state: State,
     motion: Step,
@@ -45,7 +45,7 @@ impl<'a> Templates<'a> {
     pub fn new(
         person: &'a Person<'a>,
         first: &State,
-        model: Model<'a>,
+        model: &'a Model<'a>,
         trained: &'a Trained,
     ) -> Result<Templates<'a>> {
         Ok(Templates {
@@ -101,10 +101,10 @@ impl<'a> Templates<'a> {
 }
 
 /// A frame as templates read it.
-pub fn picture(luma: &Luma) -> Picture {
+pub fn picture(luma: &GrayImage) -> Picture {
     Picture {
-        size: [luma.width as u32, luma.height as u32],
-        luma: luma.pixels.clone(),
+        size: [luma.width(), luma.height()],
+        luma: luma.as_raw().clone(),
     }
 }
 
@@ -112,7 +112,7 @@ pub fn picture(luma: &Luma) -> Picture {
 pub const REFINEMENT: &[(Correction, Free)] = ROUNDS.split_at(2).1;
 
 impl Follower for Templates<'_> {
-    fn step(&mut self, luma: &Luma) -> Result<Found> {
+    fn step(&mut self, luma: &GrayImage) -> Result<Found> {
         let predicted = self.state.moved(&self.motion);
         let state = self.fitted(&picture(luma), &predicted, &ROUNDS);
         self.motion = state.motion_since(&self.state).map(|v| DAMPING * v);

@@ -4,18 +4,19 @@ use super::face_model::{FaceModel, Kind};
 use super::follow::{self, Clip};
 use super::settings::{Method, Settings};
 use super::training::Trained;
-use crate::product::Product;
+use crate::product;
 use crate::store::sum;
 use crate::tracked::Frame;
-use crate::video::Video;
+use crate::video;
 use anyhow::{Context, Result};
+use posewise_cli::model_file::ModelFile;
 use serde_json::{Value, json};
 use std::path::Path;
 
 /// What clips are followed with.
 pub struct Trackers {
     settings: Settings,
-    product: Product,
+    product: ModelFile,
     model: Option<FaceModel>,
     /// Checksums of the product's model and of the head.
     sums: [String; 2],
@@ -26,7 +27,7 @@ impl Trackers {
     /// Reads the models; the head only where a comparator needs it.
     pub fn new(settings: &Settings, methods: &[Method]) -> Result<Trackers> {
         let needs_head = methods.iter().any(|m| *m != Method::Posewise);
-        let product = Product::new(&settings.product)?;
+        let product = product::read(&settings.product)?;
         let trained = match methods.iter().any(|m| m.is_trained()) {
             true => {
                 let model = product.model()?;
@@ -79,21 +80,21 @@ impl Trackers {
 
     /// Follows a clip.
     pub fn follow(&self, method: Method, input: &Path, focal: Option<f32>) -> Result<Vec<Frame>> {
-        let mut video = Video::open(input)?;
         let limit = self.settings.frames.unwrap_or(usize::MAX);
+        let video = video::frames(input)?.take(limit);
+        let product = self.product.model()?;
         match &self.model {
             Some(model) if method != Method::Posewise => {
                 let clip = Clip {
                     method,
                     settings: &self.settings,
-                    product: &self.product,
+                    product: &product,
                     trained: self.trained.as_ref(),
                     focal,
-                    limit,
                 };
-                follow::comparator(&clip, model, &mut video)
+                follow::comparator(&clip, model, video)
             }
-            _ => follow::product(&self.product, focal, limit, &mut video),
+            _ => follow::product(&product, focal, video),
         }
         .with_context(|| format!("{} on {}", method.name(), input.display()))
     }

@@ -3,10 +3,8 @@
 use super::crop::FaceCrop;
 use super::filters::principal;
 use super::local::{Features, Kind};
-use super::refine::{self, Example};
-use super::regression::{COORDINATES, INPUTS, Links, Normal, Set, best_ridge, sets, solve};
+use super::regression::{COORDINATES, INPUTS, Links, Normal, best_ridge, sets, solve};
 use faer::Mat;
-use ndarray::Array1;
 use posewise::align::Shape;
 use posewise::image::Frame;
 use posewise::math::Similarity;
@@ -25,9 +23,8 @@ pub const STAGES: usize = 4;
 const FOLDS: usize = 4;
 /// Modes of shape that predictions may use beside similarity.
 const SHAPE_MODES: usize = 60;
-/// Crops that features are trained on, and samples that they are refined on.
+/// Crops that features are trained on.
 const CROPS: usize = 400;
-const REFINED_ON: usize = 5000;
 
 /// One regression on features.
 #[derive(Serialize, Deserialize)]
@@ -133,32 +130,13 @@ impl<'a> Training<'a> {
         let crops: Vec<FaceCrop> = (0..CROPS)
             .map(|_| self.crop(drawn(), kind.step(index)))
             .collect();
-        let mut features = Features::fit(kind, index, &crops, &mut rng);
+        let features = Features::fit(kind, index, &crops, &mut rng);
         let empty = || Normal::new(INPUTS, COORDINATES);
         let sum = |normals: &[Normal], but: usize| {
             let others = (0..FOLDS).filter(|f| *f != but);
             others.fold(empty(), |sum, f| sum.merge(&normals[f]))
         };
-        let (mut x, mut normals) = self.normals(&features);
-        if kind == Kind::Refined {
-            let all: Vec<Set> = vec![((0..=INPUTS).collect(), 0..COORDINATES)];
-            let ridge = best_ridge(&all, &sum(&normals, 0), &normals[0]);
-            let weights = solve(&sum(&normals, FOLDS), &all, ridge, &self.basis);
-            let chosen: Vec<usize> = (0..REFINED_ON.min(x.len()))
-                .map(|_| rng.random_range(0..x.len()))
-                .collect();
-            let examples: Vec<Example> = chosen
-                .into_par_iter()
-                .map(|n| {
-                    let crop = self.crop(n, features.step);
-                    (crop.patches(), Array1::from(self.target(n)))
-                })
-                .collect();
-            let errors = refine::refine(&mut features, &weights, 3, &examples, &mut rng);
-            eprintln!("    refined: error {:.4} to {:.4}", errors[0], errors[1]);
-            features.rescale(&crops);
-            (x, normals) = self.normals(&features);
-        }
+        let (x, normals) = self.normals(&features);
         let train = sum(&normals, 0);
         let sets = sets(links, &train, &normals[0]);
         let ridge = best_ridge(&sets, &train, &normals[0]);

@@ -1,7 +1,7 @@
-//! The local features of one stage: four kinds, all reduced to the same number.
+//! The local features of one stage: two kinds, both reduced to the same number.
 
 use super::crop::{FaceCrop, PATCH};
-use super::filters::{Filters, OUTPUTS, covariance, principal, whitening};
+use super::filters::{Filters, OUTPUTS, covariance, principal};
 use super::rbm;
 use ndarray::{Array1, Array2, Axis};
 use rand_chacha::ChaCha8Rng;
@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 /// Hidden units of the RBM.
 const HIDDEN: usize = 64;
-/// Distance and side of the histograms' cells by stage, in canonical units; what all kinds see is
+/// Distance and side of the histograms' cells by stage, in canonical units; what both kinds see is
 /// as wide as three cells.
 const CELLS: [(f32, f32); 4] = [(8.0, 13.0), (7.0, 13.0), (6.0, 11.0), (5.0, 9.0)];
 
@@ -18,12 +18,8 @@ const CELLS: [(f32, f32); 4] = [(8.0, 13.0), (7.0, 13.0), (6.0, 11.0), (5.0, 9.0
 pub enum Kind {
     /// Gradient histograms of 3×3 cells.
     Hog,
-    /// Whitened principal components of patches, squashed.
-    Pca,
     /// Hidden units of a restricted Boltzmann machine.
     Rbm,
-    /// The same, then tuned for the stage's regression by gradients.
-    Refined,
 }
 
 impl Kind {
@@ -32,7 +28,7 @@ impl Kind {
         let (distance, side) = CELLS[stage];
         match self {
             Kind::Hog => 1.0,
-            _ => (2.0 * distance + side) / PATCH as f32,
+            Kind::Rbm => (2.0 * distance + side) / PATCH as f32,
         }
     }
 }
@@ -48,21 +44,20 @@ enum Raw {
 pub struct Features {
     raw: Raw,
     /// Of the raw features.
-    pub mean: Array1<f32>,
+    mean: Array1<f32>,
     /// A column per output; outputs have a mean square of 1.
-    pub reduction: Array2<f32>,
+    reduction: Array2<f32>,
     /// Canonical units per px of the crops.
     pub step: f32,
 }
 
 impl Features {
-    /// Learns a stage's features (not refined yet) from crops.
+    /// Learns a stage's features from crops.
     pub fn fit(kind: Kind, stage: usize, crops: &[FaceCrop], rng: &mut ChaCha8Rng) -> Features {
         let patches = || stacked(crops.iter().map(FaceCrop::patches));
         let raw = match kind {
             Kind::Hog => Raw::Hog(CELLS[stage].0, CELLS[stage].1),
-            Kind::Pca => Raw::Filters(whitening(&patches())),
-            _ => Raw::Filters(rbm::train(
+            Kind::Rbm => Raw::Filters(rbm::train(
                 &patches(),
                 HIDDEN,
                 &rbm::Options::default(),
@@ -84,16 +79,8 @@ impl Features {
         features
     }
 
-    /// The filters, of kinds that have some.
-    pub fn filters(&mut self) -> Option<&mut Filters> {
-        match &mut self.raw {
-            Raw::Hog(..) => None,
-            Raw::Filters(filters) => Some(filters),
-        }
-    }
-
     /// Makes outputs 1 in the mean square over these crops.
-    pub fn rescale(&mut self, crops: &[FaceCrop]) {
+    fn rescale(&mut self, crops: &[FaceCrop]) {
         let raw_rows = stacked(crops.iter().map(|crop| raw_of(&self.raw, crop)));
         self.mean = raw_rows.mean_axis(Axis(0)).expect("there are crops");
         let out = (raw_rows - &self.mean).dot(&self.reduction);

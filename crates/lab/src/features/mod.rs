@@ -5,7 +5,6 @@ mod crop;
 mod filters;
 pub mod local;
 mod rbm;
-mod refine;
 pub mod regression;
 mod stored;
 
@@ -41,12 +40,7 @@ pub fn run(args: &Args) -> Result<()> {
     let photographs = with_mirrors(photographs);
     println!("| features | samples | NME68 mean | median | NME51 mean | failures % |");
     println!("|---|---|---|---|---|---|");
-    let kinds = [
-        ("gradient histograms", Kind::Hog),
-        ("principal components of patches", Kind::Pca),
-        ("RBM", Kind::Rbm),
-        ("RBM, refined", Kind::Refined),
-    ];
+    let kinds = [("gradient histograms", Kind::Hog), ("RBM", Kind::Rbm)];
     let mut best = (f32::MAX, kinds[0]);
     for (name, kind) in kinds {
         let error = print_row(args, name, &photographs, (kind, Links::Global), &dev);

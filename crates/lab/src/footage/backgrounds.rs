@@ -63,6 +63,15 @@ pub fn list(args: &BackgroundsArgs) -> Result<Vec<PathBuf>> {
     Ok(chosen)
 }
 
+/// Those of a folder that training leaves out.
+pub fn held_out(folder: &Path) -> Result<Vec<PathBuf>> {
+    list(&BackgroundsArgs {
+        backgrounds: folder.to_path_buf(),
+        every: 5,
+        offset: None,
+    })
+}
+
 fn with_people(path: &Path) -> Result<HashSet<String>> {
     if !path.exists() {
         return Ok(HashSet::new());

@@ -11,7 +11,7 @@ mod subsets;
 mod talking_face;
 mod text;
 
-use crate::product::{self, Product};
+use crate::product;
 use anyhow::{Context, Result};
 use predictions::Predictions;
 use std::path::PathBuf;
@@ -56,7 +56,7 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<()> {
     let predictions = match &args.csv {
         Some(folder) => Predictions::Tables(folder.clone()),
-        None => Predictions::Product(Product::new(&args.product)?),
+        None => Predictions::Product(product::read(&args.product)?, args.product.focal),
     };
     let report = report(args, &predictions)?;
     print!("{}", report.text);

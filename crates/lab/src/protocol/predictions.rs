@@ -1,9 +1,10 @@
 //! What is compared with the truth: tables of any tracker, or the product's own results.
 
-use crate::product::Product;
+use crate::product::{Session, still};
 use crate::tracked::{self, Tracked};
-use crate::video::{Luma, Video};
+use crate::video;
 use anyhow::{Context, Result};
+use posewise_cli::model_file::ModelFile;
 use std::path::{Path, PathBuf};
 
 /// What a data set shows.
@@ -20,8 +21,8 @@ pub enum Media {
 pub enum Predictions {
     /// `NAME.csv` in a folder, as `posewise track --csv` writes it.
     Tables(PathBuf),
-    /// posewise runs on the media.
-    Product(Product),
+    /// posewise runs on the media, of a camera with this focal length \[px\].
+    Product(ModelFile, Option<f32>),
 }
 
 impl Predictions {
@@ -33,7 +34,7 @@ impl Predictions {
                 let mut found = |frame| rows.remove(&frame)?.tracked;
                 (0..frames).map(&mut found).collect()
             }
-            Predictions::Product(product) => run(product, media)?,
+            Predictions::Product(file, focal) => run(file, *focal, media)?,
         };
         found.resize(frames, None);
         Ok(found)
@@ -41,28 +42,18 @@ impl Predictions {
 }
 
 /// posewise on a clip or a picture.
-fn run(product: &Product, media: &Media) -> Result<Vec<Option<Tracked>>> {
+fn run(file: &ModelFile, focal: Option<f32>, media: &Media) -> Result<Vec<Option<Tracked>>> {
+    let model = file.model()?;
+    let mut session = Session::new(&model, focal)?;
     match media {
-        Media::Still(path) => Ok(vec![product.still(path)?]),
-        Media::Video(path) => video(product, path),
-        Media::Frames(paths) => {
-            let mut session = product.start()?;
-            let step = |path: &PathBuf| -> Result<Option<Tracked>> {
-                Ok(Tracked::of(session.step(&Luma::read(path)?)?))
-            };
-            paths.iter().map(step).collect()
-        }
+        Media::Still(path) => Ok(vec![still(&model, focal, path)?]),
+        Media::Video(path) => video::frames(path)?
+            .map(|luma| Ok(Tracked::of(session.step(&luma?)?)))
+            .collect(),
+        Media::Frames(paths) => (paths.iter())
+            .map(|path| Ok(Tracked::of(session.step_file(path)?)))
+            .collect(),
     }
-}
-
-fn video(product: &Product, path: &Path) -> Result<Vec<Option<Tracked>>> {
-    let mut session = product.start()?;
-    let mut video = Video::open(path)?;
-    let mut found = Vec::new();
-    while let Some(luma) = video.next()? {
-        found.push(Tracked::of(session.step(luma)?));
-    }
-    Ok(found)
 }
 
 /// All files below a folder with one of these endings (in lower case), by name.

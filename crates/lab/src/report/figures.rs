@@ -307,12 +307,8 @@ mod tests {
     use crate::tracked::{Confidence, Tracked};
 
     fn truth(yaw: f64) -> Truth {
-        Truth {
-            angles: [yaw, 0.0, 0.0],
-            points: std::array::from_fn(|i| [i as f64, (i % 7) as f64 * 10.0]),
-            in_frame: 1.0,
-            focal: None,
-        }
+        let points = std::array::from_fn(|i| [i as f64, (i % 7) as f64 * 10.0]);
+        Truth::new([yaw, 0.0, 0.0], points)
     }
 
     /// A result that is so far off in yaw and in all landmarks.
@@ -325,6 +321,7 @@ mod tests {
             confidence: Some(Confidence {
                 face: 0.75,
                 landmarks: [0.25; 68],
+                visibility: None,
             }),
             milliseconds: Some(off_deg.abs()),
             ..Frame::default()

@@ -2,8 +2,8 @@
 
 use super::figures::{Figures, Worst};
 use crate::compare::{Clip, Comparison};
-use crate::video::{Luma, Video};
-use anyhow::{Context, Result};
+use crate::video;
+use anyhow::Result;
 use image::GrayImage;
 use image::codecs::jpeg::JpegEncoder;
 use image::imageops::{FilterType, crop_imm, resize};
@@ -106,33 +106,27 @@ impl Pictures {
             true => clip.truth.len(),
             false => wanted.keys().last().map_or(0, |frame| frame + 1),
         };
-        let mut video = Video::open(&clip.path)?;
-        for frame in 0..last {
-            let Some(luma) = video.next()? else { break };
+        for (frame, luma) in video::frames(&clip.path)?.take(last).enumerate() {
+            let luma = luma?;
             for (s, w, worst) in wanted.remove(&frame).unwrap_or_default() {
-                self.worst[s][w] = Some(crop(luma, worst)?);
+                self.worst[s][w] = Some(crop(&luma, worst)?);
             }
             if is_scrubbed && frame % self.geometry.every == 0 {
-                self.add_scrubbed(luma)?;
+                self.add_scrubbed(&luma)?;
             }
         }
         Ok(())
     }
 
-    fn add_scrubbed(&mut self, luma: &Luma) -> Result<()> {
-        let scale = f64::from(SCRUB_PX) / luma.width as f64;
-        let height = ((luma.height as f64 * scale).round() as u32).max(1);
+    fn add_scrubbed(&mut self, luma: &GrayImage) -> Result<()> {
+        let scale = f64::from(SCRUB_PX) / f64::from(luma.width());
+        let height = ((f64::from(luma.height()) * scale).round() as u32).max(1);
         self.geometry.scale = scale;
         self.geometry.height = height;
-        let small = resize(&picture(luma)?, SCRUB_PX, height, FilterType::Triangle);
+        let small = resize(luma, SCRUB_PX, height, FilterType::Triangle);
         self.scrub.push(jpeg(&small)?);
         Ok(())
     }
-}
-
-fn picture(luma: &Luma) -> Result<GrayImage> {
-    let (width, height) = (luma.width as u32, luma.height as u32);
-    GrayImage::from_raw(width, height, luma.pixels.clone()).context("a frame of another size")
 }
 
 fn jpeg(picture: &GrayImage) -> Result<Jpeg> {
@@ -142,22 +136,21 @@ fn jpeg(picture: &GrayImage) -> Result<Jpeg> {
 }
 
 /// The surroundings of the true face, as far as they are in the frame.
-fn crop(luma: &Luma, worst: &Worst) -> Result<Crop> {
+fn crop(luma: &GrayImage, worst: &Worst) -> Result<Crop> {
     let [left, top, right, bottom] = bounds(&worst.truth);
-    let shorter = luma.width.min(luma.height) as f64;
+    let shorter = f64::from(luma.width().min(luma.height()));
     let side = (MARGIN * (right - left).max(bottom - top))
         .clamp(16.0, shorter)
         .floor();
-    let corner = |low: f64, high: f64, length: usize| {
+    let corner = |low: f64, high: f64, length: u32| {
         let start = 0.5 * (low + high) - 0.5 * side;
-        start.clamp(0.0, length as f64 - side).floor()
+        start.clamp(0.0, f64::from(length) - side).floor()
     };
     let (x, y) = (
-        corner(left, right, luma.width),
-        corner(top, bottom, luma.height),
+        corner(left, right, luma.width()),
+        corner(top, bottom, luma.height()),
     );
-    let whole = picture(luma)?;
-    let part = crop_imm(&whole, x as u32, y as u32, side as u32, side as u32).to_image();
+    let part = crop_imm(luma, x as u32, y as u32, side as u32, side as u32).to_image();
     let scale = f64::from(WORST_PX) / side;
     // Pixel centres of the frame are whole numbers, and so are those of the crop.
     let place = |[px, py]: [f64; 2]| [(px - x + 0.5) * scale, (py - y + 0.5) * scale];

@@ -2,20 +2,17 @@
 //! places of both faces per frame: do trackers keep them apart?
 
 use super::Material;
-use super::clip::{Set, Studio};
+use super::clip::{Set, Studio, write_clip};
 use super::motion::Moment;
 use super::plan::{Hair, Kind, SEED, SIZE, Sweep};
 use super::truth::{self, Drawing, Landmarks};
 use anyhow::Result;
-use flate2::{Compression, write::GzEncoder};
 use glam::Vec3;
 use posewise::shape::Intrinsics;
 use posewise_train::head::Head;
 use posewise_train::render::draw::View;
 use posewise_train::render::noise::smoothstep;
 use rand::Rng;
-use std::fs::File;
-use std::io::Write;
 use std::path::PathBuf;
 
 /// Width of a face that distances are chosen for \[mm\].
@@ -30,7 +27,8 @@ const FIRST_STREAM: u64 = 1000;
 pub struct Args {
     #[command(flatten)]
     pub material: Material,
-    /// Where clips (.y4m.gz) and truths (.csv) go.
+    /// Where clips (.y4m.gz), truths (.csv) and descriptions (.json) go. A clip whose description
+    /// is there and agrees is not rendered again.
     #[arg(long)]
     pub out: PathBuf,
     /// Number of clips.
@@ -79,51 +77,49 @@ impl Path {
 
 fn render(studio: &Studio, args: &Args, clip: usize) -> Result<()> {
     let sweeps = [0, 1].map(|which| person(args, clip, which));
-    let mut near = Set::new(studio, &sweeps[0])?;
-    let mut far = Set::new(studio, &sweeps[1])?;
-    let [width, height] = SIZE;
-    let focal = width as f32 / 2.0 / (sweeps[0].view_deg / 2.0).to_radians().tan();
-    let middle = SIZE.map(|n| (n - 1) as f32 / 2.0);
-    let view = || View {
-        width,
-        height,
-        camera: Intrinsics::new(focal, focal, middle[0], middle[1]),
-    };
-    (near.view, far.view) = (view(), view());
-    far.lights = near.lights.clone();
-    let behind = far.behind.clone();
-    // The camera must not make faces disappear: noise and blur of an ordinary one.
-    near.camera.noise = near.camera.noise.min(3.0);
-    let paths = paths(&mut near, focal);
-    let file = File::create(args.out.join(format!("{}.y4m.gz", sweeps[0].name)))?;
-    let mut out = GzEncoder::new(file, Compression::fast());
-    writeln!(out, "YUV4MPEG2 W{width} H{height} F25:1 Ip A1:1 Cmono")?;
-    let mut rows = vec![String::from("frame,person,x,y,width,height,uncovered")];
-    for number in 0..args.frames {
-        let share = number as f32 / args.frames as f32;
-        (near.at, far.at) = (paths[0].at(share), paths[1].at(share));
-        let moment = |set: &Set| -> Moment { set.motion.at(number as f32 / 25.0) };
-        let (moment_near, moment_far) = (moment(&near), moment(&far));
-        let (front, back) = (near.figure(&moment_near), far.figure(&moment_far));
-        far.behind = behind.clone();
-        near.behind = far.drawn(&back, &moment_far).light;
-        let mut light = near.drawn(&front, &moment_near).light;
-        let luma = near.camera.develop(&mut near.rng, &mut light, width);
-        out.write_all(b"FRAME\n")?;
-        out.write_all(&luma)?;
-        let cover = Drawing {
-            mesh: near.mesh(),
-            head: Some(&front.posed),
-            props: &front.own,
+    let description = serde_json::to_string_pretty(&sweeps)?;
+    let columns = "frame,person,x,y,width,height,uncovered".to_owned();
+    write_clip(&sweeps[0], &args.out, &description, columns, || {
+        let mut near = Set::new(studio, &sweeps[0])?;
+        let mut far = Set::new(studio, &sweeps[1])?;
+        let [width, height] = SIZE;
+        let focal = width as f32 / 2.0 / (sweeps[0].view_deg / 2.0).to_radians().tan();
+        let middle = SIZE.map(|n| (n - 1) as f32 / 2.0);
+        let view = || View {
+            width,
+            height,
+            camera: Intrinsics::new(focal, focal, middle[0], middle[1]),
         };
-        let (face, hidden) = (near.landmarks(&front), far.landmarks(&back));
-        let uncovered = truth::uncovered_share(&hidden, &far.view, &cover);
-        rows.push(row(number, 0, &face, 1.0));
-        rows.push(row(number, 1, &hidden, uncovered));
-    }
-    out.finish()?;
-    let table = args.out.join(format!("{}.csv", sweeps[0].name));
-    Ok(std::fs::write(table, rows.join("\n") + "\n")?)
+        (near.view, far.view) = (view(), view());
+        far.lights = near.lights.clone();
+        let behind = far.behind.clone();
+        // The camera must not make faces disappear: noise and blur of an ordinary one.
+        near.camera.noise = near.camera.noise.min(3.0);
+        let paths = paths(&mut near, focal);
+        Ok(move |number: usize| {
+            let share = number as f32 / args.frames as f32;
+            (near.at, far.at) = (paths[0].at(share), paths[1].at(share));
+            let moment = |set: &Set| -> Moment { set.motion.at(number as f32 / 25.0) };
+            let (moment_near, moment_far) = (moment(&near), moment(&far));
+            let (front, back) = (near.figure(&moment_near), far.figure(&moment_far));
+            far.behind = behind.clone();
+            near.behind = far.drawn(&back, &moment_far).light;
+            let mut light = near.drawn(&front, &moment_near).light;
+            let luma = near.camera.develop(&mut near.rng, &mut light, width);
+            let cover = Drawing {
+                mesh: near.mesh(),
+                head: Some(&front.posed),
+                props: &front.own,
+            };
+            let (face, hidden) = (near.landmarks(&front), far.landmarks(&back));
+            let uncovered = truth::uncovered_share(&hidden, &far.view, &cover);
+            let rows = [
+                row(number, 0, &face, 1.0),
+                row(number, 1, &hidden, uncovered),
+            ];
+            Ok((luma, rows.join("\n")))
+        })
+    })
 }
 
 /// Ways of the person before and the one behind.

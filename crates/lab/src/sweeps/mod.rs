@@ -28,13 +28,13 @@ pub use crossing::{Args as CrossingArgs, run as run_crossings};
 pub use driver::{Args as DriverArgs, run as run_driver_clips};
 pub use u3pt::{Args as U3ptArgs, run as run_u3pt};
 
+use crate::footage::backgrounds::held_out;
 use anyhow::{Context, Result};
 use clip::Studio;
 use image::GrayImage;
 use posewise_train::head::Head;
-use posewise_train::picture::Picture;
 use rayon::prelude::*;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// What renders of both kinds are made of.
 #[derive(Clone, Debug, clap::Args)]
@@ -97,20 +97,12 @@ impl Material {
         let Some(folder) = &self.backgrounds else {
             return Ok(Vec::new());
         };
-        let listed = std::fs::read_to_string(folder.join("with-people.txt")).unwrap_or_default();
-        let people: Vec<&str> = listed.lines().map(str::trim).collect();
-        let usable = |path: &&PathBuf| {
-            let name = path.file_name().unwrap_or_default().to_string_lossy();
-            !people.contains(&name.as_ref())
-        };
-        let read = |path: &Path| -> Result<GrayImage> {
+        // Training takes four of each five pictures; the fifth is new to the model.
+        let read = |path: &PathBuf| -> Result<GrayImage> {
             let picture = image::open(path).with_context(|| path.display().to_string())?;
             Ok(picture.to_luma8())
         };
-        // Training takes four of each five pictures; the fifth is new to the model.
-        let list = Picture::list(folder)?;
-        let list = list.iter().filter(usable).skip(4).step_by(5);
-        list.map(|path| read(path)).collect()
+        held_out(folder)?.iter().map(read).collect()
     }
 }
 

@@ -171,9 +171,8 @@ fn a_small_set_is_rendered_with_its_truth() {
         studio.render(video, folder.path()).unwrap();
         let path = folder.path().join(format!("{}.csv", video.name));
         let clip = folder.path().join(format!("{}.y4m.gz", video.name));
-        let mut frames = crate::video::Video::open(&clip).unwrap();
-        let first = frames.next().unwrap().unwrap();
-        assert_eq!((first.width, first.height), (96, 72));
+        let first = crate::video::frames(&clip).unwrap().next().unwrap();
+        assert_eq!(first.unwrap().dimensions(), (96, 72));
         crate::truth::read(&path).unwrap()
     };
     let tables: Vec<_> = plan.iter().map(table).collect();

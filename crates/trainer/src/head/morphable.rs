@@ -235,16 +235,6 @@ impl Head {
         out
     }
 
-    /// Adds further expressions by ARKit name (`eyeLookInLeft` …) to vertices; false if there is
-    /// no such expression.
-    pub fn add_expression(&self, vertices: &mut [[f32; 3]], name: &str, weight: f32) -> bool {
-        let found = self.expressions.iter().find(|e| e.name == name);
-        if let Some(expression) = found {
-            add_scaled(vertices, &expression.delta, weight);
-        }
-        found.is_some()
-    }
-
     /// Unit outward normals of these vertices, area-weighted over the triangles.
     pub fn normals(&self, vertices: &[[f32; 3]]) -> Vec<[f32; 3]> {
         normals(vertices, &self.triangles)

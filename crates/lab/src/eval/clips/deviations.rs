@@ -1,8 +1,6 @@
 //! `posewise-lab eval deviations`: whether the standard deviations of a pose are true, and the
 //! constants of `src/shape/deviation.rs` that make them so.
 
-use std::fmt::Write as _;
-
 use anyhow::Result;
 use glam::Vec3;
 use nalgebra::{SMatrix, SVector};
@@ -11,9 +9,9 @@ use posewise::shape::{Pose, rotation_vector};
 use serde_json::{Map, Value, json};
 
 use super::pairs::{ClipsArgs, clips_of};
-use super::truth::read_truth;
-use crate::output;
 use crate::table::Table;
+use crate::truth::Truth;
+use crate::{output, truth};
 
 /// Options of `posewise-lab eval deviations`.
 #[derive(clap::Args)]
@@ -57,23 +55,18 @@ const TERMS: usize = 6;
 pub fn run(args: &Args) -> Result<()> {
     let mut frames = Vec::new();
     for (clip, (truth, csv)) in clips_of(&args.clips)?.enumerate() {
-        frames.extend(read(clip, &Table::read(truth)?, &Table::read(csv)?)?);
+        let truths = truth::whole(&Table::read(truth)?)?;
+        frames.extend(read(clip, &truths, &Table::read(csv)?)?);
     }
-    let mut out = String::new();
-    let mut bands = Map::new();
-    report(&mut out, &mut bands, &frames);
+    output::show(&figures(&frames), args.clips.json.as_deref())?;
     if args.fit {
-        print_constants(&mut out, &frames);
-    }
-    output::print(&out)?;
-    if let Some(path) = &args.clips.json {
-        output::write_json(path, &bands.into())?;
+        print_constants(&frames);
     }
     Ok(())
 }
 
 /// The tracked frames of a clip.
-fn read(clip: usize, truth: &Table, csv: &Table) -> Result<Vec<Frame>> {
+fn read(clip: usize, truths: &[Truth], csv: &Table) -> Result<Vec<Frame>> {
     let names = [
         "frame",
         "success",
@@ -99,7 +92,6 @@ fn read(clip: usize, truth: &Table, csv: &Table) -> Result<Vec<Frame>> {
         "box_h",
     ];
     let columns: Vec<usize> = names.iter().map(|n| csv.column(n)).collect::<Result<_>>()?;
-    let truths = read_truth(truth)?;
     let mut frames = Vec::new();
     for row in 0..csv.len() {
         let values: Vec<f64> = columns
@@ -107,25 +99,31 @@ fn read(clip: usize, truth: &Table, csv: &Table) -> Result<Vec<Frame>> {
             .map(|c| csv.number(row, *c))
             .collect::<Result<_>>()?;
         // The truth counts frames from 0.
-        let found = truths.iter().find(|(n, _)| *n + 1 == values[0] as i64);
-        let Some((_, truth)) = found else { continue };
+        let found = truths.iter().find(|t| t.frame + 1 == values[0] as usize);
+        let Some((truth, eye_mid)) = found.and_then(|t| Some((t, t.eye_mid?))) else {
+            continue;
+        };
         if values[1] < 0.5 || truth.in_frame < 0.5 {
             continue;
         }
-        let is = pose(truth.angles, truth.eye_mid);
+        let is = pose(truth.angles, eye_mid);
         let said = pose(three(&values[2..]), three(&values[5..]));
         frames.push(Frame {
             clip,
             errors: errors(&said, &is),
             sigmas: std::array::from_fn(|i| values[8 + i]),
             yaw_deg: f64::from(is.facing_angles().yaw_deg.abs()),
-            covered: truth.under.iter().filter(|u| **u).count() as f64 / 68.0,
+            covered: share(&truth.covered.unwrap_or([false; 68])),
             box_px: values[20].max(values[21]),
             terms: terms(&said, &values),
             systematic: systematic(&said, &is),
         });
     }
     Ok(frames)
+}
+
+fn share(marks: &[bool; 68]) -> f64 {
+    marks.iter().filter(|mark| **mark).count() as f64 / 68.0
 }
 
 fn three(values: &[f64]) -> [f64; 3] {
@@ -201,16 +199,8 @@ const BANDS: [Band; 6] = [
     ("small", |f| f.box_px < SMALL_PX),
 ];
 
-fn report(out: &mut String, bands: &mut Map<String, Value>, frames: &[Frame]) {
-    // Writing to a String cannot fail.
-    let _ = writeln!(
-        out,
-        "share of the errors within two deviations [%], and mean deviation over root of the mean \
-         squared error\n{:<9}{:>7}{}",
-        "|yaw|",
-        "frames",
-        NAMES.map(|name| format!("{name:>11}")).concat()
-    );
+fn figures(frames: &[Frame]) -> Value {
+    let mut bands = Map::new();
     for (name, is_in) in BANDS {
         let band: Vec<&Frame> = frames.iter().filter(|f| is_in(f)).collect();
         if band.is_empty() {
@@ -218,20 +208,18 @@ fn report(out: &mut String, bands: &mut Map<String, Value>, frames: &[Frame]) {
         }
         let n = band.len() as f64;
         let mean = |value: &dyn Fn(&Frame) -> f64| band.iter().map(|f| value(f)).sum::<f64>() / n;
-        let _ = write!(out, "{name:<9}{:>7}", band.len());
-        let mut values = Map::new();
+        let mut values = Map::from_iter([("frames".to_string(), band.len().into())]);
         for (i, quantity) in NAMES.iter().enumerate() {
             let within = |f: &Frame| f64::from(f.errors[i].abs() <= 2.0 * f.sigmas[i]);
             let (within, sigma) = (100.0 * mean(&within), mean(&|f| f.sigmas[i]));
             let rms = mean(&|f| f.errors[i] * f.errors[i]).sqrt();
-            let _ = write!(out, "{within:>6.1} {:<4.2}", sigma / rms);
-            let numbers = json!({"within_2_sigma_%": within, "sigma": sigma, "rms": rms});
+            let numbers = json!({"within_2_sigma_%": within, "sigma": sigma, "rms": rms,
+                "sigma_over_rms": sigma / rms});
             values.insert(quantity.to_string(), numbers);
         }
-        out.push('\n');
-        values.insert("frames".into(), band.len().into());
         bands.insert(name.into(), values.into());
     }
+    bands.into()
 }
 
 /// The distance: how large a head is does not depend on where it is turned.
@@ -251,16 +239,13 @@ const LEAST_CURVATURE: f64 = 1e-3;
 /// that deviations come out up to a third larger than these frames ask for: other people err more.
 const SMOOTHING: f64 = 0.2;
 
-fn print_constants(out: &mut String, frames: &[Frame]) {
-    let _ = writeln!(out, "\nconst SYSTEMATIC: [Terms; 6] = [");
+fn print_constants(frames: &[Frame]) {
+    println!("\nconst SYSTEMATIC: [Terms; 6] = [");
     for quantity in 0..6 {
         let [base, a, b, c, d, e]: [f64; TERMS] = fit(frames, quantity).into();
-        let _ = writeln!(
-            out,
-            "    terms({base:.2}, [{a:.2}, {b:.2}], [{c:.2}, {d:.2}, {e:.2}]),"
-        );
+        println!("    terms({base:.2}, [{a:.2}, {b:.2}], [{c:.2}, {d:.2}, {e:.2}]),");
     }
-    let _ = writeln!(out, "];");
+    println!("];");
 }
 
 /// The factors of the logarithm of a deviation with which [`WITHIN`] of the errors lie within two
@@ -357,11 +342,10 @@ mod tests {
 
     #[test]
     fn true_deviations_are_reported_as_such() {
-        let (mut text, mut bands) = (String::new(), Map::new());
-        report(&mut text, &mut bands, &frames());
+        let bands = figures(&frames());
         let all = &bands["all"]["yaw"];
         let within = all["within_2_sigma_%"].as_f64().unwrap();
-        assert!((within - 95.4).abs() < 1.0, "{text}");
-        assert!(!bands.contains_key("small"));
+        assert!((within - 95.4).abs() < 1.0, "{bands}");
+        assert!(bands["small"].is_null());
     }
 }

@@ -6,8 +6,6 @@
 //! the tracker (unknown is not closed); one of the tracker is invented when no eye is closing in
 //! truth.
 
-use std::fmt::Write as _;
-
 use anyhow::Result;
 use posewise_metrics::statistics::centred;
 use posewise_metrics::{correlation, mean};
@@ -74,26 +72,18 @@ impl Pairs {
         self.blink.extend(centred(&clip.blink));
     }
 
-    /// All numbers of `frames` frames as text and as JSON.
-    fn report(&self, frames: usize, closures: &Closures) -> (String, Value) {
-        let known = self.blink.len();
-        let [ear, blink, open] = [&self.ear, &self.blink, &self.open].map(|p| correlation(p));
-        let Closures {
-            truth,
-            missed,
-            invented,
-        } = closures;
-        let text = format!(
-            "{frames} frames, eyes known in {known}, correlation of the eye aspect ratio {}, \
-             of eye_open {}, of eye_open with the true ratio {}; \
-             {truth} closures, {missed} missed, {invented} invented",
-            shown(ear),
-            shown(blink),
-            shown(open),
-        );
-        let value = json!({"frames": frames, "known": known, "ear": ear, "eye_open": blink,
-            "eye_open_ear": open, "closures": truth, "missed": missed, "invented": invented});
-        (text, value)
+    /// All numbers of `frames` frames.
+    fn figures(&self, frames: usize, closures: &Closures) -> Value {
+        json!({
+            "frames": frames,
+            "known": self.blink.len(),
+            "ear": correlation(&self.ear),
+            "eye_open": correlation(&self.blink),
+            "eye_open_ear": correlation(&self.open),
+            "closures": closures.truth,
+            "missed": closures.missed,
+            "invented": closures.invented,
+        })
     }
 }
 
@@ -107,16 +97,13 @@ struct Closures {
 
 /// Runs the command.
 pub fn run(args: &ClipsArgs) -> Result<()> {
-    let mut out = String::new();
     let (mut clips, mut all) = (Vec::new(), Pairs::of(&[]));
     let (mut frames, mut closures) = (0, Closures::default());
     for (truth, csv) in clips_of(args)? {
         let clip = compare(&Table::read(truth)?, &Table::read(csv)?)?;
         let (pairs, counted) = (Pairs::of(&clip), count(&clip));
-        let name = truth.display().to_string();
-        let (text, mut value) = pairs.report(clip.len(), &counted);
-        writeln!(out, "{name}: {text}")?;
-        value["clip"] = name.into();
+        let mut value = pairs.figures(clip.len(), &counted);
+        value["clip"] = truth.display().to_string().into();
         clips.push(value);
         frames += clip.len();
         closures.truth += counted.truth;
@@ -124,18 +111,9 @@ pub fn run(args: &ClipsArgs) -> Result<()> {
         closures.invented += counted.invented;
         all.pool(&pairs);
     }
-    let (text, mut value) = all.report(frames, &closures);
-    writeln!(out, "all: {text}")?;
-    output::print(&out)?;
-    if let Some(path) = &args.json {
-        value["clips"] = clips.into();
-        output::write_json(path, &value)?;
-    }
-    Ok(())
-}
-
-fn shown(value: Option<f64>) -> String {
-    value.map_or("-".into(), |v| format!("{v:.3}"))
+    let mut value = all.figures(frames, &closures);
+    value["clips"] = clips.into();
+    output::show(&value, args.json.as_deref())
 }
 
 fn compare(truth: &Table, csv: &Table) -> Result<Vec<Frame>> {

@@ -1,7 +1,5 @@
 //! Scores of a gaze against the truth of each frame.
 
-use std::fmt::Write as _;
-
 use glam::DVec3;
 use posewise_metrics::{mean, median};
 use serde_json::{Value, json};
@@ -82,29 +80,7 @@ impl GazeScores {
         }
     }
 
-    /// For people; empty where the truth has no such frame.
-    pub fn text(&self) -> String {
-        let mut out = String::new();
-        let compared = |(within, _): &(&Within, f64)| within.frames > 0;
-        for (within, limit) in self.0.iter().zip(LIMITS_DEG).filter(compared) {
-            let shown = |v: Option<f64>| v.map_or("-".into(), |v| format!("{v:.2}"));
-            let known = 100.0 * within.errors.len() as f64 / within.frames as f64;
-            // Writing to a String cannot fail.
-            let _ = writeln!(
-                out,
-                "  gaze to {limit:.0}°  mean {}°, median {}°, known {known:.1} % of {} frames, \
-                 bias {}° right, {}° down",
-                shown(mean(&within.errors)),
-                shown(median(&within.errors)),
-                within.frames,
-                shown(mean(&within.across)),
-                shown(mean(&within.down)),
-            );
-        }
-        out
-    }
-
-    /// For programs; `null` where the truth has no such frame.
+    /// The numbers; `null` where the truth has no such frame.
     pub fn json(&self) -> Value {
         let of = |(within, limit): (&Within, f64)| {
             json!({
@@ -164,7 +140,7 @@ mod tests {
     #[test]
     fn sums_are_of_all_clips() {
         let mut one = GazeScores::default();
-        assert_eq!((one.text(), one.json()), (String::new(), Value::Null));
+        assert_eq!(one.json(), Value::Null);
         one.compare(&AHEAD, 0.0, Some([0.1, 0.0]));
         let mut all = one.clone();
         all.add(&one);
@@ -173,6 +149,5 @@ mod tests {
         assert_eq!(json[0]["frames"], 3);
         assert!((json[0]["known"].as_f64().unwrap() - 2.0 / 3.0).abs() < 1e-9);
         assert!((json[1]["right_deg"].as_f64().unwrap() - 0.1f64.to_degrees()).abs() < 1e-9);
-        assert!(all.text().contains("known 66.7 % of 3 frames"));
     }
 }

@@ -7,7 +7,6 @@
 //! third figure is the jitter of landmarks that move exactly as the picture between brows and nose
 //! does: a tracker that does not lag behind the head cannot be below it.
 
-use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use anyhow::{Result, ensure};
@@ -18,8 +17,7 @@ use posewise_metrics::landmarks::distance;
 use serde_json::json;
 
 use super::registration::{Luma, Patch, register};
-use crate::output;
-use crate::table::Table;
+use crate::{output, tracked};
 
 /// Options of `posewise-lab eval jitter`.
 #[derive(clap::Args)]
@@ -49,54 +47,22 @@ pub fn run(args: &Args) -> Result<()> {
         args.clip.is_empty() || args.clip.len() == args.csv.len(),
         "--clip once for every --csv, or not at all"
     );
-    let mut out = String::new();
     let mut rows = Vec::new();
     for (index, path) in args.csv.iter().enumerate() {
-        let name = path.display().to_string();
-        let shapes = shapes(&Table::read(path)?)?;
+        let frames = tracked::read(path)?.into_values();
+        // `None` where no face is tracked.
+        let shapes: Vec<Option<Shape>> = frames.map(|f| Some(f.tracked?.points)).collect();
         let [jitter, rest] = jitter(&shapes);
         let picture = match args.clip.get(index) {
             Some(clip) => of_picture(&shapes, clip)?,
             None => None,
         };
-        let shown = |v: Option<f64>| v.map_or("-".into(), |v| format!("{v:.3}"));
-        write!(
-            out,
-            "{name}: {} px per {INTER_OCULAR} px between the eyes, {} beside motions as a whole",
-            shown(jitter),
-            shown(rest)
-        )?;
-        if !args.clip.is_empty() {
-            write!(
-                out,
-                "; {} if they moved as the picture does",
-                shown(picture)
-            )?;
-        }
-        out.push('\n');
         rows.push(
-            json!({"csv": name, "jitter_px": jitter, "rest_px": rest, "picture_px": picture}),
+            json!({"csv": path.display().to_string(), "jitter_px": jitter,
+            "rest_px": rest, "picture_px": picture}),
         );
     }
-    output::print(&out)?;
-    if let Some(path) = &args.json {
-        output::write_json(path, &json!({"clips": rows}))?;
-    }
-    Ok(())
-}
-
-/// The landmarks of every frame; `None` where no face is tracked.
-fn shapes(table: &Table) -> Result<Vec<Option<Shape>>> {
-    let success = table.column("success")?;
-    let (xs, ys) = (table.columns68("x_")?, table.columns68("y_")?);
-    let row = |row| {
-        let mut shape = [[0.0; 2]; 68];
-        for (i, p) in shape.iter_mut().enumerate() {
-            *p = [table.number(row, xs[i])?, table.number(row, ys[i])?];
-        }
-        Ok((table.number(row, success)? > 0.5).then_some(shape))
-    };
-    (0..table.len()).map(row).collect()
+    output::show(&json!({"clips": rows}), args.json.as_deref())
 }
 
 /// Three frames in a row, if the face is tracked in them, and what scales them.
@@ -181,18 +147,13 @@ mod tests {
 
     #[test]
     fn steady_motion_does_not_tremble() {
-        let mut text = String::from("success");
-        (0..68).for_each(|i| text += &format!(",x_{i},y_{i}"));
-        for frame in 0..6 {
-            text += "\n1";
-            for i in 0..68 {
+        let shape = |frame: u32| -> Shape {
+            std::array::from_fn(|i| {
                 let x = if i == 45 { 40.0 } else { 0.0 } + 2.0 * f64::from(frame);
-                let y = f64::from(frame % 2) * f64::from(u8::from(i > 30));
-                text += &format!(",{x},{y}");
-            }
-        }
-        let table = Table::parse("test".into(), text.as_bytes()).expect("a table");
-        let shapes = shapes(&table).expect("numbers");
+                [x, f64::from(frame % 2) * f64::from(u8::from(i > 30))]
+            })
+        };
+        let shapes: Vec<Option<Shape>> = (0..6).map(|frame| Some(shape(frame))).collect();
         let jitter = jitter(&shapes)[0].expect("frames");
         assert!((jitter - 2.0).abs() < 0.05, "{jitter}");
     }

@@ -1,7 +1,7 @@
 //! What `posewise track --csv` wrote against per-frame truth. Nothing is tracked here.
 //!
 //! ```text
-//! pairs ─► truth, tables ─► *_metrics, spans, registration (the formulas) ─► report
+//! pairs ─► truth, tables ─► *_metrics, spans, registration (the formulas) ─► figures
 //! ```
 
 pub mod deviations;
@@ -15,6 +15,5 @@ pub mod pose;
 pub mod pose_metrics;
 mod registration;
 mod spans;
-pub mod truth;
 
 pub use pairs::ClipsArgs;

@@ -3,7 +3,6 @@
 //! The monitor is shown again what the tracker reported, as the CSV has it, so that rates and
 //! dropped frames can be tried. What is compared stands in docs/driver-monitor.md.
 
-use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use anyhow::{Result, bail};
@@ -55,30 +54,22 @@ const MOUTH: std::ops::Range<usize> = 48..68;
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
-    let mut out = String::new();
     let (mut clips, mut all) = (Vec::new(), Scores::default());
     for (truth, csv) in clips_of(&args.clips)? {
         let truth_table = Table::read(truth)?;
         let found = replay(args, &Table::read(csv)?)?;
         let scores = Scores::of(&truth_of(&truth_table)?, &found);
-        let name = truth.display().to_string();
-        writeln!(out, "{name}:\n{}", scores.text())?;
         let mut value = scores.json();
-        value["clip"] = name.into();
+        value["clip"] = truth.display().to_string().into();
         clips.push(value);
         all.add(&scores);
     }
-    writeln!(out, "all:\n{}", all.text())?;
-    output::print(&out)?;
-    if let Some(path) = &args.clips.json {
-        let mut value = all.json();
-        value["preset"] = args.preset.name().into();
-        value["fps"] = args.fps.map_or(json!(null), |fps| json!(fps));
-        value["drop"] = args.drop.into();
-        value["clips"] = clips.into();
-        output::write_json(path, &value)?;
-    }
-    Ok(())
+    let mut value = all.json();
+    value["preset"] = args.preset.name().into();
+    value["fps"] = json!(args.fps);
+    value["drop"] = args.drop.into();
+    value["clips"] = clips.into();
+    output::show(&value, args.clips.json.as_deref())
 }
 
 /// The columns of `track --csv` that a monitor needs.

@@ -1,7 +1,5 @@
 //! Scores of a driver monitor against the truth of each frame.
 
-use std::fmt::Write as _;
-
 use posewise::{EyeState, MonitorState, ZoneState};
 use posewise_metrics::{correlation, mean};
 use serde_json::{Value, json};
@@ -225,69 +223,7 @@ impl Scores {
         self.gaze.add(&other.gaze);
     }
 
-    /// For people.
-    pub fn text(&self) -> String {
-        let mut out = String::new();
-        let shown = |v: Option<f64>, scale: f64, decimals: usize| {
-            v.map_or("-".into(), |v| format!("{:.decimals$}", v * scale))
-        };
-        for (name, events) in self.events() {
-            // Writing to a String cannot fail.
-            let _ = write!(
-                out,
-                "  {name:<13}{} of {} found",
-                events.found, events.truth
-            );
-            let _ = match name {
-                "closures" | "yawns" | "nods" => {
-                    let per_minute = events.invented as f64 / self.minutes.max(1e-9);
-                    writeln!(
-                        out,
-                        ", {} false ({per_minute:.2} a minute)",
-                        events.invented
-                    )
-                }
-                _ => writeln!(out),
-            };
-        }
-        let lines = [
-            (
-                "length error",
-                shown(mean_of(&self.length_errors_s), 1e3, 0) + " ms",
-            ),
-            (
-                "P80 error",
-                shown(apart(&self.p80), 100.0, 2) + " points over a clip",
-            ),
-            (
-                "",
-                shown(apart(&self.p80_60), 100.0, 2) + " points over 60 s",
-            ),
-            (
-                "openness",
-                shown(correlation(&self.openness), 1.0, 3) + " correlation",
-            ),
-            ("", shown(apart(&self.openness), 1.0, 3) + " mean error"),
-            (
-                "eyes known",
-                shown(part(self.seen), 100.0, 1) + " % of visible ones",
-            ),
-            (
-                "hidden eyes",
-                format!("{} of {} frames closed", self.hidden.1, self.hidden.0),
-            ),
-            (
-                "zones",
-                shown(part(self.zones), 100.0, 1) + " % right where known",
-            ),
-        ];
-        for (name, value) in lines {
-            let _ = writeln!(out, "  {name:<13}{value}");
-        }
-        out + &self.gaze.text()
-    }
-
-    /// For programs.
+    /// The numbers.
     pub fn json(&self) -> Value {
         let mut value = json!({
             "minutes": self.minutes,
@@ -453,7 +389,6 @@ mod tests {
         all.add(&scores(&truth, &[]));
         assert_eq!((all.levels[0].truth, all.levels[0].found), (2, 1));
         assert!((all.minutes - 1.0 / 3.0).abs() < 1e-9);
-        assert!(all.text().contains("1 of 2 found"));
         assert_eq!(all.json()["closures"]["truth"], 2);
     }
 }

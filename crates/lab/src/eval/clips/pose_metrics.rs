@@ -4,14 +4,14 @@
 //! these, P_s is the share with `success` = 1; errors are means over the tracked ones, whatever
 //! their size, so a wrong lock cannot hide. Angle differences wrap at ±180°.
 
-use posewise::{State, TrackResult};
-use posewise_metrics::landmarks::{box_size, distance};
-use posewise_metrics::pose::mean_angle;
+use crate::compare::counts;
+use crate::tracked::{Confidence, Frame, Tracked};
+use crate::truth::Truth;
+use posewise_metrics::landmarks::{INNER, seen_error};
+use posewise_metrics::pose::{angle_difference, mean_angle};
 use posewise_metrics::{auc, mean};
-use serde_json::{Map, Value, json};
+use serde::Serialize;
 
-/// Share of landmarks inside the picture from which on a frame counts.
-pub const MIN_IN_FRAME: f64 = 0.5;
 /// Share below which a tracked frame is a false track.
 pub const OUT_OF_FRAME: f64 = 0.1;
 /// Largest angle error beyond which a tracked frame is a wrong lock \[deg\].
@@ -33,53 +33,6 @@ pub const WIDE: [(&str, f64, f64); 2] = [("0-60", 0.0, 60.0), ("60-95", 60.0, f6
 /// Bands of |true yaw| \[deg\].
 pub const BANDS: [(&str, f64, f64); 2] = [("0-45", 0.0, 45.0), ("45-90", 45.0, f64::INFINITY)];
 
-/// One frame's truth.
-#[derive(Clone, Debug)]
-pub struct Truth {
-    /// Yaw, pitch, roll \[deg\].
-    pub angles: [f64; 3],
-    /// Midpoint of the eyeballs, camera frame \[mm\].
-    pub eye_mid: [f64; 3],
-    /// Share of the landmarks inside the picture.
-    pub in_frame: f64,
-    /// Landmarks \[px\].
-    pub points: [[f64; 2]; 68],
-    /// Landmarks that are neither hidden by the head nor covered.
-    pub visible: [bool; 68],
-    /// Whether something covers at least half of the landmarks; `None` if the truth has no such
-    /// columns.
-    pub covered: Option<bool>,
-    /// Landmarks that something covers, whether or not the head hides them too.
-    pub under: [bool; 68],
-    /// Whether something passes before the face; `None` if the truth has no such column.
-    pub occluder: Option<bool>,
-}
-
-/// One frame as tracked.
-#[derive(Clone, Debug)]
-pub struct Tracked {
-    /// Yaw, pitch, roll \[deg\].
-    pub angles: [f64; 3],
-    /// Head position \[mm\].
-    pub translation: [f64; 3],
-    /// Landmarks \[px\].
-    pub points: [[f64; 2]; 68],
-    /// Probabilities that each landmark is visible and that it is right, if the CSV has them.
-    pub confidence: Option<[[f64; 2]; 68]>,
-}
-
-impl Tracked {
-    /// A step's result without probabilities; `None` unless the face was fitted on that frame.
-    pub fn of(result: &TrackResult) -> Option<Self> {
-        (result.state == State::Tracking).then(|| Tracked {
-            angles: [result.yaw_deg, result.pitch_deg, result.roll_deg].map(f64::from),
-            translation: result.translation_mm.map(f64::from),
-            points: result.landmarks.map(|l| [l.x, l.y].map(f64::from)),
-            confidence: None,
-        })
-    }
-}
-
 /// What one frame adds to the numbers.
 #[derive(Clone, Debug)]
 pub struct FrameOutcome {
@@ -96,8 +49,8 @@ struct Errors {
     angles: [f64; 3],
     /// How much smaller the found yaw is, towards the camera \[deg\].
     shrinkage: f64,
-    translation: f64,
-    depth: f64,
+    /// Distance from the true place, and of that along the view \[mm\].
+    place: Option<[f64; 2]>,
     landmarks: Option<f64>,
     flipped: bool,
     /// Visibility and confidence of each inner landmark, and whether it is seen.
@@ -108,63 +61,61 @@ struct Errors {
 }
 
 impl FrameOutcome {
-    /// Compares; `tracked` is `None` when the tracker reported no success.
-    pub fn new(truth: &Truth, tracked: Option<&Tracked>) -> Self {
+    /// Compares.
+    pub fn new(truth: &Truth, frame: &Frame) -> Self {
+        let tracked = frame.tracked.as_ref();
         FrameOutcome {
             yaw: truth.angles[0],
-            covered: truth.covered,
+            covered: truth.is_covered(),
             occluder: truth.occluder,
-            counts: truth.in_frame >= MIN_IN_FRAME,
+            counts: counts(truth),
             absent: truth.in_frame < OUT_OF_FRAME,
-            errors: tracked.map(|t| errors(truth, t)),
+            errors: tracked.map(|tracked| Errors::of(truth, tracked, frame)),
         }
     }
 }
 
-/// a − b wrapped to −180..180.
-pub fn angle_difference(a: f64, b: f64) -> f64 {
-    (a - b + 180.0).rem_euclid(360.0) - 180.0
-}
-
-fn errors(truth: &Truth, tracked: &Tracked) -> Errors {
-    let angles =
-        std::array::from_fn(|i| angle_difference(tracked.angles[i], truth.angles[i]).abs());
-    let d: [f64; 3] = std::array::from_fn(|i| tracked.translation[i] - truth.eye_mid[i]);
-    let (true_yaw, yaw) = (truth.angles[0], tracked.angles[0]);
-    Errors {
-        angles,
-        shrinkage: true_yaw.signum() * angle_difference(true_yaw, yaw),
-        translation: d.iter().map(|v| v * v).sum::<f64>().sqrt(),
-        depth: d[2].abs(),
-        landmarks: landmark_error(truth, tracked),
-        flipped: true_yaw.abs() >= PROFILE_YAW_DEG && true_yaw.signum() != yaw.signum(),
-        seen: tracked.confidence.map_or(vec![], |confidence| {
-            (17..68)
-                .map(|i| confidence[i].map(|p| (p, truth.visible[i])))
-                .collect()
-        }),
-        uncovered: tracked.confidence.map_or(vec![], |confidence| {
-            let known = (17..68).filter(|i| truth.visible[*i] || truth.under[*i]);
-            known
-                .map(|i| (confidence[i][0], truth.visible[i]))
-                .collect()
-        }),
+impl Errors {
+    fn of(truth: &Truth, tracked: &Tracked, frame: &Frame) -> Errors {
+        let (true_yaw, yaw) = (truth.angles[0], tracked.angles[0]);
+        let place = frame.translation.zip(truth.eye_mid).map(|(found, is)| {
+            let off: [f64; 3] = std::array::from_fn(|i| found[i] - is[i]);
+            [off.iter().map(|v| v * v).sum::<f64>().sqrt(), off[2].abs()]
+        });
+        let mut errors = Errors {
+            angles: std::array::from_fn(|i| {
+                angle_difference(tracked.angles[i], truth.angles[i]).abs()
+            }),
+            shrinkage: true_yaw.signum() * angle_difference(true_yaw, yaw),
+            place,
+            landmarks: seen_error(&truth.points, &truth.visible, &tracked.points),
+            flipped: true_yaw.abs() >= PROFILE_YAW_DEG && true_yaw.signum() != yaw.signum(),
+            seen: vec![],
+            uncovered: vec![],
+        };
+        if let Some(Confidence {
+            landmarks,
+            visibility: Some(visibility),
+            ..
+        }) = &frame.confidence
+        {
+            let covered = truth.covered.unwrap_or([false; 68]);
+            for i in INNER..68 {
+                let is_seen = truth.visible[i];
+                errors
+                    .seen
+                    .push([(visibility[i], is_seen), (landmarks[i], is_seen)]);
+                if is_seen || covered[i] {
+                    errors.uncovered.push((visibility[i], is_seen));
+                }
+            }
+        }
+        errors
     }
 }
 
-/// Mean distance over the visible inner landmarks (17..67), over the square root of the area of
-/// the box around all true landmarks; `None` when no inner landmark is visible.
-pub fn landmark_error(truth: &Truth, tracked: &Tracked) -> Option<f64> {
-    let distances: Vec<f64> = (17..68)
-        .filter(|i| truth.visible[*i])
-        .map(|i| distance(truth.points[i], tracked.points[i]))
-        .collect();
-    let size = box_size(&truth.points).max(1e-9);
-    mean(&distances).map(|d| d / size)
-}
-
-/// The numbers of a set of frames.
-#[derive(Clone, Debug, Default)]
+/// The numbers of a set of frames; `None` where there are none.
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct Summary {
     /// Frames with truth.
     pub frames: usize,
@@ -172,10 +123,20 @@ pub struct Summary {
     pub counted: usize,
     /// Of these, tracked.
     pub tracked: usize,
-    /// Mean absolute error of yaw, pitch, roll \[deg\].
-    pub angles: Option<[f64; 3]>,
-    /// Mean distance from the true eye midpoint, and of that along the view \[mm\].
-    pub translation: Option<(f64, f64)>,
+    /// The same as a share.
+    pub p_s: Option<f64>,
+    /// Mean absolute errors.
+    pub e_yaw_deg: Option<f64>,
+    /// See `e_yaw_deg`.
+    pub e_pitch_deg: Option<f64>,
+    /// See `e_yaw_deg`.
+    pub e_roll_deg: Option<f64>,
+    /// Mean of the three.
+    pub e_m_deg: Option<f64>,
+    /// Mean distance from the true eye midpoint.
+    pub translation_mm: Option<f64>,
+    /// The same along the view.
+    pub depth_mm: Option<f64>,
     /// Mean landmark error over the box's size.
     pub landmarks: Option<f64>,
     /// Tracked frames with an angle more than [`WRONG_DEG`] off.
@@ -186,11 +147,12 @@ pub struct Summary {
     pub sign_flips: usize,
     /// Frames without a face in the picture that were tracked.
     pub false_tracks: usize,
-    /// How well visibility and confidence separate visible inner landmarks from hidden ones: areas
-    /// under the ROC.
-    pub seen_auc: [Option<f64>; 2],
-    /// How much smaller than the true yaw the found one is on average, towards the camera \[deg\].
-    pub shrinkage: Option<f64>,
+    /// How well visibility separates visible inner landmarks from hidden ones: area under the ROC.
+    pub visibility_auc: Option<f64>,
+    /// The same of confidence.
+    pub confidence_auc: Option<f64>,
+    /// How much smaller than the true yaw the found one is on average, towards the camera.
+    pub shrinkage_deg: Option<f64>,
     /// Share of the tracked frames with an angle more than [`OFF_DEG`] off.
     pub off: Option<f64>,
     /// How well visibility separates visible inner landmarks from covered ones.
@@ -205,17 +167,28 @@ pub fn summarize<'a>(outcomes: impl Iterator<Item = &'a FrameOutcome>) -> Summar
     let mean_of =
         |f: &dyn Fn(&Errors) -> f64| mean(&errors.iter().map(|e| f(e)).collect::<Vec<_>>());
     let axis = |i: usize| mean_of(&|e| e.angles[i]);
+    let place = |k: usize| {
+        let known = errors.iter().filter_map(|e| Some(e.place?[k]));
+        mean(&known.collect::<Vec<_>>())
+    };
     let landmarks: Vec<f64> = errors.iter().filter_map(|e| e.landmarks).collect();
     let count = |f: &dyn Fn(&Errors) -> bool| errors.iter().filter(|e| f(e)).count();
+    let seen_auc = |k: usize| {
+        let pairs = errors.iter().flat_map(|e| e.seen.iter().map(|s| s[k]));
+        auc(&pairs.collect::<Vec<_>>())
+    };
+    let angles = axis(0).zip(axis(1)).zip(axis(2));
     Summary {
         frames: all.len(),
         counted: counted.len(),
         tracked: errors.len(),
-        angles: axis(0)
-            .zip(axis(1))
-            .zip(axis(2))
-            .map(|((y, p), r)| [y, p, r]),
-        translation: mean_of(&|e| e.translation).zip(mean_of(&|e| e.depth)),
+        p_s: (!counted.is_empty()).then(|| errors.len() as f64 / counted.len() as f64),
+        e_yaw_deg: axis(0),
+        e_pitch_deg: axis(1),
+        e_roll_deg: axis(2),
+        e_m_deg: angles.map(|((yaw, pitch), roll)| mean_angle([yaw, pitch, roll])),
+        translation_mm: place(0),
+        depth_mm: place(1),
         landmarks: mean(&landmarks),
         wrong: count(&|e| e.angles.iter().any(|a| *a > WRONG_DEG)),
         lost_within_60: counted
@@ -227,11 +200,9 @@ pub fn summarize<'a>(outcomes: impl Iterator<Item = &'a FrameOutcome>) -> Summar
             .iter()
             .filter(|o| o.absent && o.errors.is_some())
             .count(),
-        seen_auc: [0, 1].map(|k| {
-            let pairs = errors.iter().flat_map(|e| e.seen.iter().map(|s| s[k]));
-            auc(&pairs.collect::<Vec<_>>())
-        }),
-        shrinkage: mean_of(&|e| e.shrinkage),
+        visibility_auc: seen_auc(0),
+        confidence_auc: seen_auc(1),
+        shrinkage_deg: mean_of(&|e| e.shrinkage),
         off: mean_of(&|e| f64::from(u8::from(e.angles.iter().any(|a| *a > OFF_DEG)))),
         covered_auc: {
             let pairs = errors.iter().flat_map(|e| e.uncovered.iter().copied());
@@ -278,48 +249,6 @@ pub fn summarize_covered(outcomes: &[FrameOutcome], covered: bool) -> Option<Sum
     let mut known = known.peekable();
     known.peek()?;
     Some(summarize(known.filter(|o| o.covered == Some(covered))))
-}
-
-impl Summary {
-    /// Share of the counted frames that were tracked; `None` when none counts.
-    pub fn success(&self) -> Option<f64> {
-        (self.counted > 0).then(|| self.tracked as f64 / self.counted as f64)
-    }
-
-    /// Mean of the three angle errors \[deg\].
-    pub fn mean_angle(&self) -> Option<f64> {
-        self.angles.map(mean_angle)
-    }
-
-    /// The numbers as JSON; `null` where there are none.
-    pub fn json(&self) -> Value {
-        let mut map = Map::new();
-        let mut put = |key: &str, value: Value| map.insert(key.into(), value);
-        put("frames", json!(self.frames));
-        put("counted", json!(self.counted));
-        put("tracked", json!(self.tracked));
-        put("p_s", json!(self.success()));
-        for (i, key) in ["e_yaw_deg", "e_pitch_deg", "e_roll_deg"]
-            .iter()
-            .enumerate()
-        {
-            put(key, json!(self.angles.map(|a| a[i])));
-        }
-        put("e_m_deg", json!(self.mean_angle()));
-        put("translation_mm", json!(self.translation.map(|t| t.0)));
-        put("depth_mm", json!(self.translation.map(|t| t.1)));
-        put("landmarks", json!(self.landmarks));
-        put("wrong", json!(self.wrong));
-        put("lost_within_60", json!(self.lost_within_60));
-        put("sign_flips", json!(self.sign_flips));
-        put("false_tracks", json!(self.false_tracks));
-        put("visibility_auc", json!(self.seen_auc[0]));
-        put("confidence_auc", json!(self.seen_auc[1]));
-        put("shrinkage_deg", json!(self.shrinkage));
-        put("off", json!(self.off));
-        put("covered_auc", json!(self.covered_auc));
-        Value::Object(map)
-    }
 }
 
 #[cfg(test)]

@@ -11,14 +11,15 @@ use anyhow::{Context, Result, bail};
 use posewise_cli::cli::TrackerArgs;
 use posewise_cli::model_file::ModelFile;
 use posewise_cli::source;
-use serde_json::{Value, json};
+use serde_json::json;
 
 use super::show::Show;
-use crate::eval::clips::pose_metrics::{FrameOutcome, Summary, Tracked, Truth, summarize};
-use crate::eval::clips::truth::read_truth;
+use crate::eval::clips::pose_metrics::{FrameOutcome, Summary, summarize};
 use crate::footage::clip::{Clip, back_and_forth};
-use crate::output;
 use crate::table::Table;
+use crate::tracked::Frame;
+use crate::truth::Truth;
+use crate::{output, truth};
 
 /// Options of `posewise-lab eval drift`.
 #[derive(clap::Args)]
@@ -65,35 +66,26 @@ pub fn run(args: &Args) -> Result<()> {
     for i in 0..steps {
         let at = back_and_forth(i, clip.frames.len());
         let result = show.frame(&clip.frames[at])?;
-        outcomes.push(FrameOutcome::new(&truth[at], Tracked::of(result).as_ref()));
+        outcomes.push(FrameOutcome::new(&truth[at], &Frame::of(result, 0.0)));
     }
     let (first, last) = ends(&outcomes, (60.0 * clip.fps).round() as usize);
     let (first, last) = (summarize(first.iter()), summarize(last.iter()));
     let all = summarize(outcomes.iter());
-    let ratio = first.mean_angle().zip(last.mean_angle());
+    let ratio = first.e_m_deg.zip(last.e_m_deg);
     let ratio = ratio.map(|(first, last)| last / first.max(1e-9));
-    let cell = |v: Option<f64>| v.map_or("–".into(), |v| format!("{v:.3}"));
-    output::print(&format!(
-        "{} frames, {} lost; mean angle error {}° in the first minute, {}° in the last, \
-         {} times that\n",
-        all.frames,
-        lost(&all),
-        cell(first.mean_angle()),
-        cell(last.mean_angle()),
-        cell(ratio)
-    ))?;
-    if let Some(path) = &args.json {
-        output::write_json(path, &to_json(args, &all, &first, &last, ratio))?;
-    }
-    Ok(())
+    let figures = json!({"minutes": args.minutes, "frames": all.frames, "lost": lost(&all),
+        "e_m_deg_first": first.e_m_deg, "e_m_deg_last": last.e_m_deg, "last_over_first": ratio,
+        "all": all, "first": first, "last": last});
+    output::show(&figures, args.json.as_deref())
 }
 
 /// The truth of each frame of the clip.
 fn truth_of(table: &Table, path: &Path, frames: usize) -> Result<Vec<Truth>> {
-    let mut truth: HashMap<i64, Truth> = read_truth(table)?.into_iter().collect();
+    let truth = truth::whole(table)?.into_iter();
+    let mut truth: HashMap<usize, Truth> = truth.map(|t| (t.frame, t)).collect();
     (0..frames)
         .map(|at| {
-            let of_frame = truth.remove(&(at as i64));
+            let of_frame = truth.remove(&at);
             of_frame.with_context(|| format!("{} has no row for frame {at}", path.display()))
         })
         .collect()
@@ -107,18 +99,6 @@ fn ends<T>(all: &[T], minute: usize) -> (&[T], &[T]) {
 
 fn lost(summary: &Summary) -> usize {
     summary.counted - summary.tracked
-}
-
-fn to_json(
-    args: &Args,
-    all: &Summary,
-    first: &Summary,
-    last: &Summary,
-    ratio: Option<f64>,
-) -> Value {
-    json!({"minutes": args.minutes, "frames": all.frames, "lost": lost(all),
-        "e_m_deg_first": first.mean_angle(), "e_m_deg_last": last.mean_angle(),
-        "last_over_first": ratio, "all": all.json(), "first": first.json(), "last": last.json()})
 }
 
 #[cfg(test)]

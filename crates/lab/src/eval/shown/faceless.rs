@@ -5,7 +5,6 @@
 //! frames per second. One tracker gets all pictures. With `--after`, 60 frames of a clip come
 //! before each, so that the tracker has just lost a face of which it has keyframes.
 
-use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use anyhow::Result;
@@ -14,7 +13,7 @@ use posewise::State;
 use posewise_cli::cli::TrackerArgs;
 use posewise_cli::model_file::ModelFile;
 use posewise_cli::source;
-use serde_json::json;
+use serde_json::{Map, Value, json};
 
 use super::show::Show;
 use crate::eval::camera;
@@ -85,36 +84,17 @@ pub fn run(args: &Args) -> Result<()> {
         tracks.push(tracked);
     }
     let (frames, tracked) = (PAN * paths.len(), tracks.iter().sum::<usize>());
-    let wrong: Vec<(String, usize)> = paths
+    let wrong = paths
         .iter()
         .zip(&tracks)
-        .filter(|(_, tracked)| **tracked > 0)
-        .map(|(path, tracked)| (path.display().to_string(), *tracked))
+        .filter(|(_, tracked)| **tracked > 0);
+    let wrong: Map<String, Value> = wrong
+        .map(|(path, tracked)| (path.display().to_string(), json!(tracked)))
         .collect();
-    let mut out = format!(
-        "{} pictures, {frames} frames: {tracked} tracked, in {} pictures\n",
-        paths.len(),
-        wrong.len()
-    );
-    if let Some(clip) = &args.after {
-        writeln!(
-            out,
-            "before {tracked_before} of {} pictures the face of {clip} was tracked",
-            paths.len()
-        )?;
-    }
-    for (name, tracked) in &wrong {
-        writeln!(out, "{name}: {tracked} of {PAN} frames")?;
-    }
-    output::print(&out)?;
-    if let Some(path) = &args.json {
-        let tracked_before = args.after.as_ref().map(|_| tracked_before);
-        let wrong: serde_json::Map<_, _> = wrong.into_iter().map(|(n, k)| (n, json!(k))).collect();
-        let value = json!({"pictures": paths.len(), "frames": frames, "tracked": tracked,
-            "tracked_before": tracked_before, "tracked_in": wrong});
-        output::write_json(path, &value)?;
-    }
-    Ok(())
+    let tracked_before = args.after.as_ref().map(|_| tracked_before);
+    let figures = json!({"pictures": paths.len(), "frames": frames, "tracked": tracked,
+        "tracked_before": tracked_before, "tracked_in": wrong});
+    output::show(&figures, args.json.as_deref())
 }
 
 /// So that the window is as large as a frame.

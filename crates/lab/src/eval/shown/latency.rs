@@ -5,7 +5,6 @@
 //! a camera's work per frame. A face counts as found once landmarks are reported whose mean lies
 //! within a third of the face's size of the labels' mean.
 
-use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use anyhow::{Result, bail};
@@ -16,7 +15,7 @@ use posewise_cli::cli::TrackerArgs;
 use posewise_cli::model_file::ModelFile;
 use posewise_cli::parse::within;
 use posewise_metrics::landmarks::bounds;
-use serde_json::{Map, Value, json};
+use serde_json::{Map, json};
 
 use super::show::Show;
 use crate::eval::stills::labels::{Label, read_labels};
@@ -89,10 +88,6 @@ pub fn run(args: &Args) -> Result<()> {
         [] => &FRAMES,
         given => given,
     };
-    let mut out = format!(
-        "{:<12}{:>7}{:>8}{:>7}{:>7}{:>11}\n",
-        "frame", "faces", "median", "95 %", "worst", "not found"
-    );
     let mut value = Map::new();
     for size @ (width, height) in sizes {
         let mut random = Random::of(args.seed);
@@ -103,31 +98,13 @@ pub fn run(args: &Args) -> Result<()> {
         }
         let sum = summarize(&until);
         let name = format!("{width}x{height}");
-        writeln!(
-            out,
-            "{name:<12}{:>7}{:>8}{:>7}{:>7}{:>11}",
-            args.faces,
-            shown(sum.median),
-            shown(sum.most),
-            shown(sum.worst),
-            sum.never
-        )?;
         let row = json!({"median_frames": sum.median, "p95_frames": sum.most,
             "worst_frames": sum.worst, "not_found": sum.never, "frames_until_tracked": until});
         value.insert(name, row);
     }
-    output::print(&out)?;
-    if let Some(path) = &args.json {
-        for (key, setting) in [("face_px", json!(args.face)), ("seed", json!(args.seed))] {
-            value.insert(key.into(), setting);
-        }
-        output::write_json(path, &Value::Object(value))?;
-    }
-    Ok(())
-}
-
-fn shown(frames: Option<u32>) -> String {
-    frames.map_or("–".into(), |frames| frames.to_string())
+    value.insert("face_px".into(), json!(args.face));
+    value.insert("seed".into(), json!(args.seed));
+    output::show(&value.into(), args.json.as_deref())
 }
 
 /// The numbers of one row \[frames\]; `None` where a face that is not found would decide.

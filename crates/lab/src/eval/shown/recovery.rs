@@ -7,7 +7,6 @@
 //! mirrored, which changes the identity of an asymmetric face, unless `--no-mirror` is set. A last
 //! run resets the tracker before each picture without people: frames until a new face is found.
 
-use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use anyhow::{Result, bail};
@@ -18,7 +17,7 @@ use posewise_cli::cli::TrackerArgs;
 use posewise_cli::model_file::ModelFile;
 use posewise_cli::source;
 use posewise_metrics::median;
-use serde_json::{Map, Value, json};
+use serde_json::{Map, json};
 
 use super::show::Show;
 use crate::footage::backgrounds::{self, BackgroundsArgs, covering, window};
@@ -62,7 +61,6 @@ const FPS: f64 = 25.0;
 
 /// How the pieces are shown.
 struct Mode {
-    title: &'static str,
     key: &'static str,
     /// Whether half of them are mirrored.
     mirrored: bool,
@@ -72,19 +70,16 @@ struct Mode {
 
 const MODES: [Mode; 3] = [
     Mode {
-        title: "half of them mirrored",
         key: "half_mirrored",
         mirrored: true,
         forgetful: false,
     },
     Mode {
-        title: "as they are",
         key: "not_mirrored",
         mirrored: false,
         forgetful: false,
     },
     Mode {
-        title: "seen for the first time",
         key: "first_seen",
         mirrored: false,
         forgetful: true,
@@ -141,20 +136,12 @@ pub fn run(args: &Args) -> Result<()> {
     let modes = MODES
         .iter()
         .filter(|mode| !(args.no_mirror && mode.mirrored));
-    let mut out = format!(
-        "{:<24}{:>7}{:>8}{:>7}{:>7}{:>17}{:>9}\n",
-        "pieces", "", "median", "worst", "never", "faceless frames", "tracked"
-    );
-    let mut lists = String::new();
     let mut value = Map::new();
     for mode in modes {
-        let title = mode.title;
         let mut rows = Vec::new();
         let mut all = Vec::new();
         for cut in &cuts {
             let outcomes = show(&model, cut, args, mode)?;
-            let untils: Vec<String> = outcomes.iter().map(|o| shown(o.until)).collect();
-            writeln!(lists, "{}, {title}: {}", cut.name, untils.join(" "))?;
             rows.extend(cut.pieces.iter().zip(&outcomes).map(|(piece, o)| {
                 json!({"clip": cut.name, "from_frame": piece.start + 1, "moved_px": piece.by,
                     "mirrored": mode.mirrored && piece.mirrored, "frames_until_tracked": o.until})
@@ -162,16 +149,6 @@ pub fn run(args: &Args) -> Result<()> {
             all.extend(outcomes);
         }
         let sum = summarize(&all);
-        writeln!(
-            out,
-            "{title:<24}{:>7}{:>8}{:>7}{:>7}{:>17}{:>9}",
-            all.len(),
-            sum.median.map_or("never".into(), |m| m.to_string()),
-            shown(sum.worst),
-            sum.never,
-            sum.faceless.0,
-            sum.faceless.1,
-        )?;
         value.insert(
             mode.key.to_string(),
             json!({"median_frames": sum.median, "worst_frames": sum.worst, "never": sum.never,
@@ -179,18 +156,9 @@ pub fn run(args: &Args) -> Result<()> {
                 "pieces": rows}),
         );
     }
-    writeln!(out, "frames until tracked, piece by piece (–: never)")?;
-    output::print(&(out + &lists))?;
-    if let Some(path) = &args.json {
-        value.insert("piece_frames".into(), json!(args.length));
-        value.insert("seed".into(), json!(args.seed));
-        output::write_json(path, &Value::Object(value))?;
-    }
-    Ok(())
-}
-
-fn shown(until: Option<usize>) -> String {
-    until.map_or("–".into(), |frames| frames.to_string())
+    value.insert("piece_frames".into(), json!(args.length));
+    value.insert("seed".into(), json!(args.seed));
+    output::show(&value.into(), args.json.as_deref())
 }
 
 /// Draws the pieces: no two overlap in the clip, and half of them are mirrored.

@@ -9,7 +9,8 @@ use posewise_metrics::landmarks::{
     bounds, box_size, eye_centres, iou, normalized_errors, outer_corners,
 };
 use posewise_metrics::{calibration_error, mean, median};
-use serde_json::{Map, Value, json};
+use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// Labelled or found landmarks \[px\].
 pub type Points = [[f64; 2]; 68];
@@ -18,7 +19,7 @@ pub type Points = [[f64; 2]; 68];
 pub const FAILURE_NME: f64 = 0.10;
 /// NME at which the area under the cumulative error curve ends.
 pub const AUC_NME: f64 = 0.08;
-/// The same of a second area, which some papers give, and the end of the plotted curve.
+/// The same of a second area, which some papers give.
 pub const WIDE_AUC_NME: f64 = 0.10;
 /// Overlap of found and labelled box from which on it is the same face.
 pub const SAME_FACE_IOU: f64 = 0.3;
@@ -183,31 +184,46 @@ fn yaw_band(label: &Points) -> YawBand {
     }
 }
 
-/// The numbers of a set of pictures.
-#[derive(Clone, Debug)]
+/// The numbers of a set of pictures: shares, and errors as fractions; `None` where nothing was
+/// found.
+#[derive(Clone, Debug, Serialize)]
 pub struct Summary {
     /// Number of pictures.
     pub images: usize,
     /// Share found.
     pub found: f64,
+    /// NME of 68 landmarks.
+    pub nme68_mean: Option<f64>,
+    /// The same.
+    pub nme68_median: Option<f64>,
+    /// NME of the 51 inner landmarks.
+    pub nme51_mean: Option<f64>,
+    /// The same.
+    pub nme51_median: Option<f64>,
     /// Share failed.
     pub failure: f64,
-    /// Mean and median NME, 68 landmarks.
-    pub nme68: (Option<f64>, Option<f64>),
-    /// Mean and median NME, 51 inner landmarks.
-    pub nme51: (Option<f64>, Option<f64>),
-    /// Area under the cumulative error curve to [`AUC_NME`], over that: 68 and 51 landmarks.
-    pub auc: (f64, f64),
-    /// The same to [`WIDE_AUC_NME`].
-    pub wide_auc: (f64, f64),
-    /// Mean NME by the root of the box's area: 68 and 51 landmarks.
-    pub nme_box: (Option<f64>, Option<f64>),
-    /// Mean NME by the distance between the centres of the eyes ("pupils"): 68 and 51 landmarks.
-    pub nme_pupils: (Option<f64>, Option<f64>),
+    /// Area under the cumulative error curve to [`AUC_NME`], over that.
+    pub auc68: f64,
+    /// The same of the inner landmarks.
+    pub auc51: f64,
+    /// The area to [`WIDE_AUC_NME`].
+    pub auc68_to_10: f64,
+    /// The same of the inner landmarks.
+    pub auc51_to_10: f64,
+    /// Mean NME by the root of the box's area.
+    pub nme68_box: Option<f64>,
+    /// The same of the inner landmarks.
+    pub nme51_box: Option<f64>,
+    /// Mean NME by the distance between the centres of the eyes ("pupils").
+    pub nme68_pupils: Option<f64>,
+    /// The same of the inner landmarks.
+    pub nme51_pupils: Option<f64>,
     /// Mean NME of each of [`PARTS`].
-    pub parts: [Option<f64>; 5],
-    /// Expected calibration errors of the landmarks' confidence and of the face's confidence.
-    pub calibration: (Option<f64>, Option<f64>),
+    pub parts: BTreeMap<&'static str, Option<f64>>,
+    /// Expected calibration error of the landmarks' confidence.
+    pub calibration_landmarks: Option<f64>,
+    /// The same of the face's.
+    pub calibration_face: Option<f64>,
 }
 
 /// Sums up.
@@ -221,52 +237,27 @@ pub fn summarize<'a>(outcomes: impl Iterator<Item = &'a Outcome>) -> Summary {
         mean(&errors.collect::<Vec<_>>())
     };
     let (all68, inner51) = (nme(0, 68), nme(17, 68));
+    let landmarks: Vec<(f64, bool)> = all.iter().flat_map(|o| o.landmarks()).collect();
+    let faces: Vec<(f64, bool)> = all.iter().filter_map(|o| o.face()).collect();
     Summary {
         images: all.len(),
         found: share(all68.len()),
+        nme68_mean: mean(&all68),
+        nme68_median: median(&all68),
+        nme51_mean: mean(&inner51),
+        nme51_median: median(&inner51),
         failure: share(all.iter().filter(|o| o.failed()).count()),
-        nme68: (mean(&all68), median(&all68)),
-        nme51: (mean(&inner51), median(&inner51)),
-        auc: (auc(&all68, AUC_NME), auc(&inner51, AUC_NME)),
-        wide_auc: (auc(&all68, WIDE_AUC_NME), auc(&inner51, WIDE_AUC_NME)),
-        nme_box: (by_size(0, 0), by_size(17, 0)),
-        nme_pupils: (by_size(0, 1), by_size(17, 1)),
-        parts: PARTS.map(|(_, from, to)| mean(&nme(from, to))),
-        calibration: (
-            calibration_error(&all.iter().flat_map(|o| o.landmarks()).collect::<Vec<_>>()),
-            calibration_error(&all.iter().filter_map(|o| o.face()).collect::<Vec<_>>()),
-        ),
-    }
-}
-
-impl Summary {
-    /// The numbers as JSON; fractions, `null` where nothing was found.
-    pub fn json(&self) -> Value {
-        let parts: Map<String, Value> = PARTS
-            .iter()
-            .zip(self.parts)
-            .map(|((name, ..), value)| (name.to_string(), json!(value)))
-            .collect();
-        json!({
-            "images": self.images,
-            "found": self.found,
-            "nme68_mean": self.nme68.0,
-            "nme68_median": self.nme68.1,
-            "nme51_mean": self.nme51.0,
-            "nme51_median": self.nme51.1,
-            "failure": self.failure,
-            "auc68": self.auc.0,
-            "auc51": self.auc.1,
-            "auc68_to_10": self.wide_auc.0,
-            "auc51_to_10": self.wide_auc.1,
-            "nme68_box": self.nme_box.0,
-            "nme51_box": self.nme_box.1,
-            "nme68_pupils": self.nme_pupils.0,
-            "nme51_pupils": self.nme_pupils.1,
-            "parts": parts,
-            "calibration_landmarks": self.calibration.0,
-            "calibration_face": self.calibration.1,
-        })
+        auc68: auc(&all68, AUC_NME),
+        auc51: auc(&inner51, AUC_NME),
+        auc68_to_10: auc(&all68, WIDE_AUC_NME),
+        auc51_to_10: auc(&inner51, WIDE_AUC_NME),
+        nme68_box: by_size(0, 0),
+        nme51_box: by_size(17, 0),
+        nme68_pupils: by_size(0, 1),
+        nme51_pupils: by_size(17, 1),
+        parts: BTreeMap::from(PARTS.map(|(name, from, to)| (name, mean(&nme(from, to))))),
+        calibration_landmarks: calibration_error(&landmarks),
+        calibration_face: calibration_error(&faces),
     }
 }
 
@@ -338,22 +329,22 @@ mod tests {
         let s = summarize(outcomes.iter());
         let near = |a: Option<f64>, b: f64| (a.unwrap() - b).abs() < 1e-9;
         assert_eq!((s.images, s.found, s.failure), (4, 0.75, 0.5));
-        assert!(near(s.nme68.0, 0.06) && near(s.nme68.1, 0.04));
+        assert!(near(s.nme68_mean, 0.06) && near(s.nme68_median, 0.04));
         // (0.75 + 0.5 + 0 + 0) / 4
-        assert!(near(Some(s.auc.0), 0.3125));
-        assert!(s.parts.iter().all(|p| near(*p, 0.06)));
+        assert!(near(Some(s.auc68), 0.3125));
+        assert!(s.parts.values().all(|p| near(*p, 0.06)));
         // Eye corners 100 px apart, a box of 100 × 90 px.
-        assert!(near(s.nme_box.0, 0.06 * 100.0 / 9000f64.sqrt()));
+        assert!(near(s.nme68_box, 0.06 * 100.0 / 9000f64.sqrt()));
         let apart = |p: &Points, eye: std::ops::Range<usize>, k: usize| -> f64 {
             p[eye].iter().map(|q| q[k]).sum::<f64>() / 6.0
         };
         let pupils = [0, 1].map(|k| apart(&l, 36..42, k) - apart(&l, 42..48, k));
         assert!(near(
-            s.nme_pupils.1,
+            s.nme51_pupils,
             0.06 * 100.0 / pupils[0].hypot(pupils[1])
         ));
         // (0.8 + 0.6 + 0 + 0) / 4
-        assert!(near(Some(s.wide_auc.0), 0.35));
-        assert_eq!(summarize([].iter()).nme68, (None, None));
+        assert!(near(Some(s.auc68_to_10), 0.35));
+        assert_eq!(summarize([].iter()).nme68_mean, None);
     }
 }

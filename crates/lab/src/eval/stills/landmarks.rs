@@ -1,23 +1,21 @@
 //! `posewise-lab eval landmarks`: each labelled picture is a still for a fresh tracker.
 
-use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use posewise::TrackResult;
 use posewise::detect::Detection;
 use posewise_cli::parse::within;
 use posewise_cli::picture::Picture;
-use posewise_cli::plot;
 use posewise_cli::source::read_rgb;
 use posewise_metrics::landmarks::bounds;
+use serde::Serialize;
 use serde_json::{Map, Value, json};
 
-use super::ced::Curve;
 use super::cut::cut;
 use super::labels::{Label, read_labels};
 use super::landmark_metrics::{
-    FitConfidence, Outcome, PARTS, Points, Summary, YawBand, eye_line, summarize,
+    FitConfidence, Outcome, Points, Summary, YawBand, eye_line, summarize,
 };
 use super::still::{Stills, StillsArgs};
 use super::turned::Turn;
@@ -39,9 +37,6 @@ pub struct Args {
     /// Labels: image,x0,y0,…,x67,y67 [px], iBUG 68 order
     #[arg(long, value_name = "FILE")]
     pub csv: PathBuf,
-    /// Folder of the pictures that the labels name
-    #[arg(long, value_name = "DIR")]
-    pub images: PathBuf,
     #[command(flatten)]
     pub camera: camera::Args,
     /// Turn the pictures clockwise [deg]; what they do not show repeats their edges
@@ -54,31 +49,16 @@ pub struct Args {
     /// Where the first fit starts
     #[arg(long, value_enum, default_value = "detector")]
     pub start: Start,
-    /// Write the numbers as JSON
-    #[arg(long, value_name = "FILE")]
-    pub json: Option<PathBuf>,
-    /// Write one row per picture: found, errors, yaw band, mean shift from the labels
-    #[arg(long, value_name = "FILE")]
-    pub per_image: Option<PathBuf>,
-    /// Plot the cumulative error distribution up to 10 % (.svg or .png)
-    #[arg(long, value_name = "FILE")]
-    pub plot: Option<PathBuf>,
     #[command(flatten)]
     pub stills: StillsArgs,
 }
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
-    if let Some(path) = &args.plot {
-        plot::check_name(path)?;
-    }
     let labels = read_labels(&args.csv)?;
-    if !args.images.is_dir() {
-        bail!("no such folder: {}", args.images.display());
-    }
     let stills = Stills::new(&args.stills)?;
     let outcomes = stills.each(&labels, |show, index, label| {
-        let picture = Picture::from_rgb(read_rgb(&args.images.join(&label.image))?);
+        let picture = Picture::from_rgb(read_rgb(&args.stills.images.join(&label.image))?);
         let grey = camera::through(&args.camera, picture.upright_grey()?, 1);
         let turn = Turn::new(&grey, args.roll);
         let (mut grey, mut points) = (turn.picture(&grey), turn.points(&label.points));
@@ -100,17 +80,10 @@ pub fn run(args: &Args) -> Result<()> {
     let total = summarize(outcomes.iter());
     let bands = YawBand::ALL
         .map(|(band, name)| (name, summarize(outcomes.iter().filter(|o| o.band == band))));
-    output::print(&report(&total, &bands))?;
-    if let Some(path) = &args.plot {
-        plot::save(path, &Curve::of(&outcomes))?;
+    if let Some(path) = &args.stills.per_image {
+        output::write_rows(path, labels.iter().zip(&outcomes).map(ImageRow::of))?;
     }
-    if let Some(path) = &args.per_image {
-        write_per_image(path, &labels, &outcomes)?;
-    }
-    if let Some(path) = &args.json {
-        output::write_json(path, &to_json(args, &total, &bands))?;
-    }
-    Ok(())
+    output::show(&figures(args, &total, &bands), args.stills.json.as_deref())
 }
 
 /// The landmarks of a fit with their confidences.
@@ -138,114 +111,53 @@ fn turned_box(label: &Points, turn: &Turn, roll_deg: f64, corner: [f64; 2]) -> D
     }
 }
 
-fn percent(value: Option<f64>) -> String {
-    value.map_or("–".into(), |v| format!("{:.2}", 100.0 * v))
-}
-
-fn report(total: &Summary, bands: &[(&str, Summary)]) -> String {
-    let mut out = format!(
-        "{:<12}{:>7}{:>8}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}\n",
-        "[%]", "images", "found", "nme68", "median", "nme51", "median", "failure", "auc68", "auc51"
-    );
-    let rows = std::iter::once(("all", total)).chain(bands.iter().map(|(n, s)| (*n, s)));
-    for (name, s) in rows {
-        let share = |v: f64| percent((s.images > 0).then_some(v));
-        // Writing to a String cannot fail.
-        let _ = writeln!(
-            out,
-            "{name:<12}{:>7}{:>8}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}",
-            s.images,
-            share(s.found),
-            percent(s.nme68.0),
-            percent(s.nme68.1),
-            percent(s.nme51.0),
-            percent(s.nme51.1),
-            share(s.failure),
-            share(s.auc.0),
-            share(s.auc.1),
-        );
-    }
-    for ((name, ..), value) in PARTS.iter().zip(total.parts) {
-        let _ = write!(out, "{name} {}  ", percent(value));
-    }
-    out.truncate(out.trim_end().len());
-    let _ = write!(
-        out,
-        "\nnme68 and nme51 by box {} {}, by eye centres {} {}; auc to 10 % {} {}",
-        percent(total.nme_box.0),
-        percent(total.nme_box.1),
-        percent(total.nme_pupils.0),
-        percent(total.nme_pupils.1),
-        percent(Some(total.wide_auc.0)),
-        percent(Some(total.wide_auc.1)),
-    );
-    let cell = |v: Option<f64>| v.map_or("–".into(), |v| format!("{v:.3}"));
-    let (landmarks, face) = total.calibration;
-    let _ = writeln!(
-        out,
-        "\ncalibration error: landmarks {}, face {}",
-        cell(landmarks),
-        cell(face)
-    );
-    out
-}
-
-fn to_json(args: &Args, total: &Summary, bands: &[(&str, Summary)]) -> Value {
-    let mut value = total.json();
-    let bands: Map<String, Value> = bands
-        .iter()
-        .map(|(name, s)| (name.to_string(), s.json()))
-        .collect();
-    if let Value::Object(map) = &mut value {
-        map.insert("yaw_bands".into(), bands.into());
-        let start = match args.start {
-            Start::Detector => "detector",
-            Start::Box => "box",
-        };
-        map.insert("start".into(), json!(start));
-        map.insert("steps_after_found".into(), json!(args.stills.steps));
-        map.insert("min_face_px".into(), json!(args.stills.min_face));
-        map.insert("roll_deg".into(), json!(args.roll));
-        if args.cut > 0.0 {
-            map.insert("cut".into(), json!(args.cut));
-        }
+fn figures(args: &Args, total: &Summary, bands: &[(&str, Summary)]) -> Value {
+    let mut value = json!(total);
+    let bands = bands.iter().map(|(name, s)| (name.to_string(), json!(s)));
+    value["yaw_bands"] = Map::from_iter(bands).into();
+    value["start"] = json!(match args.start {
+        Start::Detector => "detector",
+        Start::Box => "box",
+    });
+    value["steps_after_found"] = json!(args.stills.steps);
+    value["min_face_px"] = json!(args.stills.min_face);
+    value["roll_deg"] = json!(args.roll);
+    if args.cut > 0.0 {
+        value["cut"] = json!(args.cut);
     }
     value
 }
 
-fn write_per_image(path: &Path, labels: &[Label], outcomes: &[Outcome]) -> Result<()> {
-    let mut out = csv::Writer::from_writer(output::create(path)?);
-    let context = || format!("cannot write {}", path.display());
-    out.write_record([
-        "image",
-        "band",
-        "found",
-        "failed",
-        "nme68",
-        "nme51",
-        "shift_along",
-        "shift_down",
-        "inter_ocular_px",
-        "roll_deg",
-    ])
-    .with_context(context)?;
-    for (label, outcome) in labels.iter().zip(outcomes) {
+/// What `--per-image` writes of a picture.
+#[derive(Serialize)]
+struct ImageRow<'a> {
+    image: &'a str,
+    band: &'static str,
+    found: u8,
+    failed: u8,
+    nme68: Option<f64>,
+    nme51: Option<f64>,
+    shift_along: Option<f64>,
+    shift_down: Option<f64>,
+    inter_ocular_px: f64,
+    roll_deg: f64,
+}
+
+impl<'a> ImageRow<'a> {
+    fn of((label, outcome): (&'a Label, &Outcome)) -> Self {
         let band = YawBand::ALL.iter().find(|(b, _)| *b == outcome.band);
         let [x, y] = eye_line(&label.points);
-        let number = |v: Option<f64>| v.map_or(String::new(), |v| format!("{v:.5}"));
-        out.write_record([
-            label.image.as_str(),
-            band.map_or("", |(_, name)| name),
-            if outcome.errors.is_some() { "1" } else { "0" },
-            if outcome.failed() { "1" } else { "0" },
-            &number(outcome.nme(0, 68)),
-            &number(outcome.nme(17, 68)),
-            &number(outcome.shift.map(|s| s[0])),
-            &number(outcome.shift.map(|s| s[1])),
-            &format!("{:.2}", x.hypot(y)),
-            &format!("{:.2}", y.atan2(x).to_degrees()),
-        ])
-        .with_context(context)?;
+        ImageRow {
+            image: &label.image,
+            band: band.map_or("", |(_, name)| name),
+            found: outcome.errors.is_some().into(),
+            failed: outcome.failed().into(),
+            nme68: outcome.nme(0, 68),
+            nme51: outcome.nme(17, 68),
+            shift_along: outcome.shift.map(|s| s[0]),
+            shift_down: outcome.shift.map(|s| s[1]),
+            inter_ocular_px: x.hypot(y),
+            roll_deg: y.atan2(x).to_degrees(),
+        }
     }
-    out.flush().with_context(context)
 }

@@ -1,12 +1,11 @@
 //! Labelled pictures, each of which is a still for a fresh tracker.
 //!
 //! ```text
-//! labels ─► cut, turned, camera ─► still (the tracker) ─► *_metrics (the formulas) ─► report, ced
+//! labels ─► cut, turned, camera ─► still (the tracker) ─► *_metrics (the formulas) ─► figures
 //! ```
 
 pub mod angle_metrics;
 pub mod angles;
-mod ced;
 mod cut;
 pub mod labels;
 pub mod landmark_metrics;

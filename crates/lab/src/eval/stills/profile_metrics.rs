@@ -6,7 +6,7 @@
 
 use posewise_metrics::landmarks::distance;
 use posewise_metrics::{mean, median};
-use serde_json::{Value, json};
+use serde::Serialize;
 
 use super::landmark_metrics::Points;
 
@@ -71,25 +71,24 @@ pub fn errors(marked: &Marked, unit: f64, points: &Points) -> Option<[f64; 2]> {
     is_same.then_some(parts)
 }
 
-/// The numbers of a set of pictures.
-#[derive(Clone, Debug)]
+/// The numbers of a set of pictures; `None` where there are none.
+#[derive(Clone, Debug, Serialize)]
 pub struct Summary {
     /// Number of pictures.
     pub count: usize,
-    /// How many of them were found.
-    pub found: usize,
-    /// How many of them in the first step.
-    pub at_once: usize,
+    /// Share of them found.
+    pub found: Option<f64>,
+    /// Share of them found in the first step.
+    pub at_once: Option<f64>,
     /// Mean errors of the marked landmarks, over the unit: inner ones, jaw.
     pub inner: Option<f64>,
     /// See `inner`.
     pub jaw: Option<f64>,
-    /// Medians of |geometric yaw|, and of the yaw relative to the line of sight towards its side
-    /// \[deg\].
+    /// Medians of |geometric yaw|, and of the yaw relative to the line of sight towards its side.
     pub geometric_deg: Option<f64>,
     /// See `geometric_deg`.
     pub facing_deg: Option<f64>,
-    /// Mean absolute difference of the two \[deg\].
+    /// Mean absolute difference of the two.
     pub difference_deg: Option<f64>,
 }
 
@@ -99,36 +98,16 @@ pub fn summarize<'a>(outcomes: impl Iterator<Item = &'a Outcome>) -> Summary {
     let found = || all.iter().filter_map(|o| Some((*o, o.found.as_ref()?)));
     let values =
         |of: fn(&Outcome, &Found) -> f64| -> Vec<f64> { found().map(|(o, f)| of(o, f)).collect() };
+    let share = |part: usize| (!all.is_empty()).then(|| part as f64 / all.len() as f64);
     Summary {
         count: all.len(),
-        found: found().count(),
-        at_once: found().filter(|(_, f)| f.is_at_once).count(),
+        found: share(found().count()),
+        at_once: share(found().filter(|(_, f)| f.is_at_once).count()),
         inner: mean(&values(|_, f| f.inner)),
         jaw: mean(&values(|_, f| f.jaw)),
         geometric_deg: median(&values(|o, _| o.geometric_yaw.abs())),
         facing_deg: median(&values(|o, f| o.geometric_yaw.signum() * f.facing_yaw)),
         difference_deg: mean(&values(|o, f| (f.facing_yaw - o.geometric_yaw).abs())),
-    }
-}
-
-impl Summary {
-    /// `part` of the pictures, as a share.
-    pub fn share(&self, part: usize) -> Option<f64> {
-        (self.count > 0).then(|| part as f64 / self.count as f64)
-    }
-
-    /// The numbers as JSON.
-    pub fn json(&self) -> Value {
-        json!({
-            "count": self.count,
-            "found": self.share(self.found),
-            "at_once": self.share(self.at_once),
-            "inner": self.inner,
-            "jaw": self.jaw,
-            "geometric_deg": self.geometric_deg,
-            "facing_deg": self.facing_deg,
-            "difference_deg": self.difference_deg,
-        })
     }
 }
 
@@ -184,10 +163,9 @@ mod tests {
             outcome(60.0, Some(-10.0)),
         ];
         let s = summarize(outcomes.iter());
-        assert_eq!((s.count, s.found, s.at_once), (4, 3, 2));
-        assert_eq!(s.share(s.found), Some(0.75));
+        assert_eq!((s.count, s.found, s.at_once), (4, Some(0.75), Some(0.5)));
         assert_eq!((s.geometric_deg, s.facing_deg), (Some(70.0), Some(70.0)));
         assert_eq!(s.difference_deg, Some((10.0 + 6.0 + 70.0) / 3.0));
-        assert_eq!(summarize([].iter()).share(0), None);
+        assert_eq!(summarize([].iter()).found, None);
     }
 }

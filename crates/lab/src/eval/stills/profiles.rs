@@ -1,11 +1,11 @@
 //! `posewise-lab eval profiles`: stills of profiles on which only the seen half is marked.
 
-use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use posewise_cli::picture::Picture;
 use posewise_cli::source::read_rgb;
+use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use super::profile_metrics::{BANDS, Found, Marked, Outcome, Summary, errors, summarize, unit};
@@ -20,15 +20,6 @@ pub struct Args {
     /// empty
     #[arg(long, value_name = "FILE")]
     pub csv: PathBuf,
-    /// Folder of the pictures that the labels name
-    #[arg(long, value_name = "DIR")]
-    pub images: PathBuf,
-    /// Write the numbers as JSON
-    #[arg(long, value_name = "FILE")]
-    pub json: Option<PathBuf>,
-    /// Write one row per picture: found, errors, yaw
-    #[arg(long, value_name = "FILE")]
-    pub per_image: Option<PathBuf>,
     #[command(flatten)]
     pub stills: StillsArgs,
 }
@@ -47,11 +38,8 @@ struct Label {
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let labels = read_labels(&args.csv)?;
-    if !args.images.is_dir() {
-        bail!("no such folder: {}", args.images.display());
-    }
     let outcomes = Stills::new(&args.stills)?.each(&labels, |show, _, label| {
-        let picture = Picture::from_rgb(read_rgb(&args.images.join(&label.image))?);
+        let picture = Picture::from_rgb(read_rgb(&args.stills.images.join(&label.image))?);
         let fit = show
             .fit(picture, None)
             .with_context(|| label.image.clone())?;
@@ -81,14 +69,53 @@ pub fn run(args: &Args) -> Result<()> {
         let inside = |o: &&Outcome| (from..to).contains(&o.geometric_yaw.abs());
         (name, summarize(outcomes.iter().filter(inside)))
     });
-    output::print(&report(&kinds, &bands))?;
-    if let Some(path) = &args.per_image {
-        write_per_image(path, &labels, &outcomes)?;
+    if let Some(path) = &args.stills.per_image {
+        output::write_rows(path, labels.iter().zip(&outcomes).map(ImageRow::of))?;
     }
-    if let Some(path) = &args.json {
-        output::write_json(path, &to_json(args, &kinds, &bands))?;
+    let of = |sets: &[(&str, Summary)]| -> Map<String, Value> {
+        let named = sets.iter().map(|(name, s)| (name.to_string(), json!(s)));
+        named.collect()
+    };
+    let figures = json!({
+        "kinds": of(&kinds),
+        "yaw_bands": of(&bands),
+        "steps_after_found": args.stills.steps,
+        "min_face_px": args.stills.min_face,
+    });
+    output::show(&figures, args.stills.json.as_deref())
+}
+
+/// What `--per-image` writes of a picture.
+#[derive(Serialize)]
+struct ImageRow<'a> {
+    image: &'a str,
+    kind: &'static str,
+    found: u8,
+    at_once: u8,
+    inner: Option<f64>,
+    jaw: Option<f64>,
+    geometric_yaw_deg: f64,
+    facing_yaw_deg: Option<f64>,
+}
+
+impl<'a> ImageRow<'a> {
+    fn of((label, outcome): (&'a Label, &Outcome)) -> Self {
+        let found = outcome.found.as_ref();
+        ImageRow {
+            image: &label.image,
+            kind: if outcome.is_profile {
+                "profile"
+            } else {
+                "frontal"
+            },
+            found: found.is_some().into(),
+            at_once: found.is_some_and(|f| f.is_at_once).into(),
+            inner: found.map(|f| f.inner),
+            jaw: found.map(|f| f.jaw),
+            geometric_yaw_deg: label.geometric_yaw,
+            facing_yaw_deg: found.map(|f| f.facing_yaw),
+        }
     }
-    Ok(())
 }
 
 fn read_labels(path: &Path) -> Result<Vec<Label>> {
@@ -116,105 +143,4 @@ fn read_labels(path: &Path) -> Result<Vec<Label>> {
         label(row).with_context(|| format!("{}: {}", path.display(), table.text(row, image)))
     };
     (0..table.len()).map(of_row).collect()
-}
-
-fn report(kinds: &[(&str, Summary)], bands: &[(&str, Summary)]) -> String {
-    let percent = |v: Option<f64>| v.map_or("–".into(), |v| format!("{:.2}", 100.0 * v));
-    let degrees = |v: Option<f64>| v.map_or("–".into(), |v| format!("{v:.1}"));
-    let mut out = format!(
-        "{:<12}{:>7}{:>9}{:>9}{:>9}{:>9}\n",
-        "[%]", "images", "found", "at once", "inner", "jaw"
-    );
-    for (name, s) in kinds {
-        // Writing to a String cannot fail.
-        let _ = writeln!(
-            out,
-            "{name:<12}{:>7}{:>9}{:>9}{:>9}{:>9}",
-            s.count,
-            percent(s.share(s.found)),
-            percent(s.share(s.at_once)),
-            percent(s.inner),
-            percent(s.jaw),
-        );
-    }
-    let _ = writeln!(
-        out,
-        "{:<12}{:>7}{:>9}{:>9}{:>9}{:>9}{:>11}{:>9}{:>12}",
-        "|yaw| [deg]",
-        "images",
-        "found",
-        "at once",
-        "inner",
-        "jaw",
-        "geometric",
-        "facing",
-        "difference"
-    );
-    for (name, s) in bands {
-        let _ = writeln!(
-            out,
-            "{name:<12}{:>7}{:>9}{:>9}{:>9}{:>9}{:>11}{:>9}{:>12}",
-            s.count,
-            percent(s.share(s.found)),
-            percent(s.share(s.at_once)),
-            percent(s.inner),
-            percent(s.jaw),
-            degrees(s.geometric_deg),
-            degrees(s.facing_deg),
-            degrees(s.difference_deg),
-        );
-    }
-    out
-}
-
-fn to_json(args: &Args, kinds: &[(&str, Summary)], bands: &[(&str, Summary)]) -> Value {
-    let of = |sets: &[(&str, Summary)]| -> Map<String, Value> {
-        sets.iter()
-            .map(|(name, s)| (name.to_string(), s.json()))
-            .collect()
-    };
-    json!({
-        "kinds": of(kinds),
-        "yaw_bands": of(bands),
-        "steps_after_found": args.stills.steps,
-        "min_face_px": args.stills.min_face,
-    })
-}
-
-fn write_per_image(path: &Path, labels: &[Label], outcomes: &[Outcome]) -> Result<()> {
-    let mut out = csv::Writer::from_writer(output::create(path)?);
-    let context = || format!("cannot write {}", path.display());
-    out.write_record([
-        "image",
-        "kind",
-        "found",
-        "at_once",
-        "inner",
-        "jaw",
-        "geometric_yaw_deg",
-        "facing_yaw_deg",
-    ])
-    .with_context(context)?;
-    for (label, outcome) in labels.iter().zip(outcomes) {
-        let found = outcome.found.as_ref();
-        let flag = |is: bool| if is { "1" } else { "0" };
-        let number =
-            |of: fn(&Found) -> f64| found.map_or(String::new(), |f| format!("{:.5}", of(f)));
-        out.write_record([
-            label.image.as_str(),
-            if outcome.is_profile {
-                "profile"
-            } else {
-                "frontal"
-            },
-            flag(found.is_some()),
-            flag(found.is_some_and(|f| f.is_at_once)),
-            &number(|f| f.inner),
-            &number(|f| f.jaw),
-            &format!("{:.1}", label.geometric_yaw),
-            &number(|f| f.facing_yaw),
-        ])
-        .with_context(context)?;
-    }
-    out.flush().with_context(context)
 }

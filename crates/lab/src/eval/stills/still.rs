@@ -6,7 +6,7 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result, anyhow, ensure};
 use indicatif::{ParallelProgressIterator, ProgressBar};
 use posewise::detect::Detection;
 use posewise::{Config, Intrinsics, Model, State, TrackResult, Tracker};
@@ -17,6 +17,15 @@ use rayon::prelude::*;
 /// How each picture is shown to a new tracker.
 #[derive(clap::Args)]
 pub struct StillsArgs {
+    /// Folder of the pictures that the labels name
+    #[arg(long, value_name = "DIR")]
+    pub images: PathBuf,
+    /// Write the numbers as JSON
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Write one row per picture
+    #[arg(long, value_name = "FILE")]
+    pub per_image: Option<PathBuf>,
     /// Model file [default: the embedded model]
     #[arg(long, value_name = "FILE")]
     pub model: Option<PathBuf>,
@@ -67,6 +76,11 @@ pub struct Showing<'a> {
 impl Stills {
     /// Checks the settings.
     pub fn new(args: &StillsArgs) -> Result<Self> {
+        ensure!(
+            args.images.is_dir(),
+            "no such folder: {}",
+            args.images.display()
+        );
         let mut config = Config::default();
         config.min_face_px = args.min_face;
         config.scan_budget = SCAN_BUDGET;
