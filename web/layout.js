@@ -644,10 +644,12 @@ export const MONITOR_ZONE = {
  *   not with POSEWISE_MONITOR_FIXED_POSE.
  * @property {[number, number, number]} gaze Unit gaze of both eyes in the camera frame [-1..1];
  *   zeros where it is unknown.
+ * @property {number} mayLookDown Whether lids that are as good as shut may follow a lowered gaze [0
+ *   or 1]: a closure of such time alone is no longer than a blink, and PERCLOS leaves it out.
  */
 /** @type {import('./struct.js').Layout} */
 export const MONITOR_OBSERVATION = {
-  size: 72,
+  size: 76,
   fields: {
     structSize: { at: 0, type: 'u32' },
     state: { at: 4, type: 'u32', names: STATES },
@@ -660,6 +662,7 @@ export const MONITOR_OBSERVATION = {
     jawOpen: { at: 52, type: 'f32' },
     cameraAssumed: { at: 56, type: 'u32' },
     gaze: { at: 60, type: 'f32', count: 3 },
+    mayLookDown: { at: 72, type: 'u32' },
   },
 };
 

@@ -315,6 +315,7 @@ class Monitor_observation(Structure):
         ("jaw_open", c_float),
         ("camera_assumed", c_uint32),
         ("gaze", c_float * 3),
+        ("may_look_down", c_uint32),
     ]
 
 

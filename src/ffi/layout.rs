@@ -62,9 +62,10 @@ layout! {
         return_us 124, clear_us 128, degraded_us 132, look_down_deg 136, look_down_us 140;
     posewise_monitor_zone 48;
         kind 0, flags 4, grace_us 8, numbers 12;
-    posewise_monitor_observation 72;
+    posewise_monitor_observation 76;
         struct_size 0, state 4, confidence 8, yaw_deg 12, pitch_deg 16, translation_mm 20,
-        rotation_sigma_deg 32, eye_open 44, jaw_open 52, camera_assumed 56, gaze 60;
+        rotation_sigma_deg 32, eye_open 44, jaw_open 52, camera_assumed 56, gaze 60,
+        may_look_down 72;
     posewise_monitor_perclos 24;
         p70 0, p80 4, em 8, known 12, closures 16, mean_closure_us 20;
     posewise_monitor_state 216;

@@ -138,6 +138,7 @@ pub(super) fn observation_from(given: &posewise_monitor_observation) -> Observat
     (seen.eye_open, seen.jaw_open) = (given.eye_open, given.jaw_open);
     seen.camera_assumed = given.camera_assumed != 0;
     seen.gaze = given.gaze;
+    seen.may_look_down = given.may_look_down != 0;
     seen
 }
 
@@ -159,6 +160,7 @@ pub(super) fn observation_to(seen: &Observation) -> posewise_monitor_observation
         jaw_open: seen.jaw_open,
         camera_assumed: u32::from(seen.camera_assumed),
         gaze: seen.gaze,
+        may_look_down: u32::from(seen.may_look_down),
     }
 }
 

@@ -38,11 +38,12 @@ impl Closures {
         blinks: 0,
     };
 
-    /// Lets time pass with this openness; returns the length of a closure that is cut by it.
+    /// Lets time pass with eyes that are known or not, and that may look down; returns the length
+    /// of a closure that is cut by it.
     pub(super) fn pass(
         &mut self,
         time_us: u32,
-        openness: Option<f32>,
+        may_look_down: Option<bool>,
         now_us: i64,
         config: &MonitorConfig,
         log: &mut MonitorEventLog,
@@ -50,13 +51,17 @@ impl Closures {
         if !self.is_closed {
             return None;
         }
-        if openness.is_none() {
+        let Some(may_look_down) = may_look_down else {
             self.unknown_us = self.unknown_us.saturating_add(time_us);
             let is_cut = self.unknown_us > config.gap_us;
             return is_cut.then(|| self.end(now_us, true, config, log))?;
-        }
+        };
         self.unknown_us = 0;
-        self.closed_us = self.closed_us.saturating_add(time_us);
+        let closed_us = self.closed_us.saturating_add(time_us);
+        self.closed_us = match may_look_down {
+            true => closed_us.min(config.long_closure_us.max(self.closed_us)),
+            false => closed_us,
+        };
         // A blink may be as long as its limit; the levels are reached with their times.
         let reached = [
             self.closed_us > config.long_closure_us,

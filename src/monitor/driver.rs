@@ -165,9 +165,11 @@ impl Monitor {
     /// Lets time pass with what was read at its beginning.
     fn pass(&mut self, time_us: u32, held: Reading, is_directed: bool, now_us: i64) {
         let (config, log) = (&self.config, &mut self.log);
-        self.windows.pass(time_us, held.openness);
+        let sure = held.openness.filter(|_| !held.may_look_down);
+        self.windows.pass(time_us, sure);
         self.drowsy_us = self.drowsy_us.saturating_add(time_us);
-        let ended = (self.closures).pass(time_us, held.openness, now_us, config, log);
+        let lids = held.openness.map(|_| held.may_look_down);
+        let ended = (self.closures).pass(time_us, lids, now_us, config, log);
         if let Some(closed_us) = ended {
             self.windows.add_closure(closed_us);
         }

@@ -9,7 +9,7 @@
 //! | file | content |
 //! |---|---|
 //! | `config`, `preset`, `zone` | settings, where their values come from, zones of interest |
-//! | `observation`, `reading` | what is observed, and what of it is known |
+//! | `observation`, `openness`, `reading` | what is observed, and what of it is known |
 //! | `clock`, `perclos`, `recent` | time, and exact sums over windows of whole bins |
 //! | `closure`, `yawn`, `nod`, `look_down`, `glance`, `drowsiness` | one state machine each |
 //! | `episode` | what yawns and looks down have in common |
@@ -32,6 +32,7 @@ mod look_down;
 mod natural;
 mod nod;
 mod observation;
+mod openness;
 mod perclos;
 mod preset;
 mod quantile;
@@ -46,7 +47,7 @@ pub use driver::{Monitor, MonitorTimeError};
 pub use event::{MONITOR_EVENTS, MonitorEvent, MonitorEventKind, MonitorEventLog};
 pub use observation::Observation;
 #[cfg(feature = "unstable-internals")]
-pub use observation::fused_openness;
+pub use openness::openness;
 pub use preset::Preset;
 pub use state::{Drowsiness, EyeState, MonitorState, Perclos, UnknownReason};
 pub use zone::{MAX_ZONES, Zone, ZoneShape, ZoneState};

@@ -23,6 +23,8 @@ const TURNED_MARGIN_DEG: f32 = 3.0;
 pub(super) struct Reading {
     /// Openness of both eyes together, relative to this person's open eyes.
     pub(super) openness: Option<f32>,
+    /// See [`Observation::may_look_down`].
+    pub(super) may_look_down: bool,
     /// Why it is unknown, if it is.
     pub(super) reason: Option<UnknownReason>,
     /// Openness of each eye, as the tracker reports it; for a known openness.
@@ -91,6 +93,7 @@ impl Reading {
     /// Nothing is known.
     pub(super) const NONE: Reading = Reading {
         openness: None,
+        may_look_down: false,
         reason: Some(UnknownReason::NoFace),
         eyes: [None; 2],
         jaw: None,
@@ -134,6 +137,7 @@ impl Reading {
         let openness = fuse(eyes, open_eye);
         Reading {
             openness,
+            may_look_down: seen.may_look_down,
             reason: match openness {
                 Some(_) => None,
                 None => Some(UnknownReason::Hidden),

@@ -44,9 +44,6 @@ pub struct Options {
     pub shut: f32,
     /// How much more often a photograph of a face in profile is drawn than one from the front.
     pub turned: f32,
-    /// As `turned`, of a render.
-    #[serde(skip_serializing_if = "is_none")]
-    pub turned_renders: f32,
     /// How much more often a render of a face from the front is drawn than one in profile.
     pub front: f32,
     /// Largest rate; it rises over `warm_up` steps, then falls as a cosine.
@@ -80,7 +77,6 @@ impl Default for Options {
             bent: 0.6,
             shut: 0.15,
             turned: 3.0,
-            turned_renders: 0.0,
             front: 0.0,
             rate: 2e-3,
             warm_up: 300,
@@ -102,7 +98,6 @@ impl Options {
         Options {
             seed: self.seed ^ 0x2ed,
             turned: 2.0 * self.turned,
-            turned_renders: 2.0 * self.turned_renders,
             ..self
         }
     }

@@ -79,11 +79,8 @@ impl Draw {
                     * (1.0 + options.turned * faces[k].turn().abs())
             }),
             renders: Weighted::new(of(true), |k| {
-                let turn = faces[k].turn().abs();
-                let straight = 1.0 - turn;
-                interest(&faces[k])
-                    * (1.0 + options.front * straight * straight)
-                    * (1.0 + options.turned_renders * turn)
+                let straight = 1.0 - faces[k].turn().abs();
+                interest(&faces[k]) * (1.0 + options.front * straight * straight)
             }),
             rendered: options.rendered,
         })

@@ -161,13 +161,17 @@ fn about(args: &Args, figures: &serde_json::Value) -> String {
     format!(
         "\
 added by `cargo run --release -p posewise-train -- add-eyes --terms {terms} --seed {seed}
---eye-renders {renders} --eye-steps {steps}`. Trained on {renders} rendered faces of that head with
-procedural eyes; {photographs}.
+--eye-renders {renders} --eye-steps {steps}{from}`. Trained on {renders} rendered faces,
+which look up to 40 degrees down; {photographs}.
 On {CALIBRATION} renders of other heads, which also set its 22 numbers of calibration:
 gaze of both eyes within 30 degrees of yaw {gaze:.1} degrees; areas under the ROC of lids {lids:.3},
 glasses {glasses:.3}, dark glasses {dark:.3}, visible eyes {visible:.3}.
 ",
         seed = args.seed,
+        from = match &args.from {
+            Some(path) => format!("\n--from {}", path.display()),
+            None => String::new(),
+        },
         renders = args.eye_renders,
         steps = args.eye_steps,
         gaze = number(&figures["both_deg"]),

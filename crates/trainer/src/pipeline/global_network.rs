@@ -5,7 +5,6 @@ use super::sections;
 use super::stage::Stage;
 use super::store::Output;
 use crate::align;
-use crate::photographs::Framing;
 use anyhow::Result;
 use posewise::align::AlignModel;
 
@@ -16,15 +15,10 @@ pub const NETWORK: &str = "network.checkpoint";
 /// photographs. Faces are mostly seen from the front, which photographs show by themselves.
 const FRONT_WITHOUT_PHOTOGRAPHS: f32 = 4.0;
 
-/// How much more often renders in profile are drawn than frontal ones where no photograph shows a
-/// profile.
-const TURNED_WITHOUT_PROFILES: f32 = 2.0;
-
 /// How it is trained.
 pub fn options(context: &Context<'_>) -> align::Options {
     let usual = align::Options::default();
     let has_photographs = context.sources.sets().next().is_some();
-    let has_profiles = (context.sources.sets()).any(|set| set.framing == Framing::Half);
     align::Options {
         seed: context.args.seed,
         steps: context.args.steps,
@@ -32,11 +26,6 @@ pub fn options(context: &Context<'_>) -> align::Options {
             0.0
         } else {
             FRONT_WITHOUT_PHOTOGRAPHS
-        },
-        turned_renders: if has_photographs && !has_profiles {
-            TURNED_WITHOUT_PROFILES
-        } else {
-            0.0
         },
         rate: context.rate(usual.rate),
         aperture: align::Aperture {

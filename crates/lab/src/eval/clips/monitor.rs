@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 use anyhow::{Result, bail};
 use glam::DVec3;
-use posewise::monitor::fused_openness;
+use posewise::monitor::openness;
 use posewise::{
     EyeUnknown, Eyes, MonitorEvent, MonitorEventKind as Kind, MonitorState, Observation, Preset,
     State,
@@ -176,7 +176,8 @@ impl Columns {
             let gaze = DVec3::new(x.tan(), y.tan(), -1.0).normalize();
             seen.gaze = gaze.as_vec3().to_array();
         }
-        seen.eye_open = fused_openness(lids, &eyes);
+        let both = openness(lids, &eyes);
+        (seen.eye_open, seen.may_look_down) = (both.eye_open, both.may_look_down);
         let mut visibility = 0.0;
         for column in &self.mouth {
             visibility += number(*column)?;
