@@ -145,6 +145,8 @@ impl World {
             eye_open: [next(), next()],
             jaw_open: next(),
             camera_assumed: u32::from(next() > 0.5),
+            gaze: [next(), 2.0 * next() - 1.0, -next()],
+            may_look_down: u32::from(next() > 0.5),
         };
         let now_us = match input.u8() {
             255 => input.u64() as i64,
