@@ -715,8 +715,8 @@ typedef struct posewise_monitor_observation {
     uint32_t camera_assumed;
     /// Unit gaze of both eyes in the camera frame [-1..1]; zeros where it is unknown.
     float gaze[3];
-    /// Whether lids that are as good as shut may follow a lowered gaze [0 or 1]: a closure of such
-    /// time alone is no longer than a blink, and PERCLOS leaves it out.
+    /// Whether lids that are as good as shut may follow a lowered gaze [0 or 1]: a closure of
+    /// such time alone is no longer than a blink, and PERCLOS leaves it out.
     uint32_t may_look_down;
 } posewise_monitor_observation;
 /// Initialises a posewise_monitor_observation: struct_size is set, all other fields are 0.

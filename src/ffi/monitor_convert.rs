@@ -61,7 +61,8 @@ fn settings(given: &posewise_monitor_config, default: &MonitorConfig) -> Monitor
         drowsy_p80_180 awake_share min_known yawn_above yawn_below nod_deg forward_yaw_deg
         forward_pitch_deg natural_yaw_deg natural_pitch_deg zone_margin_deg look_down_deg);
     take!(or_us: gap_us blink_us long_closure_us microsleep_us sleep_us unresponsive_us yawn_us
-        yawn_max_us nod_us long_glance_us cumulative_us return_us clear_us degraded_us look_down_us);
+        yawn_max_us nod_us long_glance_us cumulative_us return_us clear_us degraded_us
+        look_down_us);
     config
 }
 

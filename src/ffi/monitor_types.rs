@@ -244,8 +244,8 @@ pub struct posewise_monitor_observation {
     pub camera_assumed: u32,
     /// Unit gaze of both eyes in the camera frame \[-1..1\]; zeros where it is unknown.
     pub gaze: [f32; 3],
-    /// Whether lids that are as good as shut may follow a lowered gaze \[0 or 1\]: a closure of such
-    /// time alone is no longer than a blink, and PERCLOS leaves it out.
+    /// Whether lids that are as good as shut may follow a lowered gaze \[0 or 1\]: a closure of
+    /// such time alone is no longer than a blink, and PERCLOS leaves it out.
     pub may_look_down: u32,
 }
 

@@ -101,7 +101,7 @@ impl Outputs {
                 assert!(r.facing_sigma_deg.iter().all(is_half_turn), "{r:?}");
                 assert!(r.focal_px >= 1.0 && r.camera_assumed <= 1, "{r:?}");
                 assert!(
-                    is_half_turn(&r.facing_angle_deg) && r.interocular_px > 0.0,
+                    is_half_turn(&r.facing_angle_deg) && r.interocular_px >= 0.0,
                     "{r:?}"
                 );
                 assert!(r.eye_open.iter().all(|v| unit(v) || *v == -1.0), "{r:?}");

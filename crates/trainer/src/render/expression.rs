@@ -166,8 +166,8 @@ impl Expression {
         };
         self.pair(["eyeBlinkLeft", "eyeBlinkRight"], blink, 0.0);
         if blink < 0.5 && rng.random_bool(0.3) {
-            // Up to eyes that laugh; a smile raises the cheeks by itself. What a lowered gaze leaves
-            // between the lids stays.
+            // Up to eyes that laugh; a smile raises the cheeks by itself. What a lowered gaze
+            // leaves between the lids stays.
             let (_, down) = self.gaze;
             let squint = rng.random_range(0.0..1.0) * (1.0 - (down / LOWEST).max(0.0));
             self.pair(["eyeSquintLeft", "eyeSquintRight"], squint, 0.0);

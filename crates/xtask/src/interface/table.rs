@@ -236,8 +236,9 @@ impl Table {
             }
             _ => self.with_prefix(&format!("{kind}_")),
         };
-        // Indices of weights, not reasons.
-        let found = found.iter().filter(|(name, _)| !name.starts_with("LOOK"));
+        // POSEWISE_EYE_LOOK_* are indices of weights, not reasons.
+        let is_weight = |name: &str| kind == "EYE" && name.starts_with("LOOK");
+        let found = found.iter().filter(|(name, _)| !is_weight(name));
         let words = found.zip(0..).map(|((name, value), i)| match *value == i {
             true => Ok(word(name)),
             false => bail!("POSEWISE_{kind}_{name} is not {i}"),
