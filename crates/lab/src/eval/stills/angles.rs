@@ -71,7 +71,7 @@ pub fn run(args: &Args) -> Result<()> {
     let yaw: Map<String, Value> = yaw.iter().map(|(n, b)| (n.to_string(), b.json())).collect();
     let figures = json!({
         "pictures": labels.len(),
-        "people": (!people.contains("")).then(|| people.len()),
+        "people": (!people.contains("")).then_some(people.len()),
         "focal_px": args.focal,
         "yaw_by_pitch": yaw,
         "pitch": pitch.json(),
