@@ -342,7 +342,7 @@ fn bad_pose_tables_are_named() {
     );
     pose(
         &["--truth", &csv, "--csv", &truth],
-        &["truth.csv has no column success"],
+        &["tracked.csv has no column v0"],
     );
     pose(
         &["--truth", &truth, "--truth", &truth, "--csv", &csv],
