@@ -108,10 +108,15 @@ fn type_of(field: &Field) -> String {
 
 /// The declaration of a function in the header.
 fn prototype(header: &str, name: &str) -> Option<String> {
-    let at = header.find(&format!("{name}("))?;
-    let start = header[..at].rfind("POSEWISE_API ")? + "POSEWISE_API ".len();
-    let end = start + header[start..].find(';')?;
-    Some(header[start..=end].to_owned())
+    // Comments name functions too.
+    let declared = header.split("\nPOSEWISE_API").skip(1).find(|text| {
+        let before = text.split_once(&format!("{name}("));
+        before.is_some_and(|(before, _)| {
+            !before.contains(['(', ';']) && before.ends_with([' ', '*', '\n'])
+        })
+    })?;
+    let (text, _) = declared.split_once(';')?;
+    Some(format!("{};", text.trim_start()))
 }
 
 /// A comment as Markdown.
