@@ -42,8 +42,6 @@ pub struct Monitor {
     /// The last observation, which counts until the next one.
     reading: Reading,
     direction: Option<Direction>,
-    /// That of the gaze.
-    gaze: Option<Direction>,
     windows: Windows,
     closures: Closures,
     yawns: Yawns,
@@ -97,7 +95,6 @@ impl Monitor {
             clock: Clock::NEW,
             reading: Reading::NONE,
             direction: None,
-            gaze: None,
             windows: Windows::EMPTY,
             closures: Closures::NONE,
             yawns: Yawns::NONE,
@@ -138,7 +135,7 @@ impl Monitor {
         (self.yawns, self.nods, self.glances) = (Yawns::NONE, Nods::NONE, Glances::NONE);
         (self.baseline, self.natural) = (Baseline::NEW, Natural::NEW);
         (self.reading, self.clock) = (Reading::NONE, Clock::NEW);
-        (self.direction, self.gaze, self.look_down) = (None, None, LookDown::NONE);
+        (self.direction, self.look_down) = (None, LookDown::NONE);
         (self.drowsiness, self.sight) = (Drowsiness::Unknown, Sight::default());
     }
 
@@ -157,7 +154,6 @@ impl Monitor {
         let open_eye = self.baseline.open_eye();
         self.reading = Reading::new(seen, &self.reading, open_eye, &self.config);
         self.direction = (self.reading.pose).and_then(|pose| self.direction_of(pose.turn_deg));
-        self.gaze = (self.reading.gaze_deg).and_then(|at_deg| self.direction_of(at_deg));
         self.see(now_us);
         Ok(())
     }
@@ -174,7 +170,7 @@ impl Monitor {
             self.windows.add_closure(closed_us);
         }
         self.yawns.pass(time_us, held.jaw, now_us, config, log);
-        let is_closed = self.closures.is_closed && held.openness.is_some();
+        let is_closed = self.closures.is_closed() && held.openness.is_some();
         let pitch = held.pose.map(|pose| pose.pitch_deg());
         self.nods.pass(time_us, pitch, is_closed, config);
         let is_known = held.gaze_deg.is_some();
@@ -199,7 +195,7 @@ impl Monitor {
                 ..MonitorEvent::default()
             });
         };
-        let is_long = self.closures.closed_us > self.config.long_closure_us;
+        let is_long = self.closures.closed_us() > self.config.long_closure_us;
         if held.openness.is_some() && self.baseline.pass(time_us, held.eyes, is_long) {
             let [left, right] = self.baseline.open_eye();
             learnt(MonitorEventKind::OpenEyeLearnt, (left + right) / 2.0);
@@ -243,6 +239,7 @@ impl Monitor {
 
     /// Lets the parts see what was read now.
     fn see(&mut self, now_us: i64) {
+        let gaze = (self.reading.gaze_deg).and_then(|at_deg| self.direction_of(at_deg));
         let (config, log) = (&self.config, &mut self.log);
         if let Some(openness) = self.reading.openness {
             let ended = self.closures.see(openness, now_us, config, log);
@@ -256,12 +253,13 @@ impl Monitor {
         if let Some(pitch) = self.reading.pose.map(|pose| pose.pitch_deg()) {
             self.nods.see(pitch, now_us, config, log);
         }
-        if let Some(gaze) = &self.gaze {
+        if let Some(gaze) = &gaze {
             (self.look_down).see(gaze.pitch_deg, now_us, config, log);
         }
-        let zone = match self.direction_of_zone() {
+        let lowered = gaze.filter(|_| self.look_down.is_on());
+        let zone = match lowered.or(self.direction) {
             None => ZoneState::Unknown,
-            Some(at) => (self.zones).at(at, self.glances.zone, config.zone_margin_deg),
+            Some(at) => (self.zones).at(&at, self.glances.zone, config.zone_margin_deg),
         };
         self.glances.see(zone, &self.zones, now_us);
         self.watch_drowsiness(now_us);
@@ -287,14 +285,6 @@ impl Monitor {
             value: windows[0].p80,
             ..MonitorEvent::default()
         });
-    }
-
-    /// The direction that meets a zone.
-    fn direction_of_zone(&self) -> Option<&Direction> {
-        match self.look_down.is_on() {
-            true => self.gaze.as_ref().or(self.direction.as_ref()),
-            false => self.direction.as_ref(),
-        }
     }
 
     /// Where a head or a gaze of this yaw and pitch is turned to, if the road is known.
@@ -325,7 +315,7 @@ impl Monitor {
         self.look_down.end(now_us, true, config, log);
         self.glances.end(now_us, true, log);
         self.glances.interrupt();
-        (self.reading, self.direction, self.gaze) = (Reading::NONE, None, None);
+        (self.reading, self.direction) = (Reading::NONE, None);
         (self.sight.since_us, self.drowsy_since_us) = (now_us, now_us);
         log.push(MonitorEvent {
             timestamp_us: now_us,
@@ -341,14 +331,14 @@ impl Monitor {
         let [perclos_60, perclos_180] = self.windows.measures();
         MonitorState {
             timestamp_us: self.clock.last_us(),
-            eyes: match (reading.openness, self.closures.is_closed) {
+            eyes: match (reading.openness, self.closures.is_closed()) {
                 (None, _) => EyeState::Unknown,
                 (_, true) => EyeState::Closed,
                 (_, false) => EyeState::Open,
             },
             eyes_reason: reading.reason,
             openness: reading.openness.unwrap_or(-1.0),
-            closure_us: self.closures.closed_us,
+            closure_us: self.closures.closed_us(),
             perclos_60,
             perclos_180,
             blinks: self.closures.blinks,

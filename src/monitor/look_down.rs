@@ -15,11 +15,10 @@ pub(super) struct LookDown {
     look: Episode,
 }
 
-fn reports(config: &MonitorConfig) -> Reports {
+fn reports(config: &MonitorConfig) -> Reports<1> {
     Reports {
-        begin: MonitorEventKind::LookDown,
+        levels: [(config.look_down_us, MonitorEventKind::LookDown)],
         end: MonitorEventKind::LookDownEnd,
-        after_us: config.look_down_us,
         gap_us: config.gap_us,
     }
 }
@@ -47,8 +46,8 @@ impl LookDown {
         config: &MonitorConfig,
         log: &mut MonitorEventLog,
     ) {
-        self.look
-            .pass(time_us, is_known, now_us, &reports(config), log);
+        let reports = reports(config);
+        (self.look).pass(time_us, is_known, u32::MAX, now_us, &reports, log);
     }
 
     /// The pitch of a new gaze from the direction of the road \[deg\].

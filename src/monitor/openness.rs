@@ -37,8 +37,12 @@ const STEEP: f32 = 4.0;
 
 /// Distance of the lids in that of open ones, by the reading `eye_open`, which has 0 at [`SHUT`]
 /// already. Lids that are shut by 80 % have 0.2 here, where P80 has its limit; they read 0.05.
+/// Below 0 unknown, as the reading.
 fn distance(lids: f32) -> f32 {
-    (SHUT + (1.0 - SHUT) * lids).min(STEEP * lids)
+    match lids < 0.0 {
+        true => lids,
+        false => (SHUT + (1.0 - SHUT) * lids).min(STEEP * lids),
+    }
 }
 
 /// The logarithm of the odds of a probability.
@@ -94,13 +98,8 @@ impl Lids {
     /// By the reading `eye_open`.
     fn new(reading: f32, gaze: &Gaze) -> Lids {
         if reading < 0.0 || gaze.unknown.is_some() {
-            let distance = if reading > 0.0 {
-                distance(reading)
-            } else {
-                reading
-            };
             return Lids {
-                distance,
+                distance: distance(reading),
                 lowered: 0.0,
             };
         }

@@ -11,11 +11,10 @@ pub(super) struct Yawns {
     pub(super) count: u32,
 }
 
-fn reports(config: &MonitorConfig) -> Reports {
+fn reports(config: &MonitorConfig) -> Reports<1> {
     Reports {
-        begin: MonitorEventKind::Yawn,
+        levels: [(config.yawn_us, MonitorEventKind::Yawn)],
         end: MonitorEventKind::YawnEnd,
-        after_us: config.yawn_us,
         gap_us: config.gap_us,
     }
 }
@@ -40,7 +39,8 @@ impl Yawns {
         config: &MonitorConfig,
         log: &mut MonitorEventLog,
     ) {
-        let ended = (self.mouth).pass(time_us, jaw.is_some(), now_us, &reports(config), log);
+        let (is_known, reports) = (jaw.is_some(), reports(config));
+        let ended = (self.mouth).pass(time_us, is_known, u32::MAX, now_us, &reports, log);
         self.count(ended, config);
     }
 
@@ -72,8 +72,9 @@ impl Yawns {
     }
 
     /// A mouth that was open for too long has not yawned, whatever was reported.
-    fn count(&mut self, ended_us: Option<u32>, config: &MonitorConfig) {
-        let is_yawn = ended_us.is_some_and(|open_us| open_us <= config.yawn_max_us);
+    fn count(&mut self, ended: Option<Episode>, config: &MonitorConfig) {
+        let yawned = |mouth: &Episode| mouth.is_reported() && mouth.time_us <= config.yawn_max_us;
+        let is_yawn = ended.as_ref().is_some_and(yawned);
         self.count = self.count.saturating_add(u32::from(is_yawn));
     }
 }

@@ -3,7 +3,7 @@
 use super::plan::{Kind, Sweep, Video};
 use glam::Vec3;
 use posewise::math::HeadAngles;
-use posewise_train::render::expression::{Expression, LOWEST};
+use posewise_train::render::expression::Expression;
 use posewise_train::render::noise::smoothstep;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
@@ -54,8 +54,7 @@ impl Moment {
     pub fn expression(&self) -> Expression {
         let mut face = Expression::default();
         face.gaze = self.gaze;
-        let (_, down) = self.gaze;
-        let squint = self.squint * (1.0 - (down / LOWEST).clamp(0.0, 1.0));
+        let squint = self.squint * face.squint_share();
         for (name, weight) in [
             ("eyeBlinkLeft", self.blink),
             ("eyeBlinkRight", self.blink),

@@ -63,6 +63,14 @@ impl Args {
         Sources::new(self.terms, &self.without)
     }
 
+    /// `--from MODEL` on a line of its own, for the commands in data sheets; nothing without it.
+    pub fn from_option(&self) -> String {
+        match &self.from {
+            Some(path) => format!("\n--from {}", path.display()),
+            None => String::new(),
+        }
+    }
+
     /// The same as `posewise-train render` would be given, for one kind.
     pub fn render(&self, kind: Kind, sources: &Sources) -> render::Args {
         let share = |of: f64, has: bool| if has { of } else { 0.0 };

@@ -116,10 +116,7 @@ inter-ocular distance, median {median:.2} %, above 10 %: {failure:.2} %.
             true => String::new(),
             false => format!("\n--without {}", args.without.join(" --without ")),
         },
-        from = match &args.from {
-            Some(path) => format!("\n--from {}", path.display()),
-            None => String::new(),
-        },
+        from = args.from_option(),
         seed = args.seed,
         plain = args.renders,
         near = args.near_renders,

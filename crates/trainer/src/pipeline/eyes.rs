@@ -168,10 +168,7 @@ gaze of both eyes within 30 degrees of yaw {gaze:.1} degrees; areas under the RO
 glasses {glasses:.3}, dark glasses {dark:.3}, visible eyes {visible:.3}.
 ",
         seed = args.seed,
-        from = match &args.from {
-            Some(path) => format!("\n--from {}", path.display()),
-            None => String::new(),
-        },
+        from = args.from_option(),
         renders = args.eye_renders,
         steps = args.eye_steps,
         gaze = number(&figures["both_deg"]),

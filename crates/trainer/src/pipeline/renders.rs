@@ -37,10 +37,10 @@ pub type Photographed<'a> = Option<(&'a Output, &'a [Set])>;
 
 /// Renders faces, of procedural people and of photographed ones.
 pub fn make(store: &Store, args: &Args, photographed: Photographed<'_>) -> Result<Output> {
-    let name = match args.kind {
-        Kind::Plain => "renders",
-        Kind::Near => "renders-near",
-        Kind::Eyes => "renders-eyes",
+    let (name, version) = match args.kind {
+        Kind::Plain => ("renders", 4),
+        Kind::Near => ("renders-near", 4),
+        Kind::Eyes => ("renders-eyes", 5),
     };
     let options = Options {
         seed: args.seed,
@@ -53,10 +53,6 @@ pub fn make(store: &Store, args: &Args, photographed: Photographed<'_>) -> Resul
         makehuman_people: (args.makehuman > 0.0).then(|| args.kind.makehuman_people()),
     };
     let data = |name: &str| store.data(&args.data.join(name));
-    let version = match args.kind {
-        Kind::Eyes => 5,
-        Kind::Plain | Kind::Near => 4,
-    };
     let mut stage = Stage::new(name, version)
         .options(&options)?
         .input("facekit.npz", data("facekit.npz")?);

@@ -10,7 +10,7 @@ use rand_chacha::ChaCha8Rng;
 /// radian, where they leave 46 % of the distance of the lids; 40° down they leave a quarter.
 const LOWERED: f32 = 1.4;
 /// How far eyes look down \[rad\].
-pub const LOWEST: f32 = 0.7;
+const LOWEST: f32 = 0.7;
 
 /// Named weights of a face.
 #[derive(Clone, Debug, Default)]
@@ -139,6 +139,12 @@ impl Expression {
         self.follow_gaze(1.0 - blink);
     }
 
+    /// The share of a squint that a lowered gaze leaves room for.
+    pub fn squint_share(&self) -> f32 {
+        let (_, down) = self.gaze;
+        1.0 - (down / LOWEST).clamp(0.0, 1.0)
+    }
+
     /// Moves the lids of both eyes to anywhere between open and shut.
     pub fn close(&mut self, rng: &mut ChaCha8Rng) {
         let blink = rng.random_range(0.0..=1.0f32);
@@ -168,8 +174,7 @@ impl Expression {
         if blink < 0.5 && rng.random_bool(0.3) {
             // Up to eyes that laugh; a smile raises the cheeks by itself. What a lowered gaze
             // leaves between the lids stays.
-            let (_, down) = self.gaze;
-            let squint = rng.random_range(0.0..1.0) * (1.0 - (down / LOWEST).max(0.0));
+            let squint = rng.random_range(0.0..1.0) * self.squint_share();
             self.pair(["eyeSquintLeft", "eyeSquintRight"], squint, 0.0);
         }
         if blink < 0.2 && rng.random_bool(0.2) {

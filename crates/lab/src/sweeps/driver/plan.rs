@@ -79,6 +79,17 @@ const USUAL: Recipe = Recipe {
     droop: 0.15,
 };
 
+/// Someone who is awake and looks elsewhere than into mirrors.
+const AWAKE: Recipe = Recipe {
+    closures_s: &[0.3, 0.7, 1.4],
+    mirrors: 1,
+    turns: 0,
+    yawns: 0,
+    nods: 0,
+    droop: 0.0,
+    ..USUAL
+};
+
 impl Condition {
     /// What the driver does.
     pub fn recipe(self) -> Recipe {
@@ -126,28 +137,16 @@ impl Condition {
                 ..USUAL
             },
             Condition::Reading => Recipe {
-                closures_s: &[0.3, 0.7, 1.4],
-                mirrors: 1,
                 laps: 0,
                 readings: 5,
                 clusters: 4,
-                turns: 0,
-                yawns: 0,
-                nods: 0,
-                droop: 0.0,
-                ..USUAL
+                ..AWAKE
             },
             Condition::Laughing => Recipe {
-                closures_s: &[0.3, 0.7, 1.4],
-                mirrors: 1,
                 readings: 1,
                 clusters: 2,
                 laughs: 7,
-                turns: 0,
-                yawns: 0,
-                nods: 0,
-                droop: 0.0,
-                ..USUAL
+                ..AWAKE
             },
             _ => USUAL,
         }
