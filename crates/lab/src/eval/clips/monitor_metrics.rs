@@ -22,6 +22,8 @@ const LEVELS_S: [(&str, f64); 5] = [
     ("sleep", 3.0),
     ("unresponsive", 6.0),
 ];
+/// A closure of more than half a second is false if the lids close in at most this share of it.
+const FALSE_SHARE: f64 = 0.5;
 /// A true `jawOpen` weight above this for so long is a yawn \[s\].
 const YAWN: f64 = 0.5;
 const YAWN_S: f64 = 1.5;
@@ -115,7 +117,11 @@ impl Scores {
             *events = level(&closures, &found.closures, least_s);
         }
         let closing = runs(truth, |t| t.blink > CLOSING);
-        scores.levels[0].invented = invented(&found.closures, &closing, CLOSURE_S);
+        for (k, (events, (_, least_s))) in scores.levels.iter_mut().zip(LEVELS_S).enumerate() {
+            // A long one may begin or end with a true blink.
+            let share = if k == 0 { 0.0 } else { FALSE_SHARE };
+            events.invented = invented(&found.closures, &closing, least_s, share);
+        }
         for closure in closures.iter().filter(|c| c.length_s >= CLOSURE_S) {
             let best = found.closures.iter().filter(|f| f.overlap_s(closure) > 0.0);
             let best = best.max_by(|a, b| a.length_s.total_cmp(&b.length_s));
@@ -126,11 +132,11 @@ impl Scores {
         let yawns = seen_runs(truth, |t| t.jaw > YAWN, |t| t.is_mouth_covered);
         scores.yawns = level(&yawns, &found.yawns, YAWN_S);
         let wide = runs(truth, |t| t.jaw > YAWN);
-        scores.yawns.invented = invented(&found.yawns, &wide, 0.0);
+        scores.yawns.invented = invented(&found.yawns, &wide, 0.0, 0.0);
         if truth.iter().any(|t| t.is_nod.is_some()) {
             let nods = runs(truth, |t| t.is_nod == Some(true));
             let mut events = level(&nods, &found.nods, 0.0);
-            events.invented = invented(&found.nods, &nods, 0.0);
+            events.invented = invented(&found.nods, &nods, 0.0, 0.0);
             scores.nods = Some(events);
         }
         scores.compare_frames(truth, found);

@@ -55,9 +55,12 @@ pub fn level(truth: &[Span], found: &[Span], least_s: f64) -> Events {
     }
 }
 
-/// Found events of a length that overlap with no true one.
-pub fn invented(found: &[Span], truth: &[Span], least_s: f64) -> usize {
+/// Found events of a length that overlap with true ones in at most this share of their time.
+pub fn invented(found: &[Span], truth: &[Span], least_s: f64, share: f64) -> usize {
     let long = found.iter().filter(|span| span.length_s >= least_s);
-    let is_invented = |span: &&Span| !truth.iter().any(|t| t.overlap_s(span) > 0.0);
+    let is_invented = |span: &&Span| {
+        let true_s: f64 = truth.iter().map(|t| t.overlap_s(span).max(0.0)).sum();
+        true_s <= share * span.length_s
+    };
     long.filter(is_invented).count()
 }
