@@ -39,9 +39,9 @@
 //!
 //! # Modules
 //!
-//! Only the items below are the stable interface. The modules are public with the feature
-//! `unstable-internals`; what they contain may change in any release, patch releases included.
-//! A module uses only modules of lower layers.
+//! The items below are the stable interface, with the modules [`eyes`], [`monitor`] and `ffi`. The
+//! other modules are public with the feature `unstable-internals`; what they contain may change in
+//! any release, patch releases included. A module uses only modules of lower layers.
 //!
 //! | layer | module | content |
 //! |---|---|---|
@@ -84,10 +84,8 @@ mod keyframe;
 pub mod math;
 #[cfg(not(feature = "unstable-internals"))]
 mod math;
-#[cfg(all(feature = "monitor", feature = "unstable-internals"))]
+#[cfg(feature = "monitor")]
 pub mod monitor;
-#[cfg(all(feature = "monitor", not(feature = "unstable-internals")))]
-mod monitor;
 #[cfg(feature = "unstable-internals")]
 pub mod network;
 #[cfg(not(feature = "unstable-internals"))]
@@ -109,21 +107,19 @@ mod verifier;
 pub mod ffi;
 
 pub use image::{Frame, FrameError, FrameLayout, MAX_SIDE, PixelFormat, Roi, Rotation};
-#[cfg(feature = "monitor")]
-pub use monitor::{
-    Drowsiness, EyeState, MAX_ZONES, MONITOR_EVENTS, Monitor, MonitorConfig, MonitorConfigError,
-    MonitorEvent, MonitorEventKind, MonitorEventLog, MonitorState, MonitorTimeError, Observation,
-    Perclos, Preset, UnknownReason, Zone, ZoneShape, ZoneState,
-};
 pub use network::set_dotprod;
 pub use posewise_format::{Aligned, ModelError, ModelInfo, ModelTerms};
 pub use shape::{ANIMATION_NAMES, ANIMATIONS, Distortion, Intrinsics, LANDMARKS};
 pub use track::{
-    Config, ConfigError, Detected, EVENTS, EYE_LOOK_NAMES, EYE_LOOKS, Event, EventKind, EventLog,
-    EventRing, Eye, EyeUnknown, Eyes, FaceHint, FoundFace, Gaze, Landmark, Loss, MAX_EXCLUDED,
-    Model, Smoothing, is_same_face,
+    Config, ConfigError, Detected, EVENTS, Event, EventKind, EventLog, EventRing, FaceHint,
+    FoundFace, Landmark, Loss, MAX_EXCLUDED, Model, Smoothing, State, StepError, TrackResult,
+    Tracker, is_same_face,
 };
-pub use track::{State, StepError, TrackResult, Tracker};
+
+/// What a result says of the eyes: lids, glasses, gaze.
+pub mod eyes {
+    pub use crate::track::{EYE_LOOK_NAMES, EYE_LOOKS, Eye, EyeUnknown, Eyes, Gaze};
+}
 
 #[cfg(feature = "alloc")]
 pub use posewise_format::AlignedBytes;

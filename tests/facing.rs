@@ -9,7 +9,7 @@ use glam::Vec3;
 use posewise::Model;
 use posewise::math::{HeadAngles, head_rotation, towards};
 use posewise::shape::{
-    FaceModel, FitOptions, Intrinsics, JAW, LANDMARKS, MAX_IDENTITIES, Observed, Pose, fit,
+    FaceModel, FitOptions, Intrinsics, JAW, LANDMARKS, MAX_IDENTITIES, Observed, Pose, Project, fit,
 };
 
 /// The picture \[px\].

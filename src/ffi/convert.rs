@@ -5,8 +5,8 @@ use super::types::*;
 use crate::image::{Frame, FrameLayout, PixelFormat, Roi, Rotation};
 use crate::shape::{Distortion, Intrinsics, LANDMARKS};
 use crate::track::{
-    Config, ConfigError, Event, EventKind, EyeUnknown, Eyes, FaceHint, FoundFace, Loss, Model,
-    Smoothing, State, StepError, TrackResult,
+    Config, ConfigError, Event, EventKind, EyeUnknown, Eyes, FaceHint, FoundFace, Gaze, Loss,
+    Model, Smoothing, State, StepError, TrackResult,
 };
 use core::ffi::{c_char, c_void};
 use posewise_format::{FORMAT_VERSION, ModelError, ModelInfo, ModelTerms};
@@ -247,6 +247,12 @@ pub(super) fn result_to(result: &TrackResult) -> posewise_result {
         ..
     } = &result.eyes;
     let gazes = [&left.gaze, &right.gaze, gaze];
+    let direction = |gaze: &Result<Gaze, EyeUnknown>| gaze.map_or([0.0; 3], |gaze| gaze.camera);
+    // Of a state without a face all is 0; else an unknown share is −1.
+    let unknown = match result.state {
+        State::Searching => 0.0,
+        State::Tracking | State::Coasting => -1.0,
+    };
     posewise_result {
         struct_size: 0, // write_struct() keeps the caller's
         state,
@@ -260,23 +266,23 @@ pub(super) fn result_to(result: &TrackResult) -> posewise_result {
         pitch_deg: result.pitch_deg,
         roll_deg: result.roll_deg,
         translation_mm: result.translation_mm,
-        eye_open: result.eye_open,
+        eye_open: result.eye_open.map(|open| open.unwrap_or(unknown)),
         loss: loss_to(result.loss),
         visible_share: result.visible_share,
         rotation_sigma_deg: result.rotation_sigma_deg,
         translation_sigma_mm: result.translation_sigma_mm,
-        eye_open_probability: [left.open, right.open],
-        eye_status: [left.unknown, right.unknown].map(eye_status_to),
+        eye_open_probability: [left.open, right.open].map(|open| open.unwrap_or(unknown)),
+        eye_status: [left.open, right.open].map(eye_status_to),
         iris_left: left.iris,
         iris_right: right.iris,
-        gaze_status: gazes.map(|gaze| eye_status_to(gaze.unknown)),
-        gaze_sigma_deg: gazes.map(|gaze| gaze.sigma_deg),
-        gaze_left: left.gaze.camera,
-        gaze_right: right.gaze.camera,
-        gaze: gaze.camera,
-        gaze_head: gaze.head,
-        glasses: *glasses,
-        dark_glasses: *dark_glasses,
+        gaze_status: gazes.map(|gaze| eye_status_to(*gaze)),
+        gaze_sigma_deg: gazes.map(|gaze| gaze.map_or(0.0, |gaze| gaze.sigma_deg)),
+        gaze_left: direction(&left.gaze),
+        gaze_right: direction(&right.gaze),
+        gaze: direction(gaze),
+        gaze_head: gaze.map_or([0.0; 3], |gaze| gaze.head),
+        glasses: glasses.unwrap_or(unknown),
+        dark_glasses: dark_glasses.unwrap_or(unknown),
         eye_look: *look,
         facing_yaw_deg: result.facing_yaw_deg,
         facing_pitch_deg: result.facing_pitch_deg,
@@ -289,28 +295,28 @@ pub(super) fn result_to(result: &TrackResult) -> posewise_result {
     }
 }
 
-fn eye_status_to(unknown: Option<EyeUnknown>) -> u32 {
-    match unknown {
-        Some(EyeUnknown::NotSeen) => POSEWISE_EYE_NOT_SEEN,
-        None => POSEWISE_EYE_KNOWN,
-        Some(EyeUnknown::Turned) => POSEWISE_EYE_TURNED,
-        Some(EyeUnknown::Hidden) => POSEWISE_EYE_HIDDEN,
-        Some(EyeUnknown::Small) => POSEWISE_EYE_SMALL,
-        Some(EyeUnknown::Blurred) => POSEWISE_EYE_BLURRED,
-        Some(EyeUnknown::Glare) => POSEWISE_EYE_GLARE,
-        Some(EyeUnknown::DarkGlasses) => POSEWISE_EYE_DARK_GLASSES,
-        Some(EyeUnknown::Shut) => POSEWISE_EYE_SHUT,
-        Some(EyeUnknown::Uncertain) => POSEWISE_EYE_UNCERTAIN,
+fn eye_status_to<T>(known: Result<T, EyeUnknown>) -> u32 {
+    match known {
+        Err(EyeUnknown::NotSeen) => POSEWISE_EYE_NOT_SEEN,
+        Ok(_) => POSEWISE_EYE_KNOWN,
+        Err(EyeUnknown::Turned) => POSEWISE_EYE_TURNED,
+        Err(EyeUnknown::Hidden) => POSEWISE_EYE_HIDDEN,
+        Err(EyeUnknown::Small) => POSEWISE_EYE_SMALL,
+        Err(EyeUnknown::Blurred) => POSEWISE_EYE_BLURRED,
+        Err(EyeUnknown::Glare) => POSEWISE_EYE_GLARE,
+        Err(EyeUnknown::DarkGlasses) => POSEWISE_EYE_DARK_GLASSES,
+        Err(EyeUnknown::Shut) => POSEWISE_EYE_SHUT,
+        Err(EyeUnknown::Uncertain) => POSEWISE_EYE_UNCERTAIN,
     }
 }
 
-fn loss_to(loss: Loss) -> u32 {
+fn loss_to(loss: Option<Loss>) -> u32 {
     match loss {
-        Loss::None => POSEWISE_LOSS_NONE,
-        Loss::LowConfidence => POSEWISE_LOSS_LOW_CONFIDENCE,
-        Loss::LeftFrame => POSEWISE_LOSS_LEFT_FRAME,
-        Loss::NoPose => POSEWISE_LOSS_NO_POSE,
-        Loss::Excluded => POSEWISE_LOSS_EXCLUDED,
+        None => POSEWISE_LOSS_NONE,
+        Some(Loss::LowConfidence) => POSEWISE_LOSS_LOW_CONFIDENCE,
+        Some(Loss::LeftFrame) => POSEWISE_LOSS_LEFT_FRAME,
+        Some(Loss::NoPose) => POSEWISE_LOSS_NO_POSE,
+        Some(Loss::Excluded) => POSEWISE_LOSS_EXCLUDED,
     }
 }
 

@@ -136,9 +136,11 @@ pub(super) fn observation_from(given: &posewise_monitor_observation) -> Observat
     (seen.yaw_deg, seen.pitch_deg) = (given.yaw_deg, given.pitch_deg);
     seen.translation_mm = given.translation_mm;
     seen.rotation_sigma_deg = given.rotation_sigma_deg;
-    (seen.eye_open, seen.jaw_open) = (given.eye_open, given.jaw_open);
+    // What is out of range is unknown.
+    let share = |value: f32| (value >= 0.0).then_some(value);
+    (seen.eye_open, seen.jaw_open) = (given.eye_open.map(share), share(given.jaw_open));
     seen.camera_assumed = given.camera_assumed != 0;
-    seen.gaze = given.gaze;
+    seen.gaze = (given.gaze != [0.0; 3]).then_some(given.gaze);
     seen.may_look_down = given.may_look_down != 0;
     seen
 }
@@ -157,10 +159,10 @@ pub(super) fn observation_to(seen: &Observation) -> posewise_monitor_observation
         pitch_deg: seen.pitch_deg,
         translation_mm: seen.translation_mm,
         rotation_sigma_deg: seen.rotation_sigma_deg,
-        eye_open: seen.eye_open,
-        jaw_open: seen.jaw_open,
+        eye_open: seen.eye_open.map(|open| open.unwrap_or(-1.0)),
+        jaw_open: seen.jaw_open.unwrap_or(-1.0),
         camera_assumed: u32::from(seen.camera_assumed),
-        gaze: seen.gaze,
+        gaze: seen.gaze.unwrap_or_default(),
         may_look_down: u32::from(seen.may_look_down),
     }
 }
@@ -180,7 +182,7 @@ fn perclos_to(measures: &Perclos) -> posewise_monitor_perclos {
         em: measures.em,
         known: measures.known,
         closures: measures.closures,
-        mean_closure_us: measures.mean_closure_us,
+        mean_closure_us: measures.mean_closure_us.unwrap_or(0),
     }
 }
 
@@ -189,19 +191,19 @@ pub(super) fn monitor_state_to(state: &MonitorState) -> posewise_monitor_state {
     posewise_monitor_state {
         struct_size: 0, // write_struct() keeps the caller's
         eyes: match state.eyes {
-            EyeState::Unknown => POSEWISE_MONITOR_EYES_UNKNOWN,
+            EyeState::Unknown(_) => POSEWISE_MONITOR_EYES_UNKNOWN,
             EyeState::Open => POSEWISE_MONITOR_EYES_OPEN,
             EyeState::Closed => POSEWISE_MONITOR_EYES_CLOSED,
         },
         timestamp_us: state.timestamp_us,
-        eyes_reason: match state.eyes_reason {
+        eyes_reason: match state.eyes.reason() {
             None => POSEWISE_MONITOR_REASON_NONE,
             Some(UnknownReason::NoFace) => POSEWISE_MONITOR_REASON_NO_FACE,
             Some(UnknownReason::LowConfidence) => POSEWISE_MONITOR_REASON_LOW_CONFIDENCE,
             Some(UnknownReason::Turned) => POSEWISE_MONITOR_REASON_TURNED,
             Some(UnknownReason::Hidden) => POSEWISE_MONITOR_REASON_HIDDEN,
         },
-        openness: state.openness,
+        openness: state.openness.unwrap_or(-1.0),
         closure_us: state.closure_us,
         blinks: state.blinks,
         yawns: state.yawns,
@@ -212,7 +214,7 @@ pub(super) fn monitor_state_to(state: &MonitorState) -> posewise_monitor_state {
         away_us: state.away_us,
         away_30_us: state.away_30_us,
         natural_is_final: u32::from(state.natural_is_final),
-        from_road_deg: state.from_road_deg,
+        from_road_deg: state.from_road_deg.unwrap_or_default(),
         natural_deg: state.natural_deg,
         open_eye: state.open_eye,
         open_eye_is_final: u32::from(state.open_eye_is_final),

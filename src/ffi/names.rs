@@ -69,8 +69,18 @@ macro_rules! names_of {
 pub(super) use names_of;
 
 static STATES: [CName; State::ALL.len()] = names_of!(State);
-static LOSSES: [CName; Loss::ALL.len()] = names_of!(Loss);
 static EVENTS: [CName; EventKind::ALL.len()] = names_of!(EventKind);
+
+/// POSEWISE_LOSS_NONE is first.
+static LOSSES: [CName; Loss::ALL.len() + 1] = {
+    let mut names = ["none"; Loss::ALL.len() + 1];
+    let mut i = 1;
+    while i < names.len() {
+        names[i] = Loss::ALL[i - 1].name();
+        i += 1;
+    }
+    c_names(names)
+};
 
 /// POSEWISE_EYE_KNOWN is second.
 static EYES: [CName; EyeUnknown::ALL.len() + 1] = {

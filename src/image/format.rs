@@ -3,6 +3,7 @@
 /// Memory layout of a frame's luma; the names and codes are those of V4L2 (see
 /// [`PixelFormat::FOURCC`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum PixelFormat {
     /// 8-bit grey.

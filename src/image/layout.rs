@@ -7,6 +7,7 @@ pub const MAX_SIDE: u32 = 16_384;
 
 /// Clockwise rotation that makes the stored image upright.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Rotation {
     /// Stored upright.
     #[default]
@@ -21,6 +22,7 @@ pub enum Rotation {
 
 /// Where the pixels lie in the caller's bytes.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct FrameLayout {
     /// Pixel format.

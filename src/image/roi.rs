@@ -4,6 +4,7 @@ use super::{Frame, MAX_SIDE};
 
 /// A rectangle of the upright image \[px\]: where faces are searched for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Roi {
     /// Left edge.

@@ -3,6 +3,8 @@
 /// Settings. Times are in µs, at most 71 minutes. Every value has its source beside it in
 /// [`super::Preset`]; a preset sets them all.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default))]
 #[non_exhaustive]
 pub struct MonitorConfig {
     /// How long an observation counts when no other follows, and how long closures, yawns, nods and

@@ -17,11 +17,13 @@ use super::reading::Reading;
 use super::state::{Drowsiness, EyeState, MonitorState};
 use super::yawn::Yawns;
 use super::zone::{Direction, Zone, ZoneState, Zones};
+use core::fmt;
 
 /// Watches one driver. Plain data of fixed size: a copy is a second, independent monitor.
 ///
 /// ```
-/// use posewise::{Monitor, MonitorConfig, Observation, TrackResult};
+/// use posewise::TrackResult;
+/// use posewise::monitor::{Monitor, MonitorConfig, Observation};
 ///
 /// let mut monitor = Monitor::new(&MonitorConfig::default())?;
 /// // What a tracker returned for the frame of this time.
@@ -55,6 +57,16 @@ pub struct Monitor {
     drowsy_us: u32,
     sight: Sight,
     log: MonitorEventLog,
+}
+
+/// Settings and state.
+impl fmt::Debug for Monitor {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Monitor")
+            .field("config", &self.config)
+            .field("state", &self.state())
+            .finish_non_exhaustive()
+    }
 }
 
 /// For how long eyes are unknown, or known again.
@@ -161,16 +173,16 @@ impl Monitor {
     /// Lets time pass with what was read at its beginning.
     fn pass(&mut self, time_us: u32, held: Reading, is_directed: bool, now_us: i64) {
         let (config, log) = (&self.config, &mut self.log);
-        let sure = held.openness.filter(|_| !held.may_look_down);
+        let sure = held.openness.ok().filter(|_| !held.may_look_down);
         self.windows.pass(time_us, sure);
         self.drowsy_us = self.drowsy_us.saturating_add(time_us);
-        let lids = held.openness.map(|_| held.may_look_down);
+        let lids = held.openness.ok().map(|_| held.may_look_down);
         let ended = (self.closures).pass(time_us, lids, now_us, config, log);
         if let Some(closed_us) = ended {
             self.windows.add_closure(closed_us);
         }
         self.yawns.pass(time_us, held.jaw, now_us, config, log);
-        let is_closed = self.closures.is_closed() && held.openness.is_some();
+        let is_closed = self.closures.is_closed() && held.openness.is_ok();
         let pitch = held.pose.map(|pose| pose.pitch_deg());
         self.nods.pass(time_us, pitch, is_closed, config);
         let is_known = held.gaze_deg.is_some();
@@ -181,7 +193,7 @@ impl Monitor {
         };
         (self.glances).pass(time_us, zone, &self.zones, now_us, config, log);
         self.learn(time_us, &held, now_us);
-        self.watch_sight(time_us, held.openness.is_some(), now_us);
+        self.watch_sight(time_us, held.openness.is_ok(), now_us);
     }
 
     /// Learns open eye and natural pose.
@@ -196,7 +208,7 @@ impl Monitor {
             });
         };
         let is_long = self.closures.closed_us() > self.config.long_closure_us;
-        if held.openness.is_some() && self.baseline.pass(time_us, held.eyes, is_long) {
+        if held.openness.is_ok() && self.baseline.pass(time_us, held.eyes, is_long) {
             let [left, right] = self.baseline.open_eye();
             learnt(MonitorEventKind::OpenEyeLearnt, (left + right) / 2.0);
         }
@@ -241,7 +253,7 @@ impl Monitor {
     fn see(&mut self, now_us: i64) {
         let gaze = (self.reading.gaze_deg).and_then(|at_deg| self.direction_of(at_deg));
         let (config, log) = (&self.config, &mut self.log);
-        if let Some(openness) = self.reading.openness {
+        if let Ok(openness) = self.reading.openness {
             let ended = self.closures.see(openness, now_us, config, log);
             if let Some(closed_us) = ended {
                 self.windows.add_closure(closed_us);
@@ -332,12 +344,11 @@ impl Monitor {
         MonitorState {
             timestamp_us: self.clock.last_us(),
             eyes: match (reading.openness, self.closures.is_closed()) {
-                (None, _) => EyeState::Unknown,
+                (Err(reason), _) => EyeState::Unknown(reason),
                 (_, true) => EyeState::Closed,
                 (_, false) => EyeState::Open,
             },
-            eyes_reason: reading.reason,
-            openness: reading.openness.unwrap_or(-1.0),
+            openness: reading.openness.ok(),
             closure_us: self.closures.closed_us(),
             perclos_60,
             perclos_180,
@@ -351,7 +362,7 @@ impl Monitor {
             away_us: self.glances.away_us(),
             away_30_us: self.glances.recent_us(),
             zones_us: self.glances.zones_us,
-            from_road_deg: (self.direction).map_or([0.0; 2], |at| [at.yaw_deg, at.pitch_deg]),
+            from_road_deg: self.direction.map(|at| [at.yaw_deg, at.pitch_deg]),
             natural_deg: self.natural.offset_deg(),
             natural_is_final: self.natural.is_final(&self.config),
             open_eye: self.baseline.open_eye(),

@@ -7,6 +7,8 @@ pub const MONITOR_EVENTS: usize = 24;
 
 /// What happened.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 #[non_exhaustive]
 pub enum MonitorEventKind {
     /// A closure ended that was no longer than a blink.
@@ -110,6 +112,7 @@ impl MonitorEventKind {
 
 /// One event.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct MonitorEvent {
     /// Timestamp of the observation at which it was noticed \[µs\].

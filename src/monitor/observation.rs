@@ -6,6 +6,8 @@ use crate::track::{State, TrackResult};
 /// One frame as a monitor sees it: a subset of [`TrackResult`]. A number that is not finite is
 /// unknown.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default))]
 #[non_exhaustive]
 pub struct Observation {
     /// Only a face that is tracked is observed: a coasted one repeats an earlier frame.
@@ -21,15 +23,15 @@ pub struct Observation {
     /// Standard deviations of the rotation about the camera's axes \[deg\].
     pub rotation_sigma_deg: [f32; 3],
     /// Distance of the lids in that of open ones that look where these do, of the person's left
-    /// and right eye: 0 shut, 1 open, below 0 unknown (`openness`).
-    pub eye_open: [f32; 2],
+    /// and right eye: 0 shut, 1 open (`openness`).
+    pub eye_open: [Option<f32>; 2],
     /// Lids that are as good as shut may follow a lowered gaze: a closure of such time alone is no
     /// longer than a blink, and PERCLOS leaves it out.
     pub may_look_down: bool,
-    /// Animation weight `jawOpen`, 0..1, below 0 unknown.
-    pub jaw_open: f32,
-    /// Unit gaze of both eyes, camera frame; zeros where it is unknown.
-    pub gaze: [f32; 3],
+    /// Animation weight `jawOpen`, 0..1, where the mouth is seen.
+    pub jaw_open: Option<f32>,
+    /// Unit gaze of both eyes, camera frame, where it is known.
+    pub gaze: Option<[f32; 3]>,
     /// As [`TrackResult::camera_assumed`]: a natural pose that is learnt, and the angles from the
     /// road with it, are relative to the line of sight then.
     pub camera_assumed: bool,
@@ -44,10 +46,10 @@ impl Observation {
         pitch_deg: 0.0,
         translation_mm: [0.0; 3],
         rotation_sigma_deg: [0.0; 3],
-        eye_open: [-1.0; 2],
+        eye_open: [None; 2],
         may_look_down: false,
-        jaw_open: -1.0,
-        gaze: [0.0; 3],
+        jaw_open: None,
+        gaze: None,
         camera_assumed: false,
     };
 }
@@ -82,8 +84,8 @@ impl From<&TrackResult> for Observation {
             rotation_sigma_deg: result.rotation_sigma_deg,
             eye_open: eyes.eye_open,
             may_look_down: eyes.may_look_down,
-            jaw_open: jaw_open.copied().unwrap_or(-1.0),
-            gaze: result.eyes.gaze.camera,
+            jaw_open: jaw_open.copied(),
+            gaze: result.eyes.gaze.ok().map(|gaze| gaze.camera),
             camera_assumed: result.camera_assumed,
         }
     }
@@ -102,10 +104,10 @@ mod tests {
     fn a_hidden_mouth_is_unknown() {
         let mut result = TrackResult::EMPTY;
         result.animation[JAW_OPEN] = 0.7;
-        assert_eq!(Observation::from(&result).jaw_open, -1.0);
+        assert_eq!(Observation::from(&result).jaw_open, None);
         for landmark in &mut result.landmarks[48..60] {
             landmark.visibility = 1.0;
         }
-        assert_eq!(Observation::from(&result).jaw_open, 0.7);
+        assert_eq!(Observation::from(&result).jaw_open, Some(0.7));
     }
 }

@@ -37,12 +37,8 @@ const STEEP: f32 = 4.0;
 
 /// Distance of the lids in that of open ones, by the reading `eye_open`, which has 0 at [`SHUT`]
 /// already. Lids that are shut by 80 % have 0.2 here, where P80 has its limit; they read 0.05.
-/// Below 0 unknown, as the reading.
 fn distance(lids: f32) -> f32 {
-    match lids < 0.0 {
-        true => lids,
-        false => (SHUT + (1.0 - SHUT) * lids).min(STEEP * lids),
-    }
+    (SHUT + (1.0 - SHUT) * lids).min(STEEP * lids)
 }
 
 /// The logarithm of the odds of a probability.
@@ -88,21 +84,21 @@ const MAYBE_OPEN_ODDS: f32 = -2.0;
 /// How the lids of an eye count.
 #[derive(Clone, Copy)]
 struct Lids {
-    /// Their distance in that of open ones that look where these do, below 0 unknown.
-    distance: f32,
+    /// Their distance in that of open ones that look where these do, if it is known.
+    distance: Option<f32>,
     /// 0 for those of an eye that looks ahead, 1 for those that follow a lowered gaze.
     lowered: f32,
 }
 
 impl Lids {
     /// By the reading `eye_open`.
-    fn new(reading: f32, gaze: &Gaze) -> Lids {
-        if reading < 0.0 || gaze.unknown.is_some() {
+    fn new(reading: Option<f32>, gaze: Option<&Gaze>) -> Lids {
+        let (Some(reading), Some(gaze)) = (reading, gaze) else {
             return Lids {
-                distance: distance(reading),
+                distance: reading.map(distance),
                 lowered: 0.0,
             };
-        }
+        };
         let [_, down, _] = gaze.head;
         let down_deg = libm::asinf(down.clamp(-1.0, 1.0)).to_degrees() - LOWERED_FROM_DEG;
         let allowed = (1.0 - LOWERED_PER_DEG * down_deg).clamp(LOWERED_LEAST, 1.0);
@@ -111,26 +107,26 @@ impl Lids {
         // A gaze is known of open eyes alone: lids that are low all the same follow it, or laugh.
         let by_lids = (LOW_FROM - distance) / (LOW_FROM - LOW);
         Lids {
-            distance,
+            distance: Some(distance),
             lowered: by_gaze.max(by_lids).clamp(0.0, 1.0),
         }
     }
 }
 
-/// Openness of an eye, below 0 unknown, by what is known of the other eye.
+/// Openness of an eye, where it is known, by what is known of the other eye.
 #[derive(Clone, Copy)]
 struct OfEye {
     /// Where the other is known too.
-    with_other: f32,
+    with_other: Option<f32>,
     /// Where the other is unknown.
-    alone: f32,
+    alone: Option<f32>,
     /// Where a lens hides the other: dark glasses or a reflection.
-    beside_lens: f32,
+    beside_lens: Option<f32>,
 }
 
 impl OfEye {
     /// The same whatever is known of the other.
-    const fn always(openness: f32) -> OfEye {
+    const fn always(openness: Option<f32>) -> OfEye {
         OfEye {
             with_other: openness,
             alone: openness,
@@ -140,19 +136,15 @@ impl OfEye {
 
     /// By the lids and the network.
     fn new(lids: &Lids, eye: &Eye, other: &Eye) -> OfEye {
-        match eye.unknown {
-            None => {
-                let own = odds(eye.open);
-                let others = (other.unknown.is_none()).then(|| odds(other.open));
-                OfEye::of_seen(lids, own, others.unwrap_or(own))
-            }
-            Some(
+        match eye.open {
+            Ok(open) => OfEye::of_seen(lids, odds(open), odds(other.open.unwrap_or(open))),
+            Err(
                 EyeUnknown::DarkGlasses
                 | EyeUnknown::Glare
                 | EyeUnknown::Hidden
                 | EyeUnknown::Uncertain,
-            ) => OfEye::always(-1.0),
-            _ => OfEye::always(lids.distance),
+            ) => OfEye::always(None),
+            Err(_) => OfEye::always(lids.distance),
         }
     }
 
@@ -165,21 +157,19 @@ impl OfEye {
         };
         let network = by_network(odds + LOWERED_ODDS * lids.lowered);
         let sure_from = |least: f32| odds.abs() >= least;
-        let only_if = |is: bool, openness: f32| if is { openness } else { -1.0 };
-        let distance = lids.distance;
-        if distance < 0.0 {
-            return OfEye::always(only_if(sure_from(ALONE_ODDS), network));
-        }
+        let Some(distance) = lids.distance else {
+            return OfEye::always(sure_from(ALONE_ODDS).then_some(network));
+        };
         let apart = (network - distance).abs();
         let share = NETWORK_SHARE + (LOWERED_SHARE - NETWORK_SHARE) * lids.lowered;
         let mean = distance + share * (network - distance);
         let is_sure = sure_from(UNSURE_ODDS) || apart <= APART;
-        let with_other = only_if(is_sure, mean);
-        let alone = only_if(sure_from(ALONE_ODDS) && apart <= ALONE_APART, mean);
+        let with_other = is_sure.then_some(mean);
+        let alone = (sure_from(ALONE_ODDS) && apart <= ALONE_APART).then_some(mean);
         let are_shut = sure_from(UNSURE_ODDS) && network.max(distance) < LENS_SHUT;
-        let beside_lens = match alone < 0.0 && sure_from(LENS_ODDS) {
-            true => network,
-            false if are_shut => mean,
+        let beside_lens = match alone.is_none() && sure_from(LENS_ODDS) {
+            true => Some(network),
+            false if are_shut => Some(mean),
             false => alone,
         };
         OfEye {
@@ -194,10 +184,10 @@ impl OfEye {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Openness {
     /// Distance of the lids of the left and the right eye in that of open ones that look where
-    /// these do, below 0 unknown.
-    pub eye_open: [f32; 2],
-    /// Lids are as good as shut and the gaze is unknown, but the network is not sure that they are:
-    /// they may follow a lowered gaze.
+    /// these do, where it is known.
+    pub eye_open: [Option<f32>; 2],
+    /// No lids are known to be open and the gaze is unknown, but the network is not sure that they
+    /// are shut: they may follow a lowered gaze.
     pub may_look_down: bool,
 }
 
@@ -205,25 +195,25 @@ pub struct Openness {
 /// where something covers it, an eye is unknown, as it is where the network is not sure and
 /// contradicts the lids; one that is known alone sooner than two, unless it is a lens that hides
 /// the other. Lids that follow a gaze that is known are open.
-pub fn openness(lids: [f32; 2], eyes: &Eyes) -> Openness {
+pub fn openness(lids: [Option<f32>; 2], eyes: &Eyes) -> Openness {
     let [left_eye, right_eye] = &eyes.each;
-    let lids = lids.map(|reading| Lids::new(reading, &eyes.gaze));
+    let lids = lids.map(|reading| Lids::new(reading, eyes.gaze.as_ref().ok()));
     let left = OfEye::new(&lids[0], left_eye, right_eye);
     let right = OfEye::new(&lids[1], right_eye, left_eye);
-    let beside = |this: OfEye, other: OfEye, other_eye: &Eye| match other_eye.unknown {
-        _ if other.with_other >= 0.0 => this.with_other,
-        Some(EyeUnknown::DarkGlasses | EyeUnknown::Glare) => this.beside_lens,
+    let beside = |this: OfEye, other: OfEye, other_eye: &Eye| match other_eye.open {
+        _ if other.with_other.is_some() => this.with_other,
+        Err(EyeUnknown::DarkGlasses | EyeUnknown::Glare) => this.beside_lens,
         _ => this.alone,
     };
-    let seen = || eyes.each.iter().filter(|eye| eye.unknown.is_none());
+    let are_shut = |lids: &Lids| lids.distance.is_none_or(|distance| distance < SHUT_LIDS);
     Openness {
         eye_open: [
             beside(left, right, right_eye),
             beside(right, left, left_eye),
         ],
-        may_look_down: eyes.gaze.unknown.is_some()
-            && lids.iter().all(|lids| lids.distance < SHUT_LIDS)
-            && seen().any(|eye| odds(eye.open) > MAYBE_OPEN_ODDS),
+        may_look_down: eyes.gaze.is_err()
+            && lids.iter().all(are_shut)
+            && (eyes.each.iter().flat_map(|eye| eye.open)).any(|open| odds(open) > MAYBE_OPEN_ODDS),
     }
 }
 
@@ -238,78 +228,83 @@ mod tests {
             each,
             ..Eyes::EMPTY
         };
-        (eyes.gaze.unknown, eyes.gaze.head) = (None, [0.0, down, -level]);
+        let head = [0.0, down, -level];
+        eyes.gaze = Ok(Gaze {
+            camera: head,
+            head,
+            sigma_deg: 5.0,
+        });
         eyes
     }
 
     #[test]
     fn lids_and_network_are_fused() {
-        let eye = |unknown, open| Eye {
-            unknown,
-            open,
-            ..Eye::EMPTY
-        };
-        let near = |a: f32, b: f32| assert!((a - b).abs() < 1e-5, "{a} {b}");
-        let of = |lids: [f32; 2], each: [Eye; 2]| openness(lids, &looking(each, 0.0)).eye_open;
-        let both = |lids: f32, eye: Eye| of([lids; 2], [eye; 2])[0];
-        near(both(0.4, eye(Some(EyeUnknown::NotSeen), 0.0)), 0.496);
-        near(both(0.04, eye(Some(EyeUnknown::NotSeen), 0.0)), 0.16);
-        assert_eq!(both(0.0, eye(Some(EyeUnknown::NotSeen), 0.0)), 0.0);
+        let eye = |open| Eye { open, ..Eye::EMPTY };
+        let near = |a: Option<f32>, b: f32| assert!((a.unwrap() - b).abs() < 1e-5, "{a:?} {b}");
+        let of = |lids, each| openness(lids, &looking(each, 0.0)).eye_open;
+        let both = |lids, eye: Eye| of([lids; 2], [eye; 2])[0];
+        near(both(Some(0.4), eye(Err(EyeUnknown::NotSeen))), 0.496);
+        near(both(Some(0.04), eye(Err(EyeUnknown::NotSeen))), 0.16);
+        assert_eq!(both(Some(0.0), eye(Err(EyeUnknown::NotSeen))), Some(0.0));
         for hides in [
             EyeUnknown::DarkGlasses,
             EyeUnknown::Glare,
             EyeUnknown::Hidden,
             EyeUnknown::Uncertain,
         ] {
-            assert_eq!(both(0.1, eye(Some(hides), 0.0)), -1.0);
+            assert_eq!(both(Some(0.1), eye(Err(hides))), None);
         }
-        near(both(0.0, eye(None, 0.0)), 0.0);
-        near(both(1.0, eye(None, 1.0)), 1.0);
-        near(both(0.0, eye(None, 1.0)), 0.8);
+        near(both(Some(0.0), eye(Ok(0.0))), 0.0);
+        near(both(Some(1.0), eye(Ok(1.0))), 1.0);
+        near(both(Some(0.0), eye(Ok(1.0))), 0.8);
         // The gaze is unknown: they may look down.
         let unknown = Eyes {
-            each: [eye(None, 1.0); 2],
+            each: [eye(Ok(1.0)); 2],
             ..Eyes::EMPTY
         };
-        let seen = openness([0.0; 2], &unknown);
-        assert!(seen.may_look_down && (seen.eye_open[0] - 0.5).abs() < 1e-5);
-        assert!(!openness([0.6; 2], &unknown).may_look_down);
+        let seen = openness([Some(0.0); 2], &unknown);
+        assert!(seen.may_look_down);
+        near(seen.eye_open[0], 0.5);
+        assert!(!openness([Some(0.6); 2], &unknown).may_look_down);
         // Lids move together: one eye is surely open.
-        let apart = |other: f32| of([0.5; 2], [eye(None, 0.93), eye(None, other)]);
+        let apart = |other: f32| of([Some(0.5); 2], [eye(Ok(0.93)), eye(Ok(other))]);
         assert_eq!(apart(0.2)[0], apart(0.2)[1]);
-        assert!(apart(0.2)[1] > 0.45);
+        assert!(apart(0.2)[1] > Some(0.45));
         // Odds of 1: half shut.
-        assert_eq!(both(1.0, eye(None, 0.5)), -1.0);
-        let half = both(0.4, eye(None, 0.5));
-        assert!((0.35..0.4).contains(&half), "{half}");
+        assert_eq!(both(Some(1.0), eye(Ok(0.5))), None);
+        let half = both(Some(0.4), eye(Ok(0.5)));
+        assert!(
+            half.is_some_and(|half| (0.35..0.4).contains(&half)),
+            "{half:?}"
+        );
         // Hidden landmarks: the network alone, if it is sure.
-        near(both(-1.0, eye(None, 1.0)), 1.0);
-        assert_eq!(both(-1.0, eye(None, 0.6)), -1.0);
+        near(both(None, eye(Ok(1.0))), 1.0);
+        assert_eq!(both(None, eye(Ok(0.6))), None);
         let one = |lids: f32, open: f32| {
-            let eyes = [eye(None, open), eye(Some(EyeUnknown::Hidden), 0.0)];
-            of([lids, -1.0], eyes)
+            let eyes = [eye(Ok(open)), eye(Err(EyeUnknown::Hidden))];
+            of([Some(lids), None], eyes)
         };
         near(one(0.0, 0.01)[0], 0.0);
-        assert_eq!(one(0.4, 0.5), [-1.0; 2]);
-        assert_eq!(one(0.4, 0.01), [-1.0; 2]);
+        assert_eq!(one(0.4, 0.5), [None; 2]);
+        assert_eq!(one(0.4, 0.01), [None; 2]);
         let beside_lens = |lids: f32, open: f32| {
-            let eyes = [eye(None, open), eye(Some(EyeUnknown::Glare), 0.0)];
-            of([lids, -1.0], eyes)
+            let eyes = [eye(Ok(open)), eye(Err(EyeUnknown::Glare))];
+            of([Some(lids), None], eyes)
         };
         near(beside_lens(0.4, 0.01)[0], 0.0);
         near(beside_lens(0.0, 0.15)[0], 0.18337);
-        assert_eq!(beside_lens(0.4, 0.2), [-1.0; 2]);
+        assert_eq!(beside_lens(0.4, 0.2), [None; 2]);
     }
 
     #[test]
     fn lids_that_follow_a_lowered_gaze_are_open() {
         let lowered = |down_deg: f32, lids: f32, open: f32| {
             let eye = Eye {
-                unknown: None,
-                open,
+                open: Ok(open),
                 ..Eye::EMPTY
             };
-            openness([lids; 2], &looking([eye; 2], down_deg)).eye_open[0]
+            let seen = openness([Some(lids); 2], &looking([eye; 2], down_deg));
+            seen.eye_open[0].unwrap()
         };
         // A reading of 0.1 is a distance of 0.24.
         assert!(

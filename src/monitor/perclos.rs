@@ -146,6 +146,6 @@ fn measures(sums: &[u64; SUMS], seconds: u32) -> Perclos {
         em: share(EM) / SQUARE,
         known: known / (seconds as f32 * BIN_US as f32),
         closures: sum(CLOSURES) as u32,
-        mean_closure_us: sum(CLOSED_US).checked_div(sum(CLOSURES)).unwrap_or(0) as u32,
+        mean_closure_us: (sum(CLOSED_US).checked_div(sum(CLOSURES))).map(|mean| mean as u32),
     }
 }

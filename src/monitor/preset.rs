@@ -7,6 +7,8 @@ use super::zone::{Zone, ZoneShape};
 /// by it: the rules demand more than a monitor of heads and lids can give, above all the direction
 /// of the eyes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 #[non_exhaustive]
 pub enum Preset {
     /// No rule: the values of [`Preset::EuroNcap`] with the 15 % of P80 over 60 s that Wierwille

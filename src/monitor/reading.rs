@@ -21,12 +21,10 @@ const TURNED_MARGIN_DEG: f32 = 3.0;
 /// The known part of an observation.
 #[derive(Clone, Copy)]
 pub(super) struct Reading {
-    /// Openness of both eyes together, relative to this person's open eyes.
-    pub(super) openness: Option<f32>,
+    /// Openness of both eyes together, relative to this person's open eyes; or why it is unknown.
+    pub(super) openness: Result<f32, UnknownReason>,
     /// See [`Observation::may_look_down`].
     pub(super) may_look_down: bool,
-    /// Why it is unknown, if it is.
-    pub(super) reason: Option<UnknownReason>,
     /// Openness of each eye, as the tracker reports it; for a known openness.
     pub(super) eyes: [Option<f32>; 2],
     /// Openness of the jaw.
@@ -92,9 +90,8 @@ impl HeadPose {
 impl Reading {
     /// Nothing is known.
     pub(super) const NONE: Reading = Reading {
-        openness: None,
+        openness: Err(UnknownReason::NoFace),
         may_look_down: false,
-        reason: Some(UnknownReason::NoFace),
         eyes: [None; 2],
         jaw: None,
         pose: None,
@@ -108,7 +105,7 @@ impl Reading {
         config: &MonitorConfig,
     ) -> Reading {
         let unknown = |reason| Reading {
-            reason: Some(reason),
+            openness: Err(reason),
             ..Reading::NONE
         };
         if seen.state != State::Tracking {
@@ -122,29 +119,24 @@ impl Reading {
             ..Reading::NONE
         };
         let [yaw, pitch] = pose.facing_deg;
-        let margin = match last.reason {
-            Some(UnknownReason::Turned) => TURNED_MARGIN_DEG,
+        let margin = match last.openness {
+            Err(UnknownReason::Turned) => TURNED_MARGIN_DEG,
             _ => 0.0,
         };
         if yaw.abs() > config.eye_yaw_deg - margin || pitch.abs() > config.eye_pitch_deg - margin {
             return Reading {
-                reason: Some(UnknownReason::Turned),
+                openness: Err(UnknownReason::Turned),
                 ..reading
             };
         }
         let is_share = |v: &f32| (0.0..=1.0).contains(v);
-        let eyes = seen.eye_open.map(|open| Some(open).filter(is_share));
-        let openness = fuse(eyes, open_eye);
+        let eyes = seen.eye_open.map(|open| open.filter(is_share));
         Reading {
-            openness,
+            openness: fuse(eyes, open_eye).ok_or(UnknownReason::Hidden),
             may_look_down: seen.may_look_down,
-            reason: match openness {
-                Some(_) => None,
-                None => Some(UnknownReason::Hidden),
-            },
             eyes,
-            jaw: Some(seen.jaw_open).filter(is_share),
-            gaze_deg: pose.angles_of(seen.gaze.into()),
+            jaw: seen.jaw_open.filter(is_share),
+            gaze_deg: (seen.gaze).and_then(|gaze| pose.angles_of(gaze.into())),
             ..reading
         }
     }
@@ -212,21 +204,21 @@ mod tests {
     fn what_is_not_finite_is_unknown() {
         let config = MonitorConfig::default();
         let mut seen = Observation::NONE;
-        (seen.state, seen.confidence, seen.eye_open) = (State::Tracking, 1.0, [1.0; 2]);
+        (seen.state, seen.confidence, seen.eye_open) = (State::Tracking, 1.0, [Some(1.0); 2]);
         let read = |seen: &Observation| Reading::new(seen, &Reading::NONE, [1.0; 2], &config);
-        assert_eq!(read(&seen).openness, Some(1.0));
+        assert_eq!(read(&seen).openness, Ok(1.0));
         let wrong: [fn(&mut Observation); 6] = [
             |seen| seen.confidence = f32::NAN,
             |seen| seen.yaw_deg = f32::INFINITY,
             |seen| seen.rotation_sigma_deg[1] = f32::NAN,
             |seen| seen.translation_mm[2] = f32::NAN,
-            |seen| seen.eye_open = [f32::NAN, -1.0],
+            |seen| seen.eye_open = [Some(f32::NAN), Some(-1.0)],
             |seen| seen.pitch_deg = 3e38,
         ];
         for change in wrong {
             let mut seen = seen;
             change(&mut seen);
-            assert_eq!(read(&seen).openness, None, "{seen:?}");
+            assert!(read(&seen).openness.is_err(), "{seen:?}");
         }
     }
 }

@@ -3,11 +3,12 @@
 use super::zone::{MAX_ZONES, ZoneState};
 
 /// What the eyes do.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum EyeState {
-    /// It is not known; [`MonitorState::eyes_reason`] has the reason.
-    #[default]
-    Unknown,
+    /// It is not known.
+    Unknown(UnknownReason),
     /// Open.
     Open,
     /// Closed, for the time of [`MonitorState::closure_us`].
@@ -18,15 +19,25 @@ impl EyeState {
     /// Its name in every table, as `open`.
     pub const fn name(self) -> &'static str {
         match self {
-            EyeState::Unknown => "unknown",
+            EyeState::Unknown(_) => "unknown",
             EyeState::Open => "open",
             EyeState::Closed => "closed",
+        }
+    }
+
+    /// Why it is unknown, if it is.
+    pub const fn reason(self) -> Option<UnknownReason> {
+        match self {
+            EyeState::Unknown(reason) => Some(reason),
+            EyeState::Open | EyeState::Closed => None,
         }
     }
 }
 
 /// Why the eyes are unknown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 #[non_exhaustive]
 pub enum UnknownReason {
     /// No face is tracked, or nothing was observed yet.
@@ -59,6 +70,8 @@ impl UnknownReason {
 
 /// How sleepy the driver is, by P80.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Drowsiness {
     /// Too little of the windows is known.
     #[default]
@@ -85,6 +98,7 @@ impl Drowsiness {
 
 /// Measures of eye closure over a window of whole seconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Perclos {
     /// Share of the known time with eyes closed by 70 % and more, 0..1.
@@ -97,23 +111,21 @@ pub struct Perclos {
     pub known: f32,
     /// Closures that ended in the window, blinks too.
     pub closures: u32,
-    /// Their mean duration \[µs\]; 0 where there are none.
-    pub mean_closure_us: u32,
+    /// Their mean duration \[µs\], if there are any.
+    pub mean_closure_us: Option<u32>,
 }
 
 /// What a monitor knows after an observation.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct MonitorState {
     /// Timestamp of the last observation \[µs\]; 0 before the first.
     pub timestamp_us: i64,
     /// What the eyes do.
     pub eyes: EyeState,
-    /// Why they are unknown, if they are.
-    pub eyes_reason: Option<UnknownReason>,
-    /// Openness relative to this person's open eyes, both eyes together: 0 shut, 1 open, −1
-    /// unknown.
-    pub openness: f32,
+    /// Openness relative to this person's open eyes, both eyes together: 0 shut, 1 open.
+    pub openness: Option<f32>,
     /// Known closed time of the closure that goes on \[µs\]; 0 without one.
     pub closure_us: u32,
     /// Measures over the last 60 whole seconds. They change once a second.
@@ -140,8 +152,8 @@ pub struct MonitorState {
     pub away_30_us: u32,
     /// Known time in each zone so far \[µs\].
     pub zones_us: [u64; MAX_ZONES],
-    /// Yaw and pitch of the face from the direction of the road \[deg\], for a known zone.
-    pub from_road_deg: [f32; 2],
+    /// Yaw and pitch of the face from the direction of the road \[deg\], where it is known.
+    pub from_road_deg: Option<[f32; 2]>,
     /// Learnt offset of the natural pose in yaw and pitch \[deg\] from the configured road.
     pub natural_deg: [f32; 2],
     /// Whether it is final. Until a first estimate, after ten seconds, zones are unknown.

@@ -7,6 +7,7 @@ pub const MAX_ZONES: usize = 8;
 
 /// Where the driver may look. Where zones overlap, the first one counts.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Zone {
     /// Where it is.
@@ -19,6 +20,8 @@ pub struct Zone {
 
 /// The place of a zone.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 #[non_exhaustive]
 pub enum ZoneShape {
     /// A range of directions, relative to that of the road: yaw > 0 is to the image right, pitch
@@ -50,6 +53,8 @@ pub enum ZoneShape {
 
 /// Where the driver looks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum ZoneState {
     /// It is not known.
     #[default]

@@ -10,6 +10,7 @@ use glam::{Mat3, Vec3};
 
 /// A camera \[px\], with its lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Intrinsics {
     /// Focal length along x, 1 to a million.
@@ -76,22 +77,10 @@ impl Intrinsics {
             && cy.abs() <= PRINCIPAL_PX
     }
 
-    /// Image position \[px\] of a point in the camera frame \[mm\], without the lens: what the 3D
-    /// fit computes with.
-    #[inline]
-    #[cfg_attr(not(feature = "unstable-internals"), doc(hidden))]
-    pub fn project(&self, point_mm: Vec3) -> [f32; 2] {
-        let z = point_mm.z.max(NEAREST_MM);
-        [
-            self.fx * point_mm.x / z + self.cx,
-            self.fy * point_mm.y / z + self.cy,
-        ]
-    }
-
-    /// Where the lens shows a point of the camera frame \[mm\] in the picture \[px\].
-    #[cfg_attr(not(feature = "unstable-internals"), doc(hidden))]
-    pub fn image_of(&self, point_mm: Vec3) -> [f32; 2] {
-        let at = self.project(point_mm);
+    /// Where the lens shows a point of the camera frame \[mm\] in the picture \[px\]. A point less
+    /// than 20 mm in front of the camera, or behind it, is taken as one that is 20 mm away.
+    pub fn image_of(&self, point_mm: [f32; 3]) -> [f32; 2] {
+        let at = self.project(point_mm.into());
         match self.distortion.lens() {
             Some(lens) => self.pixel(lens.distort(self.at_unit_depth(at))),
             None => at,
@@ -100,7 +89,6 @@ impl Intrinsics {
 
     /// Where a pinhole camera would show points of the picture \[px\]. Unchanged to the last bit
     /// where there is no distortion.
-    #[cfg_attr(not(feature = "unstable-internals"), doc(hidden))]
     pub fn undistorted<const N: usize>(&self, points_px: &[[f32; 2]; N]) -> [[f32; 2]; N] {
         match self.distortion.lens() {
             Some(lens) => points_px.map(|p| self.pixel(lens.undistort(self.at_unit_depth(p)))),
@@ -125,6 +113,24 @@ impl Intrinsics {
         [
             Vec3::new(self.fx / z, 0.0, -self.fx * point_mm.x / (z * z)),
             Vec3::new(0.0, self.fy / z, -self.fy * point_mm.y / (z * z)),
+        ]
+    }
+}
+
+/// What the 3D fit computes with. A trait, so that the stable interface has no type of another
+/// crate.
+pub trait Project {
+    /// Image position \[px\] of a point in the camera frame \[mm\], without the lens.
+    fn project(&self, point_mm: Vec3) -> [f32; 2];
+}
+
+impl Project for Intrinsics {
+    #[inline]
+    fn project(&self, point_mm: Vec3) -> [f32; 2] {
+        let z = point_mm.z.max(NEAREST_MM);
+        [
+            self.fx * point_mm.x / z + self.cx,
+            self.fy * point_mm.y / z + self.cy,
         ]
     }
 }

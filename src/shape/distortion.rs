@@ -39,6 +39,8 @@ const TANGENTIAL_STEPS: usize = 6;
 /// How a lens moves the points of a pinhole camera's picture. Coefficients have OpenCV's names and
 /// order.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 #[non_exhaustive]
 pub enum Distortion {
     /// Not at all: a pinhole camera.

@@ -6,7 +6,7 @@ use super::posit::{mirrored, posit};
 use super::state::FaceState;
 use super::step::stepped;
 use super::{ANIMATIONS, Contour, FaceModel, Identity, Intrinsics, LANDMARKS};
-use super::{Observed, Pose, RotationPrior, Shape};
+use super::{Observed, Pose, Project, RotationPrior, Shape};
 use crate::math::solve_spd;
 use glam::Vec3;
 use nalgebra::{Cholesky, Matrix6};

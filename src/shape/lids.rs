@@ -1,6 +1,6 @@
 //! Eye opening, from the distance of the lids in the image.
 
-use super::{FaceModel, FaceState, Intrinsics, LANDMARKS};
+use super::{FaceModel, FaceState, Intrinsics, LANDMARKS, Project};
 use glam::Vec3;
 
 /// Pairs of upper and lower lid landmarks, relative to the first landmark of the eye.

@@ -2,7 +2,7 @@
 
 use super::face::contour_directions;
 use super::{
-    ANIMATIONS, Contour, FaceModel, FaceState, Intrinsics, LANDMARKS, RotationPrior, Shape,
+    ANIMATIONS, Contour, FaceModel, FaceState, Intrinsics, LANDMARKS, Project, RotationPrior, Shape,
 };
 use glam::{Mat3, Vec3};
 

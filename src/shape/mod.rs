@@ -15,7 +15,7 @@ mod state;
 mod step;
 
 pub(crate) use camera::{FARTHEST_MM, FOCAL_PX, NEAREST_MM, PIXEL_ASPECT, PRINCIPAL_PX};
-pub use camera::{Intrinsics, Pose};
+pub use camera::{Intrinsics, Pose, Project};
 pub(crate) use deviation::{Seen, Variances};
 pub use distortion::Distortion;
 pub use face::{Contour, FACE_TAG, FaceModel, Shape};

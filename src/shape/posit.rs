@@ -120,6 +120,7 @@ pub(super) fn mirrored(pose: &Pose) -> Pose {
 mod tests {
     use super::*;
     use crate::math::HeadAngles;
+    use crate::shape::Project;
 
     const POINTS: [[f32; 3]; 6] = [
         [-45.0, 0.0, 10.0],

@@ -24,6 +24,8 @@ const BETA: RangeInclusive<f32> = 0.0..=1000.0;
 /// let config = Config::default().with_min_face_px(80).with_scan_budget(1200);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default))]
 #[non_exhaustive]
 pub struct Config {
     /// The camera; `None` for a 60° horizontal field of view. Default: `None`.
@@ -146,6 +148,8 @@ impl Config {
 
 /// How strongly results are smoothed.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default))]
 #[non_exhaustive]
 pub struct Smoothing {
     /// Cutoff for a face that does not move \[Hz\], 0.01 to 100: lower gives less jitter. Default:

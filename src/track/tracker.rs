@@ -22,6 +22,7 @@
 //! Stack: functions that are `#[inline(never)]` hold whole shapes or fits. Kept apart, their frames
 //! are not on the stack at the same time.
 
+use core::fmt;
 use core::mem::MaybeUninit;
 
 use super::align::{Aligned, Origin, align};
@@ -57,11 +58,21 @@ pub struct Tracker {
     events: EventLog,
 }
 
+/// Settings and result; the rest is more than anybody reads.
+impl fmt::Debug for Tracker {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Tracker")
+            .field("config", &self.config)
+            .field("result", &self.result)
+            .finish_non_exhaustive()
+    }
+}
+
 impl Tracker {
-    /// Has seen nothing. All zero bytes, so that building one in place is a memset and needs no
-    /// copy on the stack. So the camera is there: `None` is not zero in the compiler's layout. The
-    /// settings are replaced at once.
-    const EMPTY: Tracker = Tracker {
+    /// All zero bytes, so that building one in place is a memset and needs no copy on the stack. So
+    /// the camera is there: `None` is not zero in the compiler's layout. [`Tracker::begin`] makes a
+    /// tracker of it that has seen nothing.
+    const ZERO: Tracker = Tracker {
         config: Config {
             intrinsics: Some(Intrinsics::new(0.0, 0.0, 0.0, 0.0)),
             min_face_px: 0,
@@ -74,8 +85,8 @@ impl Tracker {
             gaze: false,
             natural_gaze: false,
         },
-        result: TrackResult::EMPTY,
-        smoother: Smoother::EMPTY,
+        result: TrackResult::ZERO,
+        smoother: Smoother::ZERO,
         last_timestamp_us: None,
         is_noisy: false,
         search: Search::EMPTY,
@@ -92,10 +103,9 @@ impl Tracker {
     /// [`ConfigError`] names the setting that is out of range.
     pub fn new(config: &Config) -> Result<Self, ConfigError> {
         config.check()?;
-        Ok(Tracker {
-            config: *config,
-            ..Self::EMPTY
-        })
+        let mut tracker = Self::ZERO;
+        tracker.begin(config);
+        Ok(tracker)
     }
 
     /// As [`Tracker::new`], in place: for small stacks. On failure the slot is untouched.
@@ -107,9 +117,16 @@ impl Tracker {
         config: &Config,
     ) -> Result<&'t mut Tracker, ConfigError> {
         config.check()?;
-        let tracker = slot.write(Self::EMPTY);
-        tracker.config = *config;
+        let tracker = slot.write(Self::ZERO);
+        tracker.begin(config);
         Ok(tracker)
+    }
+
+    /// What is not zero of a tracker that has seen nothing.
+    fn begin(&mut self, config: &Config) {
+        self.config = *config;
+        self.result.eyes = Eyes::EMPTY;
+        self.smoother.follow(&self.result, &config.smoothing);
     }
 
     /// Takes one frame and returns its result. Work is bounded. Timestamps \[µs\] of any monotonic
@@ -294,13 +311,13 @@ impl Tracker {
         let frame = &self.filtered(frame);
         let step = &Step::new(model, frame, timestamp_us, &self.config);
         let followed = match (self.result.state, wanted) {
-            (State::Tracking, Wanted::Any | Wanted::Near(_)) => self.follow(step),
+            (State::Tracking, Wanted::Any | Wanted::Near(_)) => self.follow(step).map_err(Some),
             // There is nothing to follow.
-            _ => Err(Loss::None),
+            _ => Err(None),
         };
         if let Err(loss) = followed {
             // A target that left the frame is in no other place. Another one may have jumped.
-            if loss == Loss::LeftFrame || !self.search(step, wanted) {
+            if loss == Some(Loss::LeftFrame) || !self.search(step, wanted) {
                 self.find_nothing(step, wanted, loss);
             }
         }
@@ -374,7 +391,7 @@ impl Tracker {
 
     /// No face is accepted on this frame.
     #[inline(never)]
-    fn find_nothing(&mut self, step: &Step<'_>, wanted: &Wanted, loss: Loss) {
+    fn find_nothing(&mut self, step: &Step<'_>, wanted: &Wanted, loss: Option<Loss>) {
         match (self.result.state, wanted) {
             (State::Searching, _) | (_, Wanted::At(_)) => self.clear_result(step.now_us),
             (State::Tracking, _) => self.lose(step, loss),
@@ -383,13 +400,13 @@ impl Tracker {
     }
 
     /// The target was lost on this frame.
-    fn lose(&mut self, step: &Step<'_>, loss: Loss) {
+    fn lose(&mut self, step: &Step<'_>, loss: Option<Loss>) {
         self.result.loss = loss;
         if self.target.is_trusted() {
             return self.coast(step);
         }
         // It was probably no face. Coasting would keep the scan from faces of other sizes.
-        if loss == Loss::LowConfidence {
+        if loss == Some(Loss::LowConfidence) {
             self.suppressed = Suppressed::at(&self.target.place, step.now_us);
             self.record(EventKind::Suppressed);
         }

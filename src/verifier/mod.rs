@@ -12,7 +12,7 @@ mod geometry;
 
 #[cfg(feature = "verifier")]
 pub use classifiers::Verifier;
-#[cfg(feature = "unstable-internals")]
+#[cfg(all(feature = "verifier", feature = "unstable-internals"))]
 pub use classifiers::first_prediction;
 pub use confidence::Confidence;
 #[cfg(not(feature = "verifier"))]

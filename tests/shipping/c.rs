@@ -227,7 +227,8 @@ fn example_answers_as_the_rust_api() {
 /// The events of the demo clip, as the Rust API has them.
 #[test]
 fn driver_example_prints_events() {
-    use posewise::{Config, Monitor, MonitorConfig, Observation};
+    use posewise::Config;
+    use posewise::monitor::{Monitor, MonitorConfig, Observation};
     let program = program("ffi-examples/driver.c", "driver", &[]);
     let clip = demo();
     let output = y4m(&program, &[], &clip.y4m);

@@ -247,7 +247,7 @@ fn weights_have_the_names_of_their_constants() {
         let weight = text(names::posewise_animation_name(i as u32)).expect("a name");
         assert_eq!(name, constant_of(weight));
     }
-    assert_eq!(constants("EYE_LOOK_").len(), posewise::EYE_LOOKS);
+    assert_eq!(constants("EYE_LOOK_").len(), posewise::eyes::EYE_LOOKS);
     for (name, i) in constants("EYE_LOOK_") {
         let weight = text(names::posewise_eye_look_name(i as u32)).expect("a name");
         assert_eq!(format!("EYE_LOOK_{name}"), constant_of(weight));
@@ -259,11 +259,12 @@ fn weights_have_the_names_of_their_constants() {
 /// Rust and C say the same words of the driver monitor.
 #[test]
 fn words_of_the_monitor_are_those_of_rust() {
-    use posewise::{Drowsiness, EyeState, Preset, UnknownReason};
+    use posewise::monitor::{Drowsiness, EyeState, Preset, UnknownReason};
     let table = table();
     let words = |kind| table.words(kind).expect(kind);
     assert_eq!(words("MONITOR_PRESET"), Preset::ALL.map(Preset::name));
-    let eyes = [EyeState::Unknown, EyeState::Open, EyeState::Closed];
+    let unknown = EyeState::Unknown(UnknownReason::NoFace);
+    let eyes = [unknown, EyeState::Open, EyeState::Closed];
     assert_eq!(words("MONITOR_EYES"), eyes.map(EyeState::name));
     let reasons = [
         None,

@@ -2,7 +2,7 @@
 //! and reason, and nothing else is.
 
 use crate::common::{Clip, demo, grey, model, tracker};
-use posewise::{Config, Event, EventKind, Loss, Model, State, Tracker};
+use posewise::{Config, Event, EventKind, Model, State, Tracker};
 
 /// A tracker and the state after its last step.
 struct Watched<'m> {
@@ -38,11 +38,11 @@ impl Watched<'_> {
                 EventKind::Acquired | EventKind::Reacquired => {
                     assert_eq!(event.face_box, result.face_box);
                     assert_eq!(event.confidence, result.confidence);
-                    assert_eq!(event.loss, Loss::None);
+                    assert_eq!(event.loss, None);
                 }
                 EventKind::Coasting | EventKind::Lost => {
                     assert_eq!(event.loss, result.loss);
-                    assert!(event.loss != Loss::None && event.face_box[2] > 0.0);
+                    assert!(event.loss.is_some() && event.face_box[2] > 0.0);
                 }
                 _ => {}
             }

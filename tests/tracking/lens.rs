@@ -8,6 +8,7 @@ mod lenses;
 use crate::common::{demo, grey, model, tracker};
 use glam::{Mat3, Quat, Vec3};
 use lenses::{FISHEYE, WIDE};
+use posewise::shape::Project;
 use posewise::{Config, Distortion, Intrinsics, Model, State};
 
 /// The clip's camera: 60° across 320×240.
@@ -24,7 +25,7 @@ const HALF_FIELD: f32 = 60.0 * std::f32::consts::PI / 180.0;
 fn camera(distortion: Distortion) -> (usize, usize, Intrinsics) {
     let at_origin = Intrinsics::new(FOCAL, FOCAL, 0.0, 0.0).with_distortion(distortion);
     let edge = Vec3::new(HALF_FIELD.tan(), 0.0, 1.0) * 1000.0;
-    let width = (2.0 * at_origin.image_of(edge)[0]) as usize / 4 * 4;
+    let width = (2.0 * at_origin.image_of(edge.to_array())[0]) as usize / 4 * 4;
     let height = width * 3 / 4;
     let (cx, cy) = ((width - 1) as f32 / 2.0, (height - 1) as f32 / 2.0);
     let camera = Intrinsics::new(FOCAL, FOCAL, cx, cy).with_distortion(distortion);

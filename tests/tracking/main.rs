@@ -9,5 +9,6 @@ mod keyframe;
 mod lens;
 mod models;
 mod monitor;
+mod serde;
 mod several;
 mod tracker;

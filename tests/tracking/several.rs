@@ -133,7 +133,7 @@ fn a_tracked_face_that_is_excluded_is_lost_and_another_found() {
         let result = watch.see(&[LARGE]);
         assert_eq!(
             (result.state, result.loss),
-            (State::Coasting, Loss::Excluded)
+            (State::Coasting, Some(Loss::Excluded))
         );
         for n in 0..5 {
             assert_ne!(watch.see(&[LARGE]).state, State::Tracking, "{n}");

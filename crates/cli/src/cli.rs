@@ -5,7 +5,8 @@ use std::path::PathBuf;
 
 use anyhow::{Result, bail};
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use posewise::{MAX_EXCLUDED, Preset, Roi, Rotation};
+use posewise::monitor::Preset;
+use posewise::{MAX_EXCLUDED, Roi, Rotation};
 
 use crate::parse::{host_port, preset, rate, roi, whole, within};
 

@@ -10,12 +10,11 @@ use std::io::Write;
 
 use anyhow::{Context, Result, anyhow};
 use glam::{Mat3, Quat};
-use posewise::{
-    ANIMATION_NAMES, EYE_LOOK_NAMES, Eye, EyeUnknown, Eyes, Gaze, LANDMARKS, State, TrackResult,
-};
+use posewise::eyes::{EYE_LOOK_NAMES, Eye, EyeUnknown, Eyes};
+use posewise::{ANIMATION_NAMES, LANDMARKS, Loss, State, TrackResult};
 
 use crate::fields::FIELDS;
-use crate::value::{Cell, Field};
+use crate::value::{Cell, Field, MaybeGaze, camera, head, share, sigma_deg};
 
 /// What one row is made of.
 #[derive(Clone, Copy)]
@@ -228,13 +227,13 @@ pub const COLUMNS: &[Column] = &[
         "eye_open_left",
         "0..1, −1",
         "left eye: 0 shut, 1 open, −1 unknown (hidden or too fast)",
-        |r, _| num(r.result.eye_open[0], 3),
+        |r, _| num(share(r.result, r.result.eye_open[0]), 3),
     ),
     one(
         "eye_open_right",
         "0..1, −1",
         "right eye, likewise",
-        |r, _| num(r.result.eye_open[1], 3),
+        |r, _| num(share(r.result, r.result.eye_open[1]), 3),
     ),
     Column {
         names: Names::Animations,
@@ -264,7 +263,7 @@ pub const COLUMNS: &[Column] = &[
         "loss",
         "word",
         "`none`, `low-confidence`, `left-frame`, `no-pose`, `excluded`",
-        |r, _| Cell::Word(r.result.loss.name()),
+        |r, _| Cell::Word(Loss::name_of(r.result.loss)),
     ),
     one(
         "visible_share",
@@ -312,49 +311,49 @@ pub const COLUMNS: &[Column] = &[
         &["gaze_0_x", "gaze_0_y", "gaze_0_z"],
         "",
         "gaze of the image left's eye, unit vector, camera frame",
-        |r, i| num(right_eye(r).gaze.camera[i], 4),
+        |r, i| num(camera(right_eye(r).gaze)[i], 4),
     ),
     list(
         &["gaze_1_x", "gaze_1_y", "gaze_1_z"],
         "",
         "gaze of the image right's eye, likewise",
-        |r, i| num(left_eye(r).gaze.camera[i], 4),
+        |r, i| num(camera(left_eye(r).gaze)[i], 4),
     ),
     list(
         &["gaze_angle_x", "gaze_angle_y"],
         "rad",
         "gaze of both eyes, + to the image right and down",
-        |r, i| num(gaze_angles(&r.result.eyes.gaze)[i], 4),
+        |r, i| num(gaze_angles(r.result.eyes.gaze)[i], 4),
     ),
     list(
         &["gaze_head_x", "gaze_head_y", "gaze_head_z"],
         "",
         "gaze of both eyes, unit vector, head frame",
-        |r, i| num(r.result.eyes.gaze.head[i], 4),
+        |r, i| num(head(r.result.eyes.gaze)[i], 4),
     ),
     one(
         "gaze_sigma_deg",
         "deg",
         "standard deviation of the gaze of both eyes",
-        |r, _| num(r.result.eyes.gaze.sigma_deg, 2),
+        |r, _| num(sigma_deg(r.result.eyes.gaze), 2),
     ),
     one(
         "gaze_status",
         "word",
         "`known`, or why the gaze of both eyes is unknown; it is 0 then",
-        |r, _| Cell::Word(EyeUnknown::name_of(r.result.eyes.gaze.unknown)),
+        |r, _| Cell::Word(EyeUnknown::name_of(r.result.eyes.gaze)),
     ),
     list(
         &["eye_open_p_left", "eye_open_p_right"],
         "0..1, −1",
         "probability that the eye is open, −1 unknown",
-        |r, i| num(r.result.eyes.each[i].open, 3),
+        |r, i| num(share(r.result, r.result.eyes.each[i].open.ok()), 3),
     ),
     list(
         &["eye_status_left", "eye_status_right"],
         "word",
         "`known`, or why the lids are unknown",
-        |r, i| Cell::Word(EyeUnknown::name_of(r.result.eyes.each[i].unknown)),
+        |r, i| Cell::Word(EyeUnknown::name_of(r.result.eyes.each[i].open)),
     ),
     list(
         &["iris_left_x", "iris_left_y"],
@@ -372,13 +371,13 @@ pub const COLUMNS: &[Column] = &[
         "glasses",
         "0..1, −1",
         "probability of glasses, −1 unknown",
-        |r, _| num(r.result.eyes.glasses, 3),
+        |r, _| num(share(r.result, r.result.eyes.glasses), 3),
     ),
     one(
         "dark_glasses",
         "0..1, −1",
         "probability that they are dark, −1 unknown",
-        |r, _| num(r.result.eyes.dark_glasses, 3),
+        |r, _| num(share(r.result, r.result.eyes.dark_glasses), 3),
     ),
     list(
         &EYE_LOOK_NAMES,
@@ -443,8 +442,8 @@ fn right_eye<'a>(row: &Row<'a>) -> &'a Eye {
 }
 
 /// OpenFace's angles of a gaze \[rad\]; 0 where it is unknown.
-fn gaze_angles(gaze: &Gaze) -> [f32; 2] {
-    let [x, y, z] = gaze.camera;
+fn gaze_angles(gaze: MaybeGaze) -> [f32; 2] {
+    let [x, y, z] = camera(gaze);
     match z < 0.0 {
         true => [x.atan2(-z), y.atan2(-z)],
         false => [0.0; 2],

@@ -3,12 +3,13 @@
 use std::io::Write;
 
 use anyhow::{Context, Result};
-use posewise::{ANIMATION_NAMES, EYE_LOOK_NAMES, EyeUnknown, Eyes, Gaze};
+use posewise::eyes::{EYE_LOOK_NAMES, EyeUnknown};
+use posewise::{ANIMATION_NAMES, TrackResult};
 use serde_json::{Map, Value, json};
 
 use crate::csv::Row;
 use crate::fields::FIELDS;
-use crate::value::{number, numbers};
+use crate::value::{MaybeGaze, camera, head, number, numbers, share, sigma_deg};
 
 /// The object of one frame.
 pub fn object(row: &Row<'_>) -> Value {
@@ -36,7 +37,7 @@ pub fn object(row: &Row<'_>) -> Value {
         };
         out.insert(name.into(), (field.value)(r).json());
     }
-    out.insert("eyes".into(), eyes(&r.eyes));
+    out.insert("eyes".into(), eyes(r));
     out.insert("animation".into(), animation.into());
     out.insert("landmarks".into(), landmarks.into());
     out.insert("points_mm".into(), points.into());
@@ -61,13 +62,15 @@ const NESTED: [&str; 13] = [
 ];
 
 /// What is seen of the eyes: the person's left and right one, then both together.
-fn eyes(eyes: &Eyes) -> Value {
-    let gaze = |gaze: &Gaze| {
+fn eyes(result: &TrackResult) -> Value {
+    let eyes = &result.eyes;
+    let share = |value| number(share(result, value));
+    let gaze = |gaze: MaybeGaze| {
         json!({
-            "status": EyeUnknown::name_of(gaze.unknown),
-            "camera": numbers(&gaze.camera),
-            "head": numbers(&gaze.head),
-            "sigma_deg": number(gaze.sigma_deg),
+            "status": EyeUnknown::name_of(gaze),
+            "camera": numbers(&camera(gaze)),
+            "head": numbers(&head(gaze)),
+            "sigma_deg": number(sigma_deg(gaze)),
         })
     };
     let look: Map<String, Value> = EYE_LOOK_NAMES
@@ -77,18 +80,18 @@ fn eyes(eyes: &Eyes) -> Value {
         .collect();
     let [left, right] = eyes.each.each_ref().map(|eye| {
         json!({
-            "status": EyeUnknown::name_of(eye.unknown),
-            "open": number(eye.open),
+            "status": EyeUnknown::name_of(eye.open),
+            "open": share(eye.open.ok()),
             "iris": numbers(&eye.iris),
-            "gaze": gaze(&eye.gaze),
+            "gaze": gaze(eye.gaze),
         })
     });
     json!({
         "left": left,
         "right": right,
-        "gaze": gaze(&eyes.gaze),
-        "glasses": number(eyes.glasses),
-        "dark_glasses": number(eyes.dark_glasses),
+        "gaze": gaze(eyes.gaze),
+        "glasses": share(eyes.glasses),
+        "dark_glasses": share(eyes.dark_glasses),
         "look": look,
     })
 }

@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use posewise::{Event, EventLog, Loss};
+use posewise::{Event, EventLog};
 
 /// Writes the unread events, one a line, and how many were overwritten unread; with the tracker's
 /// number where there are several.
@@ -23,8 +23,8 @@ pub fn write(out: &mut dyn Write, face_id: Option<usize>, events: &mut EventLog)
 fn line(event: &Event) -> String {
     let seconds = event.timestamp_us as f64 / 1e6;
     let mut line = format!("{seconds:.6} s  {}", event.kind.name());
-    if event.loss != Loss::None {
-        line += &format!("  {}", event.loss.name());
+    if let Some(loss) = event.loss {
+        line += &format!("  {}", loss.name());
     }
     let [x, y, width, height] = event.face_box;
     if width > 0.0 {

@@ -3,7 +3,8 @@
 use std::fmt::Display;
 use std::str::FromStr;
 
-use posewise::{Config, Preset, Roi};
+use posewise::monitor::Preset;
+use posewise::{Config, Roi};
 
 /// Most frames per second: timestamps are whole microseconds.
 pub const MAX_FPS: f64 = 1e6;

@@ -1,6 +1,7 @@
 //! Values of a result as tables and JSON have them, whatever their type.
 
-use posewise::{EyeUnknown, Gaze, Loss, State, TrackResult};
+use posewise::eyes::{EyeUnknown, Gaze};
+use posewise::{Loss, State, TrackResult};
 use serde_json::Value as Json;
 
 /// One value of a row of a table.
@@ -99,10 +100,36 @@ impl Value {
     }
 }
 
+/// A share that may be unknown: −1 then, and 0 as everything else while there is no face.
+pub fn share(result: &TrackResult, share: Option<f32>) -> f32 {
+    share.unwrap_or(match result.state {
+        State::Searching => 0.0,
+        State::Tracking | State::Coasting => -1.0,
+    })
+}
+
+/// A gaze, or why it is unknown.
+pub type MaybeGaze = Result<Gaze, EyeUnknown>;
+
 /// The gaze of the left eye, the right eye and both.
-pub fn gazes(result: &TrackResult) -> [Gaze; 3] {
+pub fn gazes(result: &TrackResult) -> [MaybeGaze; 3] {
     let [left, right] = result.eyes.each;
     [left.gaze, right.gaze, result.eyes.gaze]
+}
+
+/// Direction of a gaze in the camera frame; zeros where it is unknown.
+pub fn camera(gaze: MaybeGaze) -> [f32; 3] {
+    gaze.map_or([0.0; 3], |gaze| gaze.camera)
+}
+
+/// Direction of a gaze in the head frame; zeros where it is unknown.
+pub fn head(gaze: MaybeGaze) -> [f32; 3] {
+    gaze.map_or([0.0; 3], |gaze| gaze.head)
+}
+
+/// Standard deviation of a gaze \[deg\]; 0 where it is unknown.
+pub fn sigma_deg(gaze: MaybeGaze) -> f32 {
+    gaze.map_or(0.0, |gaze| gaze.sigma_deg)
 }
 
 impl From<i64> for Value {
@@ -135,14 +162,14 @@ impl From<State> for Value {
     }
 }
 
-impl From<Loss> for Value {
-    fn from(value: Loss) -> Self {
-        Value::Word(value.name())
+impl From<Option<Loss>> for Value {
+    fn from(value: Option<Loss>) -> Self {
+        Value::Word(Loss::name_of(value))
     }
 }
 
-impl<const N: usize> From<[Option<EyeUnknown>; N]> for Value {
-    fn from(values: [Option<EyeUnknown>; N]) -> Self {
+impl<T, const N: usize> From<[Result<T, EyeUnknown>; N]> for Value {
+    fn from(values: [Result<T, EyeUnknown>; N]) -> Self {
         Value::Words(values.map(EyeUnknown::name_of).to_vec())
     }
 }

@@ -49,15 +49,16 @@ impl PersonsEyes {
     /// Learns from the gaze of both eyes, and takes off what is always wrong with it.
     #[inline(never)]
     pub fn correct(&mut self, eyes: &mut Eyes, pose: &Pose, now_us: i64) {
-        let is_known = |gaze: &Gaze| gaze.unknown.is_none();
         let faces = pose.facing_cosine() >= NATURAL_GAZE_FACING_COSINE;
-        if faces && is_known(&eyes.gaze) {
-            let angles = gaze_angles(Vec3::from(eyes.gaze.head));
+        if let Ok(gaze) = eyes.gaze
+            && faces
+        {
+            let angles = gaze_angles(Vec3::from(gaze.head));
             self.natural_gaze.see(angles, now_us);
         }
         let [left, right] = &mut eyes.each;
         let gazes = [&mut left.gaze, &mut right.gaze, &mut eyes.gaze];
-        for gaze in gazes.into_iter().filter(|gaze| is_known(gaze)) {
+        for gaze in gazes.into_iter().flatten() {
             self.natural_gaze.correct(gaze, &pose.rotation);
         }
     }
@@ -207,7 +208,6 @@ mod tests {
             -left.cos() * down.cos(),
         ];
         Gaze {
-            unknown: None,
             head,
             camera: head,
             sigma_deg: 5.0,

@@ -90,12 +90,12 @@ pub fn see(
     };
     let mut glasses = GlassesSeen::default();
     let each = [LEFT, RIGHT].map(|side| face.eye(&side, &mut glasses, work));
-    let [probability, dark] = glasses.mean().unwrap_or([-1.0; 2]);
+    let seen = glasses.mean();
     let mut eyes = Eyes {
         each,
         gaze: both(&each, &face.rotation),
-        glasses: probability,
-        dark_glasses: dark,
+        glasses: seen.map(|[probability, _]| probability),
+        dark_glasses: seen.map(|[_, dark]| dark),
         ..Eyes::EMPTY
     };
     person.see_glasses(&glasses, step.now_us);
@@ -190,20 +190,18 @@ impl Face<'_> {
     fn known(&self, seen: &SeenEye) -> Eye {
         let sigma_deg = seen.sigma_rad.to_degrees();
         let gaze = if seen.open < GAZE_MIN_OPEN {
-            Gaze::unknown(EyeUnknown::Shut)
+            Err(EyeUnknown::Shut)
         } else if sigma_deg > GAZE_MAX_SIGMA_DEG {
-            Gaze::unknown(EyeUnknown::Uncertain)
+            Err(EyeUnknown::Uncertain)
         } else {
-            Gaze {
-                unknown: None,
+            Ok(Gaze {
                 camera: seen.gaze.to_array(),
                 head: (self.rotation.transpose() * seen.gaze).to_array(),
                 sigma_deg,
-            }
+            })
         };
         Eye {
-            unknown: None,
-            open: seen.open,
+            open: Ok(seen.open),
             iris: seen.iris,
             gaze,
         }
@@ -230,41 +228,36 @@ fn middle(points: &[[f32; 2]; 6]) -> [f32; 2] {
 }
 
 /// The gaze of both eyes: their mean, weighted by the inverse of the variances.
-fn both(eyes: &[Eye; 2], rotation: &Mat3) -> Gaze {
-    let known = || (eyes.iter().map(|eye| &eye.gaze)).filter(|g| g.unknown.is_none());
+fn both(eyes: &[Eye; 2], rotation: &Mat3) -> Result<Gaze, EyeUnknown> {
+    let known = || eyes.iter().flat_map(|eye| &eye.gaze);
     let weight = |gaze: &Gaze| 1.0 / (gaze.sigma_deg * gaze.sigma_deg).max(1e-3);
     let sum: Vec3 = known().map(|g| weight(g) * Vec3::from(g.camera)).sum();
     let weights: f32 = known().map(weight).sum();
     if weights <= 0.0 || sum.length_squared() < 1e-12 {
-        let [left, right] = eyes;
-        let unknown = left.gaze.unknown;
-        return Gaze {
-            // A shut or hidden eye says more than one that is turned away.
-            unknown: match unknown {
-                Some(EyeUnknown::Turned) => right.gaze.unknown,
-                _ => unknown,
-            },
-            ..Gaze::EMPTY
+        let [left, right] = eyes.map(|eye| eye.gaze);
+        // A shut or hidden eye says more than one that is turned away.
+        return match left {
+            Err(EyeUnknown::Turned) => right,
+            _ => left,
         };
     }
     let camera = sum.normalize();
     // The errors of both eyes have a part in common: that of the pose.
     let single = known().map(|g| g.sigma_deg).fold(f32::MAX, f32::min);
     let mean = libm::sqrtf(1.0 / weights);
-    Gaze {
-        unknown: None,
+    Ok(Gaze {
         camera: camera.to_array(),
         head: (rotation.transpose() * camera).to_array(),
         sigma_deg: GAZE_SHARED * single + (1.0 - GAZE_SHARED) * mean,
-    }
+    })
 }
 
 /// ARKit's weights of the gazes.
 fn look_weights(eyes: &[Eye; 2]) -> [f32; EYE_LOOKS] {
     // Angles to the person's left and down.
-    let [left, right] = eyes.each_ref().map(|eye| match eye.gaze.unknown {
-        None => gaze_angles(Vec3::from(eye.gaze.head)),
-        Some(_) => [0.0; 2],
+    let [left, right] = eyes.each_ref().map(|eye| match &eye.gaze {
+        Ok(gaze) => gaze_angles(Vec3::from(gaze.head)),
+        Err(_) => [0.0; 2],
     });
     let weight = |angle: f32| (angle / EYE_LOOK_RAD).clamp(0.0, 1.0);
     [

@@ -2,6 +2,8 @@
 
 /// Why something of an eye is not known.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 #[non_exhaustive]
 pub enum EyeUnknown {
     /// There is no face, or the model has no network for eyes.
@@ -55,17 +57,16 @@ impl EyeUnknown {
     }
 
     /// `known`, or the name of why it is not.
-    pub fn name_of(unknown: Option<EyeUnknown>) -> &'static str {
-        unknown.map_or("known", EyeUnknown::name)
+    pub fn name_of<T>(known: Result<T, EyeUnknown>) -> &'static str {
+        known.map_or_else(EyeUnknown::name, |_| "known")
     }
 }
 
 /// A gaze.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Gaze {
-    /// Why it is unknown, if it is; all other numbers are 0 then.
-    pub unknown: Option<EyeUnknown>,
     /// Unit direction in which the eye looks, camera frame.
     pub camera: [f32; 3],
     /// The same in the head frame: −z is where the nose points.
@@ -76,30 +77,32 @@ pub struct Gaze {
 
 /// What is known of one eye.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default))]
 #[non_exhaustive]
 pub struct Eye {
-    /// Why the state of the lids is unknown, if it is.
-    pub unknown: Option<EyeUnknown>,
-    /// Calibrated probability that the eye is open, 0..1; −1 where it is unknown.
-    pub open: f32,
+    /// Calibrated probability that the eye is open, 0..1; or why the lids are unknown.
+    pub open: Result<f32, EyeUnknown>,
     /// Middle of the iris \[px of the upright frame\]; that of the eye where the gaze is unknown.
     pub iris: [f32; 2],
-    /// Where it looks.
-    pub gaze: Gaze,
+    /// Where it looks; or why that is unknown.
+    pub gaze: Result<Gaze, EyeUnknown>,
 }
 
 /// What is known of both eyes.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default))]
 #[non_exhaustive]
 pub struct Eyes {
     /// The person's left and right eye.
     pub each: [Eye; 2],
-    /// The gaze of both eyes together, or of the one whose gaze is known.
-    pub gaze: Gaze,
-    /// Probability that the person wears glasses, 0..1; −1 where no eye is seen.
-    pub glasses: f32,
-    /// Probability that these are dark, 0..1; −1 where no eye is seen.
-    pub dark_glasses: f32,
+    /// The gaze of both eyes together, or of the one whose gaze is known; or why it is unknown.
+    pub gaze: Result<Gaze, EyeUnknown>,
+    /// Probability that the person wears glasses, 0..1; `None` where no eye is seen.
+    pub glasses: Option<f32>,
+    /// Probability that these are dark, 0..1; `None` where no eye is seen.
+    pub dark_glasses: Option<f32>,
     /// ARKit's weights of the gaze, in the order of [`EYE_LOOK_NAMES`], 0..1; 0 where it is
     /// unknown.
     pub look: [f32; EYE_LOOKS],
@@ -124,46 +127,55 @@ impl Eyes {
     /// Nothing seen.
     pub const EMPTY: Eyes = Eyes {
         each: [Eye::EMPTY; 2],
-        gaze: Gaze::EMPTY,
-        glasses: 0.0,
-        dark_glasses: 0.0,
+        gaze: Err(EyeUnknown::NotSeen),
+        glasses: None,
+        dark_glasses: None,
         look: [0.0; EYE_LOOKS],
+    };
+}
+
+impl Eyes {
+    /// Zero bytes: what is not known yet of a tracker that is built in place.
+    pub(in crate::track) const ZERO: Eyes = {
+        let gaze = Ok(Gaze {
+            camera: [0.0; 3],
+            head: [0.0; 3],
+            sigma_deg: 0.0,
+        });
+        let eye = Eye {
+            open: Ok(0.0),
+            iris: [0.0; 2],
+            gaze,
+        };
+        Eyes {
+            each: [eye; 2],
+            gaze,
+            ..Eyes::EMPTY
+        }
     };
 }
 
 impl Eye {
     /// Nothing seen.
-    pub const EMPTY: Eye = Eye {
-        unknown: Some(EyeUnknown::NotSeen),
-        open: 0.0,
-        iris: [0.0; 2],
-        gaze: Gaze::EMPTY,
-    };
+    pub const EMPTY: Eye = Eye::unknown(EyeUnknown::NotSeen, [0.0; 2]);
 
     /// An eye at this place of which nothing more is known.
-    pub(super) fn unknown(unknown: EyeUnknown, iris: [f32; 2]) -> Eye {
+    pub(super) const fn unknown(unknown: EyeUnknown, iris: [f32; 2]) -> Eye {
         Eye {
-            unknown: Some(unknown),
-            open: -1.0,
+            open: Err(unknown),
             iris,
-            gaze: Gaze::unknown(unknown),
+            gaze: Err(unknown),
         }
     }
 }
 
 impl Gaze {
-    /// Nothing seen.
-    pub const EMPTY: Gaze = Gaze {
-        unknown: Some(EyeUnknown::NotSeen),
-        camera: [0.0; 3],
-        head: [0.0; 3],
-        sigma_deg: 0.0,
-    };
-
-    pub(super) fn unknown(unknown: EyeUnknown) -> Gaze {
+    /// Of unit directions in the camera's and the head's frame, and a standard deviation \[deg\].
+    pub const fn new(camera: [f32; 3], head: [f32; 3], sigma_deg: f32) -> Gaze {
         Gaze {
-            unknown: Some(unknown),
-            ..Gaze::EMPTY
+            camera,
+            head,
+            sigma_deg,
         }
     }
 }
@@ -175,12 +187,6 @@ impl Default for Eyes {
 }
 
 impl Default for Eye {
-    fn default() -> Self {
-        Self::EMPTY
-    }
-}
-
-impl Default for Gaze {
     fn default() -> Self {
         Self::EMPTY
     }

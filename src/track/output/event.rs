@@ -2,6 +2,7 @@
 //! takes part in no decision.
 
 use super::{Loss, TrackResult};
+use core::fmt;
 
 /// Unread events that a tracker keeps. Chosen: a face that comes and goes once a second fills it in
 /// half a minute.
@@ -9,6 +10,8 @@ pub const EVENTS: usize = 64;
 
 /// What happened.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 #[non_exhaustive]
 pub enum EventKind {
     /// A new face is tracked, of which nothing is known.
@@ -68,6 +71,7 @@ impl EventKind {
 /// that was accepted, or the last one of the face that is lost. They are zero where there was no
 /// face.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Event {
     /// Timestamp of the frame \[µs\]; of a call between two frames, that of the first.
@@ -75,7 +79,7 @@ pub struct Event {
     /// What happened.
     pub kind: EventKind,
     /// Why the face is lost; while searching, why the last one was.
-    pub loss: Loss,
+    pub loss: Option<Loss>,
     /// As [`crate::TrackResult::confidence`].
     pub confidence: f32,
     /// As [`crate::TrackResult::face_box`] \[px\].
@@ -87,7 +91,7 @@ impl Event {
     const EMPTY: Event = Event {
         timestamp_us: 0,
         kind: EventKind::Acquired,
-        loss: Loss::None,
+        loss: None,
         confidence: 0.0,
         face_box: [0.0; 4],
     };
@@ -120,6 +124,16 @@ pub type EventLog = EventRing<Event, EVENTS>;
 
 impl EventLog {
     pub(in crate::track) const EMPTY: EventLog = EventRing::new(Event::EMPTY);
+}
+
+/// How many events are unread, and were overwritten.
+impl<E, const N: usize> fmt::Debug for EventRing<E, N> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("EventRing")
+            .field("unread", &self.unread)
+            .field("overwritten", &self.overwritten)
+            .finish_non_exhaustive()
+    }
 }
 
 impl<E: Copy, const N: usize> EventRing<E, N> {

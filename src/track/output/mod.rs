@@ -65,7 +65,7 @@ pub fn write(
     (*yaw_deg, *pitch_deg, *roll_deg) = (angles.yaw_deg, angles.pitch_deg, angles.roll_deg);
     *translation_mm = pose.translation_mm.to_array();
     *eye_open = openness(fitted, blur_px);
-    *loss = Loss::None;
+    *loss = None;
     *visible_share = fitted.confidence().visible_share();
     *rotation_sigma_deg = variances
         .rotation
@@ -141,10 +141,10 @@ fn sigma(variance: f32, most: f32) -> f32 {
     }
 }
 
-/// Openness of the face's left and right eye; −1 (unknown) for an eye that the head or something
-/// else hides, so that a hand does not shut it, and for one that is blurred by motion.
+/// Openness of the face's left and right eye; unknown for an eye that the head or something else
+/// hides, so that a hand does not shut it, and for one that is blurred by motion.
 #[inline(never)]
-fn openness(fitted: &Fitted<'_>, blur_px: f32) -> [f32; 2] {
+fn openness(fitted: &Fitted<'_>, blur_px: f32) -> [Option<f32>; 2] {
     let (fit, shape) = (fitted.fit, fitted.shape());
     let (face, camera) = (fitted.face, fitted.camera);
     let eye = |blink: usize, first: usize| {
@@ -164,7 +164,6 @@ fn openness(fitted: &Fitted<'_>, blur_px: f32) -> [f32; 2] {
             blink,
         );
         open.filter(|_| is_facing && is_visible && is_sharp)
-            .unwrap_or(-1.0)
     };
     // browDown ×2, browInnerUp, browOuterUp ×2 come before eyeBlinkLeft, eyeBlinkRight.
     [eye(5, 42), eye(6, 36)]

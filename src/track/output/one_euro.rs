@@ -38,6 +38,12 @@ impl Smoother {
         animation_speed: [0.0; ANIMATIONS],
     };
 
+    /// As [`Smoother::EMPTY`], of zero bytes only; see [`TrackResult::ZERO`].
+    pub const ZERO: Smoother = Smoother {
+        result: TrackResult::ZERO,
+        ..Smoother::EMPTY
+    };
+
     /// The last result, filtered.
     pub fn result(&self) -> &TrackResult {
         &self.result
@@ -93,11 +99,10 @@ impl Smoother {
         }
         let eyes = to.eye_open.iter_mut().zip(&before.eye_open);
         for ((to, from), speed) in eyes.zip(&mut self.eye_speed) {
-            // An unknown eye has no value to filter.
-            if *to >= 0.0 && *from >= 0.0 {
-                *to = filter(1.0).filtered_one(*from, *to, speed);
-            } else {
-                *speed = 0.0;
+            match (to, from) {
+                (Some(to), Some(from)) => *to = filter(1.0).filtered_one(*from, *to, speed),
+                // An unknown eye has no value to filter.
+                _ => *speed = 0.0,
             }
         }
         to.translation_mm = filter(FACE_WIDTH_MM).filtered(
@@ -203,7 +208,7 @@ mod tests {
             // A rotation by −yaw about y.
             rotation: [0.0, -half.sin(), 0.0, half.cos()],
             yaw_deg,
-            eye_open: [1.0, -1.0],
+            eye_open: [Some(1.0), None],
             ..TrackResult::EMPTY
         };
         raw.landmarks.iter_mut().for_each(|l| l.x = x);
@@ -245,11 +250,11 @@ mod tests {
         let mut smoother = Smoother::EMPTY;
         smoother.follow(&raw_result(0, 10.0, 0.0), &Smoothing::default());
         let raw = TrackResult {
-            eye_open: [-1.0, 0.25],
+            eye_open: [None, Some(0.25)],
             ..raw_result(1, 12.0, 5.0)
         };
         smoother.follow(&raw, &Smoothing::default());
-        assert_eq!(smoother.result().eye_open, [-1.0, 0.25]);
+        assert_eq!(smoother.result().eye_open, [None, Some(0.25)]);
         let far = raw_result(60, 90.0, 40.0);
         smoother.follow(&far, &Smoothing::default());
         assert_eq!(*smoother.result(), far);

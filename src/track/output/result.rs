@@ -5,8 +5,10 @@ use crate::track::eyes::Eyes;
 
 /// What the tracker is doing. Complete: a program must handle each of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum State {
-    /// No face; all fields of the result but `timestamp_us` and `loss` are zero.
+    /// No face; of the result only `timestamp_us` and `loss` say something.
     #[default]
     Searching,
     /// Fitted on this frame.
@@ -30,14 +32,13 @@ impl State {
 }
 
 /// Why a face was lost.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 #[non_exhaustive]
 pub enum Loss {
-    /// It is tracked, or there was none yet.
-    #[default]
-    None,
     /// The confidence fell too low: no face, or landmarks that are wrong.
-    LowConfidence,
+    LowConfidence = 1, // `None` of an `Option` is 0 then
     /// The centre of its box left the frame.
     LeftFrame,
     /// No head pose explains the landmarks.
@@ -47,9 +48,8 @@ pub enum Loss {
 }
 
 impl Loss {
-    /// Every reason, in the order of the C ABI.
-    pub const ALL: [Loss; 5] = [
-        Loss::None,
+    /// Every reason, in the order of the C ABI, which has `none` before the first.
+    pub const ALL: [Loss; 4] = [
         Loss::LowConfidence,
         Loss::LeftFrame,
         Loss::NoPose,
@@ -59,17 +59,22 @@ impl Loss {
     /// Its name in every table and language, as `low-confidence`.
     pub const fn name(self) -> &'static str {
         match self {
-            Loss::None => "none",
             Loss::LowConfidence => "low-confidence",
             Loss::LeftFrame => "left-frame",
             Loss::NoPose => "no-pose",
             Loss::Excluded => "excluded",
         }
     }
+
+    /// The name of the reason; `none` where nothing was lost.
+    pub fn name_of(loss: Option<Loss>) -> &'static str {
+        loss.map_or("none", Loss::name)
+    }
 }
 
 /// One landmark in the image.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Landmark {
     /// Image position, to the right \[px of the upright frame\]; estimated from the rest where the
@@ -98,6 +103,8 @@ impl Landmark {
 
 /// The result of one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default))]
 #[non_exhaustive]
 pub struct TrackResult {
     /// What the tracker is doing.
@@ -123,11 +130,11 @@ pub struct TrackResult {
     pub roll_deg: f32,
     /// The head's origin (midway between the eye centres) in the camera frame \[mm\].
     pub translation_mm: [f32; 3],
-    /// Openness of the face's own left and right eye: 0 shut, 1 open, −1 unknown. Unknown is an eye
-    /// that is hidden or moves by more than 0.6 of its width in 1/30 s.
-    pub eye_open: [f32; 2],
-    /// Why the target was lost; [`Loss::None`] while it is tracked.
-    pub loss: Loss,
+    /// Openness of the face's own left and right eye: 0 shut, 1 open. Unknown is an eye that is
+    /// hidden or moves by more than 0.6 of its width in 1/30 s.
+    pub eye_open: [Option<f32>; 2],
+    /// Why the target was lost; `None` while it is tracked, and before there was one.
+    pub loss: Option<Loss>,
     /// Mean visibility of the landmarks, 0..1.
     pub visible_share: f32,
     /// Standard deviations of the rotation, about the camera's x, y and z axes \[deg\], measured on
@@ -137,8 +144,10 @@ pub struct TrackResult {
     /// 100,000.
     pub translation_sigma_mm: [f32; 3],
     /// iBUG 68 landmarks; the jaw (0–16) follows the visible contour.
+    #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
     pub landmarks: [Landmark; LANDMARKS],
     /// The landmarks as points of the 3D face, camera frame \[mm\].
+    #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
     pub points_mm: [[f32; 3]; LANDMARKS],
     /// Weights of [`crate::ANIMATION_NAMES`], 0..1.
     pub animation: [f32; ANIMATIONS],
@@ -167,7 +176,7 @@ pub struct TrackResult {
 }
 
 impl TrackResult {
-    /// Nothing seen, all zero.
+    /// Nothing seen: numbers are zero.
     pub const EMPTY: TrackResult = TrackResult {
         state: State::Searching,
         timestamp_us: 0,
@@ -179,8 +188,8 @@ impl TrackResult {
         pitch_deg: 0.0,
         roll_deg: 0.0,
         translation_mm: [0.0; 3],
-        eye_open: [0.0; 2],
-        loss: Loss::None,
+        eye_open: [None; 2],
+        loss: None,
         visible_share: 0.0,
         rotation_sigma_deg: [0.0; 3],
         translation_sigma_mm: [0.0; 3],
@@ -196,6 +205,14 @@ impl TrackResult {
         camera_assumed: false,
         facing_angle_deg: 0.0,
         interocular_px: 0.0,
+    };
+}
+
+impl TrackResult {
+    /// As [`TrackResult::EMPTY`], of zero bytes only: its eyes say nothing.
+    pub(in crate::track) const ZERO: TrackResult = TrackResult {
+        eyes: Eyes::ZERO,
+        ..TrackResult::EMPTY
     };
 }
 

@@ -18,6 +18,7 @@ const FARTHEST_PX: f32 = 65_536.0;
 
 /// Where a face is expected: what another detector, or a tracker of another camera, has found.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct FaceHint {
     /// Box of the landmarks: left, top, width, height \[px\]. It reaches from the brows to below
@@ -73,6 +74,7 @@ impl FaceHint {
 
 /// A face of a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct FoundFace {
     /// Box of the landmarks: left, top, width, height \[px of the upright frame\].

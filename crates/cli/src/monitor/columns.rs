@@ -1,7 +1,7 @@
 //! The columns that `track --monitor` adds at the end of the CSV. [`COLUMNS`] is the only list, as
 //! for the tracker's.
 
-use posewise::{MonitorState, Perclos, UnknownReason, ZoneState};
+use posewise::monitor::{MonitorState, Perclos, UnknownReason, ZoneState};
 
 use crate::value::Cell;
 
@@ -73,7 +73,7 @@ macro_rules! window {
                 concat!("mean_closure_us_", $seconds),
                 "µs",
                 "their mean length",
-                |s| count(s.$window.mean_closure_us),
+                |s| count(s.$window.mean_closure_us.unwrap_or(0)),
             ),
         ]
     };
@@ -93,13 +93,13 @@ pub const COLUMNS: [&[Column]; 4] = [
             "eyes_reason",
             "word",
             "why unknown: `none`, `no-face`, `low-confidence`, `turned`, `hidden`",
-            |s| Cell::Word(UnknownReason::name_of(s.eyes_reason)),
+            |s| Cell::Word(UnknownReason::name_of(s.eyes.reason())),
         ),
         column(
             "openness",
             "0..1, −1",
             "of both eyes, relative to this person's open ones; −1 unknown",
-            |s| num(s.openness, 3),
+            |s| num(s.openness.unwrap_or(-1.0), 3),
         ),
         column(
             "closure_us",
@@ -149,13 +149,13 @@ pub const COLUMNS: [&[Column]; 4] = [
             "road_yaw_deg",
             "deg",
             "yaw from the direction of the road",
-            |s| num(s.from_road_deg[0], 2),
+            |s| num(s.from_road_deg.unwrap_or_default()[0], 2),
         ),
         column(
             "road_pitch_deg",
             "deg",
             "pitch from the direction of the road",
-            |s| num(s.from_road_deg[1], 2),
+            |s| num(s.from_road_deg.unwrap_or_default()[1], 2),
         ),
         column(
             "drowsiness",

@@ -6,7 +6,7 @@ use std::path::Path;
 use anyhow::Result;
 use plotters::coord::Shift;
 use plotters::prelude::*;
-use posewise::{EyeState, MonitorEvent, MonitorEventKind, MonitorState};
+use posewise::monitor::{EyeState, MonitorEvent, MonitorEventKind, MonitorState};
 
 use super::columns::zone_number;
 use crate::plot::{self, Chart, Drawn, Sample};
@@ -74,12 +74,15 @@ impl Panels<'_> {
             .y_label_area_size(48)
             .build_cartesian_2d(self.span(), 0.0..1.05)?;
         chart.configure_mesh().light_line_style(WHITE).draw()?;
-        let point = |s: &MonitorState| (seconds(s.timestamp_us), f64::from(s.openness));
-        for run in self.states.split(|s| s.eyes == EyeState::Unknown) {
-            chart.draw_series(LineSeries::new(run.iter().map(point), BLACK))?;
+        let point = |s: &MonitorState| Some((seconds(s.timestamp_us), f64::from(s.openness?)));
+        for run in self.states.split(|s| s.openness.is_none()) {
+            chart.draw_series(LineSeries::new(run.iter().filter_map(point), BLACK))?;
         }
         for run in self.states.split(|s| s.eyes != EyeState::Closed) {
-            chart.draw_series(LineSeries::new(run.iter().map(point), RED.stroke_width(3)))?;
+            chart.draw_series(LineSeries::new(
+                run.iter().filter_map(point),
+                RED.stroke_width(3),
+            ))?;
         }
         Ok(())
     }

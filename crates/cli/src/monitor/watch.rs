@@ -4,7 +4,8 @@ use std::io::Write;
 use std::path::Path;
 
 use anyhow::{Context, Result, anyhow};
-use posewise::{Monitor, MonitorEvent, MonitorState, Observation, Preset, TrackResult};
+use posewise::TrackResult;
+use posewise::monitor::{Monitor, MonitorEvent, MonitorState, Observation, Preset};
 
 use super::zones;
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
-use posewise::{Zone, ZoneShape};
+use posewise::monitor::{Zone, ZoneShape};
 use serde::Deserialize;
 
 use crate::bounded;
@@ -105,7 +105,10 @@ mod tests {
         let text = docs.split("```json\n").nth(1).expect("an example");
         let zones = parse(text.split("```").next().expect("its end")).unwrap();
         assert!(zones.len() >= 3 && zones[0].is_road);
-        let monitor = posewise::Monitor::with_zones(&posewise::MonitorConfig::default(), &zones);
+        let monitor = posewise::monitor::Monitor::with_zones(
+            &posewise::monitor::MonitorConfig::default(),
+            &zones,
+        );
         assert!(monitor.is_ok());
         assert!(zones.iter().any(|zone| zone.grace_us == 1_000_000));
     }

@@ -104,7 +104,7 @@ const NEAREST_MM: f32 = 20.0;
 
 /// Where a point of the camera frame appears; `None` behind the camera or far out.
 fn project(camera: &Intrinsics, p: Vec3) -> Option<[f32; 2]> {
-    let at = camera.image_of(p);
+    let at = camera.image_of(p.to_array());
     (p.z > NEAREST_MM && drawable(at)).then_some(at)
 }
 

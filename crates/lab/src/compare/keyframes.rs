@@ -13,7 +13,7 @@ use glam::{Mat3, Vec3};
 use image::GrayImage;
 use imageproc::corners::corners_fast9;
 use imageproc::suppress::local_maxima;
-use posewise::shape::{Pose, posit};
+use posewise::shape::{Pose, Project, posit};
 use rand::SeedableRng;
 use rand::seq::IndexedRandom;
 use rand_chacha::ChaCha8Rng;

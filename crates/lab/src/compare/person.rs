@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 use glam::{Mat3, Vec3};
 use nalgebra::{DMatrix, DVector};
 use posewise::Intrinsics;
-use posewise::shape::{LANDMARKS, posit};
+use posewise::shape::{LANDMARKS, Project, posit};
 use posewise_metrics::landmarks::INNER;
 
 /// Standard deviation of a landmark in the first frame \[mm\].

@@ -4,6 +4,7 @@ use super::person::Person;
 use super::picture::Picture;
 use super::state::State;
 use glam::Vec3;
+use posewise::shape::Project;
 use posewise_train::render::raster::{Cull, EMPTY, Projected, Target, weights};
 
 /// A landmark is seen if nothing is nearer than it by more than this \[mm\].

@@ -114,26 +114,24 @@ fn look(
     let result = tracker.result();
     let seen = &result.eyes;
     let eyes = render::eye_cache::eyes_of(sample, truth);
-    let is_known = seen.gaze.unknown.is_none();
     let true_gaze = (truth[0].gaze + truth[1].gaze).normalize();
-    let error = Vec3::from(seen.gaze.camera)
-        .dot(true_gaze)
-        .clamp(-1.0, 1.0)
-        .acos();
+    let error_deg = |gaze: [f32; 3]| {
+        let cosine = Vec3::from(gaze).dot(true_gaze).clamp(-1.0, 1.0);
+        cosine.acos().to_degrees()
+    };
     let open = |eye: &render::eye_cache::Eye| is_looking(eye) && is_open(eye) == Some(true);
     // The image left's eye is the person's right one, which is second in a result.
     let lids = eyes.iter().zip(seen.each.iter().rev()).map(|(eye, found)| {
-        let known = found.unknown.is_none();
         (
             is_open(eye),
-            known.then_some(found.open > 0.5),
+            found.open.ok().map(|open| open > 0.5),
             eye.truth.lens > DARK,
         )
     });
     Ok(Row {
         face_px: size.max_element(),
         glasses: truth[0].lens > 0.0,
-        gaze: is_known.then_some((error.to_degrees(), seen.gaze.sigma_deg)),
+        gaze: (seen.gaze.ok()).map(|gaze| (error_deg(gaze.camera), gaze.sigma_deg)),
         looks: eyes.iter().all(open) && sample.angles.yaw_deg.abs() <= MOST_YAW_DEG,
         lids: lids.collect(),
         tracked: result.state == State::Tracking,

@@ -4,7 +4,7 @@ use glam::{Mat3, Vec3};
 use posewise::math::HeadAngles;
 use posewise::shape::{
     ANIMATIONS, Animation, FaceFit, FaceModel, FaceState, FitOptions, Identity, IdentityEstimator,
-    Intrinsics, LANDMARKS, MAX_IDENTITIES, Observed, Pose, RotationPrior, fit,
+    Intrinsics, LANDMARKS, MAX_IDENTITIES, Observed, Pose, Project, RotationPrior, fit,
 };
 use posewise_format::{AlignedBytes, Blob, blob, reseal};
 use posewise_train::face_section::{face_section, open};

@@ -7,10 +7,11 @@ use std::path::PathBuf;
 
 use anyhow::{Result, bail};
 use glam::DVec3;
+use posewise::State;
+use posewise::eyes::{EyeUnknown, Eyes, Gaze};
 use posewise::monitor::openness;
-use posewise::{
-    EyeUnknown, Eyes, MonitorEvent, MonitorEventKind as Kind, MonitorState, Observation, Preset,
-    State,
+use posewise::monitor::{
+    MonitorEvent, MonitorEventKind as Kind, MonitorState, Observation, Preset,
 };
 use posewise_cli::monitor::watch::Watch;
 use posewise_cli::parse::{preset, within};
@@ -131,7 +132,7 @@ impl Columns {
     /// Angles of both eyes' gaze to the image right and down \[rad\], if it is known.
     fn gaze(&self, csv: &Table, row: usize) -> Result<Option<[f64; 2]>> {
         match self.gaze {
-            Some([unknown, x, y]) if csv.text(row, unknown) == EyeUnknown::name_of(None) => {
+            Some([unknown, x, y]) if csv.text(row, unknown) == EyeUnknown::name_of(Ok(())) => {
                 Ok(Some([csv.number(row, x)?, csv.number(row, y)?]))
             }
             _ => Ok(None),
@@ -155,26 +156,24 @@ impl Columns {
         for (to, column) in seen.rotation_sigma_deg.iter_mut().zip(self.sigma) {
             *to = number(column)?;
         }
-        let (mut lids, mut eyes) = ([-1.0; 2], Eyes::EMPTY);
+        let (mut lids, mut eyes) = ([None; 2], Eyes::EMPTY);
         for (k, (column, network)) in self.eyes.iter().zip(self.network).enumerate() {
-            lids[k] = number(*column)?;
+            lids[k] = Some(number(*column)?).filter(|open| *open >= 0.0);
             if let Some([unknown, open]) = network {
                 let word = csv.text(row, unknown);
                 let reason = EyeUnknown::ALL.into_iter().find(|u| u.name() == word);
-                eyes.each[k].unknown = match word == EyeUnknown::name_of(None) {
-                    true => None,
-                    false => Some(reason.unwrap_or_default()),
+                eyes.each[k].open = match word == EyeUnknown::name_of(Ok(())) {
+                    true => Ok(number(open)?),
+                    false => Err(reason.unwrap_or_default()),
                 };
-                eyes.each[k].open = number(open)?;
             }
         }
         if let (Some([x, y]), Some(head)) = (self.gaze(csv, row)?, self.gaze_head) {
-            eyes.gaze.unknown = None;
-            for (to, column) in eyes.gaze.head.iter_mut().zip(head) {
-                *to = number(column)?;
-            }
             let gaze = DVec3::new(x.tan(), y.tan(), -1.0).normalize();
-            seen.gaze = gaze.as_vec3().to_array();
+            let camera = gaze.as_vec3().to_array();
+            let [x, y, z] = head.map(number);
+            eyes.gaze = Ok(Gaze::new(camera, [x?, y?, z?], 0.0));
+            seen.gaze = Some(camera);
         }
         let both = openness(lids, &eyes);
         (seen.eye_open, seen.may_look_down) = (both.eye_open, both.may_look_down);
@@ -184,7 +183,7 @@ impl Columns {
         }
         // As `Observation` has it from a result.
         let is_visible = visibility >= 0.5 * self.mouth.len() as f32;
-        seen.jaw_open = if is_visible { number(self.jaw)? } else { -1.0 };
+        seen.jaw_open = is_visible.then(|| number(self.jaw)).transpose()?;
         Ok(seen)
     }
 }

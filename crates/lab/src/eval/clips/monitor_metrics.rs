@@ -1,6 +1,6 @@
 //! Scores of a driver monitor against the truth of each frame.
 
-use posewise::{EyeState, MonitorState, ZoneState};
+use posewise::monitor::{EyeState, MonitorState, ZoneState};
 use posewise_metrics::{correlation, mean};
 use serde_json::{Value, json};
 
@@ -165,7 +165,6 @@ impl Scores {
                 continue;
             };
             let is_hidden = t.is_hidden();
-            let is_known = state.eyes != EyeState::Unknown;
             if is_hidden {
                 self.hidden.0 += 1;
                 let is_wrong = state.eyes == EyeState::Closed && t.blink < CLOSING;
@@ -178,10 +177,11 @@ impl Scores {
             } else {
                 hidden_since = None;
                 self.seen.0 += 1;
-                self.seen.1 += usize::from(is_known);
+                self.seen.1 += usize::from(state.openness.is_some());
             }
-            if is_known && !is_hidden {
-                let openness = f64::from(state.openness);
+            if let Some(openness) = state.openness.map(f64::from)
+                && !is_hidden
+            {
                 known += 1;
                 closed.0 += usize::from(t.blink >= CLOSED);
                 closed.1 += usize::from(openness <= OPEN_80);
