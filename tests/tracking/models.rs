@@ -49,6 +49,18 @@ fn models_say_their_names_and_terms() {
     }
 }
 
+/// The crate's manifest tells the licence of the code and the terms of the model apart.
+#[test]
+fn the_manifest_has_the_terms_of_the_model() {
+    let manifest = std::fs::read_to_string(root().join("Cargo.toml")).expect("the manifest");
+    let (_, metadata) = manifest
+        .split_once("[package.metadata.model]")
+        .expect("what it says of the model");
+    let info = ModelInfo::read(posewise::DEFAULT_MODEL).expect("the built-in model");
+    let says_free = metadata.contains("\nterms = \"free\"\n");
+    assert_eq!(says_free, info.terms == ModelTerms::Free);
+}
+
 /// A model without one section, or with one of no bytes.
 #[test]
 fn the_wrong_section_is_named() {

@@ -4,7 +4,7 @@ use anyhow::Result;
 
 use crate::source::{Source, Y4mSource, sniff_gzip};
 
-const CLIP: &[u8] = include_bytes!("../../../../tests/data/demo.y4m.gz");
+const CLIP: &[u8] = include_bytes!("../../assets/data/demo.y4m.gz");
 
 /// Opens the clip.
 pub fn open() -> Result<Box<dyn Source>> {

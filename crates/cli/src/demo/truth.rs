@@ -7,7 +7,7 @@ use posewise_metrics::landmarks::seen_error;
 use posewise_metrics::mean;
 use posewise_metrics::pose::PoseErrors;
 
-const TRUTH: &[u8] = include_bytes!("../../../../tests/data/demo.csv");
+const TRUTH: &[u8] = include_bytes!("../../assets/data/demo.csv");
 
 /// One frame.
 struct Frame {

@@ -20,7 +20,7 @@ macro_rules! script {
         File {
             path: $path,
             kind: SCRIPT,
-            text: include_str!(concat!("../../../../web/", $path)),
+            text: include_str!(concat!("../../assets/web/", $path)),
         }
     };
 }
@@ -30,7 +30,7 @@ pub const FILES: [File; 9] = [
     File {
         path: "demo/style.css",
         kind: "text/css; charset=utf-8",
-        text: include_str!("../../../../web/demo/style.css"),
+        text: include_str!("../../assets/web/demo/style.css"),
     },
     script!("layout.js"),
     script!("demo/charts.js"),
@@ -42,7 +42,7 @@ pub const FILES: [File; 9] = [
     script!("demo/readings.js"),
 ];
 
-const INDEX: &str = include_str!("../../../../web/index.html");
+const INDEX: &str = include_str!("../../assets/web/index.html");
 
 /// What is not true here, and what is.
 const CHANGES: [(&str, &str); 5] = [

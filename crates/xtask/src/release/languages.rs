@@ -7,7 +7,12 @@ use std::path::PathBuf;
 use std::process::Command;
 
 /// Crates that are published, in this order.
-const CRATES: [&str; 2] = ["posewise-format", "posewise"];
+pub const CRATES: [&str; 4] = [
+    "posewise-format",
+    "posewise",
+    "posewise-metrics",
+    "posewise-cli",
+];
 
 /// What a Python needs to build the wheel; setuptools wants to be the first.
 const WHEEL_NEEDS: &str = "import setuptools, pip, wheel";

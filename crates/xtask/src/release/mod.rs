@@ -15,6 +15,8 @@ mod mobile;
 mod sbom;
 mod tarball;
 
+pub use languages::CRATES;
+
 use crate::{notices, output_of, root};
 use anyhow::{Context, Result, bail};
 use sha2::{Digest, Sha256};
