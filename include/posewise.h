@@ -20,7 +20,7 @@
  * @par Memory
  * The caller owns all memory. The library allocates nothing and frees nothing.
  * @par Stack
- * A call takes less than 32 KiB.
+ * A call takes less than 40 KiB.
  * @par Threads
  * One thread at a time may use a tracker. Trackers share only the model, which is read-only.
  * @par Floats
@@ -78,7 +78,7 @@
 #define POSEWISE_VERSION     0x000100u    ///< 0xMMmmpp; compare with posewise_version()
 #define POSEWISE_ABI         1u           ///< Changes when programs must be recompiled
 #define POSEWISE_ALIGN       64u          ///< Alignment of memory and model [bytes]
-#define POSEWISE_MEMORY_SIZE (176 * 1024) ///< Upper bound of posewise_memory_size() [bytes]
+#define POSEWISE_MEMORY_SIZE (192 * 1024) ///< Upper bound of posewise_memory_size() [bytes]
 #define POSEWISE_LANDMARKS   68u          ///< Landmarks, iBUG 68 scheme
 #define POSEWISE_ANIMATIONS  24u          ///< Weights, POSEWISE_ANIMATION_*
 #define POSEWISE_EYE_LOOKS   8u           ///< Weights of a gaze, POSEWISE_EYE_LOOK_*
@@ -144,6 +144,8 @@
 #define POSEWISE_FMT_BA24 0x34324142u ///< 32-bit alpha, R, G, B in memory
 #define POSEWISE_FMT_RX24 0x34325852u ///< 32-bit unused, B, G, R in memory
 #define POSEWISE_FMT_RA24 0x34324152u ///< 32-bit alpha, B, G, R in memory
+
+#define POSEWISE_EXACT 2u ///< Flag of settings: 0 in a field is 0, not its default
 
 #define POSEWISE_FRAME_MIRRORED 1u ///< Rows are stored reversed ("selfie" view)
 
@@ -220,11 +222,11 @@
 #define POSEWISE_EYE_LOOK_OUT_LEFT   6u ///< The left eye looks away from the nose
 #define POSEWISE_EYE_LOOK_OUT_RIGHT  7u ///< The right eye looks away from the nose
 
-#define POSEWISE_MONITOR_SIZE       (8 * 1024) ///< Most memory of a monitor [bytes]
-#define POSEWISE_MONITOR_EVENTS     24u        ///< Unread events that a monitor keeps
-#define POSEWISE_MONITOR_ZONES      8u         ///< Most zones of a monitor
-#define POSEWISE_MONITOR_FIXED_POSE 1u         ///< Flag: the road is where the settings say
-#define POSEWISE_MONITOR_CUT        1u         ///< Flag of an event: it ended unseen
+#define POSEWISE_MONITOR_SIZE       (12 * 1024) ///< Most memory of a monitor [bytes]
+#define POSEWISE_MONITOR_EVENTS     24u         ///< Unread events that a monitor keeps
+#define POSEWISE_MONITOR_ZONES      8u          ///< Most zones of a monitor
+#define POSEWISE_MONITOR_FIXED_POSE 1u          ///< Flag: the road is where the settings say
+#define POSEWISE_MONITOR_CUT        1u          ///< Flag of an event: it ended unseen
 
 #define POSEWISE_MONITOR_PRESET_GENERAL      0u ///< Euro NCAP's times, P80 of Wierwille 1994
 #define POSEWISE_MONITOR_PRESET_EURO_NCAP    1u ///< Euro NCAP 2026, driver state monitoring
@@ -326,11 +328,12 @@ typedef struct posewise_roi {
     uint32_t height;
 } posewise_roi;
 
-/// Settings. A NULL pointer to this struct selects all defaults.
+/// Settings. A NULL pointer to this struct selects all defaults; without POSEWISE_EXACT so does 0
+/// in a field. Intrinsics or a region of zeros are none in either case.
 typedef struct posewise_config {
     /// sizeof(posewise_config).
     uint32_t struct_size;
-    /// Must be 0: no flags are defined.
+    /// 0 or POSEWISE_EXACT.
     uint32_t flags;
     /// Least width of a face to search for [px, 24..4096, default 40].
     uint32_t min_face_px;
@@ -596,14 +599,14 @@ typedef struct posewise_event {
     uint32_t reserved;
 } posewise_event;
 
-/// Settings of a driver monitor. A NULL pointer to this struct selects all defaults; 0 in a field
-/// selects that of the preset, of which the comments have the general one. Times are at most 71
-/// minutes.
+/// Settings of a driver monitor. A NULL pointer to this struct selects all defaults; without
+/// POSEWISE_EXACT 0 in a field selects that of the preset, of which the comments have the general
+/// one. Times are at most 71 minutes.
 typedef struct posewise_monitor_config {
     /// sizeof(posewise_monitor_config).
     uint32_t struct_size;
-    /// 0 or POSEWISE_MONITOR_FIXED_POSE: forward_yaw_deg and forward_pitch_deg are exact, and no
-    /// natural pose is learnt.
+    /// POSEWISE_EXACT and POSEWISE_MONITOR_FIXED_POSE, or 0. With the latter, forward_yaw_deg and
+    /// forward_pitch_deg are the road, and no natural pose is learnt.
     uint32_t flags;
     /// The default of every other field, and the zones [POSEWISE_MONITOR_PRESET_*].
     uint32_t preset;
@@ -863,8 +866,8 @@ POSEWISE_API posewise_status posewise_set_cpu(uint32_t features);
 /// A description of a status: one line of English, static, never NULL.
 POSEWISE_API const char *posewise_strerror(posewise_status status);
 
-/// Writes the default settings with their values; 0 in a field has the same meaning. As for every
-/// struct, out->struct_size must be set.
+/// Writes the default settings with their values and POSEWISE_EXACT: what is set to 0 then is 0. As
+/// for every struct, out->struct_size must be set.
 POSEWISE_API posewise_status posewise_config_default(posewise_config *out);
 
 /// Memory that posewise_init() needs for these settings (NULL: defaults) [bytes], at most
@@ -1030,8 +1033,8 @@ POSEWISE_API const char *posewise_animation_name(uint32_t index);
 /// blendshape, as "eyeLookUpLeft". Static; NULL from POSEWISE_EYE_LOOKS on.
 POSEWISE_API const char *posewise_eye_look_name(uint32_t index);
 
-/// Writes the settings of a preset (POSEWISE_MONITOR_PRESET_*) with their values; 0 in a field has
-/// the same meaning. As for every struct, out->struct_size must be set.
+/// Writes the settings of a preset (POSEWISE_MONITOR_PRESET_*) with their values and
+/// POSEWISE_EXACT: what is set to 0 then is 0. As for every struct, out->struct_size must be set.
 POSEWISE_API
 posewise_status posewise_monitor_config_default(uint32_t preset,
                                                 posewise_monitor_config *out);

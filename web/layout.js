@@ -177,7 +177,8 @@ export const LENS = {
 };
 
 /**
- * Settings. A NULL pointer to this struct selects all defaults.
+ * Settings. A NULL pointer to this struct selects all defaults; without POSEWISE_EXACT so does 0 in
+ *   a field. Intrinsics or a region of zeros are none in either case.
  * @typedef {object} Config
  * @property {number} [minFacePx] Least width of a face to search for [px, 24..4096, default 40].
  * @property {number} [scanBudget] Work per step while searching [100..10000000, default 3600]: 3000
@@ -482,9 +483,9 @@ export const MODEL_DETAILS = {
 };
 
 /**
- * Settings of a driver monitor. A NULL pointer to this struct selects all defaults; 0 in a field
- *   selects that of the preset, of which the comments have the general one. Times are at most 71
- *   minutes.
+ * Settings of a driver monitor. A NULL pointer to this struct selects all defaults; without
+ *   POSEWISE_EXACT 0 in a field selects that of the preset, of which the comments have the general
+ *   one. Times are at most 71 minutes.
  * @typedef {object} Monitor_config
  * @property {number} preset The default of every other field, and the zones
  *   [POSEWISE_MONITOR_PRESET_*].

@@ -121,13 +121,14 @@ pub extern "C" fn posewise_strerror(status: posewise_status) -> *const c_char {
     text.as_ptr()
 }
 
-/// Writes the default settings with their values; 0 in a field has the same meaning. As for every
-/// struct, out->struct_size must be set.
+/// Writes the default settings with their values and POSEWISE_EXACT: what is set to 0 then is 0. As
+/// for every struct, out->struct_size must be set.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn posewise_config_default(out: *mut posewise_config) -> posewise_status {
     status(|| {
         let default = Config::default();
         let config = posewise_config {
+            flags: POSEWISE_EXACT,
             min_face_px: default.min_face_px,
             scan_budget: default.scan_budget,
             smoothing_hz: default.smoothing.cutoff_hz,

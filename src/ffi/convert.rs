@@ -93,7 +93,7 @@ fn text_to(text: &str) -> (*const c_char, usize) {
     (text.as_ptr().cast(), text.len())
 }
 
-/// Checked settings; the default where the caller's pointer is NULL or a field is 0.
+/// Checked settings; the default where the caller's pointer is NULL, or a field is 0 and not exact.
 ///
 /// # Safety
 /// As at the head of memory.rs.
@@ -106,8 +106,11 @@ pub(super) unsafe fn config_from(
     }
     // SAFETY: the caller's contract.
     let given = unsafe { memory::read_struct(config)? };
-    let or = |value, default| if value == 0 { default } else { value };
-    let or_f32 = |value: f32, default| if value == 0.0 { default } else { value };
+    if given.flags & !POSEWISE_EXACT != 0 || given.gaze > POSEWISE_GAZE_NATURAL {
+        return Err(POSEWISE_E_FLAGS);
+    }
+    let or = |value, default| or_default(value, default, given.flags);
+    let or_f32 = |value, default| or_default(value, default, given.flags);
     let config = Config {
         intrinsics: camera_from(&given.intrinsics, &given.lens)?,
         min_face_px: or(given.min_face_px, default.min_face_px),
@@ -121,11 +124,16 @@ pub(super) unsafe fn config_from(
         roi: roi_from(&given.roi),
         ..default
     };
-    if given.flags != 0 || given.gaze > POSEWISE_GAZE_NATURAL {
-        return Err(POSEWISE_E_FLAGS);
-    }
     config.check().map_err(config_error)?;
     Ok(config)
+}
+
+/// A setting; its default where it is 0 and not exact.
+pub(super) fn or_default<T: Default + PartialEq>(value: T, default: T, flags: u32) -> T {
+    match value == T::default() && flags & POSEWISE_EXACT == 0 {
+        true => default,
+        false => value,
+    }
 }
 
 /// The status of settings that are out of range.
@@ -399,6 +407,26 @@ mod tests {
         assert_eq!(config([8, 16, 320, 240]).map(|config| config.roi), Ok(roi));
         assert_eq!(config([8, 0, 0, 0]), Err(POSEWISE_E_ROI));
         assert_eq!(config([16384, 0, 1, 1]), Err(POSEWISE_E_ROI));
+    }
+
+    #[test]
+    fn zero_is_a_default_unless_settings_are_exact() {
+        let config = |flags, smoothing_beta| {
+            let given = posewise_config {
+                struct_size: size_of::<posewise_config>() as u32,
+                flags,
+                min_face_px: 40,
+                scan_budget: 3600,
+                smoothing_hz: 1.0,
+                smoothing_beta,
+                ..Default::default()
+            };
+            // SAFETY: a whole struct.
+            unsafe { config_from(&given) }.map(|config| config.smoothing.beta)
+        };
+        assert_eq!(config(0, 0.0), Ok(Smoothing::default().beta));
+        assert_eq!(config(POSEWISE_EXACT, 0.0), Ok(0.0));
+        assert_eq!(config(1, 0.0), Err(POSEWISE_E_FLAGS));
     }
 
     #[test]

@@ -33,8 +33,8 @@ const MAGIC: u64 =
 const _: () = assert!(align_of::<MonitorBlock>() == POSEWISE_ALIGN as usize);
 const _: () = assert!(BLOCK_SIZE <= POSEWISE_MONITOR_SIZE as usize);
 
-/// Writes the settings of a preset (POSEWISE_MONITOR_PRESET_*) with their values; 0 in a field has
-/// the same meaning. As for every struct, out->struct_size must be set.
+/// Writes the settings of a preset (POSEWISE_MONITOR_PRESET_*) with their values and
+/// POSEWISE_EXACT: what is set to 0 then is 0. As for every struct, out->struct_size must be set.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn posewise_monitor_config_default(
     preset: u32,

@@ -1,5 +1,6 @@
 //! Conversion between C values of the driver monitor and the crate's types.
 
+use super::convert::or_default;
 use super::memory;
 use super::monitor_types::*;
 use super::types::*;
@@ -22,7 +23,7 @@ pub(super) fn preset_from(preset: u32) -> Result<Preset, posewise_status> {
     known.copied().ok_or(POSEWISE_E_MONITOR_CONFIG)
 }
 
-/// Checked settings and their preset; the preset's value where a field is 0.
+/// Checked settings and their preset; the preset's value where a field is 0 and not exact.
 ///
 /// # Safety
 /// As at the head of memory.rs.
@@ -35,7 +36,7 @@ pub(super) unsafe fn monitor_config_from(
     }
     // SAFETY: the caller's contract.
     let given = unsafe { memory::read_struct(config)? };
-    if given.flags & !POSEWISE_MONITOR_FIXED_POSE != 0 {
+    if given.flags & !(POSEWISE_EXACT | POSEWISE_MONITOR_FIXED_POSE) != 0 {
         return Err(POSEWISE_E_FLAGS);
     }
     let preset = preset_from(given.preset)?;
@@ -49,8 +50,8 @@ pub(super) unsafe fn monitor_config_from(
 
 /// Every setting, or its default.
 fn settings(given: &posewise_monitor_config, default: &MonitorConfig) -> MonitorConfig {
-    let or = |value: f32, default: f32| if value == 0.0 { default } else { value };
-    let or_us = |value: u32, default: u32| if value == 0 { default } else { value };
+    let or = |value: f32, default| or_default(value, default, given.flags);
+    let or_us = |value: u32, default| or_default(value, default, given.flags);
     let mut config = *default;
     macro_rules! take {
         ($or:ident: $($field:ident)+) => {
@@ -66,9 +67,10 @@ fn settings(given: &posewise_monitor_config, default: &MonitorConfig) -> Monitor
     config
 }
 
-/// Settings as their C struct, with `struct_size` 0.
+/// Settings as their C struct, exact, with `struct_size` 0.
 pub(super) fn monitor_config_to(preset: u32, config: &MonitorConfig) -> posewise_monitor_config {
     let mut to = posewise_monitor_config {
+        flags: POSEWISE_EXACT,
         preset,
         ..Default::default()
     };

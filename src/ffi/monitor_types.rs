@@ -2,7 +2,7 @@
 //! `types`, the comments are written for the C reader.
 
 /// Most memory of a monitor \[bytes\].
-pub const POSEWISE_MONITOR_SIZE: u32 = 8 * 1024;
+pub const POSEWISE_MONITOR_SIZE: u32 = 12 * 1024;
 /// Unread events that a monitor keeps.
 pub const POSEWISE_MONITOR_EVENTS: u32 = 24;
 /// Most zones of a monitor.
@@ -106,16 +106,16 @@ pub const POSEWISE_MONITOR_EVENT_LOOK_DOWN: u32 = 19;
 /// That look ended.
 pub const POSEWISE_MONITOR_EVENT_LOOK_DOWN_END: u32 = 20;
 
-/// Settings of a driver monitor. A NULL pointer to this struct selects all defaults; 0 in a field
-/// selects that of the preset, of which the comments have the general one. Times are at most 71
-/// minutes.
+/// Settings of a driver monitor. A NULL pointer to this struct selects all defaults; without
+/// POSEWISE_EXACT 0 in a field selects that of the preset, of which the comments have the general
+/// one. Times are at most 71 minutes.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
 pub struct posewise_monitor_config {
     /// sizeof(posewise_monitor_config).
     pub struct_size: u32,
-    /// 0 or POSEWISE_MONITOR_FIXED_POSE: forward_yaw_deg and forward_pitch_deg are exact, and no
-    /// natural pose is learnt.
+    /// POSEWISE_EXACT and POSEWISE_MONITOR_FIXED_POSE, or 0. With the latter, forward_yaw_deg and
+    /// forward_pitch_deg are the road, and no natural pose is learnt.
     pub flags: u32,
     /// The default of every other field, and the zones \[POSEWISE_MONITOR_PRESET_*\].
     pub preset: u32,

@@ -17,7 +17,7 @@ pub const POSEWISE_ABI: u32 = 1;
 /// Alignment of memory and model \[bytes\].
 pub const POSEWISE_ALIGN: u32 = 64;
 /// Upper bound of posewise_memory_size() \[bytes\].
-pub const POSEWISE_MEMORY_SIZE: u32 = 176 * 1024;
+pub const POSEWISE_MEMORY_SIZE: u32 = 192 * 1024;
 /// Landmarks, iBUG 68 scheme.
 pub const POSEWISE_LANDMARKS: u32 = 68;
 /// Weights, POSEWISE_ANIMATION_*.
@@ -149,6 +149,9 @@ pub const POSEWISE_FMT_RX24: u32 = 0x3432_5852;
 /// 32-bit alpha, B, G, R in memory.
 pub const POSEWISE_FMT_RA24: u32 = 0x3432_4152;
 
+/// Flag of settings: 0 in a field is 0, not its default.
+pub const POSEWISE_EXACT: u32 = 2;
+
 /// Rows are stored reversed ("selfie" view).
 pub const POSEWISE_FRAME_MIRRORED: u32 = 1;
 
@@ -266,13 +269,14 @@ pub struct posewise_lens {
     pub coefficients: [f32; 5],
 }
 
-/// Settings. A NULL pointer to this struct selects all defaults.
+/// Settings. A NULL pointer to this struct selects all defaults; without POSEWISE_EXACT so does 0
+/// in a field. Intrinsics or a region of zeros are none in either case.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
 pub struct posewise_config {
     /// sizeof(posewise_config).
     pub struct_size: u32,
-    /// Must be 0: no flags are defined.
+    /// 0 or POSEWISE_EXACT.
     pub flags: u32,
     /// Least width of a face to search for \[px, 24..4096, default 40\].
     pub min_face_px: u32,

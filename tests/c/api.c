@@ -156,10 +156,17 @@ static void test_config(void) {
     CHECK_STATUS(posewise_config_default(&c), POSEWISE_OK);
     CHECK(c.struct_size == sizeof c && c.min_face_px > 0 && c.scan_budget > 0);
     CHECK(posewise_memory_size(&c) == posewise_memory_size(NULL));
+    /* Exact settings: 0 is 0, and out of range for some. */
+    CHECK(c.flags == POSEWISE_EXACT);
+    c.smoothing_beta = 0;
+    CHECK(posewise_memory_size(&c) == posewise_memory_size(NULL));
+    c.min_face_px = 0, config_rejected(&c);
+    c = zero, c.flags = POSEWISE_EXACT, config_rejected(&c);
     CHECK(posewise_memory_size(&zero) == posewise_memory_size(NULL));
     c = zero, c.struct_size = sizeof c + 8, config_rejected(&c);
     config_rejected((const posewise_config *)(const void *)((const char *)pair + 2));
     c = zero, c.flags = 1, config_rejected(&c);
+    c = zero, c.flags = 4, config_rejected(&c);
     c = zero, c.gaze = POSEWISE_GAZE_NATURAL + 1, config_rejected(&c);
     c = zero, c.min_face_px = 23, config_rejected(&c);
     c = zero, c.min_face_px = 4097, config_rejected(&c);

@@ -66,6 +66,9 @@ static void test_config(void) {
         CHECK_STATUS(posewise_monitor_config_default(preset, &c), POSEWISE_OK);
         CHECK(c.preset == preset && c.sleep_us == 3000000 && c.struct_size == sizeof c);
         CHECK(posewise_monitor_memory_size(&c) == posewise_monitor_memory_size(NULL));
+        CHECK(c.flags == POSEWISE_EXACT);
+        c.zone_margin_deg = 0;
+        CHECK(posewise_monitor_memory_size(&c) == posewise_monitor_memory_size(NULL));
         CHECK((c.long_glance_us == 3500000) == (preset == POSEWISE_MONITOR_PRESET_EU_ADDW_FAST));
         CHECK((c.long_glance_us == 6000000) == (preset == POSEWISE_MONITOR_PRESET_EU_ADDW_SLOW));
     }
@@ -80,7 +83,7 @@ static void test_config(void) {
 #define REJECTED(change, code) c = zero, change, config_rejected(&c, code)
     REJECTED(c.struct_size = 0, POSEWISE_E_STRUCT_SIZE);
     REJECTED(c.struct_size += 4, POSEWISE_E_STRUCT_SIZE);
-    REJECTED(c.flags = 2, POSEWISE_E_FLAGS);
+    REJECTED(c.flags = 4, POSEWISE_E_FLAGS);
     REJECTED(c.preset = 5, POSEWISE_E_MONITOR_CONFIG);
     REJECTED(c.gap_us = 99999, POSEWISE_E_MONITOR_CONFIG);
     REJECTED(c.closed_below = NAN, POSEWISE_E_MONITOR_CONFIG);

@@ -79,7 +79,7 @@ fn possible(target: &str, programs: &[&str]) -> bool {
 const TOLERANCE: f64 = 0.02;
 
 /// What the header promises of the stack of a call \[bytes\].
-const STACK_LIMIT: usize = 32 * 1024;
+const STACK_LIMIT: usize = 40 * 1024;
 
 /// One of the figures that the replay printed.
 fn figure(replay: &Replay, name: &str) -> usize {
