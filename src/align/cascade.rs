@@ -46,8 +46,9 @@ pub struct Workspace {
     memory: Memory,
     features: [i8; VERIFIER_FEATURES],
     feature_count: usize,
+    /// Those of a run before the last, while two are compared.
+    kept_features: [i8; VERIFIER_FEATURES],
     view: usize,
-    global_shape: Shape,
 }
 
 impl Default for Workspace {
@@ -64,8 +65,8 @@ impl Workspace {
             memory: Memory::new(),
             features: [0; VERIFIER_FEATURES],
             feature_count: 0,
+            kept_features: [0; VERIFIER_FEATURES],
             view: 0,
-            global_shape: [[0.0; 2]; LANDMARKS],
         }
     }
 
@@ -75,9 +76,9 @@ impl Workspace {
         self.features.get(..self.feature_count).unwrap_or(&[])
     }
 
-    /// The landmarks after the last iteration, before the refiners (frame px).
-    pub fn global_shape(&self) -> &Shape {
-        &self.global_shape
+    /// Keeps the features of a run while another follows, or exchanges those of both runs.
+    pub fn exchange_features(&mut self) {
+        core::mem::swap(&mut self.features, &mut self.kept_features);
     }
 
     /// 80 KiB of the working memory, for other use between two runs. A run overwrites it and does
@@ -204,7 +205,7 @@ impl<'m> AlignModel<'m> {
         is_finite(shape)
     }
 
-    /// One iteration of the global stage: then features, view and global shape are known. False as
+    /// One iteration of the global stage: then features and view are known. False as
     /// in [`AlignModel::run`].
     pub fn iterate(&self, frame: &Frame<'_>, shape: &mut Shape, work: &mut Workspace) -> bool {
         let (global, side) = (&self.global, self.global.side());
@@ -231,7 +232,6 @@ impl<'m> AlignModel<'m> {
             false => view.index,
             true => self.views.shapes.len() + view.index - 1,
         };
-        work.global_shape = *shape;
         is_finite(shape)
     }
 }

@@ -4,7 +4,7 @@ use super::follow::Appearance;
 use super::geometry::{centre, initial_shape};
 use super::policy::{
     ACCEPT_CONFIDENCE, DISCARD_CONFIDENCE, FIT_WEIGHT_HIDDEN, FIT_WEIGHT_MIN, ITERATION_UNITS,
-    REFINE_UNITS, ROTATION_PRIOR_WEIGHT, TRUST_CONFIDENCE,
+    ROTATION_PRIOR_WEIGHT, TRUST_CONFIDENCE,
 };
 use super::search::Excluded;
 use super::step::Step;
@@ -86,36 +86,44 @@ impl Start {
     }
 }
 
-/// How the target looked before, with which an alignment of it is compared. The appearance does not
-/// follow a face that belongs to another tracker.
-pub(super) struct Known<'a> {
-    pub(super) appearance: &'a mut Appearance,
-    pub(super) excluded: &'a Excluded,
-}
-
-/// Landmarks aligned on a frame, and not yet fitted.
-pub(super) struct Aligned {
+/// Landmarks as the global stage sees them, and what the classifiers say of them.
+pub(super) struct Candidate {
     /// Where it started.
     pub(super) start: Shape,
     /// Its landmarks.
     pub(super) shape: Shape,
-    /// The landmarks after the global stage, before the refiners.
-    pub(super) global_shape: Shape,
-    /// The landmarks where a pinhole camera would show them, if they are refined.
-    pub(super) undistorted: Shape,
-    /// Their weights in the 3D fit.
-    weights: [f32; LANDMARKS],
+    /// See [`Workspace::view`].
+    view: usize,
     /// False where a landmark is not finite: the rest has no meaning then, and no confidence.
     pub(super) is_finite: bool,
-    /// The rotation by what it has seen.
-    pub(super) rotation: Option<RotationPrior>,
     pub(super) confidence: Confidence,
+    /// Mean visibility by the classifiers alone.
+    visible_share: f32,
     /// Landmarks that are visible and match the target's appearance.
     pub(super) recognised: u32,
     /// Iterations that were not run, because the confidence was too low.
     pub(super) iterations_left: usize,
     /// What it has cost \[units of the detector\].
     pub(super) units: u32,
+}
+
+/// A candidate whose landmarks are refined, and not yet fitted.
+pub(super) struct Aligned {
+    /// Where it started.
+    pub(super) start: Shape,
+    /// Its landmarks.
+    pub(super) shape: Shape,
+    /// The landmarks before the refiners.
+    pub(super) global_shape: Shape,
+    /// The landmarks where a pinhole camera would show them.
+    pub(super) undistorted: Shape,
+    /// Their weights in the 3D fit.
+    weights: [f32; LANDMARKS],
+    /// The rotation by what it has seen.
+    pub(super) rotation: Option<RotationPrior>,
+    pub(super) confidence: Confidence,
+    /// As in the candidate.
+    pub(super) recognised: u32,
 }
 
 impl Aligned {
@@ -128,115 +136,95 @@ impl Aligned {
     }
 }
 
-/// A run of the cascade.
-pub(super) struct Run {
-    pub(super) shape: Shape,
-    is_finite: bool,
-    /// Whether it came to its end, with the confidence that it needs.
-    pub(super) is_refined: bool,
-    pub(super) confidence: Confidence,
-    iterations_left: usize,
-    pub(super) units: u32,
-}
-
-impl Run {
-    pub(super) fn new(start: &Start) -> Run {
-        Run {
+impl Candidate {
+    /// Runs the global stage from a start and verifies each iteration. It ends where the candidate
+    /// has less confidence than it needs for the next one.
+    #[inline(never)]
+    pub(super) fn new(step: &Step<'_>, start: &Start, work: &mut Workspace) -> Candidate {
+        let mut candidate = Candidate {
+            start: start.shape,
             shape: start.shape,
+            view: 0,
             is_finite: false,
-            is_refined: false,
             confidence: Confidence::NONE,
+            visible_share: 0.0,
+            recognised: 0,
             iterations_left: start.iterations,
             units: 0,
+        };
+        while candidate.iterations_left > 0 {
+            let is_next = candidate.iterate(step, work);
+            if !is_next || candidate.confidence.face < start.needed.to_iterate {
+                break;
+            }
         }
+        candidate
     }
 
-    /// Runs the global stage and verifies each iteration. A candidate ends where it has less
-    /// confidence than is needed to go on. Any other is refined.
-    #[inline(never)]
-    pub(super) fn run(&mut self, step: &Step<'_>, needed: &Needed, work: &mut Workspace) {
-        if self.iterate(step, needed, work) {
-            self.units += REFINE_UNITS;
-            self.is_finite = (step.model.align).refine(step.frame, &mut self.shape, work);
-            self.is_refined = self.is_finite;
-        }
-    }
-
-    /// Whether all iterations were run, and the last one has the confidence that is needed.
-    #[inline(never)]
-    fn iterate(&mut self, step: &Step<'_>, needed: &Needed, work: &mut Workspace) -> bool {
+    /// One iteration; false where a landmark is not finite.
+    fn iterate(&mut self, step: &Step<'_>, work: &mut Workspace) -> bool {
         let (cascade, verifier) = (&step.model.align, &step.model.verifier);
-        while self.iterations_left > 0 {
-            self.units += ITERATION_UNITS;
-            self.is_finite = cascade.iterate(step.frame, &mut self.shape, work);
-            if !self.is_finite {
-                return false;
-            }
-            self.confidence = verifier.evaluate(work.features(), work.view());
-            self.iterations_left -= 1;
-            let least = match self.iterations_left {
-                0 => needed.to_refine,
-                _ => needed.to_iterate,
-            };
-            if self.confidence.face < least {
-                return false;
-            }
-        }
-        true
+        self.units += ITERATION_UNITS;
+        self.is_finite = cascade.iterate(step.frame, &mut self.shape, work);
+        self.confidence = match self.is_finite {
+            true => verifier.evaluate(work.features(), work.view()),
+            false => Confidence::NONE,
+        };
+        self.visible_share = self.confidence.visible_share();
+        self.view = work.view();
+        self.iterations_left -= 1;
+        self.is_finite
     }
-}
 
-/// Aligns a face from a start; what is refined is compared with what is known of it.
-#[inline(never)]
-pub(super) fn align(
-    step: &Step<'_>,
-    start: &Start,
-    known: Option<Known<'_>>,
-    work: &mut Workspace,
-) -> Aligned {
-    let mut run = Run::new(start);
-    run.run(step, &start.needed, work);
-    aligned(step, start, &run, known, work)
-}
+    /// Compares it with how the target looked before: visibilities change, and those that match are
+    /// counted. The appearance does not follow a face that belongs to another tracker.
+    pub(super) fn recognise(
+        &mut self,
+        appearance: &mut Appearance,
+        excluded: &Excluded,
+        work: &Workspace,
+    ) {
+        if self.is_finite && !excluded.contains(centre(&self.shape)) {
+            let is_trusted = self.confidence.face >= TRUST_CONFIDENCE;
+            self.recognised = appearance.update(work.features(), is_trusted, &mut self.confidence);
+        }
+    }
 
-/// What a run has come to. Apart from the run, whose working memory is not on the stack any more.
-#[inline(never)]
-fn aligned(
-    step: &Step<'_>,
-    start: &Start,
-    run: &Run,
-    known: Option<Known<'_>>,
-    work: &Workspace,
-) -> Aligned {
-    let shape = &run.shape;
-    let mut confidence = match run.is_finite {
-        true => run.confidence,
-        false => Confidence::NONE,
-    };
-    let rotation = match run.is_refined {
-        true => rotation_prior(step, shape, &confidence, work),
-        false => None,
-    };
-    let is_own = |known: &Known<'_>| run.is_refined && !known.excluded.contains(centre(shape));
-    let recognised = known.filter(is_own).map_or(0, |known| {
-        let is_trusted = confidence.face >= TRUST_CONFIDENCE;
-        (known.appearance).update(work.features(), is_trusted, &mut confidence)
-    });
-    Aligned {
-        start: start.shape,
-        shape: *shape,
-        global_shape: *work.global_shape(),
-        undistorted: match run.is_refined {
-            true => step.camera.undistorted(shape),
-            false => *shape,
-        },
-        weights: fit_weights(&confidence),
-        is_finite: run.is_finite,
-        rotation,
-        confidence,
-        recognised,
-        iterations_left: run.iterations_left,
-        units: run.units,
+    /// Refines the landmarks of the last candidate, or of one whose features the working memory has
+    /// again. `None` where one is not finite.
+    #[inline(never)]
+    pub(super) fn refine(&self, step: &Step<'_>, work: &mut Workspace) -> Option<Aligned> {
+        let mut shape = self.shape;
+        if !(step.model.align).refine(step.frame, &mut shape, work) {
+            return None;
+        }
+        Some(Aligned {
+            start: self.start,
+            shape,
+            global_shape: self.shape,
+            undistorted: step.camera.undistorted(&shape),
+            weights: fit_weights(&self.confidence),
+            rotation: self.rotation_prior(step, &shape, work),
+            confidence: self.confidence,
+            recognised: self.recognised,
+        })
+    }
+
+    /// The rotation by what was seen. Landmarks that are hidden are estimates whose errors are
+    /// alike: the more there are, the more the prior counts.
+    fn rotation_prior(
+        &self,
+        step: &Step<'_>,
+        shape: &Shape,
+        work: &Workspace,
+    ) -> Option<RotationPrior> {
+        let (regression, mean) = (&step.model.rotation, step.model.align.mean());
+        let features = work.features();
+        let prior = regression.predict(features, self.view, mean, shape, &step.camera)?;
+        Some(RotationPrior {
+            weight: ROTATION_PRIOR_WEIGHT * (1.0 - self.visible_share),
+            ..prior
+        })
     }
 }
 
@@ -248,21 +236,4 @@ fn fit_weights(confidence: &Confidence) -> [f32; LANDMARKS] {
         *weight = FIT_WEIGHT_MIN + *weight * shown;
     }
     weights
-}
-
-/// The rotation by what the alignment has seen. Landmarks that are hidden are estimates whose
-/// errors are alike: the more there are, the more the prior counts.
-fn rotation_prior(
-    step: &Step<'_>,
-    shape: &Shape,
-    confidence: &Confidence,
-    work: &Workspace,
-) -> Option<RotationPrior> {
-    let (regression, mean) = (&step.model.rotation, step.model.align.mean());
-    let (features, view) = (work.features(), work.view());
-    let prior = regression.predict(features, view, mean, shape, &step.camera)?;
-    Some(RotationPrior {
-        weight: ROTATION_PRIOR_WEIGHT * (1.0 - confidence.visible_share()),
-        ..prior
-    })
 }

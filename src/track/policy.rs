@@ -225,6 +225,12 @@ pub(super) const ITERATION_UNITS: u32 = 1900;
 /// Source: `posewise-lab bench`, likewise.
 pub(super) const REFINE_UNITS: u32 = 700;
 
+/// Work beyond which a step begins nothing more, but for a tile of the scan: the next one does
+/// \[units\].
+///
+/// Source: chosen; the longest step takes what `posewise-lab bench` says.
+pub(super) const STEP_UNITS: u32 = 6700;
+
 /// Work of comparing one window of a frame with all keyframes \[units\].
 ///
 /// Source: `posewise-lab bench`, likewise.

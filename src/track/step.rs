@@ -1,5 +1,6 @@
 //! What one step is given, why it may be refused, and how much work it may do.
 
+use super::policy::STEP_UNITS;
 use super::{Config, Model};
 use crate::detect::TILE_UNITS;
 use crate::image::{Frame, Roi};
@@ -75,19 +76,35 @@ impl core::error::Error for StepError {}
 pub(super) struct WorkBudget {
     limit: u32,
     spent: u32,
+    /// What was spent before it, and since, whatever was given back.
+    total: u32,
 }
 
 impl WorkBudget {
-    /// A limit below the work of a tile counts as that: each step can evaluate one.
-    pub(super) fn new(limit: u32) -> WorkBudget {
+    /// A limit below the work of a tile counts as that: each step can evaluate one. `before` was
+    /// spent by the step already, and does not count for the limit.
+    pub(super) fn new(limit: u32, before: u32) -> WorkBudget {
         WorkBudget {
             limit: limit.max(TILE_UNITS),
             spent: 0,
+            total: before,
         }
     }
 
     pub(super) fn spend(&mut self, units: u32) {
         self.spent = self.spent.saturating_add(units);
+        self.total = self.total.saturating_add(units);
+    }
+
+    /// All work of the step so far.
+    pub(super) fn total(&self) -> u32 {
+        self.total
+    }
+
+    /// Whether so much more is within what a step may take: [`STEP_UNITS`], or the limit where the
+    /// settings allow more.
+    pub(super) fn has_room(&self, units: u32) -> bool {
+        self.total.saturating_add(units) <= STEP_UNITS.max(self.limit)
     }
 
     pub(super) fn spent(&self) -> u32 {
@@ -117,13 +134,23 @@ mod tests {
 
     #[test]
     fn a_budget_ends_at_its_limit_and_leaves_a_tile() {
-        let mut budget = WorkBudget::new(1000);
+        let mut budget = WorkBudget::new(1000, 0);
         budget.spend(400);
         assert_eq!((budget.left(), budget.spent()), (600, 400));
         budget.spend(u32::MAX);
         assert_eq!(budget.left(), 0);
         budget.leave(TILE_UNITS);
         assert_eq!(budget.left(), TILE_UNITS);
-        assert_eq!(WorkBudget::new(1).left(), TILE_UNITS);
+        assert_eq!(WorkBudget::new(1, 0).left(), TILE_UNITS);
+    }
+
+    #[test]
+    fn a_step_has_room_for_so_much_and_no_more() {
+        let mut budget = WorkBudget::new(1000, 500);
+        budget.spend(800);
+        budget.leave(TILE_UNITS);
+        assert_eq!(budget.total(), 1300);
+        assert!(budget.has_room(STEP_UNITS - 1300) && !budget.has_room(STEP_UNITS - 1299));
+        assert!(WorkBudget::new(u32::MAX, 500).has_room(u32::MAX - 500));
     }
 }

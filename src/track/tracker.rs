@@ -25,12 +25,12 @@
 use core::fmt;
 use core::mem::MaybeUninit;
 
-use super::align::{Aligned, Origin, align};
+use super::align::{Candidate, Origin};
 use super::eyes::{Eyes, see};
 use super::fit::{Fitted, fit_face};
-use super::follow::{Target, align_target, verify_target};
+use super::follow::{Target, see_target, verify_target};
 use super::output::{Event, EventKind, EventLog, Smoother, write};
-use super::policy::{COAST_US, NO_LONGER_NOISY, NOISY};
+use super::policy::{COAST_US, NO_LONGER_NOISY, NOISY, REFINE_UNITS};
 use super::search::{Detected, Excluded, FaceHint, FoundFace};
 use super::search::{Proposals, Search, Suppressed, Wanted, list};
 use super::step::Step;
@@ -56,6 +56,26 @@ pub struct Tracker {
     target: Target,
     work: Workspace,
     events: EventLog,
+    /// Work of the last step \[units\].
+    units: u32,
+}
+
+/// What became of the target on a frame.
+struct Followed {
+    is_found: bool,
+    /// Why it is lost, if it is.
+    loss: Option<Loss>,
+    /// What that has cost \[units\].
+    units: u32,
+}
+
+impl Followed {
+    /// There is nothing to follow.
+    const NOT: Followed = Followed {
+        is_found: false,
+        loss: None,
+        units: 0,
+    };
 }
 
 /// Settings and result; the rest is more than anybody reads.
@@ -95,6 +115,7 @@ impl Tracker {
         target: Target::EMPTY,
         work: Workspace::new(),
         events: EventLog::EMPTY,
+        units: 0,
     };
 
     /// A tracker that has seen nothing.
@@ -208,6 +229,12 @@ impl Tracker {
         Ok(list(step, config, search, &self.excluded, work, found))
     }
 
+    /// Work of the last step, in units of which a tracking step has 2,600.
+    #[cfg(feature = "unstable-internals")]
+    pub fn units(&self) -> u32 {
+        self.units
+    }
+
     /// The result of the last step.
     pub fn result(&self) -> &TrackResult {
         &self.result
@@ -311,45 +338,57 @@ impl Tracker {
         let frame = &self.filtered(frame);
         let step = &Step::new(model, frame, timestamp_us, &self.config);
         let followed = match (self.result.state, wanted) {
-            (State::Tracking, Wanted::Any | Wanted::Near(_)) => self.follow(step).map_err(Some),
-            // There is nothing to follow.
-            _ => Err(None),
+            (State::Tracking, Wanted::Any | Wanted::Near(_)) => self.follow(step),
+            _ => Followed::NOT,
         };
-        if let Err(loss) = followed {
+        self.units = followed.units;
+        if !followed.is_found {
             // A target that left the frame is in no other place. Another one may have jumped.
-            if loss == Some(Loss::LeftFrame) || !self.search(step, wanted) {
-                self.find_nothing(step, wanted, loss);
+            let may_be_elsewhere = followed.loss != Some(Loss::LeftFrame);
+            if !(may_be_elsewhere && self.search(step, wanted)) {
+                self.find_nothing(step, wanted, followed.loss);
             }
         }
         self.smoother.follow(&self.result, &self.config.smoothing);
         Ok(&self.result)
     }
 
-    /// Follows the target to this frame; else says why it is lost.
+    /// Follows the target to this frame.
     #[inline(never)]
-    fn follow(&mut self, step: &Step<'_>) -> Result<(), Loss> {
-        let aligned = &align_target(step, &mut self.target, &self.excluded, &mut self.work);
-        verify_target(step, aligned, &self.target, &self.excluded)?;
-        self.accept(step, aligned, Origin::Tracked)
+    fn follow(&mut self, step: &Step<'_>) -> Followed {
+        let candidate = &see_target(step, &mut self.target, &self.excluded, &mut self.work);
+        let verified = verify_target(step, candidate, &self.target, &self.excluded);
+        let refined = if verified.is_ok() { REFINE_UNITS } else { 0 };
+        let found = verified.and_then(|()| self.accept(step, candidate, Origin::Tracked));
+        Followed {
+            is_found: found.is_ok(),
+            loss: found.err(),
+            units: candidate.units + refined,
+        }
     }
 
-    /// Attempts one place after the other, until a face is accepted. False where none is.
+    /// Attempts one place after the other, until a face is accepted; adds to the step's work. False
+    /// where none is.
     #[inline(never)]
     fn search(&mut self, step: &Step<'_>, wanted: &Wanted) -> bool {
-        let (state, place) = (self.result.state, &self.target.place);
-        let mut proposals = Proposals::new(state, wanted, place, &self.config, step.now_us);
+        let (state, place, units) = (self.result.state, &self.target.place, self.units);
+        let mut proposals = Proposals::new(state, wanted, place, &self.config, step.now_us, units);
         loop {
             let (search, work) = (&mut self.search, &mut self.work);
-            let Some(start) = proposals.next(step, &self.config, search, work) else {
+            let next = proposals.next(step, &self.config, search, work);
+            self.units = proposals.units();
+            let Some(start) = next else {
                 return false;
             };
-            let aligned = &align(step, &start, None, work);
-            proposals.spend(aligned.units);
-            match verify(step, &start, aligned, &self.excluded, &self.suppressed) {
+            let candidate = &Candidate::new(step, &start, work);
+            proposals.spend(candidate.units);
+            match verify(step, &start, candidate, &self.excluded, &self.suppressed) {
                 Verdict::Reject => {}
-                Verdict::Retry => search.offer(aligned),
+                Verdict::Retry => search.offer(candidate),
                 Verdict::Fit => {
-                    if self.accept(step, aligned, start.origin).is_ok() {
+                    proposals.spend(REFINE_UNITS);
+                    self.units = proposals.units();
+                    if self.accept(step, candidate, start.origin).is_ok() {
                         proposals.accepted(&mut self.search);
                         return true;
                     }
@@ -358,9 +397,11 @@ impl Tracker {
         }
     }
 
-    /// Fits an aligned face, takes it as the target and writes the result; else says why not.
+    /// Refines and fits a face, takes it as the target and writes the result; else says why not.
     #[inline(never)]
-    fn accept(&mut self, step: &Step<'_>, aligned: &Aligned, origin: Origin) -> Result<(), Loss> {
+    fn accept(&mut self, step: &Step<'_>, face: &Candidate, origin: Origin) -> Result<(), Loss> {
+        let aligned = face.refine(step, &mut self.work);
+        let aligned = &aligned.ok_or(Loss::LowConfidence)?;
         let prior = &self.target.prior(origin, step.now_us);
         let fit = fit_face(step, aligned, prior);
         let fitted = (fit.as_ref()).and_then(|fit| Fitted::new(step, aligned, fit, prior));

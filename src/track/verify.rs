@@ -1,4 +1,4 @@
-//! Second part of an attempt: whether an aligned candidate may be a new or a lost face.
+//! Second part of an attempt: whether a candidate may be a new or a lost face.
 //!
 //! | attempt | iterations | accepted from a confidence of |
 //! |---|---|---|
@@ -10,14 +10,14 @@
 //! In the suppressed region each needs `TRUST_CONFIDENCE`. A face that is centred outside of the
 //! region of interest, or is excluded, is never accepted.
 
-use super::align::{Aligned, Start};
+use super::align::{Candidate, Start};
 use super::geometry::{centre, detection_of};
 use super::policy::{DISCARD_CONFIDENCE, RETRY_CONFIDENCE, TRUST_CONFIDENCE};
 use super::search::{Excluded, Suppressed};
 use super::step::Step;
 use crate::align::Shape;
 
-/// What becomes of an aligned candidate.
+/// What becomes of a candidate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Verdict {
     /// It is a face if a pose explains it.
@@ -32,22 +32,22 @@ pub(super) enum Verdict {
 pub(super) fn verify(
     step: &Step<'_>,
     start: &Start,
-    aligned: &Aligned,
+    candidate: &Candidate,
     excluded: &Excluded,
     suppressed: &Suppressed,
 ) -> Verdict {
-    let confidence = aligned.confidence.face;
+    let confidence = candidate.confidence.face;
     let is_suppressed = || {
-        let place = detection_of(step.model, &aligned.shape);
+        let place = detection_of(step.model, &candidate.shape);
         suppressed.contains(&place, step.now_us)
     };
-    if !aligned.is_finite || !may_find(step, &aligned.shape, excluded) {
+    if !candidate.is_finite || !may_find(step, &candidate.shape, excluded) {
         return Verdict::Reject;
     }
     if confidence < TRUST_CONFIDENCE && is_suppressed() {
         return Verdict::Reject;
     }
-    let least = match aligned.iterations_left {
+    let least = match candidate.iterations_left {
         0 => RETRY_CONFIDENCE,
         _ => DISCARD_CONFIDENCE,
     };

@@ -12,3 +12,4 @@ mod monitor;
 mod serde;
 mod several;
 mod tracker;
+mod work;

@@ -8,7 +8,7 @@ mod target;
 pub use appearance::Appearance;
 pub use target::Target;
 
-use super::align::{Aligned, Known, Origin, Start, align};
+use super::align::{Candidate, Origin, Start};
 use super::geometry::{centre, is_in_frame};
 use super::output::Loss;
 use super::policy::{CUT_SHARE, IN_PLACE_SHARES, UNTRUSTED_KEEP_CONFIDENCE};
@@ -16,81 +16,77 @@ use super::search::Excluded;
 use super::step::Step;
 use crate::align::{Shape, Workspace};
 
-/// Aligns the target at its predicted place. Where its confidence is low there, the place where it
+/// Sees the target at its predicted place. Where its confidence is low there, the place where it
 /// was last trusted is tried too, because whatever covers a face draws the landmarks along.
 #[inline(never)]
-pub fn align_target(
+pub fn see_target(
     step: &Step<'_>,
     target: &mut Target,
     excluded: &Excluded,
     work: &mut Workspace,
-) -> Aligned {
+) -> Candidate {
     let predicted = target.predict(step.now_us);
-    let first = align_at(step, predicted, target, excluded, work);
+    let mut first = see_at(step, predicted, target, excluded, work);
     let is_low = first.is_finite && first.confidence.face < UNTRUSTED_KEEP_CONFIDENCE;
     let Some(anchor) = target.anchor().filter(|_| is_low).copied() else {
         return first;
     };
-    let second = align_at(step, anchor, target, excluded, work);
+    work.exchange_features();
+    let mut second = see_at(step, anchor, target, excluded, work);
+    first.units += second.units;
     let is_free = !excluded.contains(centre(&second.shape));
     let is_better = second.confidence.face > first.confidence.face;
-    match second.is_finite && is_free && is_better {
-        true => second,
-        false => first,
+    if second.is_finite && is_free && is_better {
+        second.units = first.units;
+        return second;
     }
+    work.exchange_features();
+    first
 }
 
-fn align_at(
+fn see_at(
     step: &Step<'_>,
     shape: Shape,
     target: &mut Target,
     excluded: &Excluded,
     work: &mut Workspace,
-) -> Aligned {
-    let mut start = Start::near(shape, Origin::Tracked);
-    start.needed.to_refine = 0.0;
-    let appearance = &mut target.appearance;
-    align(
-        step,
-        &start,
-        Some(Known {
-            appearance,
-            excluded,
-        }),
-        work,
-    )
+) -> Candidate {
+    let start = Start::near(shape, Origin::Tracked);
+    let mut candidate = Candidate::new(step, &start, work);
+    candidate.recognise(&mut target.appearance, excluded, work);
+    candidate
 }
 
-/// Whether an alignment of the target is good enough to go on with; else why the target is lost.
+/// Whether what was seen of the target is good enough to go on with; else why it is lost.
 pub fn verify_target(
     step: &Step<'_>,
-    aligned: &Aligned,
+    candidate: &Candidate,
     target: &Target,
     excluded: &Excluded,
 ) -> Result<(), Loss> {
-    if !aligned.is_finite {
+    if !candidate.is_finite {
         return Err(Loss::LowConfidence);
     }
-    if excluded.contains(centre(&aligned.shape)) {
+    if excluded.contains(centre(&candidate.shape)) {
         return Err(Loss::Excluded);
     }
-    if !is_kept(step, aligned, target) {
+    if !is_kept(step, candidate, target) {
         return Err(Loss::LowConfidence);
     }
-    match is_in_frame(&aligned.shape, step.frame) {
+    match is_in_frame(&candidate.shape, step.frame) {
         true => Ok(()),
         false => Err(Loss::LeftFrame),
     }
 }
 
 /// Whether the target is still there by its confidence, or by what surrounds its face.
-fn is_kept(step: &Step<'_>, aligned: &Aligned, target: &Target) -> bool {
-    let confidence = &aligned.confidence;
-    let kept = confidence.face >= target.min_confidence(aligned.recognised, step.now_us);
+fn is_kept(step: &Step<'_>, candidate: &Candidate, target: &Target) -> bool {
+    let confidence = &candidate.confidence;
+    let kept = confidence.face >= target.min_confidence(candidate.recognised, step.now_us);
     if !target.is_trusted() || confidence.face >= UNTRUSTED_KEEP_CONFIDENCE {
         return kept;
     }
-    let centre = centre(&aligned.shape);
+    let centre = centre(&candidate.shape);
     if target.last.unchanged(step.frame, centre).most() < CUT_SHARE {
         return false;
     }

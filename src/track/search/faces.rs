@@ -4,10 +4,10 @@
 use super::{Excluded, Search};
 use crate::align::Workspace;
 use crate::detect::{Detection, ScanOutcome, TILE_UNITS};
-use crate::track::align::{Needed, Origin, Run, Start};
+use crate::track::align::{Candidate, Needed, Origin, Start};
 use crate::track::config::Config;
 use crate::track::geometry::{bounds, detection_of, is_same_face};
-use crate::track::policy::FIRST_ATTEMPT_CONFIDENCE;
+use crate::track::policy::{FIRST_ATTEMPT_CONFIDENCE, REFINE_UNITS};
 use crate::track::step::{Step, WorkBudget};
 use crate::track::verify::may_find;
 
@@ -114,7 +114,7 @@ pub fn list(
     work: &mut Workspace,
     found: &mut [FoundFace],
 ) -> Detected {
-    let mut budget = WorkBudget::new(config.scan_budget);
+    let mut budget = WorkBudget::new(config.scan_budget, 0);
     let mut detected = Detected::default();
     while detected.count < found.len() && budget.left() >= TILE_UNITS {
         match (search.scanner).next_of_all(config, step, &mut budget, work) {
@@ -147,16 +147,19 @@ fn evaluate(
     let Some(start) = Start::at(step, face, Origin::NewFace, needed) else {
         return (None, 0);
     };
-    let mut run = Run::new(&start);
-    run.run(step, &start.needed, work);
-    let is_wanted = run.is_refined && may_find(step, &run.shape, excluded);
-    let found = is_wanted.then(|| FoundFace {
-        face_box: bounds(&run.shape),
+    let candidate = Candidate::new(step, &start, work);
+    let confidence = candidate.confidence.face;
+    let is_face = candidate.is_finite && confidence >= start.needed.to_refine;
+    if !is_face || !may_find(step, &candidate.shape, excluded) {
+        return (None, candidate.units);
+    }
+    let found = candidate.refine(step, work).map(|aligned| FoundFace {
+        face_box: bounds(&aligned.shape),
         yaw_deg: 90.0 * face.yaw,
-        roll_deg: detection_of(step.model, &run.shape).roll.to_degrees(),
-        confidence: run.confidence.face,
+        roll_deg: detection_of(step.model, &aligned.shape).roll.to_degrees(),
+        confidence,
     });
-    (found, run.units)
+    (found, candidate.units + REFINE_UNITS)
 }
 
 /// Adds a face to the first `count`, unless it is among them with a higher confidence; returns how

@@ -8,7 +8,7 @@ mod scan;
 pub use faces::{Detected, FaceHint, FoundFace, list};
 pub use rejected::{Excluded, Suppressed};
 
-use super::align::{Aligned, Needed, Origin, Start};
+use super::align::{Candidate, Needed, Origin, Start};
 use super::config::Config;
 use super::output::State;
 use super::policy::{
@@ -50,10 +50,10 @@ impl Search {
     }
 
     /// Keeps a rejected candidate for a retry, if none is kept that is better.
-    pub fn offer(&mut self, rejected: &Aligned) {
+    pub fn offer(&mut self, rejected: &Candidate) {
         let is_unfinished = rejected.iterations_left > 0;
         let confidence = rejected.confidence.face;
-        (self.retry).offer(confidence, &rejected.global_shape, is_unfinished);
+        (self.retry).offer(confidence, &rejected.shape, is_unfinished);
     }
 
     /// A face was found: ends scan and retry.
@@ -90,6 +90,9 @@ pub enum Wanted {
     At(Detection),
 }
 
+/// Work of a search with keyframes and of the attempt at what it finds \[units\].
+const KEYFRAME_ATTEMPT_UNITS: u32 = KEYFRAME_UNITS + ITERATION_UNITS + REFINE_UNITS;
+
 /// What is proposed next.
 #[derive(Clone, Copy)]
 enum Stage {
@@ -101,9 +104,12 @@ enum Stage {
     NearExpected(Detection),
     /// Nothing yet: a step that searches begins.
     Begin,
+    /// Nothing yet: this step has lost the target, last seen here.
+    Lost(LastSeen),
     /// A keyframe in one window of the frame, after the target was last seen here.
     Keyframe(LastSeen),
-    /// Nothing yet: steps that coast search around the target's place and the frame by turns.
+    /// Nothing yet: steps that coast search around the target's place, and for keyframes and in the
+    /// frame, by turns.
     Turn(LastSeen),
     /// What the detector finds near the target's last place.
     NearTarget(Detection),
@@ -129,26 +135,29 @@ pub struct Proposals {
 }
 
 impl Proposals {
-    /// Those of a step in this state, whose target was last fitted at `place`.
+    /// Those of a step in this state, whose target was last fitted at `place`, and was followed
+    /// with so much work.
     pub fn new(
         state: State,
         wanted: &Wanted,
         place: &Detection,
         config: &Config,
         now_us: i64,
+        spent: u32,
     ) -> Proposals {
         let last_seen = LastSeen::at(place, now_us);
         let stage = match (wanted, state) {
             (Wanted::At(face), _) => Stage::Exactly(*face),
             (Wanted::Near(face), State::Searching) => Stage::Expected(*face),
             (_, State::Searching) => Stage::Begin,
-            (_, State::Tracking | State::Coasting) => Stage::Keyframe(last_seen),
+            (_, State::Tracking) => Stage::Lost(last_seen),
+            (_, State::Coasting) => Stage::Turn(last_seen),
         };
         Proposals {
             state,
             stage,
             plan: ScanPlan::expected(&last_seen, config),
-            budget: WorkBudget::new(config.scan_budget),
+            budget: WorkBudget::new(config.scan_budget, spent),
             entry: None,
         }
     }
@@ -156,6 +165,11 @@ impl Proposals {
     /// Counts work that an attempt took \[units\].
     pub fn spend(&mut self, units: u32) {
         self.budget.spend(units);
+    }
+
+    /// All work of the step so far \[units\].
+    pub fn units(&self) -> u32 {
+        self.budget.total()
     }
 
     /// The next place; `None` when there is none or the step's work is done.
@@ -176,17 +190,20 @@ impl Proposals {
                     (start, Stage::NearExpected(face))
                 }
                 Stage::NearExpected(face) => {
+                    self.budget.spend(TILE_UNITS);
                     let found = nearest(step, &face, work);
                     let start = found.and_then(|face| first(step, &face, Origin::NewFace));
                     (start, Stage::Begin)
                 }
                 Stage::NearTarget(face) => {
+                    self.budget.spend(TILE_UNITS);
                     let found = nearest(step, &face, work);
                     let start = found.and_then(|face| first(step, &face, Origin::Reacquired));
                     (start, Stage::End)
                 }
                 Stage::Begin => (None, self.begin(step, config, search)),
                 Stage::Keyframe(last) => self.keyframe(step, &last, search, work),
+                Stage::Lost(last) => (None, self.lost(&last, search)),
                 Stage::Turn(last) => (None, turn(&last, search)),
                 // If a keyframe match was rejected, the step has had its retry.
                 Stage::Retry if self.budget.spent() > KEYFRAME_UNITS => (None, Stage::BeginScan),
@@ -224,12 +241,24 @@ impl Proposals {
         }
     }
 
+    /// A step that has lost its target looks for it by keyframes, or leaves that to the next one,
+    /// which has no target to follow.
+    fn lost(&mut self, last: &LastSeen, search: &mut Search) -> Stage {
+        match self.budget.has_room(KEYFRAME_ATTEMPT_UNITS) {
+            true => Stage::Keyframe(*last),
+            false => {
+                search.scanner.end_turn(LOCAL_SEARCH_PERIOD);
+                Stage::End
+            }
+        }
+    }
+
     /// Plans a step that searches. What the caller's place took comes on top of its work.
     fn begin(&mut self, step: &Step<'_>, config: &Config, search: &mut Search) -> Stage {
         let scanner = &mut search.scanner;
         scanner.count_step();
         self.plan = scanner.plan(config, step);
-        self.budget = WorkBudget::new(config.scan_budget);
+        self.budget = WorkBudget::new(config.scan_budget, self.budget.total());
         match scanner.is_keyframe_step(config, step.now_us) {
             true => Stage::Keyframe(scanner.last_seen),
             false => Stage::Retry,
@@ -245,9 +274,8 @@ impl Proposals {
         work: &mut Workspace,
     ) -> (Option<Start>, Stage) {
         let next = match self.state {
-            State::Searching => Stage::Retry,
+            State::Searching | State::Coasting => Stage::Retry,
             State::Tracking => Stage::End,
-            State::Coasting => Stage::Turn(*last),
         };
         if !search.keyframes.can_find(&last.place) {
             return (None, next);
@@ -271,11 +299,13 @@ impl Proposals {
         let Some(face) = (search.scanner).next(step, &mut self.plan, &mut self.budget, work) else {
             return (None, Stage::Retries);
         };
-        let iterations = step.model.align.iterations() as u32;
+        let attempt = step.model.align.iterations() as u32 * ITERATION_UNITS + REFINE_UNITS;
         let needed = Needed {
-            to_iterate: match self.budget.left() >= iterations * ITERATION_UNITS + REFINE_UNITS {
+            to_iterate: match self.budget.left() >= attempt {
                 true => DISCARD_CONFIDENCE,
-                false => RETRY_CONFIDENCE,
+                false if self.budget.has_room(attempt) => RETRY_CONFIDENCE,
+                // The next step goes on with it.
+                false => f32::INFINITY,
             },
             to_refine: FIRST_ATTEMPT_CONFIDENCE,
         };
@@ -288,12 +318,12 @@ fn first(step: &Step<'_>, face: &Detection, origin: Origin) -> Option<Start> {
     Start::at(step, face, origin, Needed::to_refine(ACCEPT_CONFIDENCE))
 }
 
-/// Where a step that coasts searches: around the target's last place or, by turns, in the whole
-/// frame at its size.
+/// Where a step that coasts searches: around the target's last place or, by turns, by keyframes and
+/// then in the whole frame at its size.
 fn turn(last: &LastSeen, search: &mut Search) -> Stage {
     search.scanner.count_step();
     match search.scanner.is_one_in(LOCAL_SEARCH_PERIOD) {
         true => Stage::NearTarget(last.place),
-        false => Stage::Retry,
+        false => Stage::Keyframe(*last),
     }
 }

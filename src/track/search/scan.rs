@@ -147,6 +147,11 @@ impl Scanner {
         self.steps.is_multiple_of(period)
     }
 
+    /// The next step is the first of `period`, after the one that [`Scanner::is_one_in`] means.
+    pub fn end_turn(&mut self, period: u32) {
+        self.steps -= self.steps % period.max(1);
+    }
+
     /// The plan of this step while searching.
     pub fn plan(&self, config: &Config, step: &Step<'_>) -> ScanPlan {
         let first = match self.last_seen.is_recent(step.now_us) {
