@@ -39,7 +39,16 @@ impl Baseline {
         open_eye: [1.0; 2],
     };
 
-    /// Openness of the open left and right eye; 1 until it is final.
+    /// Nothing is learnt, and this is guessed of the open left and right eye.
+    pub(super) fn guessed(open_eye: [f32; 2]) -> Baseline {
+        let [least, most] = BOUNDS;
+        Baseline {
+            open_eye: open_eye.map(|open| open.clamp(least, most)),
+            ..Baseline::NEW
+        }
+    }
+
+    /// Openness of the open left and right eye; what was guessed, or 1, until it is final.
     pub(super) fn open_eye(&self) -> [f32; 2] {
         self.open_eye
     }
@@ -55,7 +64,7 @@ impl Baseline {
             return false;
         }
         if is_long {
-            *self = Baseline::NEW;
+            self.begin_anew();
             return false;
         }
         self.known_us += time_us;
@@ -76,9 +85,14 @@ impl Baseline {
         self.is_final
     }
 
+    /// What was learnt, or guessed, counts until something is.
+    fn begin_anew(&mut self) {
+        *self = Baseline::guessed(self.open_eye);
+    }
+
     fn finish(&mut self) {
         if self.closed_us as f32 > MOST_CLOSED * self.known_us as f32 {
-            *self = Baseline::NEW;
+            self.begin_anew();
             return;
         }
         let [left, right] = self.open_us.each_ref().map(open_of);
@@ -113,6 +127,18 @@ mod tests {
         assert_eq!((learnt, baseline.is_final()), (1, true));
         let [left, right] = baseline.open_eye();
         assert!((left - 0.83).abs() < 0.03 && (right - 0.73).abs() < 0.03);
+    }
+
+    #[test]
+    fn a_guess_counts_until_something_is_learnt() {
+        let mut baseline = Baseline::guessed([0.7, 0.2]);
+        assert_eq!(baseline.open_eye(), [0.7, 0.6]);
+        baseline.pass(33_333, [Some(0.9); 2], true);
+        assert_eq!(baseline.open_eye(), [0.7, 0.6]);
+        for _ in 0..1_000 {
+            baseline.pass(33_333, [Some(0.9); 2], false);
+        }
+        assert!(baseline.is_final() && baseline.open_eye()[0] > 0.85);
     }
 
     #[test]

@@ -8,12 +8,13 @@ use super::drowsiness;
 use super::event::{MonitorEvent, MonitorEventKind, MonitorEventLog};
 use super::glance::Glances;
 use super::look_down::LookDown;
-use super::natural::Natural;
+use super::natural::{Natural, is_learnt};
 use super::nod::Nods;
 use super::observation::Observation;
 use super::perclos::Windows;
 use super::preset::Preset;
 use super::reading::Reading;
+use super::record::{Learnt, MONITOR_RECORD_BYTES, RecordError};
 use super::state::{Drowsiness, EyeState, MonitorState};
 use super::yawn::Yawns;
 use super::zone::{Direction, Zone, ZoneState, Zones};
@@ -149,6 +150,34 @@ impl Monitor {
         (self.reading, self.clock) = (Reading::NONE, Clock::NEW);
         (self.direction, self.look_down) = (None, LookDown::NONE);
         (self.drowsiness, self.sight) = (Drowsiness::Unknown, Sight::default());
+    }
+
+    /// What was learnt of the driver, for [`Monitor::restore`] on the next drive.
+    pub fn save(&self) -> [u8; MONITOR_RECORD_BYTES] {
+        let learnt = Learnt {
+            open_eye: (self.baseline.is_final()).then(|| self.baseline.open_eye()),
+            natural_deg: (self.natural.is_final(&self.config))
+                .then(|| self.natural.offset_deg())
+                .filter(|_| is_learnt(&self.config)),
+        };
+        learnt.to_bytes()
+    }
+
+    /// Guesses what a record says of the driver: it counts from the next observation on, is never
+    /// final, and what is observed replaces it, so that the record of another person does harm for
+    /// half a minute at most. Measures, events and clock stay.
+    ///
+    /// # Errors
+    /// [`RecordError`]; the monitor is then unchanged.
+    pub fn restore(&mut self, record: &[u8]) -> Result<(), RecordError> {
+        let learnt = Learnt::from_bytes(record)?;
+        if let Some(open_eye) = learnt.open_eye {
+            self.baseline = Baseline::guessed(open_eye);
+        }
+        if let Some(natural_deg) = learnt.natural_deg {
+            self.natural = Natural::guessed(natural_deg, &self.config);
+        }
+        Ok(())
     }
 
     /// Takes one observation. Timestamps may come at any rate. One that is before the last one ends

@@ -15,6 +15,7 @@
 //! | `episode` | what yawns and looks down have in common |
 //! | `baseline`, `natural` | openness of this person's open eyes, direction of the road |
 //! | `quantile` | of the histograms from which both are learnt |
+//! | `record` | both as bytes, for the next drive |
 //! | `event`, `state`, `driver` | outputs, and the whole |
 //!
 //! Memory is fixed, work per observation is bounded.
@@ -38,6 +39,7 @@ mod preset;
 mod quantile;
 mod reading;
 mod recent;
+mod record;
 mod state;
 mod yawn;
 mod zone;
@@ -49,5 +51,6 @@ pub use observation::Observation;
 #[cfg(feature = "unstable-internals")]
 pub use openness::openness;
 pub use preset::Preset;
+pub use record::{MONITOR_RECORD_BYTES, RecordError};
 pub use state::{Drowsiness, EyeState, MonitorState, Perclos, UnknownReason};
 pub use zone::{MAX_ZONES, Zone, ZoneShape, ZoneState};

@@ -14,6 +14,8 @@ const PITCH_BINS: usize = 30;
 /// Known time from which on there is an estimate, and after which it is final \[µs\].
 const FIRST_US: u32 = 10_000_000;
 const FINAL_US: u32 = 60_000_000;
+/// Known time that a guess stands for \[µs\]. Chosen: less than half of what follows.
+const GUESS_US: u32 = 15_000_000;
 
 /// Learns the offset.
 #[derive(Clone)]
@@ -31,6 +33,14 @@ impl Natural {
         known_us: 0,
         offset_deg: [0.0; 2],
     };
+
+    /// A guess, which counts as much as this time in which the driver looked there: a wrong one is
+    /// outvoted before the estimate is final.
+    pub(super) fn guessed(at_deg: [f32; 2], config: &MonitorConfig) -> Natural {
+        let mut natural = Natural::NEW;
+        natural.pass(GUESS_US, at_deg, config);
+        natural
+    }
 
     /// Whether there is an estimate; settings without bounds need none.
     pub(super) fn is_known(&self, config: &MonitorConfig) -> bool {
@@ -102,6 +112,20 @@ mod tests {
             (yaw - 29.0).abs() < 1.0 && (pitch - 7.0).abs() < 1.0,
             "{yaw} {pitch}"
         );
+    }
+
+    #[test]
+    fn a_guess_is_an_estimate_and_a_wrong_one_is_outvoted() {
+        let config = MonitorConfig::default();
+        let mut natural = Natural::guessed([20.0, -6.0], &config);
+        assert!(natural.is_known(&config) && !natural.is_final(&config));
+        let [yaw, pitch] = natural.offset_deg();
+        assert!((yaw - 20.0).abs() < 1.5 && (pitch + 6.0).abs() < 1.5);
+        for _ in 0..1_400 {
+            natural.pass(33_333, [-10.0, 3.0], &config);
+        }
+        assert!(natural.is_final(&config));
+        assert!((natural.offset_deg()[0] + 10.0).abs() < 1.5);
     }
 
     #[test]

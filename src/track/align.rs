@@ -195,7 +195,7 @@ impl Candidate {
     #[inline(never)]
     pub(super) fn refine(&self, step: &Step<'_>, work: &mut Workspace) -> Option<Aligned> {
         let mut shape = self.shape;
-        if !(step.model.align).refine(step.frame, &mut shape, work) {
+        if !self.is_finite || !(step.model.align).refine(step.frame, &mut shape, work) {
             return None;
         }
         Some(Aligned {
