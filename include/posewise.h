@@ -22,7 +22,8 @@
  * @par Stack
  * A call takes less than 40 KiB.
  * @par Threads
- * One thread at a time may use a tracker. Trackers share only the model, which is read-only.
+ * One thread at a time may use a tracker, or a monitor. They share only the model, which is
+ * read-only, and what posewise_set_cpu() says: call it before other threads begin.
  * @par Floats
  * Rounding mode, flush-to-zero and unmasked exceptions of the caller do not matter: on x86 with
  * SSE2, AArch64 and ARM with a floating-point unit, each call sets the default environment and
@@ -87,7 +88,7 @@
 #define POSEWISE_CPU_DOTPROD 1u           ///< Dot products of AArch64, for posewise_set_cpu()
 
 #define POSEWISE_OK                0     ///< Success
-#define POSEWISE_E_ARG             (-1)  ///< Another invalid argument; not returned today
+#define POSEWISE_E_ARG             (-1)  ///< A wrong argument that no other status names
 #define POSEWISE_E_MEMORY          (-2)  ///< Tracker memory too small or misaligned
 #define POSEWISE_E_MODEL           (-3)  ///< A model section is missing or invalid
 #define POSEWISE_E_FRAME           (-4)  ///< Inconsistent size, stride, rotation, data_len

@@ -37,7 +37,7 @@ pub type posewise_status = i32;
 
 /// Success.
 pub const POSEWISE_OK: i32 = 0;
-/// An argument that is wrong in a way that no other status names.
+/// A wrong argument that no other status names.
 pub const POSEWISE_E_ARG: i32 = -1;
 /// Tracker memory too small or misaligned.
 pub const POSEWISE_E_MEMORY: i32 = -2;
