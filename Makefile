@@ -17,6 +17,7 @@
 #   WITHOUT="…"     leaves out any of the default features of Cargo.toml; see docs/memory.md
 #   TARGET_DIR=…    cargo's build folder (target)
 #   SHARED=none     builds no shared library
+#   LIBC=none       the shared one names no C library: it fits programs with glibc and with musl
 #   COMMAND=…       the command is built already, at this path; none installs none
 #   BINUTILS=…      prefix of ld, objcopy and ar for TARGET; known for the machines of the tests
 #
@@ -77,11 +78,13 @@ override CAN_HIDE := $(and $(call TOOL,ld),$(call TOOL,objcopy),$(call TOOL,ar))
 endif
 
 # The shared library is linked on Linux, by the C compiler, from the object in which all symbols but
-# posewise_* are local. Of the C library it needs memcpy, memmove, memset and memcmp.
+# posewise_* are local. Of the C library it needs memcpy, memmove, memset and memcmp; with LIBC=none
+# it takes those of the program, whichever its C library is, and no version of one is asked for.
 override LINKER := $(if $(TARGET),$(BINUTILS)gcc,$(CC))
 override CAN_SHARE := $(and $(CAN_HIDE),$(if $(filter none,$(SHARED)),,yes),$(if \
 	$(TARGET),$(findstring linux-gnu,$(TARGET)),yes),$(shell command -v $(firstword $(LINKER))))
-override LINK_SHARED = $(LINKER) -shared -nostartfiles -s -Wl,-soname,$(SONAME) -Wl,-z,defs \
+override LINK_SHARED = $(LINKER) -shared -nostartfiles -s -Wl,-soname,$(SONAME) \
+	$(if $(filter none,$(LIBC)),-nostdlib,-Wl,-z,defs) \
 	-Wl,-z,relro -Wl,-z,now -Wl,-z,noexecstack -Wl,--gc-sections
 
 # Cargo knows whether the library is up to date. The file is replaced by renaming, because two runs

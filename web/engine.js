@@ -2,20 +2,17 @@
 // Each method calls the function of the same name in include/posewise.h, which has the details.
 
 import {
-  ABI, ALIGN, ANIMATIONS, CONFIG, EVENT, EYE_LOOKS, FACE, FORMATS, FRAME, HINT, INTRINSICS,
-  LANDMARK, LANDMARKS, LENS, MODEL_DETAILS, PARTS, RESULT, ROI, STATUS, UNREAD_EVENTS,
+  ABI, ANIMATIONS, CONFIG, EYE_LOOKS, FORMATS, FRAME, MODEL_DETAILS, MONITOR_CONFIG, PARTS, PRESETS,
+  STATUS,
 } from './layout.js';
+import { Monitor } from './monitor.js';
 import { clearStruct, readStruct, writeStruct } from './struct.js';
+import { Tracker } from './tracker.js';
 
 /** @typedef {import('./layout.js').Config} Config */
-/** @typedef {import('./layout.js').Face} Face */
-/** @typedef {import('./layout.js').FaceEvent} FaceEvent */
-/** @typedef {import('./layout.js').Hint} Hint */
-/** @typedef {import('./layout.js').Intrinsics} Intrinsics */
-/** @typedef {import('./layout.js').Landmark} Landmark */
-/** @typedef {import('./layout.js').Lens} Lens */
-/** @typedef {import('./layout.js').Result} Result */
-/** @typedef {import('./layout.js').Roi} Roi */
+/** @typedef {import('./layout.js').MonitorConfig} MonitorConfig */
+/** @typedef {import('./layout.js').Preset} Preset */
+/** @typedef {import('./monitor.js').Zone} Zone */
 /** @typedef {import('./struct.js').Layout} Layout */
 
 /** @typedef {keyof typeof FORMATS} Format */
@@ -61,6 +58,8 @@ export class PosewiseError extends Error {
     this.name = 'PosewiseError';
     /** The status by number, as in STATUS. */
     this.status = status;
+    /** Its name in the C header, as `E_TIME`. */
+    this.code = Object.entries(STATUS).find(([, known]) => known === status)?.[0] ?? `${status}`;
   }
 }
 
@@ -96,16 +95,34 @@ function sectionName(number) {
  * @returns {Promise<Response>}
  */
 async function get(url) {
-  const response = await fetch(url);
+  const response = String(url).startsWith('file:') ? await file(url) : await fetch(url);
   if (!response.ok) throw new Error(`${url}: ${response.status} ${response.statusText}`);
   return response;
+}
+
+/**
+ * A file of this machine, which Node does not fetch.
+ * @param {string | URL} url
+ */
+async function file(url) {
+  // Not as a constant: bundlers for browsers would look for it.
+  const name = ['node', 'fs/promises'].join(':');
+  const { readFile } = await import(/* @vite-ignore */ /* webpackIgnore: true */ name);
+  return new Response(await readFile(new URL(url)));
+}
+
+/** The address of the module that suits this browser. Bundlers look for whole addresses. */
+function moduleUrl() {
+  return hasSimd()
+    ? new URL('./posewise-simd128.wasm', import.meta.url)
+    : new URL('./posewise.wasm', import.meta.url);
 }
 
 /** @param {LoadOptions['wasm']} wasm */
 async function compile(wasm) {
   if (wasm instanceof WebAssembly.Module) return wasm;
   if (typeof wasm !== 'string' && !(wasm instanceof URL) && wasm) return WebAssembly.compile(wasm);
-  const response = await get(wasm ?? new URL(moduleName(), import.meta.url));
+  const response = await get(wasm ?? moduleUrl());
   const isWasm = response.headers.get('content-type') === 'application/wasm';
   // A server that does not know the type would make the streaming compiler fail.
   if (isWasm) return WebAssembly.compileStreaming(response);
@@ -118,7 +135,7 @@ async function modelBytes(model) {
   if (ArrayBuffer.isView(model)) {
     return new Uint8Array(model.buffer, model.byteOffset, model.byteLength);
   }
-  const response = await get(model ?? new URL('posewise.posewise', import.meta.url));
+  const response = await get(model ?? new URL('./posewise.posewise', import.meta.url));
   return new Uint8Array(await response.arrayBuffer());
 }
 
@@ -141,8 +158,11 @@ export class Engine {
   #modelLength;
   #frame = 0;
   #frameLength = 0;
-  /** @type {number[]} */
-  #freed = [];
+  /**
+   * Memory that was given back, by what was in it.
+   * @type {Record<string, number[]>}
+   */
+  #freed = { init: [], monitor_init: [] };
 
   /**
    * @param {WebAssembly.Instance} instance
@@ -160,6 +180,9 @@ export class Engine {
     this.scratch = this.allocate(SCRATCH);
     /** @type {ModelInfo} What the model says of itself. */
     this.model = this.#checkedModel();
+    const version = this.call('version');
+    /** Version of the library. */
+    this.version = [version >> 16, (version >> 8) & 255, version & 255].join('.');
     /** The optional parts that the module was built with. */
     this.parts = Object.entries(PARTS)
       .filter(([, bit]) => this.call('parts') & bit)
@@ -195,7 +218,8 @@ export class Engine {
    * @param {number} size
    */
   allocate(size) {
-    const start = Math.ceil(this.#end / ALIGN) * ALIGN;
+    const align = this.call('memory_align');
+    const start = Math.ceil(this.#end / align) * align;
     const lack = start + size - this.memory.byteLength;
     if (lack > 0) this.#exports.memory.grow(Math.ceil(lack / 65536));
     this.#end = start + size;
@@ -205,7 +229,7 @@ export class Engine {
   /**
    * Calls a function of the C header.
    * @param {string} name
-   * @param {...number} args
+   * @param {...(number | bigint)} args
    * @returns {number}
    */
   call(name, ...args) {
@@ -283,13 +307,71 @@ export class Engine {
    */
   createTracker(config = {}) {
     const size = this.call('memory_size', 0);
-    writeStruct(this.view, this.scratch + 8, CONFIG, config);
-    const memory = this.#freed.pop() ?? this.allocate(size);
-    const status = this.call(
-      'init', this.scratch, memory, size, this.#model, this.#modelLength, this.scratch + 8);
-    if (status !== STATUS.OK) this.#freed.push(memory);
+    return this.#create(Tracker, 'init', CONFIG, config, size, this.#model, this.#modelLength);
+  }
+
+  /**
+   * Makes a monitor of a driver.
+   * @param {MonitorConfig} [config]
+   * @param {Zone[]} [zones] Without them: those of the preset.
+   */
+  createMonitor(config = {}, zones) {
+    const size = this.call('monitor_memory_size', 0);
+    const monitor = this.#create(Monitor, 'monitor_init', MONITOR_CONFIG, config, size);
+    if (zones) monitor.setZones(zones);
+    return monitor;
+  }
+
+  /**
+   * The settings of a tracker where none are given, with their values.
+   * @returns {Required<Config>}
+   */
+  defaultConfig() {
+    return this.#defaults(CONFIG, 'config_default');
+  }
+
+  /**
+   * The settings of a preset with their values.
+   * @param {Preset} [preset]
+   * @returns {Required<MonitorConfig>}
+   */
+  defaultMonitorConfig(preset = 'general') {
+    const index = PRESETS.indexOf(preset);
+    if (index < 0) throw new TypeError(`preset must be one of ${PRESETS}, not ${preset}`);
+    return this.#defaults(MONITOR_CONFIG, 'monitor_config_default', index);
+  }
+
+  /**
+   * @param {Layout} layout
+   * @param {string} name
+   * @param {...number} args
+   * @returns {any}
+   */
+  #defaults(layout, name, ...args) {
+    clearStruct(this.view, this.scratch, layout);
+    this.check(this.call(name, ...args, this.scratch));
+    return readStruct(this.view, this.scratch, layout);
+  }
+
+  /**
+   * Makes an object of the library, in memory that an earlier one gave back where there is such.
+   * @template T
+   * @param {new (engine: Engine, at: number, release: () => void) => T} kind
+   * @param {string} init
+   * @param {Layout} layout
+   * @param {object} config
+   * @param {number} size
+   * @param {...number} args
+   */
+  #create(kind, init, layout, config, size, ...args) {
+    const [out, settings] = [this.scratch, this.scratch + 8];
+    writeStruct(this.view, settings, layout, config);
+    const memory = this.#freed[init].pop() ?? this.allocate(size);
+    const release = () => this.#freed[init].push(memory);
+    const status = this.call(init, out, memory, size, ...args, settings);
+    if (status !== STATUS.OK) release();
     this.check(status);
-    return new Tracker(this, memory, () => this.#freed.push(memory));
+    return new kind(this, memory, release);
   }
 }
 
@@ -298,195 +380,4 @@ function bytesPerPixel({ format = 'GREY' }) {
   if (/^(Y10|Y16|YUYV|UYVY)$/.test(format)) return 2;
   if (/^(RGB3|BGR3)$/.test(format)) return 3;
   return /24$/.test(format) ? 4 : 1;
-}
-
-/** Follows one face. Made by {@link Engine.createTracker}. */
-export class Tracker {
-  #engine;
-  #at;
-  #release;
-
-  /**
-   * @param {Engine} engine
-   * @param {number} at
-   * @param {() => void} release
-   */
-  constructor(engine, at, release) {
-    this.#engine = engine;
-    this.#at = at;
-    this.#release = release;
-  }
-
-  /**
-   * @param {string} name
-   * @param {...number} args
-   */
-  #call(name, ...args) {
-    this.#engine.check(this.#engine.call(name, this.#at, ...args));
-  }
-
-  /**
-   * @param {Layout} layout
-   * @param {number} at
-   * @param {number} count
-   * @returns {any[]}
-   */
-  #list(layout, at, count) {
-    const view = this.#engine.view;
-    return Array.from({ length: count }, (_, i) => readStruct(view, at + i * layout.size, layout));
-  }
-
-  /**
-   * Writes a struct into the scratch memory, behind where results go, and gives its address.
-   * @param {Layout} layout
-   * @param {Record<string, any>} object
-   */
-  #write(layout, object) {
-    const at = this.#engine.scratch + RESULT.size;
-    writeStruct(this.#engine.view, at, layout, object);
-    return at;
-  }
-
-  /**
-   * @param {string} name
-   * @param {...number} args
-   * @returns {Result}
-   */
-  #result(name, ...args) {
-    const at = this.#engine.scratch;
-    clearStruct(this.#engine.view, at, RESULT);
-    this.#call(name, ...args, at);
-    return readStruct(this.#engine.view, at, RESULT);
-  }
-
-  /**
-   * Processes one frame. Timestamps are the camera's, and increase.
-   * @param {Frame} frame
-   * @param {number} timestampUs
-   */
-  step(frame, timestampUs) {
-    return this.#result('step', this.#engine.writeFrame(frame, timestampUs));
-  }
-
-  /**
-   * As {@link step}, for a caller who knows about where a face is.
-   * @param {Frame} frame
-   * @param {number} timestampUs
-   * @param {Hint} hint
-   */
-  stepAt(frame, timestampUs, hint) {
-    const at = this.#engine.writeFrame(frame, timestampUs);
-    return this.#result('step_at', at, this.#write(HINT, hint));
-  }
-
-  /**
-   * Lists faces of a frame, the largest first; bounded work, so that several calls may be needed.
-   * @param {Frame} frame
-   * @returns {{ faces: Face[], finished: boolean }}
-   */
-  detect(frame) {
-    const capacity = 16;
-    const at = this.#engine.writeFrame(frame, 0);
-    const out = this.#engine.scratch;
-    this.#call('detect', at, out + 16, capacity, out, out + 4);
-    const { view } = this.#engine;
-    const faces = this.#list(FACE, out + 16, view.getUint32(out, true));
-    return { faces, finished: view.getUint32(out + 4, true) === 1 };
-  }
-
-  /** The last result, smoothed. */
-  smoothed() {
-    return this.#result('smoothed');
-  }
-
-  /**
-   * @param {string} name
-   * @returns {Landmark[]}
-   */
-  #landmarks(name) {
-    this.#call(name, this.#engine.scratch, LANDMARKS);
-    return this.#list(LANDMARK, this.#engine.scratch, LANDMARKS);
-  }
-
-  /** The 68 landmarks of the last step. */
-  landmarks() {
-    return this.#landmarks('landmarks');
-  }
-
-  /** The same, smoothed. */
-  smoothedLandmarks() {
-    return this.#landmarks('smoothed_landmarks');
-  }
-
-  /** @param {string} name */
-  #weights(name) {
-    this.#call(name, this.#engine.scratch, ANIMATIONS);
-    return new Float32Array(this.#engine.memory, this.#engine.scratch, ANIMATIONS).slice();
-  }
-
-  /** The animation weights of the last step; Engine.animationNames has their names. */
-  animation() {
-    return this.#weights('animation');
-  }
-
-  /** The same, smoothed. */
-  smoothedAnimation() {
-    return this.#weights('smoothed_animation');
-  }
-
-  /**
-   * The events that were not read yet.
-   * @returns {{ events: FaceEvent[], overwritten: number }}
-   */
-  events() {
-    const out = this.#engine.scratch;
-    this.#call('events', out + 16, UNREAD_EVENTS, out, out + 4);
-    const { view } = this.#engine;
-    const events = this.#list(EVENT, out + 16, view.getUint32(out, true));
-    return { events, overwritten: view.getUint32(out + 4, true) };
-  }
-
-  /**
-   * Keeps this tracker from faces that others follow.
-   * @param {[number, number, number, number][]} boxes x, y, width, height [px].
-   */
-  setExcluded(boxes) {
-    const at = this.#engine.scratch;
-    if (boxes.some((box) => box.length !== 4)) throw new TypeError('a box must have 4 numbers');
-    // The library refuses more than it has room for, whatever they are.
-    const numbers = boxes.slice(0, SCRATCH / 16).flat();
-    new Float32Array(this.#engine.memory, at, numbers.length).set(numbers);
-    this.#call('set_excluded', at, boxes.length);
-  }
-
-  /** @param {Roi | null} roi null: the whole frame. */
-  setRoi(roi) {
-    this.#call('set_roi', roi ? this.#write(ROI, roi) : 0);
-  }
-
-  /** @param {Intrinsics | null} intrinsics null: a field of view of 60 degrees. */
-  setIntrinsics(intrinsics) {
-    this.#call('set_intrinsics', intrinsics ? this.#write(INTRINSICS, intrinsics) : 0);
-  }
-
-  /** @param {Lens | null} lens null: none. */
-  setLens(lens) {
-    this.#call('set_lens', lens ? this.#write(LENS, lens) : 0);
-  }
-
-  /** Forgets the face, its identity and the time, as for another video. */
-  reset() {
-    this.#call('reset');
-  }
-
-  /** Forgets the identity, as when somebody else sits down. */
-  forgetIdentity() {
-    this.#call('forget_identity');
-  }
-
-  /** Gives the tracker's memory back to the engine. */
-  free() {
-    if (this.#at) this.#release();
-    this.#at = 0;
-  }
 }

@@ -3,8 +3,6 @@
 
 export const ABI = 1;
 
-export const ALIGN = 64;
-
 export const LANDMARKS = 68;
 
 export const ANIMATIONS = 24;
@@ -12,6 +10,8 @@ export const ANIMATIONS = 24;
 export const EYE_LOOKS = 8;
 
 export const UNREAD_EVENTS = 64;
+
+export const UNREAD_MONITOR_EVENTS = 24;
 
 /** Status codes by name. */
 export const STATUS = {
@@ -112,6 +112,58 @@ export const TERMS = /** @type {const} */ ([
   'unknown', 'free', 'research',
 ]);
 
+/** @typedef {(typeof GAZES)[number]} GazeSetting */
+export const GAZES = /** @type {const} */ ([
+  'off', 'on', 'natural',
+]);
+
+/** @typedef {(typeof PRESETS)[number]} Preset */
+export const PRESETS = /** @type {const} */ ([
+  'general', 'euro-ncap', 'eu-addw-fast', 'eu-addw-slow',
+  'eu-ddaw',
+]);
+
+/** @typedef {(typeof EYE_STATES)[number]} EyeState */
+export const EYE_STATES = /** @type {const} */ ([
+  'unknown', 'open', 'closed',
+]);
+
+/** @typedef {(typeof REASONS)[number]} UnknownReason */
+export const REASONS = /** @type {const} */ ([
+  'none', 'no-face', 'low-confidence', 'turned',
+  'hidden',
+]);
+
+/** @typedef {(typeof DROWSINESS)[number]} Drowsiness */
+export const DROWSINESS = /** @type {const} */ ([
+  'unknown', 'awake', 'questionable', 'drowsy',
+]);
+
+/** @typedef {(typeof MONITOR_EVENTS)[number]} MonitorEventKind */
+export const MONITOR_EVENTS = /** @type {const} */ ([
+  'blink', 'long-closure', 'microsleep', 'sleep',
+  'unresponsive', 'closure-end', 'yawn', 'yawn-end',
+  'nod', 'glance', 'long-glance', 'cumulative-glance',
+  'drowsy', 'drowsy-end', 'degraded', 'restored',
+  'open-eye-learnt', 'natural-learnt', 'clock-back', 'look-down',
+  'look-down-end',
+]);
+
+/** @typedef {(typeof ZONE_KINDS)[number]} ZoneKind */
+export const ZONE_KINDS = /** @type {const} */ ([
+  'angles', 'box', 'plane',
+]);
+
+/**
+ * The index of a zone, or what it is else.
+ * @typedef {number | 'outside' | 'unknown'} ZoneIndex
+ */
+/** @type {Record<number, string>} */
+export const NO_ZONES = {
+  254: 'outside',
+  255: 'unknown',
+};
+
 /**
  * A camera without its lens, in pixels of the upright image. All four 0 select the default: a
  *   horizontal field of view of 60 degrees and the principal point at the image centre. This struct
@@ -177,8 +229,7 @@ export const LENS = {
 };
 
 /**
- * Settings. A NULL pointer to this struct selects all defaults; without POSEWISE_EXACT so does 0 in
- *   a field. Intrinsics or a region of zeros are none in either case.
+ * Settings. A NULL pointer to this struct selects all defaults.
  * @typedef {object} Config
  * @property {number} [minFacePx] Least width of a face to search for [px, 24..4096, default 40].
  * @property {number} [scanBudget] Work per step while searching [100..10000000, default 3600]: 3000
@@ -191,11 +242,11 @@ export const LENS = {
  *   [0..1000, default 12]; higher values reduce lag. Speed is in face widths, radians or weights
  *   per second.
  * @property {Lens} [lens] The lens of the camera; other than "pinhole" only with intrinsics.
- * @property {number} [gaze] Whether to look at the eyes of the tracked face [POSEWISE_GAZE_*]. _ON
- *   fills eye_open_probability to eye_look of Result. It takes more time: a network for each eye.
- *   _OFF: those fields stay 0. _NATURAL: as _ON, for a person who looks straight ahead most of the
- *   time, as a driver does: part of the mean of the gaze in the head frame is taken off it, at most
- *   8 degrees.
+ * @property {GazeSetting} [gaze] Whether to look at the eyes of the tracked face ["off", "on",
+ *   "natural"]. "on" fills eye_open_probability to eye_look of Result. It takes more time: a
+ *   network for each eye. "off": those fields stay 0. "natural": as "on", for a person who looks
+ *   straight ahead most of the time, as a driver does: part of the mean of the gaze in the head
+ *   frame is taken off it, at most 8 degrees.
  * @property {Roi} [roi] Where faces are searched for; see set_roi(). All four 0: the whole frame.
  */
 /** @type {import('./struct.js').Layout} */
@@ -210,7 +261,7 @@ export const CONFIG = {
     smoothingHz: { at: 32, type: 'f32', optional: true },
     smoothingBeta: { at: 36, type: 'f32', optional: true },
     lens: { at: 40, struct: LENS, optional: true },
-    gaze: { at: 64, type: 'u32', optional: true },
+    gaze: { at: 64, type: 'u32', names: GAZES, optional: true },
     roi: { at: 68, struct: ROI, optional: true },
   },
 };
@@ -325,7 +376,7 @@ export const HINT = {
  * @property {[number, number, number]} facingSigmaDeg Standard deviations of the facing yaw, pitch
  *   and roll [deg, 0..180].
  * @property {number} focalPx Focal length along x with which the face was fitted [px].
- * @property {number} cameraAssumed Whether 60 degrees across the frame were assumed, for want of
+ * @property {boolean} cameraAssumed Whether 60 degrees across the frame were assumed, for want of
  *   intrinsics [0 or 1].
  * @property {number} facingAngleDeg Angle between the direction of the face and the line to the
  *   camera [deg, 0..180]: what facing_yaw_deg and facing_pitch_deg are together. 0: the face looks
@@ -372,7 +423,7 @@ export const RESULT = {
     facingRollDeg: { at: 280, type: 'f32' },
     facingSigmaDeg: { at: 284, type: 'f32', count: 3 },
     focalPx: { at: 296, type: 'f32' },
-    cameraAssumed: { at: 300, type: 'u32' },
+    cameraAssumed: { at: 300, type: 'u32', flag: true },
     facingAngleDeg: { at: 304, type: 'f32' },
     interocularPx: { at: 308, type: 'f32' },
   },
@@ -483,142 +534,132 @@ export const MODEL_DETAILS = {
 };
 
 /**
- * Settings of a driver monitor. A NULL pointer to this struct selects all defaults; without
- *   POSEWISE_EXACT 0 in a field selects that of the preset, of which the comments have the general
- *   one. Times are at most 71 minutes.
- * @typedef {object} Monitor_config
- * @property {number} preset The default of every other field, and the zones
- *   [POSEWISE_MONITOR_PRESET_*].
- * @property {number} gapUs How long an observation counts when no other follows, and how long what
- *   goes on survives unknown time [us, 100000..2000000, default 300000], the gap that arbiters of
- *   driver monitors bridge.
- * @property {number} minConfidence Least confidence of a face that is observed [0..1, default 0.5],
- *   chosen.
- * @property {number} eyeYawDeg Largest yaw and pitch from the line of sight at which eyes and mouth
- *   are known [deg, 10..90, default 50 and 40], chosen: beyond, lids are seen too much from the
- *   side.
- * @property {number} eyePitchDeg Largest yaw and pitch from the line of sight at which eyes and
+ * Settings of a driver monitor. A NULL pointer to this struct selects all defaults; 0 in a field
+ *   selects that of the preset, of which the comments have the general one. Times are at most 71
+ *   minutes.
+ * @typedef {object} MonitorConfig
+ * @property {boolean} [fixedPose] Whether forward_yaw_deg and forward_pitch_deg are exact, and no
+ *   natural pose is learnt.
+ * @property {Preset} [preset] The default of every other field, and the zones ["general",
+ *   "euro-ncap", "eu-addw-fast", "eu-addw-slow", "eu-ddaw"].
+ * @property {number} [gapUs] How long an observation counts when no other follows, and how long
+ *   what goes on survives unknown time [us, 100000..2000000, default 300000], the gap that arbiters
+ *   of driver monitors bridge.
+ * @property {number} [minConfidence] Least confidence of a face that is observed [0..1, default
+ *   0.5], chosen.
+ * @property {number} [eyeYawDeg] Largest yaw and pitch from the line of sight at which eyes and
  *   mouth are known [deg, 10..90, default 50 and 40], chosen: beyond, lids are seen too much from
  *   the side.
- * @property {number} closedBelow Eyes close below the first openness and open above the second
+ * @property {number} [eyePitchDeg] Largest yaw and pitch from the line of sight at which eyes and
+ *   mouth are known [deg, 10..90, default 50 and 40], chosen: beyond, lids are seen too much from
+ *   the side.
+ * @property {number} [closedBelow] Eyes close below the first openness and open above the second
  *   [0.05..0.95, default 0.35 and 0.45], chosen on rendered clips.
- * @property {number} openAbove Eyes close below the first openness and open above the second
+ * @property {number} [openAbove] Eyes close below the first openness and open above the second
  *   [0.05..0.95, default 0.35 and 0.45], chosen on rendered clips.
- * @property {number} blinkUs Shorter closures are no events [us, default 50000], chosen: a blink
+ * @property {number} [blinkUs] Shorter closures are no events [us, default 50000], chosen: a blink
  *   takes 100 to 400 ms.
- * @property {number} longClosureUs A longer closure is no blink [us, default 500000], as in studies
- *   of blinks.
- * @property {number} microsleepUs Closures of these lengths are a microsleep, sleep, an
+ * @property {number} [longClosureUs] A longer closure is no blink [us, default 500000], as in
+ *   studies of blinks.
+ * @property {number} [microsleepUs] Closures of these lengths are a microsleep, sleep, an
  *   unresponsive driver [us, default 1000000 and 3000000 and 6000000]: Euro NCAP 2026.
- * @property {number} sleepUs Closures of these lengths are a microsleep, sleep, an unresponsive
+ * @property {number} [sleepUs] Closures of these lengths are a microsleep, sleep, an unresponsive
  *   driver [us, default 1000000 and 3000000 and 6000000]: Euro NCAP 2026.
- * @property {number} unresponsiveUs Closures of these lengths are a microsleep, sleep, an
+ * @property {number} [unresponsiveUs] Closures of these lengths are a microsleep, sleep, an
  *   unresponsive driver [us, default 1000000 and 3000000 and 6000000]: Euro NCAP 2026.
- * @property {number} drowsyP8060 Drowsy from these P80 over 60 and 180 s [0.01..1, default 0.15 and
- *   0.12]: Wierwille 1994 and NSTSCE 25-UI-177; NHTSA and VTTI, DOT HS 811 117.
- * @property {number} drowsyP80180 Drowsy from these P80 over 60 and 180 s [0.01..1, default 0.15
+ * @property {number} [drowsyP8060] Drowsy from these P80 over 60 and 180 s [0.01..1, default 0.15
  *   and 0.12]: Wierwille 1994 and NSTSCE 25-UI-177; NHTSA and VTTI, DOT HS 811 117.
- * @property {number} awakeShare Awake below this share of both [0.1..1, default 0.5]: Wierwille
+ * @property {number} [drowsyP80180] Drowsy from these P80 over 60 and 180 s [0.01..1, default 0.15
+ *   and 0.12]: Wierwille 1994 and NSTSCE 25-UI-177; NHTSA and VTTI, DOT HS 811 117.
+ * @property {number} [awakeShare] Awake below this share of both [0.1..1, default 0.5]: Wierwille
  *   1994, 7.5 and 15 %.
- * @property {number} minKnown Least known share of a window that decides [0.05..1, default 0.5],
+ * @property {number} [minKnown] Least known share of a window that decides [0.05..1, default 0.5],
  *   chosen.
- * @property {number} yawnAbove The mouth is open for a yawn above the first jaw_open and shut below
- *   the second [0..0.95, default 0.5 and 0.35]: studies of mouth ratios have 0.5 to 0.6; chosen.
- * @property {number} yawnBelow The mouth is open for a yawn above the first jaw_open and shut below
- *   the second [0..0.95, default 0.5 and 0.35]: studies of mouth ratios have 0.5 to 0.6; chosen.
- * @property {number} yawnUs Shortest and longest yawn [us, default 1500000 and 12000000], from
+ * @property {number} [yawnAbove] The mouth is open for a yawn above the first jaw_open and shut
+ *   below the second [0..0.95, default 0.5 and 0.35]: studies of mouth ratios have 0.5 to 0.6;
+ *   chosen.
+ * @property {number} [yawnBelow] The mouth is open for a yawn above the first jaw_open and shut
+ *   below the second [0..0.95, default 0.5 and 0.35]: studies of mouth ratios have 0.5 to 0.6;
+ *   chosen.
+ * @property {number} [yawnUs] Shortest and longest yawn [us, default 1500000 and 12000000], from
  *   studies of yawns.
- * @property {number} yawnMaxUs Shortest and longest yawn [us, default 1500000 and 12000000], from
+ * @property {number} [yawnMaxUs] Shortest and longest yawn [us, default 1500000 and 12000000], from
  *   studies of yawns.
- * @property {number} nodDeg A nod is a drop of the pitch by this much within a second [deg, 5..60,
- *   default 12], and a return within nod_us, with closed eyes; from studies.
- * @property {number} nodUs Longest nod [us, default 3000000], at least a second; from studies.
- * @property {number} forwardYawDeg Direction of the road: yaw of a face that looks there, in the
+ * @property {number} [nodDeg] A nod is a drop of the pitch by this much within a second [deg,
+ *   5..60, default 12], and a return within nod_us, with closed eyes; from studies.
+ * @property {number} [nodUs] Longest nod [us, default 3000000], at least a second; from studies.
+ * @property {number} [forwardYawDeg] Direction of the road: yaw of a face that looks there, in the
  *   camera frame [deg, -90..90, default 0].
- * @property {number} forwardPitchDeg Pitch of it, likewise [deg, -60..60, default 0].
- * @property {number} naturalYawDeg How far the driver's natural pose may be from there in yaw [deg,
- *   0..50, default 45], for cameras up to 40 degrees off the driver's axis.
- * @property {number} naturalPitchDeg The same in pitch [deg, 0..30, default 25].
- * @property {number} zoneMarginDeg A zone is left this far outside of it [deg, 0..15, default 3],
+ * @property {number} [forwardPitchDeg] Pitch of it, likewise [deg, -60..60, default 0].
+ * @property {number} [naturalYawDeg] How far the driver's natural pose may be from there in yaw
+ *   [deg, 0..50, default 45], for cameras up to 40 degrees off the driver's axis.
+ * @property {number} [naturalPitchDeg] The same in pitch [deg, 0..30, default 25].
+ * @property {number} [zoneMarginDeg] A zone is left this far outside of it [deg, 0..15, default 3],
  *   chosen: the error of a pose.
- * @property {number} longGlanceUs A glance away of this length is long [us, default 3000000]: Euro
- *   NCAP 2026, 3 to 4 s.
- * @property {number} cumulativeUs So much of the last 30 s away is too much [us, 0..30000000,
+ * @property {number} [longGlanceUs] A glance away of this length is long [us, default 3000000]:
+ *   Euro NCAP 2026, 3 to 4 s.
+ * @property {number} [cumulativeUs] So much of the last 30 s away is too much [us, 0..30000000,
  *   default 10000000]: Euro NCAP 2026.
- * @property {number} returnUs Time on the road that ends a glance [us, default 300000], as gap_us.
- * @property {number} clearUs Time on the road that clears the time away [us, default 2000000]: Euro
- *   NCAP 2026.
- * @property {number} degradedUs Eyes that are unknown for this long are reported [us, default
+ * @property {number} [returnUs] Time on the road that ends a glance [us, default 300000], as
+ *   gap_us.
+ * @property {number} [clearUs] Time on the road that clears the time away [us, default 2000000]:
+ *   Euro NCAP 2026.
+ * @property {number} [degradedUs] Eyes that are unknown for this long are reported [us, default
  *   10000000]: Euro NCAP 2026.
- * @property {number} lookDownDeg The eyes look down when their gaze is lowered by this much from
+ * @property {number} [lookDownDeg] The eyes look down when their gaze is lowered by this much from
  *   the direction of the road [deg, 10..60, default 18], chosen: below the windscreen. Zones are
  *   met by the gaze then, by the head otherwise.
- * @property {number} lookDownUs A look down of this length is reported [us, default 500000],
+ * @property {number} [lookDownUs] A look down of this length is reported [us, default 500000],
  *   chosen.
  */
 /** @type {import('./struct.js').Layout} */
 export const MONITOR_CONFIG = {
   size: 144,
   fields: {
-    structSize: { at: 0, type: 'u32' },
-    flags: { at: 4, type: 'u32' },
-    preset: { at: 8, type: 'u32' },
-    gapUs: { at: 12, type: 'u32' },
-    minConfidence: { at: 16, type: 'f32' },
-    eyeYawDeg: { at: 20, type: 'f32' },
-    eyePitchDeg: { at: 24, type: 'f32' },
-    closedBelow: { at: 28, type: 'f32' },
-    openAbove: { at: 32, type: 'f32' },
-    blinkUs: { at: 36, type: 'u32' },
-    longClosureUs: { at: 40, type: 'u32' },
-    microsleepUs: { at: 44, type: 'u32' },
-    sleepUs: { at: 48, type: 'u32' },
-    unresponsiveUs: { at: 52, type: 'u32' },
-    drowsyP8060: { at: 56, type: 'f32' },
-    drowsyP80180: { at: 60, type: 'f32' },
-    awakeShare: { at: 64, type: 'f32' },
-    minKnown: { at: 68, type: 'f32' },
-    yawnAbove: { at: 72, type: 'f32' },
-    yawnBelow: { at: 76, type: 'f32' },
-    yawnUs: { at: 80, type: 'u32' },
-    yawnMaxUs: { at: 84, type: 'u32' },
-    nodDeg: { at: 88, type: 'f32' },
-    nodUs: { at: 92, type: 'u32' },
-    forwardYawDeg: { at: 96, type: 'f32' },
-    forwardPitchDeg: { at: 100, type: 'f32' },
-    naturalYawDeg: { at: 104, type: 'f32' },
-    naturalPitchDeg: { at: 108, type: 'f32' },
-    zoneMarginDeg: { at: 112, type: 'f32' },
-    longGlanceUs: { at: 116, type: 'u32' },
-    cumulativeUs: { at: 120, type: 'u32' },
-    returnUs: { at: 124, type: 'u32' },
-    clearUs: { at: 128, type: 'u32' },
-    degradedUs: { at: 132, type: 'u32' },
-    lookDownDeg: { at: 136, type: 'f32' },
-    lookDownUs: { at: 140, type: 'u32' },
+    structSize: { at: 0, type: 'u32', optional: true },
+    fixedPose: { at: 4, type: 'u32', optional: true, flag: true },
+    preset: { at: 8, type: 'u32', names: PRESETS, optional: true },
+    gapUs: { at: 12, type: 'u32', optional: true },
+    minConfidence: { at: 16, type: 'f32', optional: true },
+    eyeYawDeg: { at: 20, type: 'f32', optional: true },
+    eyePitchDeg: { at: 24, type: 'f32', optional: true },
+    closedBelow: { at: 28, type: 'f32', optional: true },
+    openAbove: { at: 32, type: 'f32', optional: true },
+    blinkUs: { at: 36, type: 'u32', optional: true },
+    longClosureUs: { at: 40, type: 'u32', optional: true },
+    microsleepUs: { at: 44, type: 'u32', optional: true },
+    sleepUs: { at: 48, type: 'u32', optional: true },
+    unresponsiveUs: { at: 52, type: 'u32', optional: true },
+    drowsyP8060: { at: 56, type: 'f32', optional: true },
+    drowsyP80180: { at: 60, type: 'f32', optional: true },
+    awakeShare: { at: 64, type: 'f32', optional: true },
+    minKnown: { at: 68, type: 'f32', optional: true },
+    yawnAbove: { at: 72, type: 'f32', optional: true },
+    yawnBelow: { at: 76, type: 'f32', optional: true },
+    yawnUs: { at: 80, type: 'u32', optional: true },
+    yawnMaxUs: { at: 84, type: 'u32', optional: true },
+    nodDeg: { at: 88, type: 'f32', optional: true },
+    nodUs: { at: 92, type: 'u32', optional: true },
+    forwardYawDeg: { at: 96, type: 'f32', optional: true },
+    forwardPitchDeg: { at: 100, type: 'f32', optional: true },
+    naturalYawDeg: { at: 104, type: 'f32', optional: true },
+    naturalPitchDeg: { at: 108, type: 'f32', optional: true },
+    zoneMarginDeg: { at: 112, type: 'f32', optional: true },
+    longGlanceUs: { at: 116, type: 'u32', optional: true },
+    cumulativeUs: { at: 120, type: 'u32', optional: true },
+    returnUs: { at: 124, type: 'u32', optional: true },
+    clearUs: { at: 128, type: 'u32', optional: true },
+    degradedUs: { at: 132, type: 'u32', optional: true },
+    lookDownDeg: { at: 136, type: 'f32', optional: true },
+    lookDownUs: { at: 140, type: 'u32', optional: true },
   },
 };
-
-/**
- * A zone of a driver monitor. Where zones overlap, the first one counts. This struct never grows,
- *   so the layout of arrays stays the same.
- * @typedef {object} Monitor_zone
- * @property {number} kind Its shape [POSEWISE_MONITOR_ZONE_ANGLES, POSEWISE_BOX, POSEWISE_PLANE].
- * @property {number} graceUs Time of a stay that does not count as away [us]; 0xFFFFFFFF: none of
- *   it does.
- * @property {[number, number, number, number, number, number, number, number, number]} numbers As
- *   the kind says, the rest 0 [by kind]. Angles are those from the direction of the road, within
- *   -180..180: yaw > 0 to the image right, pitch > 0 up. Boxes, along the axes, and planes, the
- *   parallelogram centre +- u +- v, are in the camera frame, within -20000..20000 mm. Each min is
- *   below its max. The cross product of u and v is at least 100 mm2, and at least 0.1 |u| |v|: they
- *   are at least 5.74 degrees from parallel.
- */
 /** @type {import('./struct.js').Layout} */
 export const MONITOR_ZONE = {
   size: 48,
   fields: {
-    kind: { at: 0, type: 'u32' },
-    flags: { at: 4, type: 'u32' },
+    kind: { at: 0, type: 'u32', names: ZONE_KINDS },
+    isRoad: { at: 4, type: 'u32', flag: true },
     graceUs: { at: 8, type: 'u32' },
     numbers: { at: 12, type: 'f32', count: 9 },
   },
@@ -627,49 +668,49 @@ export const MONITOR_ZONE = {
 /**
  * What a driver monitor sees of one frame, from posewise_monitor_observe() or from elsewhere.
  *   Numbers that are not finite are unknown.
- * @typedef {object} Monitor_observation
- * @property {State} state As in Result ["searching", "tracking", "coasting"]. Only "tracking" is a
- *   face that is observed.
- * @property {number} confidence As in Result [0..1].
- * @property {number} yawDeg As in Result [deg].
- * @property {number} pitchDeg As in Result [deg].
- * @property {[number, number, number]} translationMm As in Result [mm].
- * @property {[number, number, number]} rotationSigmaDeg As in Result [deg].
- * @property {[number, number]} eyeOpen Distance of the lids in that of open ones that look where
+ * @typedef {object} Observation
+ * @property {State} [state] As in Result ["searching", "tracking", "coasting"]. Only "tracking" is
+ *   a face that is observed.
+ * @property {number} [confidence] As in Result [0..1].
+ * @property {number} [yawDeg] As in Result [deg].
+ * @property {number} [pitchDeg] As in Result [deg].
+ * @property {[number, number, number]} [translationMm] As in Result [mm].
+ * @property {[number, number, number]} [rotationSigmaDeg] As in Result [deg].
+ * @property {[number, number]} [eyeOpen] Distance of the lids in that of open ones that look where
  *   these do, of the person's left and right eye [0..1 or -1]: 0 shut, 1 open, -1 unknown;
- *   monitor_observe() computes it from Result.eye_open and what the gaze says of the eyes.
- * @property {number} jawOpen The animation weight jawOpen [0..1 or -1]; -1: unknown, because the
+ *   Tracker.observation() computes it from Result.eye_open and what the gaze says of the eyes.
+ * @property {number} [jawOpen] The animation weight jawOpen [0..1 or -1]; -1: unknown, because the
  *   mouth is hidden.
- * @property {number} cameraAssumed As in Result [0 or 1]. 1: the natural pose is learnt, and angles
- *   from the road count, relative to the line of sight, which hardly depends on the focal length;
- *   not with POSEWISE_MONITOR_FIXED_POSE.
- * @property {[number, number, number]} gaze Unit gaze of both eyes in the camera frame [-1..1];
+ * @property {boolean} [cameraAssumed] As in Result [0 or 1]. 1: the natural pose is learnt, and
+ *   angles from the road count, relative to the line of sight, which hardly depends on the focal
+ *   length; not with fixed_pose.
+ * @property {[number, number, number]} [gaze] Unit gaze of both eyes in the camera frame [-1..1];
  *   zeros where it is unknown.
- * @property {number} mayLookDown Whether lids that are as good as shut may follow a lowered gaze [0
- *   or 1]: a closure of such time alone is no longer than a blink, and PERCLOS leaves it out.
+ * @property {boolean} [mayLookDown] Whether lids that are as good as shut may follow a lowered gaze
+ *   [0 or 1]: a closure of such time alone is no longer than a blink, and PERCLOS leaves it out.
  */
 /** @type {import('./struct.js').Layout} */
 export const MONITOR_OBSERVATION = {
   size: 76,
   fields: {
-    structSize: { at: 0, type: 'u32' },
-    state: { at: 4, type: 'u32', names: STATES },
-    confidence: { at: 8, type: 'f32' },
-    yawDeg: { at: 12, type: 'f32' },
-    pitchDeg: { at: 16, type: 'f32' },
-    translationMm: { at: 20, type: 'f32', count: 3 },
-    rotationSigmaDeg: { at: 32, type: 'f32', count: 3 },
-    eyeOpen: { at: 44, type: 'f32', count: 2 },
-    jawOpen: { at: 52, type: 'f32' },
-    cameraAssumed: { at: 56, type: 'u32' },
-    gaze: { at: 60, type: 'f32', count: 3 },
-    mayLookDown: { at: 72, type: 'u32' },
+    structSize: { at: 0, type: 'u32', optional: true },
+    state: { at: 4, type: 'u32', names: STATES, optional: true },
+    confidence: { at: 8, type: 'f32', optional: true },
+    yawDeg: { at: 12, type: 'f32', optional: true },
+    pitchDeg: { at: 16, type: 'f32', optional: true },
+    translationMm: { at: 20, type: 'f32', count: 3, optional: true },
+    rotationSigmaDeg: { at: 32, type: 'f32', count: 3, optional: true },
+    eyeOpen: { at: 44, type: 'f32', count: 2, optional: true, unknown: -1 },
+    jawOpen: { at: 52, type: 'f32', optional: true, unknown: -1 },
+    cameraAssumed: { at: 56, type: 'u32', optional: true, flag: true },
+    gaze: { at: 60, type: 'f32', count: 3, optional: true },
+    mayLookDown: { at: 72, type: 'u32', optional: true, flag: true },
   },
 };
 
 /**
  * Measures of eye closure over a window of whole seconds. This struct never grows.
- * @typedef {object} Monitor_perclos
+ * @typedef {object} Perclos
  * @property {number} p70 Shares of the known time with eyes closed by at least 70 and 80 % [0..1].
  * @property {number} p80 Shares of the known time with eyes closed by at least 70 and 80 % [0..1].
  * @property {number} em Mean square of the closure over the known time [0..1].
@@ -692,11 +733,11 @@ export const MONITOR_PERCLOS = {
 
 /**
  * What a driver monitor knows after an observation.
- * @typedef {object} Monitor_state
- * @property {number} eyes What the eyes are [POSEWISE_MONITOR_EYES_*].
+ * @typedef {object} MonitorState
+ * @property {EyeState} eyes What the eyes are ["unknown", "open", "closed"].
  * @property {number} timestampUs Timestamp of the last observation [us]; 0 before the first.
- * @property {number} eyesReason Why the eyes are unknown, POSEWISE_NONE where they are known
- *   [POSEWISE_MONITOR_REASON_*].
+ * @property {UnknownReason} eyesReason Why the eyes are unknown, "none" where they are known
+ *   ["none", "no-face", "low-confidence", "turned", "hidden"].
  * @property {number} openness Both eyes, relative to this person's open ones [0..1 or -1]: 0 shut,
  *   1 open, -1 unknown.
  * @property {number} closureUs Known closed time of the closure that goes on [us].
@@ -704,59 +745,60 @@ export const MONITOR_PERCLOS = {
  * @property {number} yawns Blinks, yawns and nods so far.
  * @property {number} nods Blinks, yawns and nods so far.
  * @property {number} mouthOpenUs Known time for which the mouth is open as in a yawn [us].
- * @property {number} zone Index of the zone, by the gaze while the eyes look down, else by the
- *   head; POSEWISE_MONITOR_ZONE_OUTSIDE or POSEWISE_MONITOR_ZONE_UNKNOWN.
+ * @property {ZoneIndex} zone Index of the zone, by the gaze while the eyes look down, else by the
+ *   head; "outside" or "unknown".
  * @property {number} zoneUs Time there [us].
  * @property {number} awayUs Known time away from the road, less the grace of zones, in this glance
  *   [us].
  * @property {number} away30Us The same in the last 30 s [us]: the current quarter of a second and
  *   the 119 before.
- * @property {number} naturalIsFinal Whether natural_deg is final [0 or 1], after a minute of known
+ * @property {boolean} naturalIsFinal Whether natural_deg is final [0 or 1], after a minute of known
  *   pose. Before the first 10 s of it, the zone is unknown.
  * @property {[number, number]} fromRoadDeg Yaw and pitch from the direction of the road [deg]; 0
  *   for an unknown zone.
  * @property {[number, number]} naturalDeg The natural pose: yaw and pitch from forward_yaw_deg and
  *   forward_pitch_deg [deg].
- * @property {[number, number]} openEye monitor_observation.eye_open of this person's open left and
- *   right eye [0..1]; 1 until it is final.
- * @property {number} openEyeIsFinal Whether open_eye is final [0 or 1], after half a minute of
+ * @property {[number, number]} openEye Observation.eye_open of this person's open left and right
+ *   eye [0..1]; 1 until it is final.
+ * @property {boolean} openEyeIsFinal Whether open_eye is final [0 or 1], after half a minute of
  *   known eyes while alert.
- * @property {number} drowsiness How drowsy the driver is [POSEWISE_MONITOR_DROWSINESS_*].
- * @property {number} degraded Whether the eyes have been unknown for degraded_us [0 or 1].
+ * @property {Drowsiness} drowsiness How drowsy the driver is ["unknown", "awake", "questionable",
+ *   "drowsy"].
+ * @property {boolean} degraded Whether the eyes have been unknown for degraded_us [0 or 1].
  * @property {number} lookDownUs Known time for which the eyes have looked down [us]; 0 while they
  *   do not.
  * @property {[number, number, number, number, number, number, number, number]} zonesUs Known time
  *   in each zone so far [us].
- * @property {Monitor_perclos} perclos60 Measures over the last 60 and 180 whole seconds since the
- *   first observation. They change once a second.
- * @property {Monitor_perclos} perclos180 Measures over the last 60 and 180 whole seconds since the
- *   first observation. They change once a second.
+ * @property {Perclos} perclos60 Measures over the last 60 and 180 whole seconds since the first
+ *   observation. They change once a second.
+ * @property {Perclos} perclos180 Measures over the last 60 and 180 whole seconds since the first
+ *   observation. They change once a second.
  */
 /** @type {import('./struct.js').Layout} */
 export const MONITOR_STATE = {
   size: 216,
   fields: {
     structSize: { at: 0, type: 'u32' },
-    eyes: { at: 4, type: 'u32' },
+    eyes: { at: 4, type: 'u32', names: EYE_STATES },
     timestampUs: { at: 8, type: 'i64' },
-    eyesReason: { at: 16, type: 'u32' },
+    eyesReason: { at: 16, type: 'u32', names: REASONS },
     openness: { at: 20, type: 'f32' },
     closureUs: { at: 24, type: 'u32' },
     blinks: { at: 28, type: 'u32' },
     yawns: { at: 32, type: 'u32' },
     nods: { at: 36, type: 'u32' },
     mouthOpenUs: { at: 40, type: 'u32' },
-    zone: { at: 44, type: 'u32' },
+    zone: { at: 44, type: 'u32', others: NO_ZONES },
     zoneUs: { at: 48, type: 'u32' },
     awayUs: { at: 52, type: 'u32' },
     away30Us: { at: 56, type: 'u32' },
-    naturalIsFinal: { at: 60, type: 'u32' },
+    naturalIsFinal: { at: 60, type: 'u32', flag: true },
     fromRoadDeg: { at: 64, type: 'f32', count: 2 },
     naturalDeg: { at: 72, type: 'f32', count: 2 },
     openEye: { at: 80, type: 'f32', count: 2 },
-    openEyeIsFinal: { at: 88, type: 'u32' },
-    drowsiness: { at: 92, type: 'u32' },
-    degraded: { at: 96, type: 'u32' },
+    openEyeIsFinal: { at: 88, type: 'u32', flag: true },
+    drowsiness: { at: 92, type: 'u32', names: DROWSINESS },
+    degraded: { at: 96, type: 'u32', flag: true },
     lookDownUs: { at: 100, type: 'u32' },
     zonesUs: { at: 104, type: 'i64', count: 8 },
     perclos60: { at: 168, struct: MONITOR_PERCLOS },
@@ -767,15 +809,19 @@ export const MONITOR_STATE = {
 /**
  * An event of posewise_monitor_events(). This struct never grows, so the layout of arrays stays the
  *   same. Later libraries may have kinds that this header lacks.
- * @typedef {object} Monitor_event
+ * @typedef {object} MonitorEvent
  * @property {number} timestampUs Timestamp of the observation at which it was noticed [us].
  * @property {number} startUs Timestamp at which what it is about began [us]. If the clock was set
  *   back since: for what ends with that, in the time before, so it may be after timestamp_us; for
  *   what lasts on, the first timestamp after it.
  * @property {number} durationUs Known duration of it so far [us], without what was unknown in
  *   between, and without the jump of a clock that was set back. At most 0xFFFFFFFF, 71 minutes.
- * @property {number} kind What happened [POSEWISE_MONITOR_EVENT_*].
- * @property {number} zone Zone of a glance, else POSEWISE_MONITOR_ZONE_UNKNOWN.
+ * @property {MonitorEventKind} kind What happened ["blink", "long-closure", "microsleep", "sleep",
+ *   "unresponsive", "closure-end", "yawn", "yawn-end", "nod", "glance", "long-glance",
+ *   "cumulative-glance", "drowsy", "drowsy-end", "degraded", "restored", "open-eye-learnt",
+ *   "natural-learnt", "clock-back", "look-down", "look-down-end"].
+ * @property {ZoneIndex} zone Zone of a glance, else "unknown".
+ * @property {boolean} isCut Whether it could no longer be seen, and took at least duration_us.
  * @property {number} value As the kind says, else 0 [by kind].
  */
 /** @type {import('./struct.js').Layout} */
@@ -785,9 +831,9 @@ export const MONITOR_EVENT = {
     timestampUs: { at: 0, type: 'i64' },
     startUs: { at: 8, type: 'i64' },
     durationUs: { at: 16, type: 'u32' },
-    kind: { at: 20, type: 'u32' },
-    zone: { at: 24, type: 'u32' },
-    flags: { at: 28, type: 'u32' },
+    kind: { at: 20, type: 'u32', names: MONITOR_EVENTS },
+    zone: { at: 24, type: 'u32', others: NO_ZONES },
+    isCut: { at: 28, type: 'u32', flag: true },
     value: { at: 32, type: 'f32' },
     reserved: { at: 36, type: 'u32' },
   },

@@ -2,14 +2,27 @@
 
 import { PosewiseError } from './engine.js';
 
-export { Engine, PosewiseError, Tracker, hasSimd, load, moduleName } from './engine.js';
+export { Engine, PosewiseError, hasSimd, load, moduleName } from './engine.js';
 export { frameOf } from './luma.js';
+export { Monitor } from './monitor.js';
+export { Tracker } from './tracker.js';
 
 /** @typedef {import('./engine.js').Frame} Frame */
+/** @typedef {import('./engine.js').ModelInfo} ModelInfo */
 /** @typedef {import('./layout.js').Config} Config */
+/** @typedef {import('./layout.js').Face} Face */
+/** @typedef {import('./layout.js').FaceEvent} FaceEvent */
+/** @typedef {import('./layout.js').Hint} Hint */
 /** @typedef {import('./layout.js').Intrinsics} Intrinsics */
+/** @typedef {import('./layout.js').Landmark} Landmark */
 /** @typedef {import('./layout.js').Lens} Lens */
+/** @typedef {import('./layout.js').MonitorConfig} MonitorConfig */
+/** @typedef {import('./layout.js').MonitorEvent} MonitorEvent */
+/** @typedef {import('./layout.js').MonitorState} MonitorState */
+/** @typedef {import('./layout.js').Observation} Observation */
+/** @typedef {import('./layout.js').Result} Result */
 /** @typedef {import('./layout.js').Roi} Roi */
+/** @typedef {import('./monitor.js').Zone} Zone */
 /** @typedef {import('./worker.js').Tracked} Tracked */
 
 /**
@@ -22,7 +35,20 @@ export { frameOf } from './luma.js';
  * @property {import('./engine.js').LoadOptions['model']} [model] As in load().
  * @property {Worker} [worker] A worker that runs worker.js, from startWorker() or elsewhere.
  * @property {Config} [config] Settings of the tracker.
+ * @property {MonitorConfig} [monitor] Settings of a driver monitor, `{}` for the usual ones.
+ *   Without them there is none. Eyes are known best with the tracker's `gaze`.
+ * @property {Zone[]} [zones] The monitor's zones, in place of those of its preset.
  */
+
+/**
+ * The error that a worker had.
+ * @param {{ message: string, name: string, status?: number }} error
+ */
+function errorOf({ message, name, status }) {
+  if (status !== undefined) return new PosewiseError(status, message);
+  const kinds = { RangeError, TypeError };
+  return new (kinds[/** @type {keyof typeof kinds} */ (name)] ?? Error)(message);
+}
 
 /** A worker that runs worker.js. It loads while the caller does something else. */
 export function startWorker() {
@@ -42,13 +68,14 @@ export class FaceTracker {
    * Starts the worker and loads the model.
    * @param {Options} [options]
    */
-  static async create({ worker, config = {}, ...source } = {}) {
+  static async create({ worker, config = {}, monitor, zones, ...source } = {}) {
     worker ??= startWorker();
     const tracker = new FaceTracker(worker);
     // Addresses are those that the page would use.
     const absolute = Object.entries(source).map(([name, value]) =>
       [name, typeof value === 'string' ? new URL(value, document.baseURI).href : value]);
-    const created = await tracker.#call('create', [Object.fromEntries(absolute), config]);
+    const options = Object.fromEntries(absolute);
+    const created = await tracker.#call('create', [options, config, monitor, zones]);
     Object.assign(tracker, created);
     return tracker;
   }
@@ -58,14 +85,18 @@ export class FaceTracker {
     this.#worker = worker;
     /** @type {string[]} Names of the animation weights, ARKit's. */
     this.animationNames = [];
-    /** @type {import('./engine.js').ModelInfo | undefined} What the model says of itself. */
+    /** @type {string[]} Names of the weights of the gaze, Result.eyeLook, ARKit's. */
+    this.eyeLookNames = [];
+    /** @type {ModelInfo | undefined} What the model says of itself. */
     this.model = undefined;
     /** @type {string[]} The optional parts that the library was built with. */
     this.parts = [];
+    /** Version of the library. */
+    this.version = '';
     worker.onmessage = ({ data: { id, value, error } }) => {
       const waiting = this.#waiting.get(id);
       this.#waiting.delete(id);
-      if (error) waiting?.reject(new PosewiseError(error.status, error.message));
+      if (error) waiting?.reject(errorOf(error));
       else waiting?.resolve(value);
     };
     worker.onerror = (event) => this.#fail(new Error(event.message || 'the worker did not start'));
@@ -99,24 +130,45 @@ export class FaceTracker {
   }
 
   /**
-   * Tracks the face in a picture. Timestamps increase from call to call.
+   * Sends a picture with a call.
+   * @param {string} call
    * @param {Picture} picture
-   * @param {number} timestampUs When the camera took it, on any monotonic clock [us].
-   * @returns {Promise<Tracked>}
+   * @param {number} timestampUs
+   * @param {...any} args
    */
-  async track(picture, timestampUs) {
+  async #send(call, picture, timestampUs, ...args) {
     if ('data' in picture) {
       const isCanvas = typeof ImageData !== 'undefined' && picture instanceof ImageData;
       const { data, width, height } = picture;
       const frame = isCanvas ? { data, width, height, format: 'AB24' } : picture;
-      return this.#call('track', [frame, timestampUs]);
+      return this.#call(call, [frame, ...args]);
     }
     const isElement = picture instanceof HTMLElement;
     const sent = isElement ? await grabbed(picture, timestampUs) : picture;
-    const answer = this.#call('track', [sent, timestampUs], [sent]);
+    const answer = this.#call(call, [sent, ...args], [sent]);
     // What was sent is no longer here; what could not be sent is not needed.
     sent.close();
     return answer;
+  }
+
+  /**
+   * Tracks the face in a picture. Timestamps increase from call to call.
+   * @param {Picture} picture
+   * @param {number} timestampUs When the camera took it, on any monotonic clock [us].
+   * @param {Hint} [hint] Where a face is expected.
+   * @returns {Promise<Tracked>}
+   */
+  track(picture, timestampUs, hint) {
+    return this.#send('track', picture, timestampUs, timestampUs, hint);
+  }
+
+  /**
+   * Lists faces of a picture, the largest first; bounded work, so that several calls may be needed.
+   * @param {Picture} picture
+   * @returns {Promise<{ faces: Face[], finished: boolean }>}
+   */
+  detect(picture) {
+    return this.#send('detect', picture, 0);
   }
 
   /** Forgets the face, its identity and the time, as for another video. */
@@ -142,6 +194,27 @@ export class FaceTracker {
   /** @param {Lens | null} lens null: none. */
   async setLens(lens) {
     await this.#call('setLens', [lens]);
+  }
+
+  /**
+   * Keeps this tracker from faces that others follow.
+   * @param {[number, number, number, number][]} boxes x, y, width, height [px].
+   */
+  async setExcluded(boxes) {
+    await this.#call('setExcluded', [boxes]);
+  }
+
+  /**
+   * Replaces the zones of the monitor; times in zones begin anew.
+   * @param {Zone[]} zones
+   */
+  async setZones(zones) {
+    await this.#call('setZones', [zones]);
+  }
+
+  /** Tells the monitor that another person drives. */
+  async forgetDriver() {
+    await this.#call('forgetDriver', []);
   }
 
   /** Ends the worker when it has answered what was asked before. Later calls are rejected. */

@@ -9,7 +9,10 @@
  * @property {Layout} [struct] A struct.
  * @property {number} [count] Elements of an array.
  * @property {readonly string[]} [names] Names of the field's values.
- * @property {boolean} [optional] Whether a caller may leave it out: then it is 0.
+ * @property {Record<number, string>} [others] Names of values that are no numbers of something.
+ * @property {boolean} [flag] Whether it is 0 or 1.
+ * @property {boolean} [optional] Whether a caller may leave it out.
+ * @property {number} [unknown] What it is then, if not 0.
  *
  * @typedef {object} Layout
  * @property {number} size Size of the struct [bytes].
@@ -33,6 +36,9 @@ const WRITE = {
   f32: (view, at, value) => view.setFloat32(at, value, true),
 };
 
+/** Bytes of each. */
+const SIZES = { u32: 4, i64: 8, f32: 4 };
+
 /** Least and largest integers: those of C, and of JavaScript where it has fewer. */
 const RANGES = {
   u32: [0, 0xffffffff],
@@ -48,9 +54,11 @@ const RANGES = {
  * @param {unknown} value
  */
 function writeNumber(view, at, type, name, value) {
-  const number = Number(value);
-  if (type === 'f32') return WRITE.f32(view, at, number);
-  const integer = Math.trunc(number);
+  if (type === 'f32') {
+    if (typeof value !== 'number') throw new TypeError(`${name} must be a number, not ${value}`);
+    return WRITE.f32(view, at, value);
+  }
+  const integer = Math.trunc(Number(value));
   const [least, most] = RANGES[type];
   if (!(integer >= least && integer <= most)) {
     throw new RangeError(`${name} must be ${least}..${most}, not ${value}`);
@@ -68,34 +76,45 @@ function writeNumber(view, at, type, name, value) {
 export function readStruct(view, start, layout) {
   /** @type {Record<string, unknown>} */
   const object = {};
-  for (const [name, { at, type, struct, count, names }] of Object.entries(layout.fields)) {
+  for (const [name, place] of Object.entries(layout.fields)) {
     if (HIDDEN.includes(name)) continue;
+    const { at, struct, count } = place;
     if (struct) {
       object[name] = readStruct(view, start + at, struct);
     } else if (count) {
-      const places = Array.from({ length: count }, (_, i) => start + at + 4 * i);
-      object[name] = places.map((place) => readNumber(view, place, type, names));
+      object[name] = placesOf(place, start + at).map((each) => readValue(view, each, place));
     } else {
-      object[name] = readNumber(view, start + at, type, names);
+      object[name] = readValue(view, start + at, place);
     }
   }
   return object;
 }
 
 /**
- * A number, or its name; a later library may have values that these lists lack.
- * @param {DataView} view
- * @param {number} at
- * @param {NumberType | undefined} type
- * @param {readonly string[] | undefined} names
+ * Where the elements of an array are.
+ * @param {Place} place
+ * @param {number} start
  */
-function readNumber(view, at, type, names) {
-  const value = READ[/** @type {NumberType} */ (type)](view, at);
-  return names ? (names[value] ?? String(value)) : value;
+function placesOf({ type, count }, start) {
+  const size = SIZES[/** @type {NumberType} */ (type)];
+  return Array.from({ length: count ?? 0 }, (_, i) => start + size * i);
 }
 
 /**
- * Writes an object as the struct at an address. Optional fields that it lacks become 0.
+ * A number, or what it means; a later library may have values that these lists lack.
+ * @param {DataView} view
+ * @param {number} at
+ * @param {Place} place
+ */
+function readValue(view, at, { type, names, others, flag }) {
+  const value = READ[/** @type {NumberType} */ (type)](view, at);
+  if (flag) return value !== 0;
+  return names ? (names[value] ?? String(value)) : (others?.[value] ?? value);
+}
+
+/**
+ * Writes an object as the struct at an address. Optional fields that it lacks become
+ * unknown where they can be, else 0.
  * @param {DataView} view
  * @param {number} start
  * @param {Layout} layout
@@ -108,7 +127,8 @@ export function writeStruct(view, start, layout, object) {
   clearStruct(view, start, layout);
   for (const [name, place] of Object.entries(layout.fields)) {
     if (HIDDEN.includes(name)) continue;
-    const value = object[name] ?? undefined;
+    const { unknown, count } = place;
+    const value = object[name] ?? (count && unknown ? new Array(count).fill(unknown) : unknown);
     if (value !== undefined) writeField(view, start + place.at, name, place, value);
     else if (!place.optional) throw new TypeError(`${name} is missing`);
   }
@@ -132,12 +152,13 @@ export function clearStruct(view, start, { size, fields }) {
  * @param {Place} place
  * @param {any} value
  */
-function writeField(view, at, name, { type, struct, count, names }, value) {
+function writeField(view, at, name, place, value) {
+  const { struct, count, names } = place;
   if (struct) return writeStruct(view, at, struct, value);
-  const kind = /** @type {NumberType} */ (type);
+  const kind = /** @type {NumberType} */ (place.type);
   if (count) {
     if (value.length !== count) throw new TypeError(`${name} must have ${count} numbers`);
-    for (let i = 0; i < count; i++) writeNumber(view, at + 4 * i, kind, name, value[i]);
+    placesOf(place, at).forEach((each, i) => writeNumber(view, each, kind, name, value[i]));
     return undefined;
   }
   if (!names) return writeNumber(view, at, kind, name, value);

@@ -2,13 +2,16 @@
 // { id, error }. Calls are carried out one after the other.
 
 // engine.js imports these too. Named here, they are fetched while engine.js arrives, not after.
+import './handle.js';
 import './layout.js';
+import './monitor.js';
 import './struct.js';
+import './tracker.js';
 import { load } from './engine.js';
 import { frameOf } from './luma.js';
 
-/** @typedef {import('./engine.js').Engine} Engine */
-/** @typedef {import('./engine.js').Tracker} Tracker */
+/** @typedef {import('./monitor.js').Monitor} Monitor */
+/** @typedef {import('./tracker.js').Tracker} Tracker */
 /** @typedef {import('./engine.js').Frame} Frame */
 
 /**
@@ -21,6 +24,7 @@ import { frameOf } from './luma.js';
  * @property {Float32Array} animation
  * @property {Float32Array} smoothedAnimation
  * @property {import('./layout.js').FaceEvent[]} events Those since the last frame.
+ * @property {Watched} [monitor] What the monitor says, where there is one.
  * @property {number} width Width of the frame [px].
  * @property {number} height Height of the frame [px].
  * @property {number} stepMs Time that the tracker took [ms].
@@ -29,10 +33,23 @@ import { frameOf } from './luma.js';
  *   assumes.
  */
 
-/** @type {Engine} */
-let engine;
+/**
+ * What a driver monitor says of a frame.
+ * @typedef {object} Watched
+ * @property {import('./layout.js').MonitorState} state
+ * @property {import('./layout.js').MonitorEvent[]} events Those since the last frame.
+ */
+
 /** @type {Tracker} */
 let tracker;
+/** @type {Monitor | undefined} */
+let monitor;
+
+/** The monitor, for a call that needs one. */
+function needed() {
+  if (!monitor) throw new Error('the tracker was made without a monitor');
+  return monitor;
+}
 
 /**
  * The pixels of a picture, which is closed: browsers have few frames of a camera.
@@ -51,25 +68,32 @@ const CALLS = {
   /**
    * @param {import('./engine.js').LoadOptions} options
    * @param {import('./layout.js').Config} config
+   * @param {import('./layout.js').MonitorConfig} [watch] Without it there is no monitor.
+   * @param {import('./monitor.js').Zone[]} [zones]
    */
-  async create(options, config) {
-    engine = await load(options);
+  async create(options, config, watch, zones) {
+    const engine = await load(options);
     tracker = engine.createTracker(config);
-    const { animationNames, model, parts } = engine;
-    return { animationNames, model, parts };
+    monitor = watch && engine.createMonitor(watch, zones);
+    const { animationNames, eyeLookNames, model, parts, version } = engine;
+    return { animationNames, eyeLookNames, model, parts, version };
   },
 
   /**
    * @param {Frame | VideoFrame | ImageBitmap} picture
    * @param {number} timestampUs
+   * @param {import('./layout.js').Hint} [hint]
    * @returns {Promise<Tracked>}
    */
-  async track(picture, timestampUs) {
+  async track(picture, timestampUs, hint) {
     const start = performance.now();
     const frame = 'data' in picture ? picture : await pixelsOf(picture);
     const ready = performance.now();
-    const result = tracker.step(frame, timestampUs);
+    const result = hint
+      ? tracker.stepAt(frame, timestampUs, hint)
+      : tracker.step(frame, timestampUs);
     const stepMs = performance.now() - ready;
+    monitor?.update(tracker.observation(), timestampUs);
     const turned = (frame.rotationDeg ?? 0) % 180 !== 0;
     return {
       result,
@@ -79,11 +103,17 @@ const CALLS = {
       animation: tracker.animation(),
       smoothedAnimation: tracker.smoothedAnimation(),
       events: tracker.events().events,
+      monitor: monitor && { state: monitor.state(), events: monitor.events().events },
       width: turned ? frame.height : frame.width,
       height: turned ? frame.width : frame.height,
       stepMs,
       pixelsMs: ready - start,
     };
+  },
+
+  /** @param {Frame | VideoFrame | ImageBitmap} picture */
+  async detect(picture) {
+    return tracker.detect('data' in picture ? picture : await pixelsOf(picture));
   },
 
   /** Answered after everything before it. */
@@ -93,6 +123,9 @@ const CALLS = {
   setRoi: (roi) => tracker.setRoi(roi),
   setIntrinsics: (intrinsics) => tracker.setIntrinsics(intrinsics),
   setLens: (lens) => tracker.setLens(lens),
+  setExcluded: (boxes) => tracker.setExcluded(boxes),
+  setZones: (zones) => needed().setZones(zones),
+  forgetDriver: () => needed().forgetDriver(),
 };
 
 /** @type {Promise<void>} */
@@ -103,8 +136,8 @@ addEventListener('message', ({ data: { id, call, args } }) => {
     try {
       postMessage({ id, value: await CALLS[call](...args) });
     } catch (error) {
-      const { message = String(error), status } = /** @type {any} */ (error);
-      postMessage({ id, error: { message, status } });
+      const { message = String(error), name, status } = /** @type {any} */ (error);
+      postMessage({ id, error: { message, name, status } });
     }
   });
 });

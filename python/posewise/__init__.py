@@ -10,38 +10,63 @@ Units, signs and ranges are those of ``posewise.h``: pixels of the upright image
 frame (x right, y down, z away from the camera), degrees. Left and right are the person's own.
 """
 
+from ._arguments import Pixels
+from ._fields import (
+    Config,
+    Event,
+    Face,
+    MonitorConfig,
+    MonitorEvent,
+    MonitorState,
+    Observation,
+    Perclos,
+)
+from ._layout import EVENTS, EYES, LOSSES, MONITOR_EVENTS, PRESETS, STATES
+from ._library import VERSION as __version__
 from ._library import PosewiseError
-from ._layout import EVENTS, EYES, LOSSES, STATES
 from ._model import PARTS, ModelInfo, model_info
+from ._monitor import Monitor, Zone, default_monitor_config
 from ._tracker import (
     ANIMATION_NAMES,
     EYE_LOOK_NAMES,
     FORMATS,
     Detected,
-    Event,
-    Face,
     Result,
     Tracker,
+    default_config,
 )
 from ._video import track
 
 __all__ = [
     "ANIMATION_NAMES",
-    "EYE_LOOK_NAMES",
+    "Config",
+    "Detected",
     "EVENTS",
     "EYES",
-    "Detected",
+    "EYE_LOOK_NAMES",
     "Event",
     "FORMATS",
     "Face",
     "LOSSES",
+    "MONITOR_EVENTS",
     "ModelInfo",
+    "Monitor",
+    "MonitorConfig",
+    "MonitorEvent",
+    "MonitorState",
+    "Observation",
     "PARTS",
+    "PRESETS",
+    "Perclos",
+    "Pixels",
     "PosewiseError",
     "Result",
     "STATES",
     "Tracker",
+    "Zone",
+    "__version__",
+    "default_config",
+    "default_monitor_config",
     "model_info",
     "track",
 ]
-__version__ = "0.1.0"

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import ctypes
 from operator import index
-from typing import Any, Optional, Sequence
+from typing import Any, Optional, Sequence, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _layout as layout
 from ._fields import Floats
+from ._library import sized
 
 Pixels = npt.NDArray[Any]
 
@@ -29,6 +30,7 @@ _SHAPES = {
 }
 _U32 = (0, 2**32 - 1)
 _I64 = (-(2**63), 2**63 - 1)
+S = TypeVar("S", bound=ctypes.Structure)
 
 
 def _integer(name: str, value: Any, limits: tuple[int, int]) -> int:
@@ -44,38 +46,71 @@ def u32(name: str, value: Any) -> int:
     return _integer(name, value, _U32)
 
 
-def four(name: str, numbers: Sequence[Any]) -> tuple[Any, ...]:
-    """Four numbers; ctypes would take fewer, and the rest as 0."""
-    if len(numbers) != 4:
-        raise ValueError(f"{name} must have 4 numbers, not {len(numbers)}")
+def i64(name: str, value: Any) -> int:
+    """An integer of 64 bits."""
+    return _integer(name, value, _I64)
+
+
+def index_of(name: str, value: Any, words: Sequence[str]) -> int:
+    """The number of a word."""
+    if value not in words:
+        raise ValueError(f"{name} is one of {', '.join(words)}, not {value}")
+    return words.index(value)
+
+
+def several(count: int, name: str, numbers: Sequence[Any]) -> tuple[Any, ...]:
+    """So many numbers; ctypes would take fewer, and the rest as 0."""
+    if len(numbers) != count:
+        raise ValueError(f"{name} must have {count} numbers, not {len(numbers)}")
     return tuple(numbers)
+
+
+def joined(count: int, **lists: Sequence[float]) -> tuple[float, ...]:
+    """Lists of so many numbers each, one after the other."""
+    return tuple(n for name, numbers in lists.items() for n in several(count, name, numbers))
+
+
+def struct(kind: type[S], /, **values: Any) -> S:
+    """A struct with these values, and 0 in its other fields."""
+    out = sized(kind())
+    words = getattr(kind, "_words_", {})
+    fields: Sequence[tuple[str, Any]] = kind._fields_  # type: ignore[assignment]
+    for name, type_ in fields:
+        value = values.get(name)
+        if value is None:
+            continue
+        if name in words:
+            value = index_of(name, value, words[name])
+        elif type_ is ctypes.c_uint32:
+            value = u32(name, value)
+        elif issubclass(type_, ctypes.Array):
+            value = type_(*several(type_._length_, name, value))
+        setattr(out, name, value)
+    return out
 
 
 def intrinsics(numbers: Sequence[float]) -> layout.Intrinsics:
     """fx, fy, cx, cy [px]."""
-    return layout.Intrinsics(*four("intrinsics", numbers))
+    return layout.Intrinsics(*several(4, "intrinsics", numbers))
 
 
 def lens(model: str, coefficients: Sequence[float]) -> layout.Lens:
     """A lens by its name, with up to five coefficients; the rest are 0."""
-    if model not in layout.LENSES:
-        raise ValueError(f"a lens is one of {', '.join(layout.LENSES)}, not {model}")
     if len(coefficients) > 5:
         raise ValueError(f"a lens has at most 5 coefficients, not {len(coefficients)}")
     five = tuple(coefficients) + (0.0,) * (5 - len(coefficients))
-    return layout.Lens(layout.LENSES.index(model), five)
+    return layout.Lens(index_of("a lens", model, layout.LENSES), five)
 
 
 def roi(numbers: Sequence[int]) -> layout.Roi:
     """x, y, width, height [px]."""
-    return layout.Roi(*(u32("roi", number) for number in four("roi", numbers)))
+    return layout.Roi(*(u32("roi", number) for number in several(4, "roi", numbers)))
 
 
 def hint(box: Sequence[float], yaw_deg: float, roll_deg: float) -> layout.Hint:
     """Where a face is expected."""
-    where = layout.Hint(0, four("the box of a hint", box), yaw_deg, roll_deg)
-    where.struct_size = ctypes.sizeof(where)
-    return where
+    four = several(4, "the box of a hint", box)
+    return struct(layout.Hint, face_box=four, yaw_deg=yaw_deg, roll_deg=roll_deg)
 
 
 def boxes(rows: Sequence[Sequence[float]]) -> Floats:
@@ -92,9 +127,8 @@ def frame(
     array: Pixels, timestamp_us: int, format: Optional[str], rotation_deg: int, mirrored: bool
 ) -> tuple[layout.Frame, Pixels]:
     """The frame as the library reads it, and the array that holds its pixels."""
-    given = layout.Frame()
-    given.struct_size = ctypes.sizeof(given)
-    given.timestamp_us = _integer("timestamp_us", timestamp_us, _I64)
+    given = sized(layout.Frame())
+    given.timestamp_us = i64("timestamp_us", timestamp_us)
     given.rotation_deg = u32("rotation_deg", rotation_deg)
     given.flags = 1 if mirrored else 0
     pixels = np.asarray(array)

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _layout as layout
-from ._library import FOLDER, PosewiseError, aligned, call, lib
+from ._library import FOLDER, PosewiseError, aligned, call, lib, sized
 
 #: The optional parts that the library was built with.
 PARTS: tuple[str, ...] = tuple(
@@ -27,7 +27,7 @@ class ModelInfo:
     #: As "posewise.posewise"; empty where it has none.
     name: str
     #: What the terms of its training data allow: "unknown", "free" or "research".
-    terms: str
+    terms: layout.Terms
     #: Its data sheet, in Markdown.
     sheet: str
     #: Version of the model format.
@@ -75,8 +75,7 @@ def _read(path: Path) -> npt.NDArray[np.uint8]:
 
 
 def _info(model: npt.NDArray[np.uint8]) -> ModelInfo:
-    out = layout.Model_details()
-    out.struct_size = ctypes.sizeof(out)
+    out = sized(layout.ModelDetails())
     call("model_info", model.ctypes.data, len(model), ctypes.byref(out))
     return ModelInfo(
         name=_text(out.name, out.name_len),

@@ -12,9 +12,9 @@ import numpy as np
 from . import _arguments as arguments
 from . import _layout as layout
 from ._arguments import Pixels
-from ._fields import Fields, Floats, fields, floats, word
-from ._forking import new_lock
-from ._library import aligned, call, lib
+from ._fields import Config, Event, Face, Fields, Floats, Observation
+from ._handle import Handle
+from ._library import call, lib, sized
 from ._model import checked, path_of
 
 #: Formats by name, for ``Tracker.step(format=…)``.
@@ -48,20 +48,6 @@ class Result(Fields):
 
 
 @dataclass(frozen=True)
-class Face:
-    """A face of a frame, from Tracker.detect."""
-
-    #: Box of the landmarks: x, y, width, height [px].
-    face_box: Floats
-    #: As in Result; rough.
-    yaw_deg: float
-    #: As in Result.
-    roll_deg: float
-    #: As in Result.
-    confidence: float
-
-
-@dataclass(frozen=True)
 class Detected:
     """What one call of Tracker.detect found."""
 
@@ -71,31 +57,23 @@ class Detected:
     finished: bool
 
 
-@dataclass(frozen=True)
-class Event:
-    """Something that happened to the face."""
-
-    #: Time of the frame [us].
-    timestamp_us: int
-    #: "acquired", "reacquired", "coasting", "lost", …
-    kind: str
-    #: As in Result.
-    loss: str
-    #: As in Result.
-    face_box: Floats
-    #: As in Result.
-    confidence: float
+def default_config() -> Config:
+    """The settings of a tracker where none are given, with their values."""
+    out = sized(layout.Config())
+    call("config_default", ctypes.byref(out))
+    config: Config = Config._of(out)
+    return config
 
 
-class Tracker:
+class Tracker(Handle):
     """Follows one face. Several threads may share a tracker: they wait for each other.
 
     ``model`` is "posewise" (whose sources allow any use: may ship in a product), "research" (whose
     do not), or the path of a ``.posewise`` file. 0 in any other setting selects its default.
     ``gaze`` looks at the eyes of the face, which takes more time; without it they are "not-seen".
-    ``natural_gaze`` does
-    so for a person who looks straight ahead most of the time, as a driver does: part of the mean of
-    the gaze in the head frame is taken off it, at most 8 degrees. ``roi`` is that of set_roi().
+    ``natural_gaze`` does so for a person who looks straight ahead most of the time, as a driver
+    does: part of the mean of the gaze in the head frame is taken off it, at most 8 degrees.
+    ``roi`` is that of set_roi().
     """
 
     def __init__(
@@ -107,18 +85,19 @@ class Tracker:
         smoothing_hz: float = 0.0,
         smoothing_beta: float = 0.0,
         intrinsics: Optional[Sequence[float]] = None,
-        lens: Optional[tuple[str, Sequence[float]]] = None,
+        lens: Optional[tuple[layout.LensModel, Sequence[float]]] = None,
         gaze: bool = False,
         natural_gaze: bool = False,
         roi: Optional[tuple[int, int, int, int]] = None,
     ) -> None:
-        config = layout.Config()
-        config.struct_size = ctypes.sizeof(config)
-        config.min_face_px = arguments.u32("min_face_px", min_face_px)
-        config.scan_budget = arguments.u32("scan_budget", scan_budget)
-        config.smoothing_hz = smoothing_hz
-        config.smoothing_beta = smoothing_beta
-        config.gaze = 2 if natural_gaze else int(gaze)
+        config = arguments.struct(
+            layout.Config,
+            min_face_px=min_face_px,
+            scan_budget=scan_budget,
+            smoothing_hz=smoothing_hz,
+            smoothing_beta=smoothing_beta,
+            gaze="natural" if natural_gaze else "on" if gaze else "off",
+        )
         if intrinsics is not None:
             config.intrinsics = arguments.intrinsics(intrinsics)
         if lens is not None:
@@ -126,22 +105,9 @@ class Tracker:
         if roi is not None:
             config.roi = arguments.roi(roi)
         self._model = checked(path_of(model))
-        self._memory = aligned(lib.posewise_memory_size(None))
-        self._lock = new_lock()
-        tracker = ctypes.c_void_p()
-        call(
-            "init",
-            ctypes.byref(tracker),
-            self._memory.ctypes.data,
-            len(self._memory),
-            self._model.ctypes.data,
-            len(self._model),
-            ctypes.byref(config),
-        )
-        self._tracker = tracker
-
-    def __reduce__(self) -> Any:
-        raise TypeError("a tracker cannot be pickled")
+        model_at, model_len = self._model.ctypes.data, len(self._model)
+        size = lib.posewise_memory_size(None)
+        super().__init__("init", size, model_at, model_len, ctypes.byref(config))
 
     def step(
         self,
@@ -161,31 +127,29 @@ class Tracker:
         ``hint`` is where a face is expected: box of the landmarks, yaw and roll [deg].
         """
         given, pixels = arguments.frame(frame, timestamp_us, format, rotation_deg, mirrored)
-        where = None if hint is None else arguments.hint(*hint)
-        out = _empty_result()
+        frame_at = ctypes.byref(given)
         with self._lock:
-            if where is None:
-                call("step", self._tracker, ctypes.byref(given), ctypes.byref(out))
+            if hint is None:
+                out = self._read("step", layout.Result, frame_at)
             else:
-                frame_at, hint_at = ctypes.byref(given), ctypes.byref(where)
-                call("step_at", self._tracker, frame_at, hint_at, ctypes.byref(out))
+                hint_at = ctypes.byref(arguments.hint(*hint))
+                out = self._read("step_at", layout.Result, frame_at, hint_at)
             del pixels
             return self._whole(out, "landmarks", "animation")
 
     def smoothed(self) -> Result:
         """The result of the last step, smoothed over time: less jitter, about one frame late."""
-        out = _empty_result()
         with self._lock:
-            call("smoothed", self._tracker, ctypes.byref(out))
+            out = self._read("smoothed", layout.Result)
             return self._whole(out, "smoothed_landmarks", "smoothed_animation")
 
     def _whole(self, out: layout.Result, landmarks: str, animation: str) -> Result:
         points = np.empty((layout.LANDMARKS, 7), dtype=np.float32)
-        call(landmarks, self._tracker, points.ctypes.data, layout.LANDMARKS)
+        self._call(landmarks, points.ctypes.data, layout.LANDMARKS)
         weights = np.empty(layout.ANIMATIONS, dtype=np.float32)
-        call(animation, self._tracker, weights.ctypes.data, layout.ANIMATIONS)
-        return Result(
-            **fields(out),
+        self._call(animation, weights.ctypes.data, layout.ANIMATIONS)
+        result: Result = Result._of(
+            out,
             # As in posewise_landmark: x, y, confidence, visibility, x_mm, y_mm, z_mm.
             landmarks=points[:, 0:2],
             landmark_confidence=points[:, 2],
@@ -193,6 +157,12 @@ class Tracker:
             points_mm=points[:, 4:7],
             animation=weights,
         )
+        return result
+
+    def observation(self) -> Observation:
+        """What a driver monitor needs of the last step."""
+        seen: Observation = Observation._of(self._read("monitor_observe", layout.Observation))
+        return seen
 
     def detect(
         self,
@@ -206,72 +176,40 @@ class Tracker:
         given, pixels = arguments.frame(frame, 0, format, rotation_deg, mirrored)
         found = (layout.Face * _MOST_FACES)()
         count, finished = ctypes.c_size_t(), ctypes.c_uint32()
-        frame_at, count_at = ctypes.byref(given), ctypes.byref(count)
-        with self._lock:
-            finished_at = ctypes.byref(finished)
-            call("detect", self._tracker, frame_at, found, _MOST_FACES, count_at, finished_at)
+        count_at, finished_at = ctypes.byref(count), ctypes.byref(finished)
+        self._call("detect", ctypes.byref(given), found, _MOST_FACES, count_at, finished_at)
         del pixels
-        faces = [
-            Face(floats(f.face_box), f.yaw_deg, f.roll_deg, f.confidence)
-            for f in found[: count.value]
-        ]
-        return Detected(faces, finished.value == 1)
+        return Detected([Face._of(face) for face in found[: count.value]], finished.value == 1)
 
     def events(self) -> tuple[list[Event], int]:
         """The events that were not read yet, and how many were overwritten unread."""
-        read = (layout.Event * layout.UNREAD_EVENTS)()
-        count, overwritten = ctypes.c_size_t(), ctypes.c_size_t()
-        count_at, overwritten_at = ctypes.byref(count), ctypes.byref(overwritten)
-        with self._lock:
-            call("events", self._tracker, read, layout.UNREAD_EVENTS, count_at, overwritten_at)
-        events = [
-            Event(
-                timestamp_us=e.timestamp_us,
-                kind=word(layout.EVENTS, e.kind),
-                loss=word(layout.LOSSES, e.loss),
-                face_box=floats(e.face_box),
-                confidence=e.confidence,
-            )
-            for e in read[: count.value]
-        ]
-        return events, overwritten.value
+        events, overwritten = self._events("events", layout.Event, layout.UNREAD_EVENTS)
+        return [Event._of(event) for event in events], overwritten
 
     def set_excluded(self, boxes: Sequence[Sequence[float]]) -> None:
         """Keeps this tracker from faces that others follow: boxes of x, y, width, height [px]."""
         numbers = arguments.boxes(boxes)
-        with self._lock:
-            call("set_excluded", self._tracker, numbers.ctypes.data, len(numbers))
+        self._call("set_excluded", numbers.ctypes.data, len(numbers))
 
     def set_roi(self, roi: Optional[tuple[int, int, int, int]]) -> None:
         """Looks for faces in x, y, width, height [px] only; None: the whole frame."""
         given = None if roi is None else ctypes.byref(arguments.roi(roi))
-        with self._lock:
-            call("set_roi", self._tracker, given)
+        self._call("set_roi", given)
 
     def set_intrinsics(self, intrinsics: Optional[Sequence[float]]) -> None:
         """The camera: fx, fy, cx, cy [px]; None: a horizontal field of view of 60 degrees."""
         given = None if intrinsics is None else ctypes.byref(arguments.intrinsics(intrinsics))
-        with self._lock:
-            call("set_intrinsics", self._tracker, given)
+        self._call("set_intrinsics", given)
 
-    def set_lens(self, lens: Optional[tuple[str, Sequence[float]]]) -> None:
+    def set_lens(self, lens: Optional[tuple[layout.LensModel, Sequence[float]]]) -> None:
         """The lens: "brown" or "fisheye" with OpenCV's coefficients; None: none."""
         given = None if lens is None else ctypes.byref(arguments.lens(*lens))
-        with self._lock:
-            call("set_lens", self._tracker, given)
+        self._call("set_lens", given)
 
     def reset(self) -> None:
         """Forgets the face, its identity and the time, as for another video."""
-        with self._lock:
-            call("reset", self._tracker)
+        self._call("reset")
 
     def forget_identity(self) -> None:
         """Forgets the identity, as when somebody else sits down."""
-        with self._lock:
-            call("forget_identity", self._tracker)
-
-
-def _empty_result() -> layout.Result:
-    out = layout.Result()
-    out.struct_size = ctypes.sizeof(out)
-    return out
+        self._call("forget_identity")

@@ -21,3 +21,12 @@ def clip():
 @pytest.fixture
 def root():
     return ROOT
+
+
+def write_video(path, frames):
+    cv2 = pytest.importorskip("cv2")
+    height, width = frames[0].shape
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"MJPG"), 20, (width, height))
+    for frame in frames:
+        writer.write(np.repeat(frame[:, :, None], 3, 2))
+    writer.release()

@@ -7,18 +7,10 @@ import signal
 
 import numpy as np
 import pytest
+from conftest import write_video
 
 pa = pytest.importorskip("pyarrow", reason="skipped: no pyarrow")
 pq = pytest.importorskip("pyarrow.parquet")
-
-
-def write_video(path, frames):
-    cv2 = pytest.importorskip("cv2")
-    height, width = frames[0].shape
-    writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"MJPG"), 20, (width, height))
-    for frame in frames:
-        writer.write(np.repeat(frame[:, :, None], 3, 2))
-    writer.release()
 
 
 @pytest.fixture

@@ -3,6 +3,7 @@ import sys
 
 import numpy as np
 import pytest
+from conftest import write_video
 
 import posewise
 
@@ -11,13 +12,8 @@ cv2 = pytest.importorskip("cv2")
 
 @pytest.fixture
 def video(clip, tmp_path):
-    path = tmp_path / "clip.avi"
-    height, width = clip[0][0].shape
-    writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"MJPG"), 20, (width, height))
-    for frame in clip[0][:40]:
-        writer.write(np.repeat(frame[:, :, None], 3, 2))
-    writer.release()
-    return path
+    write_video(tmp_path / "clip.avi", clip[0][:40])
+    return tmp_path / "clip.avi"
 
 
 def test_track_yields_each_frame(video):
@@ -59,3 +55,24 @@ def test_the_plot_example(monkeypatch, root, video, tmp_path):
     out = tmp_path / "out.png"
     run(monkeypatch, root, "plot.py", video, out)
     assert out.stat().st_size > 10_000
+
+
+def test_the_drive_example(monkeypatch, root, video, capsys):
+    run(monkeypatch, root, "drive.py", video, "euro-ncap")
+    said = capsys.readouterr().out
+    assert "blink from 0.4" in said and "P80 over 60 s: " in said
+
+
+def test_the_camera_example(monkeypatch, root, video, capsys):
+    run(monkeypatch, root, "camera.py", video)
+    said = capsys.readouterr().out
+    assert "terms free" in said and "acquired, none" in said and "\ngaze " in said
+
+
+def test_the_example_of_several_faces(monkeypatch, root, clip, tmp_path, capsys):
+    # The clip twice, side by side and not at the same time of it.
+    pairs = [np.hstack([a, b]) for a, b in zip(clip[0][:30], clip[0][20:50])]
+    write_video(tmp_path / "two.avi", pairs)
+    run(monkeypatch, root, "faces.py", tmp_path / "two.avi")
+    said = capsys.readouterr().out
+    assert said.startswith("2 faces") and said.count(": tracking at") == 2

@@ -92,7 +92,7 @@ fn track(program: &Path, model: &Path) -> String {
 }
 
 /// What the example that cargo's library was linked into makes of it.
-fn expected() -> String {
+pub fn expected() -> String {
     track(example(), &root().join("models/posewise.posewise"))
 }
 

@@ -35,7 +35,7 @@ fn packing_is_reproducible() {
     let pack = |folder: &str| {
         let folder = scratch("release").join(folder);
         let packer = Packer::new(target(), &folder).expect("target/ is writable");
-        let mut files = made("wheel", packer.wheel());
+        let mut files = made("wheel", packer.wheel(None));
         files.extend(made("npm", packer.npm()));
         files.extend(made("crates", packer.crates()));
         files.extend(made("SBOM", packer.sbom()));

@@ -13,13 +13,13 @@ use std::sync::OnceLock;
 use xtask::web;
 
 /// What `npm ci --prefix web` installs.
-fn has_package(name: &str) -> bool {
+pub fn has_package(name: &str) -> bool {
     let there = root().join("web/node_modules").join(name).exists();
     need(&format!("{name} (npm ci --prefix web)"), there)
 }
 
 /// The folder of the page, built once, if this machine has Rust for WebAssembly.
-fn site() -> Option<&'static Path> {
+pub fn site() -> Option<&'static Path> {
     static SITE: OnceLock<Option<PathBuf>> = OnceLock::new();
     let built = SITE.get_or_init(|| {
         // Where `cargo xtask web` builds too; the modules have folders of their own in it.
@@ -84,16 +84,18 @@ fn node_gives_the_same_bits() {
     }
 }
 
-/// Wrong arguments, memory that cannot grow, and calls in the wrong order.
+/// Wrong arguments, memory that cannot grow, calls in the wrong order; the driver monitor.
 #[test]
 fn faults_of_callers_do_no_harm() {
     let (Some(site), true) = (site(), require("node")) else {
         return;
     };
-    let mut node = Command::new("node");
-    node.arg(root().join("web/test/faults.mjs"));
-    node.arg(site.join("posewise-simd128.wasm"));
-    succeed(node.arg(site.join("posewise.posewise")));
+    for script in ["faults.mjs", "monitor.mjs"] {
+        let mut node = Command::new("node");
+        node.arg(root().join("web/test").join(script));
+        node.arg(site.join("posewise-simd128.wasm"));
+        succeed(node.arg(site.join("posewise.posewise")));
+    }
 }
 
 /// The unit tests of the library as WebAssembly, those of the kernels among them.

@@ -4,6 +4,7 @@
 mod common;
 mod imports;
 mod interface;
+mod languages;
 mod layering;
 mod links;
 mod style;

@@ -71,7 +71,7 @@ const GROUPS = [
   [['facing_yaw_sigma', 'facing_pitch_sigma', 'facing_roll_sigma'], 3,
     ({ result: r }) => r.facingSigmaDeg],
   [['focal_px'], 1, ({ result: r }) => [r.focalPx]],
-  [['camera_assumed'], 0, ({ result: r }) => [r.cameraAssumed]],
+  [['camera_assumed'], 0, ({ result: r }) => [Number(r.cameraAssumed)]],
   ...LATER,
 ];
 

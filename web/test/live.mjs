@@ -6,22 +6,18 @@ import { spawn } from 'node:child_process';
 import { once } from 'node:events';
 import { join } from 'node:path';
 import { createInterface } from 'node:readline';
-import { chromium } from 'playwright-core';
+import { launch } from './browser.mjs';
 import { checkLooks } from './looks.mjs';
 
 const [program, clip, out] = process.argv.slice(2);
 const PATIENCE_MS = 60_000;
-const CHROMIUM = process.env.CHROMIUM ?? 'chromium';
 
 const command = spawn(program, ['view', clip, '--bind', '127.0.0.1:0'], {
   stdio: ['ignore', 'pipe', 'inherit'],
 });
 const ended = once(command, 'exit');
 const [url] = await once(createInterface(command.stdout), 'line');
-const browser = await chromium.launch({
-  executablePath: CHROMIUM.includes('/') ? CHROMIUM : `/usr/bin/${CHROMIUM}`,
-  args: ['--no-sandbox'],
-});
+const browser = await launch();
 
 /** Everything that must not happen. */
 const faults = [];

@@ -7,7 +7,7 @@ import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';
 import { gzipSync } from 'node:zlib';
-import { chromium } from 'playwright-core';
+import { launch } from './browser.mjs';
 import { checkLooks } from './looks.mjs';
 
 const [url, folder, camera, out] = process.argv.slice(2);
@@ -15,17 +15,12 @@ const PATIENCE_MS = 60_000;
 /** What loading the page may transfer, uncompressed and from a server that compresses. */
 const MOST_BYTES = 1_500_000;
 const MOST_PACKED_BYTES = 1_100_000;
-const CHROMIUM = process.env.CHROMIUM ?? 'chromium';
 
-const browser = await chromium.launch({
-  executablePath: CHROMIUM.includes('/') ? CHROMIUM : `/usr/bin/${CHROMIUM}`,
-  args: [
-    '--no-sandbox',
-    '--use-fake-ui-for-media-stream',
-    '--use-fake-device-for-media-stream',
-    `--use-file-for-fake-video-capture=${camera}`,
-  ],
-});
+const browser = await launch(
+  '--use-fake-ui-for-media-stream',
+  '--use-fake-device-for-media-stream',
+  `--use-file-for-fake-video-capture=${camera}`,
+);
 
 /** Everything that must not happen. */
 const faults = [];

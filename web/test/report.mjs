@@ -4,17 +4,13 @@
 import assert from 'node:assert/strict';
 import { resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
-import { chromium } from 'playwright-core';
+import { launch } from './browser.mjs';
 import { checkLooks } from './looks.mjs';
 
 const [file, out] = process.argv.slice(2);
 const url = pathToFileURL(resolve(file)).href;
-const CHROMIUM = process.env.CHROMIUM ?? 'chromium';
 
-const browser = await chromium.launch({
-  executablePath: CHROMIUM.includes('/') ? CHROMIUM : `/usr/bin/${CHROMIUM}`,
-  args: ['--no-sandbox'],
-});
+const browser = await launch();
 
 /** Everything that must not happen. */
 const faults = [];

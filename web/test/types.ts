@@ -1,6 +1,8 @@
 // What a caller writes in TypeScript; it is only checked.
 
-import { FaceTracker, load, type Tracked } from '../posewise.js';
+import {
+  FaceTracker, PosewiseError, load, type MonitorEvent, type Observation, type Tracked, type Zone,
+} from '../posewise.js';
 
 export async function inAWorker(video: HTMLVideoElement): Promise<string[]> {
   const tracker = await FaceTracker.create({ model: 'research.posewise', config: { minFacePx: 60 } });
@@ -25,4 +27,32 @@ export async function inThisThread(data: Uint8Array): Promise<number> {
   tracker.step({ data, width: 640 }, 1);
   for (const { kind, timestampUs } of tracker.events().events) console.log(kind, timestampUs);
   return result.rotationSigmaDeg[1];
+}
+
+export async function aDriver(video: HTMLVideoElement): Promise<MonitorEvent[]> {
+  const road: Zone = { kind: 'angles', yawDeg: [-20, 20], pitchDeg: [-15, 15], isRoad: true };
+  // @ts-expect-error A box has corners.
+  const box: Zone = { kind: 'box', yawDeg: [-20, 20], pitchDeg: [-15, 15] };
+  const tracker = await FaceTracker.create({
+    config: { gaze: 'natural' }, monitor: { preset: 'euro-ncap', fixedPose: true }, zones: [road],
+  });
+  const { monitor } = await tracker.track(video, 0, { faceBox: [1, 2, 30, 40] });
+  // @ts-expect-error There may be no monitor.
+  console.log(monitor.state);
+  if (monitor?.state.eyes === 'closed' && monitor.state.zone !== 'unknown') console.log(box);
+  await tracker.setZones([road]);
+  await tracker.forgetDriver();
+  return monitor?.events ?? [];
+}
+
+export async function observed(seen: Observation): Promise<number | undefined> {
+  const monitor = (await load()).createMonitor({ preset: 'eu-ddaw' });
+  try {
+    monitor.update({ ...seen, state: 'tracking', eyeOpen: [1, 1] }, 0);
+  } catch (error) {
+    if (error instanceof PosewiseError && error.code === 'E_TIME') return error.status;
+  }
+  // @ts-expect-error No preset has this name.
+  (await load()).createMonitor({ preset: 'generous' });
+  return monitor.state().perclos60.p80;
 }

@@ -1,6 +1,7 @@
 //! `web/layout.js`: sizes and offsets of the structs in WebAssembly, the constants, and the types
 //! of the structs as JSDoc.
 
+use super::languages::{NUMBERS, flag_of, is_zone, no_zones, type_name, words_type};
 use super::layout::offsets;
 use super::table::{Field, Kind, Struct, Table, WORDS, word, words_of};
 use super::words::spoken;
@@ -19,7 +20,11 @@ const POINTER: usize = 4;
 const HIDDEN: [&str; 5] = ["struct_size", "flags", "reserved", "data", "data_len"];
 
 /// Structs of which a caller may leave out fields.
-const OPTIONAL: [&str; 2] = ["config", "hint"];
+const OPTIONAL: [&str; 4] = ["config", "hint", "monitor_config", "monitor_observation"];
+
+/// Structs whose types are written by hand: pixels are an array, texts are strings, and a zone has
+/// the numbers of its kind.
+const BY_HAND: [&str; 3] = ["frame", "model_details", "monitor_zone"];
 
 /// Whether a caller may leave out a field.
 fn is_optional(item: &Struct, field: &Field) -> bool {
@@ -38,12 +43,9 @@ pub fn text(table: &Table) -> Result<String> {
 }
 
 fn write_constants(out: &mut String, table: &Table) -> Result<()> {
-    for name in ["ABI", "ALIGN", "LANDMARKS", "ANIMATIONS", "EYE_LOOKS"] {
-        let value = table.value(name)?;
-        writeln!(out, "\nexport const {name} = {value};")?;
+    for (name, constant) in NUMBERS {
+        writeln!(out, "\nexport const {name} = {};", table.value(constant)?)?;
     }
-    let unread = table.value("EVENTS")?;
-    writeln!(out, "\nexport const UNREAD_EVENTS = {unread};")?;
     writeln!(
         out,
         "\n/** Status codes by name. */\nexport const STATUS = {{\n  OK: 0,"
@@ -66,12 +68,25 @@ fn write_constants(out: &mut String, table: &Table) -> Result<()> {
     for kind in WORDS {
         write_words(out, kind, &table.words(kind)?)?;
     }
+    let others = no_zones(table);
+    let words: Vec<_> = others.iter().map(|(_, word)| format!("'{word}'")).collect();
+    writeln!(out, "\n/**\n * The index of a zone, or what it is else.")?;
+    writeln!(
+        out,
+        " * @typedef {{number | {}}} ZoneIndex\n */",
+        words.join(" | ")
+    )?;
+    out.push_str("/** @type {Record<number, string>} */\nexport const NO_ZONES = {\n");
+    for (value, word) in others {
+        writeln!(out, "  {value}: '{word}',")?;
+    }
+    out.push_str("};\n");
     Ok(())
 }
 
 /// A list of words and the type of them.
 fn write_words(out: &mut String, kind: &str, words: &[String]) -> Result<()> {
-    let (list, name) = list_of_words(kind);
+    let (list, name) = words_type(kind);
     writeln!(out, "\n/** @typedef {{(typeof {list})[number]}} {name} */")?;
     writeln!(out, "export const {list} = /** @type {{const}} */ ([")?;
     for line in words.chunks(4) {
@@ -81,23 +96,11 @@ fn write_words(out: &mut String, kind: &str, words: &[String]) -> Result<()> {
     Ok(())
 }
 
-/// The name of a list of words, and of the type of which it holds all values.
-fn list_of_words(kind: &str) -> (&'static str, &'static str) {
-    match kind {
-        "STATE" => ("STATES", "State"),
-        "LOSS" => ("LOSSES", "Loss"),
-        "EVENT" => ("EVENTS", "EventKind"),
-        "EYE" => ("EYES", "EyeStatus"),
-        "TERMS" => ("TERMS", "Terms"),
-        _ => ("LENSES", "LensModel"),
-    }
-}
-
 /// The name of a struct's type in JavaScript. `Event` is a type of the browser.
-fn type_name(item: &str) -> String {
+fn class(item: &str) -> String {
     match item {
         "event" => "FaceEvent".to_owned(),
-        _ => item[..1].to_uppercase() + &item[1..],
+        _ => type_name(item),
     }
 }
 
@@ -112,19 +115,29 @@ pub(super) fn camel(name: &str) -> String {
 }
 
 fn list_of(field: &Field) -> Option<(&'static str, &'static str)> {
-    words_of(field).map(list_of_words)
+    words_of(field).map(words_type)
 }
 
-/// A typedef for JSDoc. Those of frames and of what a model says are written by hand: pixels are an
-/// array, and texts are strings.
+/// A typedef for JSDoc.
 fn write_type(out: &mut String, item: &Struct, table: &Table) -> Result<()> {
-    if ["frame", "model_details"].contains(&&*item.name) {
+    if BY_HAND.contains(&&*item.name) {
         return Ok(());
     }
     out.push_str("\n/**\n");
     wrapped(out, &item.comment);
-    writeln!(out, " * @typedef {{object}} {}", type_name(&item.name))?;
+    writeln!(out, " * @typedef {{object}} {}", class(&item.name))?;
     for field in &item.fields {
+        if let Some((name, comment)) = flag_of(item, field) {
+            let name = match is_optional(item, field) {
+                true => format!("[{}]", camel(name)),
+                false => camel(name),
+            };
+            wrapped(
+                out,
+                &format!("@property {{boolean}} {name} {}", spoken(&comment, table)),
+            );
+            continue;
+        }
         if HIDDEN.contains(&&*field.name) {
             continue;
         }
@@ -133,7 +146,9 @@ fn write_type(out: &mut String, item: &Struct, table: &Table) -> Result<()> {
             (Some((_, words)), _) => words.to_owned(),
             (_, Some(count)) => format!("[{}]", vec!["number"; count].join(", ")),
             _ => match &field.kind {
-                Kind::Struct(inner) => type_name(inner),
+                Kind::Struct(inner) => class(inner),
+                _ if field.facts.is_flag => "boolean".to_owned(),
+                _ if is_zone(field) => "ZoneIndex".to_owned(),
                 _ => "number".to_owned(),
             },
         };
@@ -188,14 +203,22 @@ fn write_layout(out: &mut String, item: &Struct, table: &Table) -> Result<()> {
             .map_or(String::new(), |n| format!(", count: {n}"));
         let names = list_of(field);
         let names = names.map_or(String::new(), |(list, _)| format!(", names: {list}"));
-        let optional = match is_optional(item, field) {
-            true => ", optional: true",
-            false => "",
+        let optional = match (is_optional(item, field), &field.facts.or) {
+            (false, _) => String::new(),
+            (true, None) => ", optional: true".to_owned(),
+            (true, Some(unknown)) => format!(", optional: true, unknown: {unknown}"),
         };
-        let name = camel(&field.name);
+        let flag = flag_of(item, field);
+        let is_flag = flag.is_some() || field.facts.is_flag;
+        let more = match (is_flag, is_zone(field)) {
+            (true, _) => ", flag: true",
+            (_, true) => ", others: NO_ZONES",
+            _ => "",
+        };
+        let name = camel(flag.as_ref().map_or(&field.name, |(name, _)| name));
         writeln!(
             out,
-            "    {name}: {{ at: {start}, {kind}{count}{names}{optional} }},"
+            "    {name}: {{ at: {start}, {kind}{count}{names}{optional}{more} }},"
         )?;
     }
     out.push_str("  },\n};\n");

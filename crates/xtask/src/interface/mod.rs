@@ -5,6 +5,7 @@ mod command;
 mod cpp;
 mod facts;
 mod header;
+mod languages;
 pub mod layout;
 mod python;
 mod python_fields;

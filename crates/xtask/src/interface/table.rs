@@ -97,10 +97,32 @@ pub struct Table {
 }
 
 /// What the constants of words begin with, of which each counts from 0.
-pub const WORDS: [&str; 6] = ["STATE", "LOSS", "EVENT", "EYE", "LENS", "TERMS"];
+pub const WORDS: [&str; 13] = [
+    "STATE",
+    "LOSS",
+    "EVENT",
+    "EYE",
+    "LENS",
+    "TERMS",
+    "GAZE",
+    "MONITOR_PRESET",
+    "MONITOR_EYES",
+    "MONITOR_REASON",
+    "MONITOR_DROWSINESS",
+    "MONITOR_EVENT",
+    "MONITOR_ZONE",
+];
 
 /// Words that have no such beginning.
 const STATES: [&str; 3] = ["SEARCHING", "TRACKING", "COASTING"];
+
+/// Constants that begin like words: indices of weights, a flag, and what an index may be else.
+const NO_WORDS: [&str; 4] = [
+    "EYE_LOOK",
+    "MONITOR_ZONE_ROAD",
+    "MONITOR_ZONE_OUTSIDE",
+    "MONITOR_ZONE_UNKNOWN",
+];
 
 impl Table {
     /// Reads the sources of the repository.
@@ -236,9 +258,11 @@ impl Table {
             }
             _ => self.with_prefix(&format!("{kind}_")),
         };
-        // POSEWISE_EYE_LOOK_* are indices of weights, not reasons.
-        let is_weight = |name: &str| kind == "EYE" && name.starts_with("LOOK");
-        let found = found.iter().filter(|(name, _)| !is_weight(name));
+        let is_word = |name: &str| {
+            let full = format!("{kind}_{name}");
+            !NO_WORDS.iter().any(|other| full.starts_with(other))
+        };
+        let found = found.iter().filter(|(name, _)| is_word(name));
         let words = found.zip(0..).map(|((name, value), i)| match *value == i {
             true => Ok(word(name)),
             false => bail!("POSEWISE_{kind}_{name} is not {i}"),
@@ -252,7 +276,11 @@ pub fn words_of(field: &Field) -> Option<&'static str> {
     let first = field.facts.values.first()?;
     let kind = match STATES.contains(&&**first) {
         true => "STATE",
-        false => first,
+        // All of them, or the first of a list.
+        false => match first.rsplit_once('_') {
+            Some((family, _)) if field.facts.values.len() > 1 => family,
+            _ => first,
+        },
     };
     WORDS.into_iter().find(|word| *word == kind)
 }

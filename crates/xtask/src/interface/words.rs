@@ -1,18 +1,25 @@
 //! Comments as users of other languages read them: `"tracking"` for `POSEWISE_TRACKING`.
 
+use super::facts::Facts;
 use super::table::{Table, WORDS, word};
 
-/// Names of structs, and what they are called elsewhere.
-const STRUCTS: [(&str, &str); 2] = [
+/// Names of structs, functions and constants that are no words, and what they are called elsewhere.
+const NAMES: [(&str, &str); 8] = [
     ("posewise_result", "Result"),
     ("posewise_config", "the settings"),
+    ("posewise_monitor_observation", "Observation"),
+    ("posewise_monitor_observe", "Tracker.observation"),
+    ("posewise_monitor_events", "Monitor.events"),
+    ("POSEWISE_MONITOR_FIXED_POSE", "fixed_pose"),
+    ("POSEWISE_MONITOR_ZONE_OUTSIDE", "\"outside\""),
+    ("POSEWISE_MONITOR_ZONE_UNKNOWN", "\"unknown\""),
 ];
 
 /// A comment in which constants that are words are their words, and functions have no prefix.
 pub fn spoken(comment: &str, table: &Table) -> String {
-    let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '*';
+    let is_name = |c: char| c.is_ascii_alphanumeric() || "_*".contains(c);
     let mut out = String::new();
-    let comment = comment.replace(", _", ", POSEWISE_");
+    let comment = whole_names(comment);
     let mut rest = &*comment;
     while let Some(at) = rest.to_lowercase().find("posewise_") {
         let (before, from) = rest.split_at(at);
@@ -24,9 +31,27 @@ pub fn spoken(comment: &str, table: &Table) -> String {
     out + rest
 }
 
+/// A comment with `_TRACKING` after a constant of the same family as `POSEWISE_TRACKING`.
+fn whole_names(comment: &str) -> String {
+    let values = Facts::of(comment, 0).map_or(Vec::new(), |facts| facts.values);
+    let Some(first) = values.first() else {
+        return comment.to_owned();
+    };
+    let family = match values.len() {
+        1 => Some(&**first),
+        _ => first.rsplit_once('_').map(|(family, _)| family),
+    };
+    let prefix = family.map_or("POSEWISE_".to_owned(), |of| format!("POSEWISE_{of}_"));
+    let words = comment.split(' ').map(|word| match word.strip_prefix('_') {
+        Some(rest) => prefix.clone() + rest,
+        None => word.to_owned(),
+    });
+    words.collect::<Vec<_>>().join(" ")
+}
+
 /// What one name of the header is called elsewhere.
 fn name(name: &str, table: &Table) -> String {
-    if let Some((_, other)) = STRUCTS.iter().find(|(known, _)| *known == name) {
+    if let Some((_, other)) = NAMES.iter().find(|(known, _)| *known == name) {
         return (*other).to_owned();
     }
     if let Some(function) = name.strip_prefix("posewise_") {
@@ -69,6 +94,14 @@ mod tests {
         assert_eq!(
             spoken("by POSEWISE_EYE_LOOK_* [0..1]", &table),
             "by POSEWISE_EYE_LOOK_* [0..1]"
+        );
+        let text = "Unknown, _NONE (posewise_smoothed) [POSEWISE_MONITOR_REASON_*]";
+        let expected = "Unknown, \"none\" (smoothed) [\"none\", \"no-face\", \"low-confidence\", \
+                        \"turned\", \"hidden\"]";
+        assert_eq!(spoken(text, &table), expected);
+        assert_eq!(
+            spoken("[POSEWISE_MONITOR_ZONE_ANGLES, _BOX]", &table),
+            "[\"angles\", \"box\"]"
         );
     }
 }

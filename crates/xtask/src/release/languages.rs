@@ -14,16 +14,33 @@ pub const CRATES: [&str; 4] = [
     "posewise-cli",
 ];
 
+/// Machines that wheels are made for, beside this one, by their names in Rust.
+const OTHERS: [&str; 1] = ["aarch64-unknown-linux-gnu"];
+
 /// What a Python needs to build the wheel; setuptools wants to be the first.
 const WHEEL_NEEDS: &str = "import setuptools, pip, wheel";
 
 impl Packer {
-    /// The wheel, by the Python that `POSEWISE_PYTHON` names or else `python3`.
-    pub fn wheel(&self) -> Result<Outcome> {
+    /// A wheel for each machine.
+    pub(super) fn wheels(&self) -> Result<Vec<(String, Outcome)>> {
+        let is_other = |target: &&str| !target.starts_with(std::env::consts::ARCH);
+        let others = OTHERS.into_iter().filter(is_other).map(Some);
+        let make = |target: Option<&str>| {
+            let name = format!("wheel of {}", target.unwrap_or("this machine"));
+            Ok((name, self.wheel(target)?))
+        };
+        std::iter::once(None).chain(others).map(make).collect()
+    }
+
+    /// The wheel for a machine, by the Python that `POSEWISE_PYTHON` names or else `python3`.
+    pub fn wheel(&self, target: Option<&str>) -> Result<Outcome> {
         let python = std::env::var("POSEWISE_PYTHON").unwrap_or("python3".into());
         let asked = Command::new(&python).args(["-c", WHEEL_NEEDS]).output();
         if !asked.is_ok_and(|output| output.status.success()) {
             let why = format!("no {python} that can `{WHEEL_NEEDS}`");
+            return Ok(Outcome::Skipped(why));
+        }
+        if let Some(why) = self.lack(target)? {
             return Ok(Outcome::Skipped(why));
         }
         // What an earlier build left there would be packed, too.
@@ -36,6 +53,9 @@ impl Packer {
         pip.args(["-m", "pip", "--quiet", "--disable-pip-version-check"]);
         pip.args(["wheel", "--no-deps", "--no-index", "--no-build-isolation"]);
         pip.env("CARGO_TARGET_DIR", &self.target_dir);
+        if let Some((machine, _)) = target.and_then(|target| target.split_once('-')) {
+            pip.env("_PYTHON_HOST_PLATFORM", format!("linux-{machine}"));
+        }
         output_of(
             pip.arg("--wheel-dir")
                 .arg(&stage)

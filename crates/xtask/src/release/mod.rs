@@ -4,7 +4,7 @@
 //! | file | what it packs |
 //! |---|---|
 //! | `tarball` | `make dist` for each machine |
-//! | `languages` | the Python wheel, the JavaScript package, the crates |
+//! | `languages` | the Python wheels, the JavaScript package, the crates |
 //! | `debian` | Debian packages |
 //! | `mobile` | the folders for Android and iOS |
 //! | `sbom` | the parts of each, in CycloneDX |
@@ -29,7 +29,7 @@ pub const CHECKSUMS: &str = "SHA256SUMS";
 
 /// Names of the packages, in the order in which they are made.
 pub const NAMES: [&str; 8] = [
-    "tarballs", "wheel", "npm", "crates", "debian", "android", "ios", "sbom",
+    "tarballs", "wheels", "npm", "crates", "debian", "android", "ios", "sbom",
 ];
 
 /// Version of everything in this repository.
@@ -104,6 +104,7 @@ impl Packer {
             }
             match name {
                 "tarballs" => outcomes.extend(self.tarballs()?),
+                "wheels" => outcomes.extend(self.wheels()?),
                 _ => outcomes.push((name.to_string(), self.package(name)?)),
             }
         }
@@ -114,7 +115,6 @@ impl Packer {
     /// Makes one of the packages that are one.
     fn package(&self, name: &str) -> Result<Outcome> {
         match name {
-            "wheel" => self.wheel(),
             "npm" => self.npm(),
             "crates" => self.crates(),
             "debian" => self.debian(),

@@ -26,21 +26,26 @@ impl Packer {
 
     /// The archive of `make dist`.
     pub fn tarball(&self, target: Option<&str>) -> Result<Outcome> {
+        if let Some(why) = self.lack(target)? {
+            return Ok(Outcome::Skipped(why));
+        }
+        let output = output_of(&mut self.make("dist", target)?)?;
+        let printed = String::from_utf8(output.stdout)?;
+        Ok(Outcome::Made(vec![self.take(Path::new(printed.trim()))?]))
+    }
+
+    /// What is missing here to build the library for a machine.
+    pub(super) fn lack(&self, target: Option<&str>) -> Result<Option<String>> {
         let library = Library {
             target: target.map(String::from),
             without: Vec::new(),
             target_dir: self.target_dir.clone(),
         };
         if !library.can_be_built() {
-            return Ok(Outcome::Skipped("no Rust for it".into()));
+            return Ok(Some("no Rust for it".into()));
         }
         let compiler = Machine::named(target)?.compiler();
         let compiler = compiler.get_program().to_string_lossy();
-        if !exists(&compiler) {
-            return Ok(Outcome::Skipped(format!("no {compiler}")));
-        }
-        let output = output_of(&mut self.make("dist", target)?)?;
-        let printed = String::from_utf8(output.stdout)?;
-        Ok(Outcome::Made(vec![self.take(Path::new(printed.trim()))?]))
+        Ok((!exists(&compiler)).then(|| format!("no {compiler}")))
     }
 }

@@ -11,12 +11,15 @@ use std::process::Command;
 pub use serve::Site;
 
 /// Files of the package and of the page that are served as they are in the repository, from web/.
-const FILES: [&str; 21] = [
+const FILES: [&str; 24] = [
     "README.md",
     "package.json",
     "index.html",
     "layout.js",
     "struct.js",
+    "handle.js",
+    "tracker.js",
+    "monitor.js",
     "engine.js",
     "posewise.js",
     "luma.js",

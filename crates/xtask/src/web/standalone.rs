@@ -9,18 +9,24 @@ use std::io::Write as _;
 use std::path::Path;
 
 /// Modules of the worker, each after those that it imports.
-const WORKER: [&str; 5] = [
+const WORKER: [&str; 8] = [
     "layout.js",
     "struct.js",
+    "handle.js",
+    "tracker.js",
+    "monitor.js",
     "engine.js",
     "luma.js",
     "worker.js",
 ];
 
 /// Modules of the page, likewise.
-const PAGE: [&str; 15] = [
+const PAGE: [&str; 18] = [
     "layout.js",
     "struct.js",
+    "handle.js",
+    "tracker.js",
+    "monitor.js",
     "engine.js",
     "luma.js",
     "posewise.js",

@@ -1,0 +1,155 @@
+// The tracker. Each method calls the function of the same name in include/posewise.h.
+
+import { Handle } from './handle.js';
+import {
+  ANIMATIONS, EVENT, FACE, HINT, INTRINSICS, LANDMARK, LANDMARKS, LENS, MONITOR_OBSERVATION,
+  RESULT, ROI, UNREAD_EVENTS,
+} from './layout.js';
+
+/** @typedef {import('./engine.js').Frame} Frame */
+/** @typedef {import('./layout.js').Face} Face */
+/** @typedef {import('./layout.js').FaceEvent} FaceEvent */
+/** @typedef {import('./layout.js').Hint} Hint */
+/** @typedef {import('./layout.js').Intrinsics} Intrinsics */
+/** @typedef {import('./layout.js').Landmark} Landmark */
+/** @typedef {import('./layout.js').Lens} Lens */
+/** @typedef {import('./layout.js').Observation} Observation */
+/** @typedef {import('./layout.js').Result} Result */
+/** @typedef {import('./layout.js').Roi} Roi */
+
+// Most faces of one call of detect().
+const MOST_FACES = 16;
+
+/** Follows one face. Made by {@link Engine.createTracker}. */
+export class Tracker extends Handle {
+  /**
+   * Processes one frame. Timestamps are the camera's, and increase.
+   * @param {Frame} frame
+   * @param {number} timestampUs
+   * @returns {Result}
+   */
+  step(frame, timestampUs) {
+    return this.read(RESULT, 'step', this.engine.writeFrame(frame, timestampUs));
+  }
+
+  /**
+   * As {@link step}, for a caller who knows about where a face is.
+   * @param {Frame} frame
+   * @param {number} timestampUs
+   * @param {Hint} hint
+   * @returns {Result}
+   */
+  stepAt(frame, timestampUs, hint) {
+    const at = this.engine.writeFrame(frame, timestampUs);
+    return this.read(RESULT, 'step_at', at, this.write(HINT, hint));
+  }
+
+  /**
+   * Lists faces of a frame, the largest first; bounded work, so that several calls may be needed.
+   * @param {Frame} frame
+   * @returns {{ faces: Face[], finished: boolean }}
+   */
+  detect(frame) {
+    const at = this.engine.writeFrame(frame, 0);
+    const { found, other } = this.readList(FACE, 'detect', MOST_FACES, at);
+    return { faces: found, finished: other === 1 };
+  }
+
+  /**
+   * The last result, smoothed.
+   * @returns {Result}
+   */
+  smoothed() {
+    return this.read(RESULT, 'smoothed');
+  }
+
+  /**
+   * What a driver monitor needs of the last step.
+   * @returns {Observation}
+   */
+  observation() {
+    return this.read(MONITOR_OBSERVATION, 'monitor_observe');
+  }
+
+  /**
+   * @param {string} name
+   * @returns {Landmark[]}
+   */
+  #landmarks(name) {
+    this.call(name, this.engine.scratch, LANDMARKS);
+    return this.list(LANDMARK, this.engine.scratch, LANDMARKS);
+  }
+
+  /** The 68 landmarks of the last step. */
+  landmarks() {
+    return this.#landmarks('landmarks');
+  }
+
+  /** The same, smoothed. */
+  smoothedLandmarks() {
+    return this.#landmarks('smoothed_landmarks');
+  }
+
+  /** @param {string} name */
+  #weights(name) {
+    this.call(name, this.engine.scratch, ANIMATIONS);
+    return new Float32Array(this.engine.memory, this.engine.scratch, ANIMATIONS).slice();
+  }
+
+  /** The animation weights of the last step; Engine.animationNames has their names. */
+  animation() {
+    return this.#weights('animation');
+  }
+
+  /** The same, smoothed. */
+  smoothedAnimation() {
+    return this.#weights('smoothed_animation');
+  }
+
+  /**
+   * The events that were not read yet.
+   * @returns {{ events: FaceEvent[], overwritten: number }}
+   */
+  events() {
+    const { found, other } = this.readList(EVENT, 'events', UNREAD_EVENTS);
+    return { events: found, overwritten: other };
+  }
+
+  /**
+   * Keeps this tracker from faces that others follow.
+   * @param {[number, number, number, number][]} boxes x, y, width, height [px].
+   */
+  setExcluded(boxes) {
+    const at = this.engine.scratch;
+    if (boxes.some((box) => box.length !== 4)) throw new TypeError('a box must have 4 numbers');
+    // The library refuses more than it has room for, whatever they are.
+    const numbers = boxes.slice(0, 64).flat();
+    new Float32Array(this.engine.memory, at, numbers.length).set(numbers);
+    this.call('set_excluded', at, boxes.length);
+  }
+
+  /** @param {Roi | null} roi null: the whole frame. */
+  setRoi(roi) {
+    this.call('set_roi', roi ? this.write(ROI, roi) : 0);
+  }
+
+  /** @param {Intrinsics | null} intrinsics null: a field of view of 60 degrees. */
+  setIntrinsics(intrinsics) {
+    this.call('set_intrinsics', intrinsics ? this.write(INTRINSICS, intrinsics) : 0);
+  }
+
+  /** @param {Lens | null} lens null: none. */
+  setLens(lens) {
+    this.call('set_lens', lens ? this.write(LENS, lens) : 0);
+  }
+
+  /** Forgets the face, its identity and the time, as for another video. */
+  reset() {
+    this.call('reset');
+  }
+
+  /** Forgets the identity, as when somebody else sits down. */
+  forgetIdentity() {
+    this.call('forget_identity');
+  }
+}
