@@ -318,7 +318,12 @@ export class Engine {
   createMonitor(config = {}, zones) {
     const size = this.call('monitor_memory_size', 0);
     const monitor = this.#create(Monitor, 'monitor_init', MONITOR_CONFIG, config, size);
-    if (zones) monitor.setZones(zones);
+    try {
+      if (zones) monitor.setZones(zones);
+    } catch (error) {
+      monitor.free();
+      throw error;
+    }
     return monitor;
   }
 

@@ -19,8 +19,9 @@
  * @property {Record<string, Place>} fields
  */
 
-// Fields that are for the library, not for the caller.
+// Fields that are for the library, not for the caller; flags with a meaning have a name of theirs.
 const HIDDEN = ['structSize', 'reserved'];
+const UNREAD = [...HIDDEN, 'flags'];
 
 /** @type {Record<NumberType, (view: DataView, at: number) => number>} */
 const READ = {
@@ -77,7 +78,7 @@ export function readStruct(view, start, layout) {
   /** @type {Record<string, unknown>} */
   const object = {};
   for (const [name, place] of Object.entries(layout.fields)) {
-    if (HIDDEN.includes(name)) continue;
+    if (UNREAD.includes(name)) continue;
     const { at, struct, count } = place;
     if (struct) {
       object[name] = readStruct(view, start + at, struct);

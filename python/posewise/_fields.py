@@ -248,8 +248,6 @@ class Event:
 class MonitorConfig:
     """Settings of a driver monitor. Times are at most 71 minutes."""
 
-    #: Whether forward_yaw_deg and forward_pitch_deg are exact, and no natural pose is learnt.
-    fixed_pose: bool = False
     #: The default of every other field, and the zones ["general", "euro-ncap", "eu-addw-fast",
     #: "eu-addw-slow", "eu-ddaw"].
     preset: layout.Preset = "general"
@@ -338,11 +336,12 @@ class MonitorConfig:
     look_down_deg: float = 0.0
     #: A look down of this length is reported [us, default 500000], chosen.
     look_down_us: int = 0
+    #: Whether forward_yaw_deg and forward_pitch_deg are exact, and no natural pose is learnt.
+    fixed_pose: bool = False
 
     @classmethod
     def _of(cls, out: layout.MonitorConfig, **more: Any) -> Any:
         return cls(
-            fixed_pose=out.flags != 0,
             preset=word(layout.PRESETS, out.preset),
             gap_us=out.gap_us,
             min_confidence=out.min_confidence,
@@ -377,6 +376,7 @@ class MonitorConfig:
             degraded_us=out.degraded_us,
             look_down_deg=out.look_down_deg,
             look_down_us=out.look_down_us,
+            fixed_pose=out.flags != 0,
             **more,
         )
 
@@ -571,10 +571,10 @@ class MonitorEvent:
     kind: layout.MonitorEventKind
     #: Zone of a glance, else "unknown".
     zone: layout.ZoneIndex
-    #: Whether it could no longer be seen, and took at least duration_us.
-    is_cut: bool
     #: As the kind says, else 0 [by kind].
     value: float
+    #: Whether it could no longer be seen, and took at least duration_us.
+    is_cut: bool
 
     @classmethod
     def _of(cls, out: layout.MonitorEvent, **more: Any) -> Any:
@@ -584,7 +584,7 @@ class MonitorEvent:
             duration_us=out.duration_us,
             kind=word(layout.MONITOR_EVENTS, out.kind),
             zone=layout.NO_ZONES.get(out.zone, out.zone),
-            is_cut=out.flags != 0,
             value=out.value,
+            is_cut=out.flags != 0,
             **more,
         )

@@ -68,7 +68,9 @@ test('zones are met', () => {
 
 test('presets have values', () => {
   assert.equal(engine.defaultMonitorConfig('eu-addw-fast').longGlanceUs, 3_500_000);
-  assert.equal(engine.defaultConfig().minFacePx, 40);
+  const usual = engine.defaultConfig();
+  assert.deepEqual([usual.minFacePx, usual.gaze, 'flags' in usual], [40, 'off', false]);
+  engine.createTracker(usual).free();
   const config = engine.defaultMonitorConfig();
   assert.deepEqual([config.preset, config.fixedPose], ['general', false]);
   engine.createMonitor(config).free();
