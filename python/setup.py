@@ -37,8 +37,8 @@ class BuildPy(build_py):
     def run(self):
         super().run()
         target = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "python"
-        make = ["make", "--silent", "--directory", ROOT, "lib", "notices", "MODEL=none", "LIBC=none"]
-        make += [f"TARGET_DIR={target}"]
+        make = ["make", "--silent", "--directory", ROOT, "lib", "notices", "MODEL=none"]
+        make += ["LIBC=none", f"TARGET_DIR={target}"]
         if machine() != platform.machine():
             name = f"{machine()}-unknown-linux-gnu"
             make += [f"TARGET={name}"]

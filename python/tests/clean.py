@@ -1,5 +1,7 @@
-"""clean.py CLIP.y4m - tracks a clip of grey, with nothing but the wheel and numpy, and says how many
-frames have a face, and how many blinks a monitor saw."""
+"""clean.py CLIP.y4m - tracks a clip of grey, with nothing but the wheel and numpy.
+
+It says how many frames have a face, and how many blinks a monitor saw.
+"""
 
 import sys
 from pathlib import Path

@@ -1,5 +1,5 @@
-// monitor.mjs MODULE MODEL - the driver monitor: what it says of observations, and what a caller can
-// do wrong.
+// monitor.mjs MODULE MODEL - the driver monitor: what it says of observations, and what a caller
+// can do wrong.
 
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';

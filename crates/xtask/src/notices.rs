@@ -48,7 +48,9 @@ const LICENCES: [&str; 8] = [
 pub fn write() -> Result<()> {
     for notices in &NOTICES {
         let path = root().join(notices.file);
-        let partial = path.with_extension(std::process::id().to_string());
+        // Another process, or another test in this one, may write it too.
+        let (process, thread) = (std::process::id(), std::thread::current().id());
+        let partial = path.with_extension(format!("{process}-{thread:?}"));
         std::fs::write(&partial, notices.text()?)?;
         std::fs::rename(partial, path)?;
     }

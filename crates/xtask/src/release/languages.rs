@@ -3,7 +3,7 @@
 use super::{Outcome, Packer, VERSION, exists};
 use crate::{output_of, root, web};
 use anyhow::{Context, Result};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Crates that are published, in this order.
@@ -73,8 +73,12 @@ impl Packer {
             let why = "no Rust for WebAssembly (rustup target add wasm32-unknown-unknown)";
             return Ok(Outcome::Skipped(why.into()));
         }
-        let package = web::build(&self.target_dir)?;
-        if !web::declarations(&package)? {
+        self.npm_of(&web::build(&self.target_dir)?)
+    }
+
+    /// The same of a package that is built, and gets its types.
+    pub fn npm_of(&self, package: &Path) -> Result<Outcome> {
+        if !web::declarations(package)? {
             return Ok(Outcome::Skipped(
                 "no TypeScript (npm ci --prefix web)".into(),
             ));
@@ -104,7 +108,7 @@ impl Packer {
     }
 
     /// Copies all files of a folder into the folder of packages.
-    pub(super) fn take_all(&self, stage: &std::path::Path) -> Result<Outcome> {
+    pub(super) fn take_all(&self, stage: &Path) -> Result<Outcome> {
         let mut paths = Vec::new();
         for entry in std::fs::read_dir(stage)? {
             paths.push(entry?.path());
