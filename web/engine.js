@@ -6,7 +6,7 @@ import {
   STATUS,
 } from './layout.js';
 import { Monitor } from './monitor.js';
-import { clearStruct, readStruct, writeStruct } from './struct.js';
+import { changeStruct, clearStruct, readStruct, writeStruct } from './struct.js';
 import { Tracker } from './tracker.js';
 
 /** @typedef {import('./layout.js').Config} Config */
@@ -307,6 +307,7 @@ export class Engine {
    */
   createTracker(config = {}) {
     const size = this.call('memory_size', 0);
+    this.#writeDefaults(CONFIG, 'config_default');
     return this.#create(Tracker, 'init', CONFIG, config, size, this.#model, this.#modelLength);
   }
 
@@ -317,6 +318,7 @@ export class Engine {
    */
   createMonitor(config = {}, zones) {
     const size = this.call('monitor_memory_size', 0);
+    this.#writePreset(config.preset);
     const monitor = this.#create(Monitor, 'monitor_init', MONITOR_CONFIG, config, size);
     try {
       if (zones) monitor.setZones(zones);
@@ -328,38 +330,45 @@ export class Engine {
   }
 
   /**
-   * The settings of a tracker where none are given, with their values.
+   * The settings of a tracker where none are given.
    * @returns {Required<Config>}
    */
   defaultConfig() {
-    return this.#defaults(CONFIG, 'config_default');
+    return readStruct(this.view, this.#writeDefaults(CONFIG, 'config_default'), CONFIG);
   }
 
   /**
-   * The settings of a preset with their values.
+   * The settings of a preset.
    * @param {Preset} [preset]
    * @returns {Required<MonitorConfig>}
    */
-  defaultMonitorConfig(preset = 'general') {
+  defaultMonitorConfig(preset) {
+    return readStruct(this.view, this.#writePreset(preset), MONITOR_CONFIG);
+  }
+
+  /** @param {Preset} [preset] */
+  #writePreset(preset = 'general') {
     const index = PRESETS.indexOf(preset);
     if (index < 0) throw new TypeError(`preset must be one of ${PRESETS}, not ${preset}`);
-    return this.#defaults(MONITOR_CONFIG, 'monitor_config_default', index);
+    return this.#writeDefaults(MONITOR_CONFIG, 'monitor_config_default', index);
   }
 
   /**
+   * Has the library write settings, in which 0 is 0, and gives their address.
    * @param {Layout} layout
    * @param {string} name
    * @param {...number} args
-   * @returns {any}
    */
-  #defaults(layout, name, ...args) {
-    clearStruct(this.view, this.scratch, layout);
-    this.check(this.call(name, ...args, this.scratch));
-    return readStruct(this.view, this.scratch, layout);
+  #writeDefaults(layout, name, ...args) {
+    const at = this.scratch + 8;
+    clearStruct(this.view, at, layout);
+    this.check(this.call(name, ...args, at));
+    return at;
   }
 
   /**
    * Makes an object of the library, in memory that an earlier one gave back where there is such.
+   * Its settings are those that were written last, but for what is given.
    * @template T
    * @param {new (engine: Engine, at: number, release: () => void) => T} kind
    * @param {string} init
@@ -370,7 +379,7 @@ export class Engine {
    */
   #create(kind, init, layout, config, size, ...args) {
     const [out, settings] = [this.scratch, this.scratch + 8];
-    writeStruct(this.view, settings, layout, config);
+    changeStruct(this.view, settings, layout, config);
     const memory = this.#freed[init].pop() ?? this.allocate(size);
     const release = () => this.#freed[init].push(memory);
     const status = this.call(init, out, memory, size, ...args, settings);

@@ -166,8 +166,7 @@ export const NO_ZONES = {
 
 /**
  * A camera without its lens, in pixels of the upright image. All four 0 select the default: a
- *   horizontal field of view of 60 degrees and the principal point at the image centre. This struct
- *   never grows.
+ *   horizontal field of view of 60 degrees and the principal point at the image centre.
  * @typedef {object} Intrinsics
  * @property {number} fx Focal lengths [px, 1..1000000]; fy is 0.1..10 times fx.
  * @property {number} fy Focal lengths [px, 1..1000000]; fy is 0.1..10 times fx.
@@ -186,8 +185,7 @@ export const INTRINSICS = {
 };
 
 /**
- * A region of interest: a rectangle of the upright image. All four 0: the whole frame. This struct
- *   never grows.
+ * A region of interest: a rectangle of the upright image. All four 0: the whole frame.
  * @typedef {object} Roi
  * @property {number} x Upper left corner [px, 0..16383].
  * @property {number} y Upper left corner [px, 0..16383].
@@ -209,7 +207,7 @@ export const ROI = {
 
 /**
  * The distortion of a lens. Landmarks and boxes stay in the picture as the lens shows it; pose and
- *   points in mm are those without it. This struct never grows.
+ *   points in mm are those without it.
  * @typedef {object} Lens
  * @property {LensModel} model What the coefficients mean ["pinhole", "brown", "fisheye"].
  * @property {[number, number, number, number, number]} coefficients Numbers of the lens
@@ -229,7 +227,7 @@ export const LENS = {
 };
 
 /**
- * Settings. A NULL pointer to this struct selects all defaults.
+ * Settings.
  * @typedef {object} Config
  * @property {number} [minFacePx] Least width of a face to search for [px, 24..4096, default 40].
  * @property {number} [scanBudget] Work per step while searching [100..10000000, default 3600]: 3000
@@ -284,8 +282,8 @@ export const FRAME = {
 };
 
 /**
- * Where a face is expected, for posewise_step_at(): found by another detector, or by a tracker of
- *   another camera.
+ * Where a face is expected, for step_at(): found by another detector, or by a tracker of another
+ *   camera.
  * @typedef {object} Hint
  * @property {[number, number, number, number]} faceBox Box of the landmarks in the upright image:
  *   x, y, width, height [px]. It reaches from the brows to below the chin and from ear to ear;
@@ -423,14 +421,14 @@ export const RESULT = {
     facingRollDeg: { at: 280, type: 'f32' },
     facingSigmaDeg: { at: 284, type: 'f32', count: 3 },
     focalPx: { at: 296, type: 'f32' },
-    cameraAssumed: { at: 300, type: 'u32', flag: true },
+    cameraAssumed: { at: 300, type: 'u32', flag: 1 },
     facingAngleDeg: { at: 304, type: 'f32' },
     interocularPx: { at: 308, type: 'f32' },
   },
 };
 
 /**
- * One landmark. This struct never grows, so the layout of arrays stays the same.
+ * One landmark.
  * @typedef {object} Landmark
  * @property {number} x Position in the upright image [px]. Points 0..16 follow the visible contour
  *   of the jaw. The others are images of x_mm, y_mm, z_mm; hidden ones are estimated from the rest.
@@ -463,10 +461,8 @@ export const LANDMARK = {
 };
 
 /**
- * An event of the log that posewise_events() reads. confidence and face_box are those of the fit
- *   that was accepted, or the last ones of the face that is lost; 0 where there is no face. This
- *   struct never grows, so the layout of arrays stays the same. Later libraries may have kinds that
- *   this header lacks.
+ * An event of the log that events() reads. confidence and face_box are those of the fit that was
+ *   accepted, or the last ones of the face that is lost; 0 where there is no face.
  * @typedef {object} FaceEvent
  * @property {number} timestampUs Capture time of the frame [us]; of a call between two frames, that
  *   of the first.
@@ -492,7 +488,7 @@ export const EVENT = {
 };
 
 /**
- * A face of a frame, from posewise_detect(). This struct never grows.
+ * A face of a frame, from detect().
  * @typedef {object} Face
  * @property {[number, number, number, number]} faceBox Box of the landmarks in the upright image:
  *   x, y, width, height [px].
@@ -534,12 +530,10 @@ export const MODEL_DETAILS = {
 };
 
 /**
- * Settings of a driver monitor. A NULL pointer to this struct selects all defaults; 0 in a field
- *   selects that of the preset, of which the comments have the general one. Times are at most 71
- *   minutes.
+ * Settings of a driver monitor. Times are at most 71 minutes.
  * @typedef {object} MonitorConfig
- * @property {boolean} [fixedPose] Whether forward_yaw_deg and forward_pitch_deg are exact, and no
- *   natural pose is learnt.
+ * @property {boolean} [fixedPose] Whether forward_yaw_deg and forward_pitch_deg are the road, and
+ *   no natural pose is learnt.
  * @property {Preset} [preset] The default of every other field, and the zones ["general",
  *   "euro-ncap", "eu-addw-fast", "eu-addw-slow", "eu-ddaw"].
  * @property {number} [gapUs] How long an observation counts when no other follows, and how long
@@ -617,7 +611,7 @@ export const MONITOR_CONFIG = {
   size: 144,
   fields: {
     structSize: { at: 0, type: 'u32', optional: true },
-    fixedPose: { at: 4, type: 'u32', optional: true, flag: true },
+    fixedPose: { at: 4, type: 'u32', optional: true, flag: 1 },
     preset: { at: 8, type: 'u32', names: PRESETS, optional: true },
     gapUs: { at: 12, type: 'u32', optional: true },
     minConfidence: { at: 16, type: 'f32', optional: true },
@@ -659,15 +653,15 @@ export const MONITOR_ZONE = {
   size: 48,
   fields: {
     kind: { at: 0, type: 'u32', names: ZONE_KINDS },
-    isRoad: { at: 4, type: 'u32', flag: true },
+    isRoad: { at: 4, type: 'u32', flag: 1 },
     graceUs: { at: 8, type: 'u32' },
     numbers: { at: 12, type: 'f32', count: 9 },
   },
 };
 
 /**
- * What a driver monitor sees of one frame, from posewise_monitor_observe() or from elsewhere.
- *   Numbers that are not finite are unknown.
+ * What a driver monitor sees of one frame, from Tracker.observation() or from elsewhere. Numbers
+ *   that are not finite are unknown.
  * @typedef {object} Observation
  * @property {State} [state] As in Result ["searching", "tracking", "coasting"]. Only "tracking" is
  *   a face that is observed.
@@ -702,14 +696,14 @@ export const MONITOR_OBSERVATION = {
     rotationSigmaDeg: { at: 32, type: 'f32', count: 3, optional: true },
     eyeOpen: { at: 44, type: 'f32', count: 2, optional: true, unknown: -1 },
     jawOpen: { at: 52, type: 'f32', optional: true, unknown: -1 },
-    cameraAssumed: { at: 56, type: 'u32', optional: true, flag: true },
+    cameraAssumed: { at: 56, type: 'u32', optional: true, flag: 1 },
     gaze: { at: 60, type: 'f32', count: 3, optional: true },
-    mayLookDown: { at: 72, type: 'u32', optional: true, flag: true },
+    mayLookDown: { at: 72, type: 'u32', optional: true, flag: 1 },
   },
 };
 
 /**
- * Measures of eye closure over a window of whole seconds. This struct never grows.
+ * Measures of eye closure over a window of whole seconds.
  * @typedef {object} Perclos
  * @property {number} p70 Shares of the known time with eyes closed by at least 70 and 80 % [0..1].
  * @property {number} p80 Shares of the known time with eyes closed by at least 70 and 80 % [0..1].
@@ -792,13 +786,13 @@ export const MONITOR_STATE = {
     zoneUs: { at: 48, type: 'u32' },
     awayUs: { at: 52, type: 'u32' },
     away30Us: { at: 56, type: 'u32' },
-    naturalIsFinal: { at: 60, type: 'u32', flag: true },
+    naturalIsFinal: { at: 60, type: 'u32', flag: 1 },
     fromRoadDeg: { at: 64, type: 'f32', count: 2 },
     naturalDeg: { at: 72, type: 'f32', count: 2 },
     openEye: { at: 80, type: 'f32', count: 2 },
-    openEyeIsFinal: { at: 88, type: 'u32', flag: true },
+    openEyeIsFinal: { at: 88, type: 'u32', flag: 1 },
     drowsiness: { at: 92, type: 'u32', names: DROWSINESS },
-    degraded: { at: 96, type: 'u32', flag: true },
+    degraded: { at: 96, type: 'u32', flag: 1 },
     lookDownUs: { at: 100, type: 'u32' },
     zonesUs: { at: 104, type: 'i64', count: 8 },
     perclos60: { at: 168, struct: MONITOR_PERCLOS },
@@ -807,8 +801,7 @@ export const MONITOR_STATE = {
 };
 
 /**
- * An event of posewise_monitor_events(). This struct never grows, so the layout of arrays stays the
- *   same. Later libraries may have kinds that this header lacks.
+ * An event of Monitor.events().
  * @typedef {object} MonitorEvent
  * @property {number} timestampUs Timestamp of the observation at which it was noticed [us].
  * @property {number} startUs Timestamp at which what it is about began [us]. If the clock was set
@@ -833,7 +826,7 @@ export const MONITOR_EVENT = {
     durationUs: { at: 16, type: 'u32' },
     kind: { at: 20, type: 'u32', names: MONITOR_EVENTS },
     zone: { at: 24, type: 'u32', others: NO_ZONES },
-    isCut: { at: 28, type: 'u32', flag: true },
+    isCut: { at: 28, type: 'u32', flag: 1 },
     value: { at: 32, type: 'f32' },
     reserved: { at: 36, type: 'u32' },
   },

@@ -10,7 +10,7 @@
  * @property {number} [count] Elements of an array.
  * @property {readonly string[]} [names] Names of the field's values.
  * @property {Record<number, string>} [others] Names of values that are no numbers of something.
- * @property {boolean} [flag] Whether it is 0 or 1.
+ * @property {number} [flag] The bit that it is, of a number that may have others.
  * @property {boolean} [optional] Whether a caller may leave it out.
  * @property {number} [unknown] What it is then, if not 0.
  *
@@ -109,7 +109,7 @@ function placesOf({ type, count }, start) {
  */
 function readValue(view, at, { type, names, others, flag }) {
   const value = READ[/** @type {NumberType} */ (type)](view, at);
-  if (flag) return value !== 0;
+  if (flag) return (value & flag) !== 0;
   return names ? (names[value] ?? String(value)) : (others?.[value] ?? value);
 }
 
@@ -122,10 +122,21 @@ function readValue(view, at, { type, names, others, flag }) {
  * @param {Record<string, any>} object
  */
 export function writeStruct(view, start, layout, object) {
+  clearStruct(view, start, layout);
+  changeStruct(view, start, layout, object);
+}
+
+/**
+ * Writes an object over the struct at an address, of which optional fields stay that it lacks.
+ * @param {DataView} view
+ * @param {number} start
+ * @param {Layout} layout
+ * @param {Record<string, any>} object
+ */
+export function changeStruct(view, start, layout, object) {
   for (const name of Object.keys(object)) {
     if (!(name in layout.fields)) throw new TypeError(`unknown field ${name}`);
   }
-  clearStruct(view, start, layout);
   for (const [name, place] of Object.entries(layout.fields)) {
     if (HIDDEN.includes(name)) continue;
     const { unknown, count } = place;
@@ -154,8 +165,12 @@ export function clearStruct(view, start, { size, fields }) {
  * @param {any} value
  */
 function writeField(view, at, name, place, value) {
-  const { struct, count, names } = place;
+  const { struct, count, names, flag } = place;
   if (struct) return writeStruct(view, at, struct, value);
+  if (flag) {
+    const others = READ.u32(view, at) & ~flag;
+    return WRITE.u32(view, at, others | (value ? flag : 0));
+  }
   const kind = /** @type {NumberType} */ (place.type);
   if (count) {
     if (value.length !== count) throw new TypeError(`${name} must have ${count} numbers`);

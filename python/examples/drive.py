@@ -3,7 +3,6 @@
 PRESET is one of posewise.PRESETS. What the numbers mean is in docs/driver-monitor.md.
 """
 
-import dataclasses
 import sys
 
 import posewise
@@ -21,9 +20,8 @@ def zones(car):
 
 def main():
     video, *preset = sys.argv[1:]
-    config = posewise.default_monitor_config(*preset)
     # A look into the lap is reported after a second.
-    config = dataclasses.replace(config, look_down_us=1_000_000)
+    config = posewise.MonitorConfig(*preset, look_down_us=1_000_000)
     # Part of the driver's mean gaze is taken off it: most of the time drivers look ahead.
     tracker = posewise.Tracker(natural_gaze=True)
     with posewise.Monitor(config, zones=zones({"screen_mm": (300, 250, 100)})) as monitor:

@@ -15,7 +15,6 @@ from ._fields import (
     Config,
     Event,
     Face,
-    MonitorConfig,
     MonitorEvent,
     MonitorState,
     Observation,
@@ -25,7 +24,7 @@ from ._layout import EVENTS, EYES, LOSSES, MONITOR_EVENTS, PRESETS, STATES
 from ._library import VERSION as __version__
 from ._library import PosewiseError
 from ._model import PARTS, ModelInfo, model_info
-from ._monitor import Monitor, Zone, default_monitor_config
+from ._monitor import Monitor, MonitorConfig, Zone
 from ._tracker import (
     ANIMATION_NAMES,
     EYE_LOOK_NAMES,
@@ -66,7 +65,6 @@ __all__ = [
     "Zone",
     "__version__",
     "default_config",
-    "default_monitor_config",
     "model_info",
     "track",
 ]

@@ -72,9 +72,13 @@ def joined(count: int, **lists: Sequence[float]) -> tuple[float, ...]:
 
 def struct(kind: type[S], /, **values: Any) -> S:
     """A struct with these values, and 0 in its other fields."""
-    out = sized(kind())
-    words = getattr(kind, "_words_", {})
-    fields: Sequence[tuple[str, Any]] = kind._fields_  # type: ignore[assignment]
+    return filled(sized(kind()), **values)
+
+
+def filled(out: S, /, **values: Any) -> S:
+    """A struct in which values that are not None replace those that it has."""
+    words = getattr(out, "_words_", {})
+    fields: Sequence[tuple[str, Any]] = out._fields_  # type: ignore[assignment]
     for name, type_ in fields:
         value = values.get(name)
         if value is None:

@@ -15,6 +15,9 @@ from . import _layout as layout
 
 Floats = npt.NDArray[np.float32]
 
+#: A setting that is that of the preset.
+UNSET: Any = None
+
 
 def word(words: Sequence[str], value: int) -> Any:
     """The word of a number; a later library may have values that this package lacks."""
@@ -254,89 +257,89 @@ class MonitorConfig:
     #: How long an observation counts when no other follows, and how long what goes on survives
     #: unknown time [us, 100000..2000000, default 300000], the gap that arbiters of driver monitors
     #: bridge.
-    gap_us: int = 0
+    gap_us: int = UNSET
     #: Least confidence of a face that is observed [0..1, default 0.5], chosen.
-    min_confidence: float = 0.0
+    min_confidence: float = UNSET
     #: Largest yaw and pitch from the line of sight at which eyes and mouth are known [deg, 10..90,
     #: default 50 and 40], chosen: beyond, lids are seen too much from the side.
-    eye_yaw_deg: float = 0.0
+    eye_yaw_deg: float = UNSET
     #: Largest yaw and pitch from the line of sight at which eyes and mouth are known [deg, 10..90,
     #: default 50 and 40], chosen: beyond, lids are seen too much from the side.
-    eye_pitch_deg: float = 0.0
+    eye_pitch_deg: float = UNSET
     #: Eyes close below the first openness and open above the second [0.05..0.95, default 0.35 and
     #: 0.45], chosen on rendered clips.
-    closed_below: float = 0.0
+    closed_below: float = UNSET
     #: Eyes close below the first openness and open above the second [0.05..0.95, default 0.35 and
     #: 0.45], chosen on rendered clips.
-    open_above: float = 0.0
+    open_above: float = UNSET
     #: Shorter closures are no events [us, default 50000], chosen: a blink takes 100 to 400 ms.
-    blink_us: int = 0
+    blink_us: int = UNSET
     #: A longer closure is no blink [us, default 500000], as in studies of blinks.
-    long_closure_us: int = 0
+    long_closure_us: int = UNSET
     #: Closures of these lengths are a microsleep, sleep, an unresponsive driver [us, default
     #: 1000000 and 3000000 and 6000000]: Euro NCAP 2026.
-    microsleep_us: int = 0
+    microsleep_us: int = UNSET
     #: Closures of these lengths are a microsleep, sleep, an unresponsive driver [us, default
     #: 1000000 and 3000000 and 6000000]: Euro NCAP 2026.
-    sleep_us: int = 0
+    sleep_us: int = UNSET
     #: Closures of these lengths are a microsleep, sleep, an unresponsive driver [us, default
     #: 1000000 and 3000000 and 6000000]: Euro NCAP 2026.
-    unresponsive_us: int = 0
+    unresponsive_us: int = UNSET
     #: Drowsy from these P80 over 60 and 180 s [0.01..1, default 0.15 and 0.12]: Wierwille 1994 and
     #: NSTSCE 25-UI-177; NHTSA and VTTI, DOT HS 811 117.
-    drowsy_p80_60: float = 0.0
+    drowsy_p80_60: float = UNSET
     #: Drowsy from these P80 over 60 and 180 s [0.01..1, default 0.15 and 0.12]: Wierwille 1994 and
     #: NSTSCE 25-UI-177; NHTSA and VTTI, DOT HS 811 117.
-    drowsy_p80_180: float = 0.0
+    drowsy_p80_180: float = UNSET
     #: Awake below this share of both [0.1..1, default 0.5]: Wierwille 1994, 7.5 and 15 %.
-    awake_share: float = 0.0
+    awake_share: float = UNSET
     #: Least known share of a window that decides [0.05..1, default 0.5], chosen.
-    min_known: float = 0.0
+    min_known: float = UNSET
     #: The mouth is open for a yawn above the first jaw_open and shut below the second [0..0.95,
     #: default 0.5 and 0.35]: studies of mouth ratios have 0.5 to 0.6; chosen.
-    yawn_above: float = 0.0
+    yawn_above: float = UNSET
     #: The mouth is open for a yawn above the first jaw_open and shut below the second [0..0.95,
     #: default 0.5 and 0.35]: studies of mouth ratios have 0.5 to 0.6; chosen.
-    yawn_below: float = 0.0
+    yawn_below: float = UNSET
     #: Shortest and longest yawn [us, default 1500000 and 12000000], from studies of yawns.
-    yawn_us: int = 0
+    yawn_us: int = UNSET
     #: Shortest and longest yawn [us, default 1500000 and 12000000], from studies of yawns.
-    yawn_max_us: int = 0
+    yawn_max_us: int = UNSET
     #: A nod is a drop of the pitch by this much within a second [deg, 5..60, default 12], and a
     #: return within nod_us, with closed eyes; from studies.
-    nod_deg: float = 0.0
+    nod_deg: float = UNSET
     #: Longest nod [us, default 3000000], at least a second; from studies.
-    nod_us: int = 0
+    nod_us: int = UNSET
     #: Direction of the road: yaw of a face that looks there, in the camera frame [deg, -90..90,
     #: default 0].
-    forward_yaw_deg: float = 0.0
+    forward_yaw_deg: float = UNSET
     #: Pitch of it, likewise [deg, -60..60, default 0].
-    forward_pitch_deg: float = 0.0
+    forward_pitch_deg: float = UNSET
     #: How far the driver's natural pose may be from there in yaw [deg, 0..50, default 45], for
     #: cameras up to 40 degrees off the driver's axis.
-    natural_yaw_deg: float = 0.0
+    natural_yaw_deg: float = UNSET
     #: The same in pitch [deg, 0..30, default 25].
-    natural_pitch_deg: float = 0.0
+    natural_pitch_deg: float = UNSET
     #: A zone is left this far outside of it [deg, 0..15, default 3], chosen: the error of a pose.
-    zone_margin_deg: float = 0.0
+    zone_margin_deg: float = UNSET
     #: A glance away of this length is long [us, default 3000000]: Euro NCAP 2026, 3 to 4 s.
-    long_glance_us: int = 0
+    long_glance_us: int = UNSET
     #: So much of the last 30 s away is too much [us, 0..30000000, default 10000000]: Euro NCAP
     #: 2026.
-    cumulative_us: int = 0
+    cumulative_us: int = UNSET
     #: Time on the road that ends a glance [us, default 300000], as gap_us.
-    return_us: int = 0
+    return_us: int = UNSET
     #: Time on the road that clears the time away [us, default 2000000]: Euro NCAP 2026.
-    clear_us: int = 0
+    clear_us: int = UNSET
     #: Eyes that are unknown for this long are reported [us, default 10000000]: Euro NCAP 2026.
-    degraded_us: int = 0
+    degraded_us: int = UNSET
     #: The eyes look down when their gaze is lowered by this much from the direction of the road
     #: [deg, 10..60, default 18], chosen: below the windscreen. Zones are met by the gaze then, by
     #: the head otherwise.
-    look_down_deg: float = 0.0
+    look_down_deg: float = UNSET
     #: A look down of this length is reported [us, default 500000], chosen.
-    look_down_us: int = 0
-    #: Whether forward_yaw_deg and forward_pitch_deg are exact, and no natural pose is learnt.
+    look_down_us: int = UNSET
+    #: Whether forward_yaw_deg and forward_pitch_deg are the road, and no natural pose is learnt.
     fixed_pose: bool = False
 
     @classmethod
@@ -376,7 +379,7 @@ class MonitorConfig:
             degraded_us=out.degraded_us,
             look_down_deg=out.look_down_deg,
             look_down_us=out.look_down_us,
-            fixed_pose=out.flags != 0,
+            fixed_pose=out.flags & 1 != 0,
             **more,
         )
 
@@ -585,6 +588,6 @@ class MonitorEvent:
             kind=word(layout.MONITOR_EVENTS, out.kind),
             zone=layout.NO_ZONES.get(out.zone, out.zone),
             value=out.value,
-            is_cut=out.flags != 0,
+            is_cut=out.flags & 1 != 0,
             **more,
         )

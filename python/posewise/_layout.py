@@ -14,6 +14,8 @@ ANIMATIONS = 24
 EYE_LOOKS = 8
 UNREAD_EVENTS = 64
 UNREAD_MONITOR_EVENTS = 24
+FIXED_POSE = 1
+ROAD = 1
 
 State = Literal[
     "searching",

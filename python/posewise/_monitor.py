@@ -8,7 +8,8 @@ from typing import Optional, Sequence, Union
 
 from . import _arguments as arguments
 from . import _layout as layout
-from ._fields import MonitorConfig, MonitorEvent, MonitorState, Observation
+from ._fields import MonitorConfig as Settings
+from ._fields import MonitorEvent, MonitorState, Observation
 from ._handle import Handle
 from ._library import call, lib, sized
 from ._tracker import Tracker
@@ -73,13 +74,22 @@ class Zone:
         return cls("plane", numbers, is_road, grace_us)
 
 
-def default_monitor_config(preset: layout.Preset = "general") -> MonitorConfig:
-    """The settings of a preset with their values, where 0 in a field has the same meaning."""
+@dataclass(frozen=True)
+class MonitorConfig(Settings):
+    """Settings of a driver monitor: those of a preset, but for what is given."""
+
+    def __post_init__(self) -> None:
+        for name, value in vars(Settings._of(_preset(self.preset))).items():
+            if getattr(self, name) is None:
+                object.__setattr__(self, name, value)
+
+
+def _preset(name: layout.Preset) -> layout.MonitorConfig:
+    """The settings of a preset, in which 0 is 0."""
     out = sized(layout.MonitorConfig())
-    number = arguments.index_of("a preset", preset, layout.PRESETS)
+    number = arguments.index_of("a preset", name, layout.PRESETS)
     call("monitor_config_default", number, ctypes.byref(out))
-    config: MonitorConfig = MonitorConfig._of(out)
-    return config
+    return out
 
 
 class Monitor(Handle):
@@ -96,9 +106,9 @@ class Monitor(Handle):
         zones: Optional[Sequence[Zone]] = None,
     ) -> None:
         if not isinstance(config, MonitorConfig):
-            config = MonitorConfig(preset=config)
-        flags = 1 if config.fixed_pose else 0
-        given = arguments.struct(layout.MonitorConfig, flags=flags, **vars(config))
+            config = MonitorConfig(config)
+        given = arguments.filled(_preset(config.preset), **vars(config))
+        given.flags |= layout.FIXED_POSE if config.fixed_pose else 0
         size = lib.posewise_monitor_memory_size(None)
         super().__init__("monitor_init", size, ctypes.byref(given))
         if zones is not None:
@@ -134,7 +144,7 @@ class Monitor(Handle):
             arguments.struct(
                 layout.Zone,
                 kind=zone.kind,
-                flags=1 if zone.is_road else 0,
+                flags=layout.ROAD if zone.is_road else 0,
                 grace_us=zone.grace_us,
                 numbers=tuple(zone.numbers) + (0.0,) * (9 - len(zone.numbers)),
             )

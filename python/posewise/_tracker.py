@@ -58,18 +58,23 @@ class Detected:
 
 
 def default_config() -> Config:
-    """The settings of a tracker where none are given, with their values."""
+    """The settings of a tracker where none are given."""
+    config: Config = Config._of(_defaults())
+    return config
+
+
+def _defaults() -> layout.Config:
+    """The same as the library has them, with 0 being 0."""
     out = sized(layout.Config())
     call("config_default", ctypes.byref(out))
-    config: Config = Config._of(out)
-    return config
+    return out
 
 
 class Tracker(Handle):
     """Follows one face. Several threads may share a tracker: they wait for each other.
 
     ``model`` is "posewise" (whose sources allow any use: may ship in a product), "research" (whose
-    do not), or the path of a ``.posewise`` file. 0 in any other setting selects its default.
+    do not), or the path of a ``.posewise`` file. None in any other setting selects its default.
     ``gaze`` looks at the eyes of the face, which takes more time; without it they are "not-seen".
     ``natural_gaze`` does so for a person who looks straight ahead most of the time, as a driver
     does: part of the mean of the gaze in the head frame is taken off it, at most 8 degrees.
@@ -80,18 +85,18 @@ class Tracker(Handle):
         self,
         model: Union[str, Path] = "posewise",
         *,
-        min_face_px: int = 0,
-        scan_budget: int = 0,
-        smoothing_hz: float = 0.0,
-        smoothing_beta: float = 0.0,
+        min_face_px: Optional[int] = None,
+        scan_budget: Optional[int] = None,
+        smoothing_hz: Optional[float] = None,
+        smoothing_beta: Optional[float] = None,
         intrinsics: Optional[Sequence[float]] = None,
         lens: Optional[tuple[layout.LensModel, Sequence[float]]] = None,
         gaze: bool = False,
         natural_gaze: bool = False,
         roi: Optional[tuple[int, int, int, int]] = None,
     ) -> None:
-        config = arguments.struct(
-            layout.Config,
+        config = arguments.filled(
+            _defaults(),
             min_face_px=min_face_px,
             scan_budget=scan_budget,
             smoothing_hz=smoothing_hz,

@@ -87,14 +87,18 @@ def test_zones_are_met():
 
 
 def test_presets_have_values():
-    fast, slow = (posewise.default_monitor_config(f"eu-addw-{s}") for s in ("fast", "slow"))
+    fast, slow = (MonitorConfig(f"eu-addw-{speed}") for speed in ("fast", "slow"))
     assert (fast.long_glance_us, slow.long_glance_us) == (3_500_000, 6_000_000)
-    assert posewise.default_monitor_config().preset == "general"
+    assert MonitorConfig().preset == "general" and MonitorConfig().fixed_pose is False
     for preset in posewise.PRESETS:
-        config = posewise.default_monitor_config(preset)
-        assert config.preset == preset
-        # 0 and the values mean the same.
-        Monitor(config), Monitor(preset), Monitor(MonitorConfig(preset=preset))
+        assert MonitorConfig(preset).preset == preset
+        Monitor(MonitorConfig(preset)), Monitor(preset)
+    # What is not given is that of the preset, and 0 is 0.
+    config = MonitorConfig("eu-addw-slow", zone_margin_deg=0.0)
+    assert (config.zone_margin_deg, config.long_glance_us) == (0.0, 6_000_000)
+    Monitor(config)
+    with pytest.raises(posewise.PosewiseError):
+        Monitor(MonitorConfig(gap_us=0))
 
 
 def test_another_driver_and_another_clock():
@@ -157,7 +161,7 @@ def test_words_lists_and_zones_are_checked():
     with pytest.raises(ValueError, match="preset is one of general"):
         Monitor("generous")
     with pytest.raises(ValueError, match="preset is one of"):
-        posewise.default_monitor_config("")
+        MonitorConfig("")
     with pytest.raises(ValueError, match="state is one of searching, tracking, coasting"):
         monitor.update(dataclasses.replace(OPEN, state="lost"), 0)
     with pytest.raises(ValueError, match="eye_open must have 2 numbers"):

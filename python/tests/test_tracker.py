@@ -109,8 +109,11 @@ def test_wrong_frames_are_rejected():
         tracker.step(grey, 5)
     with pytest.raises(posewise.PosewiseError):
         tracker.step(grey, 6, rotation_deg=45)
-    with pytest.raises(posewise.PosewiseError):
-        posewise.Tracker(min_face_px=3)
+    for setting in ({"min_face_px": 3}, {"min_face_px": 0}, {"smoothing_hz": 0.0}):
+        with pytest.raises(posewise.PosewiseError):
+            posewise.Tracker(**setting)
+    # None is the default, and 0 is 0.
+    posewise.Tracker(min_face_px=None, smoothing_beta=0.0)
     with pytest.raises(posewise.PosewiseError):
         tracker.set_excluded([(0, 0, 9, 9)] * 17)
 

@@ -39,6 +39,6 @@ def largest(frame: npt.NDArray[np.uint8]) -> posewise.Face | None:
 
 info: posewise.ModelInfo = posewise.model_info("research")
 settings: posewise.Config = posewise.default_config()
-preset: posewise.MonitorConfig = posewise.default_monitor_config("eu-ddaw")
+preset: posewise.MonitorConfig = posewise.MonitorConfig("eu-ddaw", min_known=0.25)
 for _, each in posewise.track("drive.mp4"):
-    print(each.yaw_deg + settings.smoothing_hz, preset.drowsy_p80_60, info.terms == "free")
+    print(each.yaw_deg + settings.smoothing_hz, preset.drowsy_p80_60 * 2, info.terms == "free")

@@ -71,6 +71,11 @@ test('presets have values', () => {
   const usual = engine.defaultConfig();
   assert.deepEqual([usual.minFacePx, usual.gaze, 'flags' in usual], [40, 'off', false]);
   engine.createTracker(usual).free();
+  // What is not given is the default, and 0 is 0.
+  engine.createTracker({ smoothingBeta: 0 }).free();
+  assert.throws(() => engine.createTracker({ minFacePx: 0 }), coded('E_MIN_FACE'));
+  engine.createMonitor({ preset: 'eu-addw-slow', zoneMarginDeg: 0, fixedPose: true }).free();
+  assert.throws(() => engine.createMonitor({ gapUs: 0 }), coded('E_MONITOR_CONFIG'));
   const config = engine.defaultMonitorConfig();
   assert.deepEqual([config.preset, config.fixedPose], ['general', false]);
   engine.createMonitor(config).free();

@@ -1,7 +1,7 @@
 //! `web/layout.js`: sizes and offsets of the structs in WebAssembly, the constants, and the types
 //! of the structs as JSDoc.
 
-use super::languages::{NUMBERS, flag_of, is_zone, no_zones, type_name, words_type};
+use super::languages::{NUMBERS, docs, flag_of, is_zone, no_zones, type_name, words_type};
 use super::layout::offsets;
 use super::table::{Field, Kind, Struct, Table, WORDS, word, words_of};
 use super::words::spoken;
@@ -124,18 +124,16 @@ fn write_type(out: &mut String, item: &Struct, table: &Table) -> Result<()> {
         return Ok(());
     }
     out.push_str("\n/**\n");
-    wrapped(out, &item.comment);
+    wrapped(out, &docs(item, table));
     writeln!(out, " * @typedef {{object}} {}", class(&item.name))?;
     for field in &item.fields {
-        if let Some((name, comment)) = flag_of(item, field) {
+        if let Some(flag) = flag_of(item, field, table) {
             let name = match is_optional(item, field) {
-                true => format!("[{}]", camel(name)),
-                false => camel(name),
+                true => format!("[{}]", camel(flag.name)),
+                false => camel(flag.name),
             };
-            wrapped(
-                out,
-                &format!("@property {{boolean}} {name} {}", spoken(&comment, table)),
-            );
+            let comment = spoken(&flag.comment, table);
+            wrapped(out, &format!("@property {{boolean}} {name} {comment}"));
             continue;
         }
         if HIDDEN.contains(&&*field.name) {
@@ -208,14 +206,14 @@ fn write_layout(out: &mut String, item: &Struct, table: &Table) -> Result<()> {
             (true, None) => ", optional: true".to_owned(),
             (true, Some(unknown)) => format!(", optional: true, unknown: {unknown}"),
         };
-        let flag = flag_of(item, field);
-        let is_flag = flag.is_some() || field.facts.is_flag;
-        let more = match (is_flag, is_zone(field)) {
-            (true, _) => ", flag: true",
-            (_, true) => ", others: NO_ZONES",
-            _ => "",
+        let flag = flag_of(item, field, table);
+        let more = match &flag {
+            Some(flag) => format!(", flag: {}", flag.bit),
+            None if field.facts.is_flag => ", flag: 1".to_owned(),
+            None if is_zone(field) => ", others: NO_ZONES".to_owned(),
+            None => String::new(),
         };
-        let name = camel(flag.as_ref().map_or(&field.name, |(name, _)| name));
+        let name = camel(flag.as_ref().map_or(&field.name, |flag| flag.name));
         writeln!(
             out,
             "    {name}: {{ at: {start}, {kind}{count}{names}{optional}{more} }},"

@@ -1,6 +1,18 @@
 //! What JavaScript and Python have in common: how they call lists, types and flags of C.
 
 use super::table::{Field, Struct, Table, word};
+use super::words::spoken;
+
+/// Sentences with one of these are about C.
+const OF_C: [&str; 4] = ["NULL", "struct", "header", "region of zeros"];
+
+/// What a struct is, without what only C has.
+pub fn docs(item: &Struct, table: &Table) -> String {
+    let text = spoken(&item.comment, table);
+    let is_of_c = |sentence: &&str| OF_C.iter().any(|word| sentence.contains(word));
+    let sentences: Vec<&str> = text.split_inclusive(". ").filter(|s| !is_of_c(s)).collect();
+    sentences.concat().trim_end().to_owned()
+}
 
 /// The list of the words of a kind, and the type of which it holds all values.
 pub fn words_type(kind: &str) -> (&'static str, &'static str) {
@@ -56,21 +68,36 @@ pub fn type_name(item: &str) -> String {
         .collect()
 }
 
-/// The one flag that `flags` of a struct is, and what it means.
-pub fn flag_of(item: &Struct, field: &Field) -> Option<(&'static str, String)> {
+/// A flag that is a field of its own.
+pub struct Flag {
+    /// The name of the field.
+    pub name: &'static str,
+    /// What it means.
+    pub comment: String,
+    /// Its bit.
+    pub bit: i64,
+}
+
+/// The flag of `flags` of a struct that users see. They do not see `POSEWISE_EXACT`, which both
+/// languages set: what is not given is the default there, and 0 is 0.
+pub fn flag_of(item: &Struct, field: &Field, table: &Table) -> Option<Flag> {
     if field.name != "flags" {
         return None;
     }
-    let name = match &*item.name {
-        "monitor_config" => "fixed_pose",
-        "monitor_event" => "is_cut",
-        "monitor_zone" => "is_road",
+    let (name, constant, before) = match &*item.name {
+        "monitor_config" => ("fixed_pose", "MONITOR_FIXED_POSE", "With the latter, "),
+        "monitor_event" => ("is_cut", "MONITOR_CUT", ": "),
+        "monitor_zone" => ("is_road", "MONITOR_ZONE_ROAD", ". "),
         _ => return None,
     };
-    let meaning = field.comment.split_once([':', '.'])?.1.trim();
-    let meaning = match name {
-        "is_road" => format!("Whether it is the road. {meaning}"),
-        _ => format!("Whether {meaning}"),
+    let meaning = field.comment.split_once(before)?.1;
+    let start = match name {
+        "is_road" => "Whether it is the road. ",
+        _ => "Whether ",
     };
-    Some((name, meaning))
+    Some(Flag {
+        name,
+        comment: start.to_owned() + meaning,
+        bit: table.value(constant).ok()?,
+    })
 }

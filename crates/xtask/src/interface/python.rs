@@ -24,6 +24,12 @@ pub fn layout(table: &Table) -> Result<String> {
     for (name, constant) in NUMBERS {
         writeln!(out, "{name} = {}", table.value(constant)?)?;
     }
+    for (name, constant) in [
+        ("FIXED_POSE", "MONITOR_FIXED_POSE"),
+        ("ROAD", "MONITOR_ZONE_ROAD"),
+    ] {
+        writeln!(out, "{name} = {}", table.value(constant)?)?;
+    }
     for kind in WORDS {
         let (list, name) = words_type(kind);
         writeln!(out, "\n{name} = Literal[")?;

@@ -1,6 +1,6 @@
 //! `python/posewise/_fields.py`: structs that users read or write, as dataclasses.
 
-use super::languages::{flag_of, is_zone, type_name, words_type};
+use super::languages::{docs, flag_of, is_zone, type_name, words_type};
 use super::table::{Field, Kind, Struct, Table, words_of};
 use super::words::spoken;
 use anyhow::Result;
@@ -23,6 +23,9 @@ import numpy.typing as npt
 from . import _layout as layout
 
 Floats = npt.NDArray[np.float32]
+
+#: A setting that is that of the preset.
+UNSET: Any = None
 
 
 def word(words: Sequence[str], value: int) -> Any:
@@ -121,18 +124,6 @@ fn write_class(out: &mut String, item: &Struct, class: &str, table: &Table) -> R
     Ok(())
 }
 
-/// What a class is, without what only C has.
-fn docs(item: &Struct, table: &Table) -> String {
-    let text = spoken(&item.comment, table);
-    let is_of_c = |sentence: &&str| {
-        ["NULL", "struct", "header"]
-            .iter()
-            .any(|word| sentence.contains(word))
-    };
-    let sentences: Vec<&str> = text.split_inclusive(". ").filter(|s| !is_of_c(s)).collect();
-    sentences.concat().trim_end().to_owned()
-}
-
 /// A field, or several as one; nothing for one that is hidden.
 fn member(item: &Struct, field: &Field, table: &Table) -> Option<Member> {
     let name = &*field.name;
@@ -147,12 +138,12 @@ fn member(item: &Struct, field: &Field, table: &Table) -> Option<Member> {
             default: String::new(),
         });
     }
-    if let Some((name, comment)) = flag_of(item, field) {
+    if let Some(flag) = flag_of(item, field, table) {
         return Some(Member {
-            name: name.to_owned(),
-            comment: spoken(&comment, table),
+            name: flag.name.to_owned(),
+            comment: spoken(&flag.comment, table),
             kind: "bool".to_owned(),
-            value: "out.flags != 0".to_owned(),
+            value: format!("out.flags & {} != 0", flag.bit),
             default: "False".to_owned(),
         });
     }
@@ -170,7 +161,10 @@ fn member(item: &Struct, field: &Field, table: &Table) -> Option<Member> {
     Some(Member {
         name: name.to_owned(),
         comment: spoken(&field.comment, table),
-        default: default(field, table),
+        default: match &*item.name {
+            "monitor_config" if name != "preset" => "UNSET".to_owned(),
+            _ => default(field, table),
+        },
         kind,
         value,
     })
