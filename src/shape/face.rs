@@ -194,7 +194,7 @@ impl<'m> FaceModel<'m> {
     }
 
     /// Applies animation weights to a neutral face, in place.
-    pub(super) fn animate(&self, shape: &mut Shape, animation: &Animation) {
+    pub(crate) fn animate(&self, shape: &mut Shape, animation: &Animation) {
         let [mut scales, mut weights] = [[[0.0; 3]; ANIMATIONS]; 2];
         let by_mode = self.animation_scale.iter().zip(animation);
         for ((scales, weights), (scale, weight)) in scales.iter_mut().zip(&mut weights).zip(by_mode)

@@ -9,6 +9,8 @@ mod fit;
 mod identity;
 mod lids;
 mod linear;
+#[cfg(feature = "mesh")]
+mod mesh;
 mod posit;
 mod rotation_prior;
 mod state;
@@ -29,6 +31,10 @@ pub use identity::{FRAME_WEIGHT, IdentityEstimator};
 pub(crate) use lids::SHUT;
 pub use lids::eye_open;
 pub use linear::Observed;
+#[cfg(feature = "mesh")]
+pub use mesh::{MAX_VERTICES, Mesh, MeshLine, MeshModel, MeshTopology, MeshVertex};
+#[cfg(all(feature = "mesh", feature = "unstable-internals"))]
+pub use mesh::{MESH_BLOCK, MESH_PULLS, MESH_RING, MESH_TAG, WHOLE_PULL};
 #[cfg(feature = "unstable-internals")]
 pub use posit::posit;
 pub use rotation_prior::RotationPrior;

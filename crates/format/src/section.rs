@@ -126,6 +126,14 @@ impl<'m> Section<'m> {
         self.array(len)
     }
 
+    /// The next `len` values of `u16`.
+    ///
+    /// # Errors
+    /// [`ModelError::Section`] at the end, as for all readers here.
+    pub fn u16s(&mut self, len: usize) -> Result<&'m [u16], ModelError> {
+        self.array(len)
+    }
+
     /// The next `len` values of `i16`.
     ///
     /// # Errors

@@ -17,7 +17,7 @@ const IDENTITIES: usize = 28;
 const CANDIDATE_WEIGHT: f64 = 0.3;
 
 /// Displacements of every point, in its order.
-type Mode = Vec<[f32; 3]>;
+pub type Mode = Vec<[f32; 3]>;
 
 /// A head cut down to landmarks and contour candidates.
 struct Points {
@@ -101,18 +101,25 @@ pub fn face_section(head: &Head, offsets_mm: Option<&[[f32; 3]]>) -> Result<Sect
 
 /// Scales, then the displacements in scales, point by point.
 fn write_modes(section: &mut SectionWriter, modes: &[Mode], points: usize) {
-    let scales: Vec<f32> = modes
-        .iter()
-        .map(|m| m.as_flattened().iter().fold(0.0f32, |a, v| a.max(v.abs())) / 127.0)
-        .collect();
-    let mut quantised = Vec::with_capacity(points * modes.len() * 3);
-    for point in 0..points {
-        for (mode, scale) in modes.iter().zip(&scales) {
-            let step = scale.max(f32::MIN_POSITIVE);
-            quantised.extend(mode[point].map(|v| (v / step).round() as i8));
-        }
-    }
-    section.array(&scales).array(&quantised);
+    let (scales, quantised) = quantised(modes);
+    let by_point = (0..points).flat_map(|point| quantised.iter().flat_map(move |m| m[point]));
+    let by_point: Vec<i8> = by_point.collect();
+    section.array(&scales).array(&by_point);
+}
+
+/// The scale of each mode, and its displacements in scales.
+pub fn quantised(modes: &[Mode]) -> (Vec<f32>, Vec<Vec<[i8; 3]>>) {
+    let of = |mode: &Mode| {
+        let largest = mode
+            .as_flattened()
+            .iter()
+            .fold(0.0f32, |a, v| a.max(v.abs()));
+        let scale = largest / 127.0;
+        let step = scale.max(f32::MIN_POSITIVE);
+        let deltas = mode.iter().map(|d| d.map(|v| (v / step).round() as i8));
+        (scale, deltas.collect())
+    };
+    modes.iter().map(of).unzip()
 }
 
 /// Directions in the space of the modes along which the points vary most, strongest first. The
@@ -146,7 +153,7 @@ fn principal(modes: &[Mode], count: usize) -> Vec<Vec<f32>> {
 }
 
 /// The mode along a direction.
-fn combined(modes: &[Mode], direction: &[f32]) -> Mode {
+pub fn combined(modes: &[Mode], direction: &[f32]) -> Mode {
     let mut sum = vec![[0.0; 3]; modes.first().map_or(0, Vec::len)];
     for (mode, d) in modes.iter().zip(direction) {
         for (s, v) in sum.iter_mut().zip(mode) {

@@ -10,6 +10,7 @@ pub mod faces;
 pub mod fit;
 pub mod head;
 pub mod labels;
+pub mod mesh;
 pub mod photographs;
 pub mod picture;
 pub mod pipeline;

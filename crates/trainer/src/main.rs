@@ -21,6 +21,9 @@ enum Command {
     /// Train the network of single eyes and write a model with it: one that is finished, with all
     /// other sections as they are.
     AddEyes(pipeline::eyes::AddArgs),
+    /// Write a model with the dense mesh of its head: one that is finished, with all other sections
+    /// as they are.
+    AddMesh(pipeline::mesh::AddArgs),
     /// Render faces and print the path of their file.
     Render(render::Args),
     /// Draw rendered samples with their landmarks, to be looked at.
@@ -32,7 +35,8 @@ enum Command {
     /// Measure where people mark landmarks against where a model puts them.
     Marks(pipeline::marks::Args),
     /// Leave sections out of a model: ENSM (the global stage's ensemble member), RFIN (refiners,
-    /// and with them what SREG holds), SREG (shape regression) or INFO (the data sheet).
+    /// and with them what SREG holds), SREG (shape regression), MESH (the dense mesh) or INFO (the
+    /// data sheet).
     Trim {
         /// The model.
         model: PathBuf,
@@ -53,6 +57,7 @@ fn main() -> Result<()> {
     match Cli::parse().command {
         Command::Model(args) => pipeline::run(&args),
         Command::AddEyes(args) => pipeline::eyes::add(&args),
+        Command::AddMesh(args) => pipeline::mesh::add(&args),
         Command::Render(args) => {
             pipeline::renders::run(&args).map(|path| println!("{}", path.display()))
         }

@@ -81,8 +81,8 @@ pub fn run(args: &Args) -> Result<()> {
     let rows: Vec<Row> = (0..args.count)
         .into_par_iter()
         .map(|index| {
-            let (sample, truth) = renderer.sample_with_eyes(args.seed, index, &spec);
-            look(&model, &sample, &truth)
+            let rendered = renderer.render(args.seed, index, &spec);
+            look(&model, &rendered.sample, &rendered.eyes)
         })
         .collect::<Result<_>>()?;
     print(&rows);

@@ -14,6 +14,7 @@ use anyhow::Result;
 use posewise::align::AlignModel;
 use posewise_format::{SHEET_FREE, SHEET_RESEARCH, SHEET_TITLE, Tag};
 use posewise_metrics::BoxJitter;
+use std::path::Path;
 
 /// Errors that the data sheet names.
 const ACCURACY: &str = "accuracy.json";
@@ -125,6 +126,17 @@ inter-ocular distance, median {median:.2} %, above 10 %: {failure:.2} %.
         median = dev.nme68_median,
         failure = 100.0 * dev.failure,
     )
+}
+
+/// What may stand at the end of a data sheet and says nothing.
+pub const PADDING: [char; 3] = ['\0', '\n', ' '];
+
+/// A data sheet of another model as that of one at this path, without padding at its end.
+pub fn titled(sheet: &str, path: &Path) -> String {
+    let (_, rest) = sheet.split_once('\n').unwrap_or_default();
+    let name = path.file_name().unwrap_or_default().display();
+    let rest = rest.trim_end_matches(PADDING);
+    format!("{SHEET_TITLE}{name}\n{rest}")
 }
 
 /// What the model is made from, with its terms.

@@ -3,6 +3,7 @@
 
 use super::args::Args;
 use super::context::Context;
+use super::data_sheet;
 use super::renders;
 use super::sections;
 use super::stage::Stage;
@@ -117,18 +118,16 @@ pub fn add(add: &AddArgs) -> Result<()> {
     let sheet = others.sections().find(|(tag, _)| *tag == SHEET_TAG);
     let sheet = String::from_utf8_lossy(sheet.map_or(&[], |(_, bytes)| bytes)).into_owned();
     let before = sheet.split(HEADING).next().unwrap_or_default();
-    let before = before.trim_end_matches(['\0', '\n']);
-    let (_, before) = before.split_once('\n').unwrap_or_default();
-    let name = args.out.file_name().unwrap_or_default().display();
+    let before = data_sheet::titled(before, &args.out);
     let about = about(args, &figures);
-    let sheet = format!("# Data sheet of {name}\n{before}{HEADING}{about}");
-    let size = super::pack::write(args, all, &sheet)?;
+    let sheet = format!("{before}{HEADING}{about}");
+    let size = super::pack::write(&args.out, all, &sheet)?;
     println!("{}: {size} bytes", args.out.display());
     Ok(())
 }
 
 /// Where the part of a data sheet begins that is about the section.
-const HEADING: &str = "\n\nEyes (section EYES):\n";
+pub(super) const HEADING: &str = "\n\nEyes (section EYES):\n";
 
 /// The section of the finished model that a training goes on from, and what its data sheet says of
 /// it: no stage of a whole model makes it.

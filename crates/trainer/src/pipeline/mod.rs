@@ -16,6 +16,7 @@
 //! | `shape-regression` | [`shape_regression`] | section `SREG` |
 //! | `rotation-regression` | [`rotation_regression`] | section `ROTN` |
 //! | `verifier` | [`verifier`] | section `VRFY` |
+//! | `mesh` | [`mesh`] | section `MESH` |
 //! | `data-sheet` | [`data_sheet`] | errors on the dev photographs, for section `INFO` |
 //!
 //! [`pack`] writes the model of these, and [`run()`] calls them in order. [`eyes`] makes a section
@@ -32,6 +33,7 @@ pub mod fits;
 pub mod global_network;
 pub mod hash;
 pub mod marks;
+pub mod mesh;
 pub mod pack;
 pub mod refiners;
 pub mod renders;

@@ -4,14 +4,14 @@ use super::args::{Args, Until};
 use super::context::Context;
 use super::store::Store;
 use super::{
-    data_sheet, detector, ensemble_member, eyes, face, fits, global_network, pack, refiners,
+    data_sheet, detector, ensemble_member, eyes, face, fits, global_network, mesh, pack, refiners,
     rotation_regression, sections, shape_regression, verifier,
 };
 use crate::render::Kind;
 use anyhow::Result;
 use posewise::align::{AlignModel, EnsembleMember, Refiners, RotationRegression, ShapeRegression};
 use posewise::detect;
-use posewise::shape::FACE_TAG;
+use posewise::shape::{FACE_TAG, MESH_TAG};
 use posewise::verifier::Verifier;
 use std::time::Instant;
 
@@ -52,7 +52,7 @@ pub fn run(args: &Args) -> Result<()> {
     let verifier = verifier::make(&context, &cascade, &detector)?;
     let sheet = data_sheet::make(&context, &cascade)?;
     let mut sheet = data_sheet::text(args, &sources, &data_sheet::read(&sheet)?);
-    let mut sections = [(&face, FACE_TAG), (&detector, detect::TAG)]
+    let mut all = [(&face, FACE_TAG), (&detector, detect::TAG)]
         .iter()
         .chain(&cascade)
         .chain(&[
@@ -61,11 +61,16 @@ pub fn run(args: &Args) -> Result<()> {
         ])
         .map(sections::read)
         .collect::<Result<Vec<_>>>()?;
+    if args.wireframe.is_none() {
+        let mesh = mesh::make(&store, &args.data, &face.read(sections::FILE)?)?;
+        all.push(sections::read(&(&mesh, MESH_TAG))?);
+        sheet += mesh::ABOUT;
+    }
     if let Some((section, about)) = eyes::finished(&context)? {
-        sections.push(section);
+        all.push(section);
         sheet += &about;
     }
-    let size = pack::write(args, sections, &sheet)?;
+    let size = pack::write(&args.out, all, &sheet)?;
     println!(
         "{}: {size} bytes, in {:.0?}",
         args.out.display(),

@@ -168,9 +168,9 @@ pub fn write(
         let drawn: Vec<Vec<u8>> = (next..stop)
             .into_par_iter()
             .map(|index| {
-                let (sample, truth) = renderer.sample_with_eyes(seed, index, spec);
+                let rendered = renderer.render(seed, index, spec);
                 bar.inc(1);
-                encode(&sample, &truth)
+                encode(&rendered.sample, &rendered.eyes)
             })
             .collect();
         drawn.iter().try_for_each(|r| file.write_all(r))?;

@@ -1,6 +1,6 @@
 //! Draws random samples: a person, an expression, a pose, lights, surroundings, a camera.
 
-use super::contour::{Landmarker, Points};
+use super::contour::{Landmarker, Points, is_drawn};
 use super::deform::Deformation;
 use super::draw::{Eyes, Posed, Prop, Scene, View, draw};
 use super::effects::Camera;
@@ -14,6 +14,7 @@ use super::mesh::{IDENTITIES, Mesh};
 use super::noise::normal;
 use super::people::People;
 use super::person::Person;
+use super::raster::Target;
 use super::spec::SampleSpec;
 use super::{accessories, background, props};
 use glam::{Mat3, Vec2, Vec3};
@@ -49,6 +50,28 @@ pub struct Sample {
     pub animation: [f32; ANIMATIONS],
     /// Who it is; procedural people count down from `u32::MAX`.
     pub person: u32,
+}
+
+/// A sample, and the head that it shows.
+pub struct Rendered {
+    /// The sample.
+    pub sample: Sample,
+    /// The truth of the image left's and the image right's eye.
+    pub eyes: [EyeTruth; 2],
+    /// Whether the head is one of MakeHuman's.
+    pub is_makehuman: bool,
+    /// Its skin, without hair that stands off it.
+    pub skin: Posed,
+    view: View,
+    depths: Target,
+}
+
+impl Rendered {
+    /// Whether a point of the skin with this normal (camera axes) is seen: it faces the camera, and
+    /// nothing is before it.
+    pub fn shows(&self, point: Vec3, normal: Vec3) -> bool {
+        normal.dot(point) < 0.0 && is_drawn(point, &self.view, &self.depths)
+    }
 }
 
 /// Draws samples; one for all threads.
@@ -97,16 +120,17 @@ impl Renderer {
 
     /// Sample `index` of a seed; the same every time.
     pub fn sample(&self, seed: u64, index: u64, spec: &SampleSpec) -> Sample {
-        self.sample_with_eyes(seed, index, spec).0
+        self.render(seed, index, spec).sample
     }
 
-    /// The same with the truth of the image left's and the image right's eye.
-    pub fn sample_with_eyes(
-        &self,
-        seed: u64,
-        index: u64,
-        spec: &SampleSpec,
-    ) -> (Sample, [EyeTruth; 2]) {
+    /// The mesh of a family of heads: MakeHuman's, or the morphable head.
+    pub fn mesh_of(&self, is_makehuman: bool) -> &Mesh {
+        let second = self.makehuman.as_ref().filter(|_| is_makehuman);
+        second.map_or(&self.mesh, |family| &family.mesh)
+    }
+
+    /// The same sample with all that is known of the head in it.
+    pub fn render(&self, seed: u64, index: u64, spec: &SampleSpec) -> Rendered {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(index);
         let rng = &mut rng;
@@ -167,7 +191,14 @@ impl Renderer {
             animation: subject.expression.animation(),
             person: person.id,
         };
-        (sample, truth)
+        Rendered {
+            sample,
+            eyes: truth,
+            is_makehuman: matches!(subject.who, Who::MakeHuman(_)),
+            skin,
+            view,
+            depths: drawn.target,
+        }
     }
 
     /// Someone with an expression.

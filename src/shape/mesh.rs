@@ -1,0 +1,314 @@
+//! The dense mesh of a face (section `MESH`): vertices of the morphable head with its identity and
+//! animation modes, its triangles, and what draws vertices towards landmarks.
+//!
+//! The first 68 vertices are those of the landmarks. Of the jaw these are fixed points of the head,
+//! as `points_mm` of a result.
+
+use super::{ANIMATIONS, FaceState, LANDMARKS, MAX_IDENTITIES};
+use glam::Vec3;
+use posewise_format::{Blob, ModelError, Section, Tag};
+
+/// Name of the section.
+pub const MESH_TAG: Tag = *b"MESH";
+
+/// Capacity: vertices of a mesh.
+pub const MAX_VERTICES: usize = 800;
+/// Capacity: triangles of a mesh.
+const MAX_TRIANGLES: usize = 2 * MAX_VERTICES;
+/// Capacity: indices of all loops and lines together.
+const MAX_LISTED: usize = 1024;
+
+/// Vertices whose modes stand together, so that a mode of them is one run of bytes.
+pub const MESH_BLOCK: usize = 16;
+/// Coordinates of these.
+const BLOCK_NUMBERS: usize = 3 * MESH_BLOCK;
+
+/// Landmarks that draw a vertex.
+pub const MESH_PULLS: usize = 6;
+/// A pull of this many goes the landmark's whole way.
+pub const WHOLE_PULL: i8 = 64;
+
+/// Vertices around a vertex, by which its normal is found.
+pub const MESH_RING: usize = 4;
+
+/// Largest valid coordinate of a mean face \[mm\], and of a texture.
+const LARGEST_MM: f32 = 1000.0;
+const LARGEST_UV: f32 = 1.0;
+
+/// One vertex of a mesh.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C)]
+pub struct MeshVertex {
+    /// To the right \[mm\], or in the picture \[px\].
+    pub x: f32,
+    /// Downwards, likewise.
+    pub y: f32,
+    /// Away from the camera, or of the face \[mm\].
+    pub z: f32,
+    /// By the direction of the surface, 0..1: 0 where it turns away from the camera, 1 where it is
+    /// seen at 12° or more, half way at its edge. What covers it does not count.
+    pub visibility: f32,
+}
+
+impl MeshVertex {
+    pub(crate) fn position(&self) -> Vec3 {
+        Vec3::new(self.x, self.y, self.z)
+    }
+
+    pub(crate) fn set_position(&mut self, position: Vec3) {
+        [self.x, self.y, self.z] = position.to_array();
+    }
+}
+
+/// A loop or a line of a mesh. Of a loop the last vertex is joined to the first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum MeshLine {
+    /// The landmarks, which are no line: in the order of the 68.
+    Landmarks,
+    /// The outer edge of the lips, from the corner at the image's left along the upper lip.
+    OuterLips,
+    /// The inner edge of the lips, likewise.
+    InnerLips,
+    /// The lids of the person's left eye, from the inner corner along the upper lid.
+    LeftEye,
+    /// The lids of the person's right eye, from the outer corner along the upper lid.
+    RightEye,
+    /// The person's left brow, a line from the nose outwards.
+    LeftBrow,
+    /// The person's right brow, a line towards the nose.
+    RightBrow,
+    /// The edge of the mesh.
+    Edge,
+}
+
+impl MeshLine {
+    /// Every one, in the order of the section and of the C ABI.
+    pub const ALL: [MeshLine; 8] = [
+        MeshLine::Landmarks,
+        MeshLine::OuterLips,
+        MeshLine::InnerLips,
+        MeshLine::LeftEye,
+        MeshLine::RightEye,
+        MeshLine::LeftBrow,
+        MeshLine::RightBrow,
+        MeshLine::Edge,
+    ];
+}
+
+/// What of a mesh is the same for every face: how its vertices are joined, and where they lie in a
+/// texture.
+#[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
+pub struct MeshTopology<'m> {
+    /// Number of vertices.
+    pub vertices: usize,
+    /// Three vertices each, counter-clockwise seen from outside with y upwards.
+    pub triangles: &'m [[u16; 3]],
+    /// By vertex: u to the right and v upwards in a picture of the face, 0..1.
+    pub uvs: &'m [[f32; 2]],
+    lengths: &'m [u16],
+    listed: &'m [u16],
+}
+
+impl<'m> MeshTopology<'m> {
+    /// The vertices of all lines of [`MeshLine::ALL`], one after the other.
+    pub fn lines(&self) -> &'m [u16] {
+        self.listed
+    }
+
+    /// The vertices of a loop or a line.
+    pub fn line(&self, line: MeshLine) -> &'m [u16] {
+        let place = line as usize;
+        let before = self.lengths.iter().take(place);
+        let start: usize = before.map(|length| usize::from(*length)).sum();
+        let length = self.lengths.get(place).copied().unwrap_or_default();
+        let end = start + usize::from(length);
+        self.listed.get(start..end).unwrap_or_default()
+    }
+}
+
+/// A checked view of section `MESH`; empty where the model lacks it.
+///
+/// Content, in this order: `vertices, identities, triangles, listed: u32`;
+/// `mean: f32[vertices·3]` \[mm\]; `identity_scale: f32[identities]`; `animation_scale: f32[24]`;
+/// `modes: i8[blocks][identities + 24][48]`, of 16 vertices each, the last block filled up;
+/// `pulled_by: u8[vertices·6]`; `pulls: i8[vertices·6]`; `rings: u16[vertices·4]`;
+/// `triangles: u16[triangles·3]`; `uvs: f32[vertices·2]`; `lengths: u16[8]` of the lines of
+/// [`MeshLine::ALL`]; `listed: u16[listed]`, the lines one after the other.
+///
+/// The section is parsed again for each mesh, which takes two microseconds: its slices would make a
+/// model larger.
+#[derive(Clone, Debug, Default)]
+pub struct MeshModel<'m> {
+    content: Option<Section<'m>>,
+}
+
+impl<'m> MeshModel<'m> {
+    /// Reads and checks the section.
+    ///
+    /// # Errors
+    /// [`ModelError::Section`] when it is too short or a number is out of range.
+    #[inline(never)]
+    pub fn open(blob: &Blob<'m>) -> Result<Self, ModelError> {
+        let section = match blob.section(&MESH_TAG) {
+            Err(ModelError::Missing(_)) => return Ok(MeshModel::default()),
+            other => other?,
+        };
+        let mesh = Mesh::read(&mut section.clone())?;
+        section.require(mesh.is_consistent(), "an index is out of range")?;
+        let content = Some(section);
+        Ok(MeshModel { content })
+    }
+
+    /// The mesh, if the model has one.
+    pub fn mesh(&self) -> Option<Mesh<'m>> {
+        // Reading cannot fail: `open` checked the section.
+        Mesh::read(&mut self.content.clone()?).ok()
+    }
+}
+
+/// The slices of a section.
+#[derive(Clone, Copy, Debug)]
+pub struct Mesh<'m> {
+    /// What is the same for every face.
+    pub topology: MeshTopology<'m>,
+    mean: &'m [[f32; 3]],
+    identity_scale: &'m [f32],
+    animation_scale: &'m [f32],
+    /// `[block][mode]`.
+    modes: &'m [[i8; BLOCK_NUMBERS]],
+    pulled_by: &'m [[u8; MESH_PULLS]],
+    pulls: &'m [[i8; MESH_PULLS]],
+    rings: &'m [[u16; MESH_RING]],
+}
+
+impl<'m> Mesh<'m> {
+    fn read(s: &mut Section<'m>) -> Result<Self, ModelError> {
+        let vertices = s.count(LANDMARKS, MAX_VERTICES, "the number of vertices")?;
+        let identities = s.count(0, MAX_IDENTITIES, "the number of identity modes")?;
+        let triangles = s.count(0, MAX_TRIANGLES, "the number of triangles")?;
+        let listed = s.count(LANDMARKS, MAX_LISTED, "the number of listed vertices")?;
+        let within = |values: &[f32], most: f32| values.iter().all(|v| v.abs() <= most);
+        let mean = s.f32s(3 * vertices)?;
+        let identity_scale = s.f32s(identities)?;
+        let animation_scale = s.f32s(ANIMATIONS)?;
+        s.require(
+            within(mean, LARGEST_MM)
+                && within(identity_scale, 10.0)
+                && within(animation_scale, 10.0),
+            "the mean or a mode's scale is out of range",
+        )?;
+        let blocks = vertices.div_ceil(MESH_BLOCK);
+        let modes = s.i8s(blocks * (identities + ANIMATIONS) * BLOCK_NUMBERS)?;
+        let pulled_by = s.u8s(MESH_PULLS * vertices)?;
+        let pulls = s.i8s(MESH_PULLS * vertices)?;
+        let rings = s.u16s(MESH_RING * vertices)?;
+        let triangles = s.u16s(3 * triangles)?;
+        let uvs = s.f32s(2 * vertices)?;
+        s.require(
+            within(uvs, LARGEST_UV),
+            "a texture coordinate is out of range",
+        )?;
+        let topology = MeshTopology {
+            vertices,
+            triangles: triangles.as_chunks().0,
+            uvs: uvs.as_chunks().0,
+            lengths: s.u16s(MeshLine::ALL.len())?,
+            listed: s.u16s(listed)?,
+        };
+        Ok(Mesh {
+            topology,
+            mean: mean.as_chunks().0,
+            identity_scale,
+            animation_scale,
+            modes: modes.as_chunks().0,
+            pulled_by: pulled_by.as_chunks().0,
+            pulls: pulls.as_chunks().0,
+            rings: rings.as_chunks().0,
+        })
+    }
+
+    /// Whether every index is that of a vertex or a landmark, and the landmarks come first.
+    fn is_consistent(&self) -> bool {
+        let MeshTopology {
+            vertices,
+            triangles,
+            lengths,
+            listed,
+            ..
+        } = self.topology;
+        let is_vertex = |index: &u16| usize::from(*index) < vertices;
+        let is_landmark = |index: &u8| usize::from(*index) < LANDMARKS;
+        let total: usize = lengths.iter().map(|length| usize::from(*length)).sum();
+        let landmarks = self.topology.line(MeshLine::Landmarks);
+        let come_first = landmarks.iter().copied().eq(0..LANDMARKS as u16);
+        self.rings.as_flattened().iter().all(is_vertex)
+            && triangles.as_flattened().iter().all(is_vertex)
+            && listed.iter().all(is_vertex)
+            && self.pulled_by.as_flattened().iter().all(is_landmark)
+            && total == listed.len()
+            && come_first
+    }
+
+    /// Writes the vertices of a face, camera frame \[mm\].
+    pub(crate) fn place(&self, face: &FaceState, out: &mut [MeshVertex]) {
+        let (identity, animation) = (
+            self.identity_scale.iter().zip(&face.identity),
+            self.animation_scale.iter().zip(&face.animation),
+        );
+        let weights = identity.chain(animation);
+        let modes = self.identity_scale.len() + ANIMATIONS;
+        let blocks = (self.mean.chunks(MESH_BLOCK)).zip(self.modes.chunks_exact(modes.max(1)));
+        for (out, (mean, modes)) in out.chunks_mut(MESH_BLOCK).zip(blocks) {
+            let mut numbers = [0.0; BLOCK_NUMBERS];
+            for (number, mean) in numbers.iter_mut().zip(mean.as_flattened()) {
+                *number = *mean;
+            }
+            for (mode, (scale, weight)) in modes.iter().zip(weights.clone()) {
+                let factor = scale * weight;
+                // Most animation modes are at rest.
+                if factor != 0.0 {
+                    for (number, delta) in numbers.iter_mut().zip(mode) {
+                        *number += f32::from(*delta) * factor;
+                    }
+                }
+            }
+            for (vertex, point) in out.iter_mut().zip(numbers.as_chunks().0) {
+                vertex.set_position(face.pose.apply(Vec3::from_array(*point)));
+            }
+        }
+    }
+
+    /// Moves the vertices by displacements of the landmarks \[mm\], smoothly in between.
+    pub(crate) fn pull(&self, moves: &[Vec3; LANDMARKS], out: &mut [MeshVertex]) {
+        let pulls = self.pulled_by.iter().zip(self.pulls);
+        for (vertex, (landmarks, pulls)) in out.iter_mut().zip(pulls) {
+            let mut position = vertex.position();
+            for (landmark, pull) in landmarks.iter().zip(pulls) {
+                let by = moves.get(usize::from(*landmark)).copied();
+                let share = f32::from(*pull) / f32::from(WHOLE_PULL);
+                position += by.unwrap_or_default() * share;
+            }
+            vertex.set_position(position);
+        }
+    }
+
+    /// Writes how far the surface at each vertex (camera frame) faces the camera.
+    pub(crate) fn face(&self, out: &mut [MeshVertex]) {
+        for (i, ring) in self.rings.iter().enumerate() {
+            let at = |index: usize| out.get(index).map(MeshVertex::position).unwrap_or_default();
+            let [a, b, c, d] = ring.map(|index| at(usize::from(index)));
+            let (normal, point) = ((c - a).cross(d - b), at(i));
+            let lengths = normal.length_squared() * point.length_squared();
+            let facing = -normal.dot(point) / libm::sqrtf(lengths).max(f32::MIN_POSITIVE);
+            if let Some(vertex) = out.get_mut(i) {
+                vertex.visibility = (0.5 + facing * VISIBLE_BY_FACING).clamp(0.0, 1.0);
+            }
+        }
+    }
+}
+
+/// Of the cosine of the angle between a surface's normal and the line to the camera: at 12° of the
+/// surface to that line it is seen for sure.
+const VISIBLE_BY_FACING: f32 = 2.5;
