@@ -21,6 +21,7 @@ namespace posewise {
 
 using Landmarks = std::array<posewise_landmark, POSEWISE_LANDMARKS>;
 using Events = std::array<posewise_event, POSEWISE_EVENTS>;
+using MeshVertices = std::array<posewise_mesh_vertex, POSEWISE_MESH_VERTICES>;
 using Animation = std::array<float, POSEWISE_ANIMATIONS>;
 using MonitorEvents = std::array<posewise_monitor_event, POSEWISE_MONITOR_EVENTS>;
 
@@ -129,6 +130,16 @@ public:
 
     posewise_status smoothed_animation(Animation &out) const {
         return posewise_smoothed_animation(tracker_, out.data(), out.size());
+    }
+
+    // The vertices of the dense mesh in a space POSEWISE_MESH_SPACE_*; count are written.
+    posewise_status mesh(std::uint32_t space, MeshVertices &out, std::size_t &count) const {
+        return posewise_mesh(tracker_, space, out.data(), out.size(), &count);
+    }
+
+    // How they are joined: tables that lie in the model.
+    posewise_status mesh_tables(posewise_mesh_topology &out) const {
+        return posewise_mesh_tables(tracker_, &out);
     }
 
     // Takes the unread events, oldest first, and counts those that were overwritten unread.

@@ -121,16 +121,24 @@ pub mod eyes {
     pub use crate::track::{EYE_LOOK_NAMES, EYE_LOOKS, Eye, EyeUnknown, Eyes, Gaze};
 }
 
+/// The dense mesh of the tracked face: [`Tracker::mesh`], [`Model::mesh_topology`].
+#[cfg(feature = "mesh")]
+pub mod mesh {
+    pub use crate::shape::{MAX_VERTICES, MeshLine, MeshTopology, MeshVertex};
+    pub use crate::track::{MeshError, MeshSpace};
+}
+
 #[cfg(feature = "alloc")]
 pub use posewise_format::AlignedBytes;
 
 /// The optional parts, by the names of their features, and whether this build has them.
-pub const PARTS: [(&str, bool); 5] = [
+pub const PARTS: [(&str, bool); 6] = [
     ("refiners", cfg!(feature = "refiners")),
     ("verifier", cfg!(feature = "verifier")),
     ("keyframes", cfg!(feature = "keyframes")),
     ("monitor", cfg!(feature = "monitor")),
     ("default-model", cfg!(feature = "default-model")),
+    ("mesh", cfg!(feature = "mesh")),
 ];
 
 #[cfg(feature = "default-model")]

@@ -95,6 +95,26 @@ fn forged_models() {
     assert!(accepted > 1000);
 }
 
+/// A whole mesh, then random changes of it.
+#[test]
+fn forged_meshes() {
+    assert!(
+        targets::mesh::tracked(&[0]) > Some(0),
+        "the tiny mesh is accepted"
+    );
+    let mut seed = 4u32;
+    let mut accepted = 0;
+    for round in 0..1500 {
+        let input: Vec<u8> = (0..1 + 7 * (1 + round % 4))
+            .map(|_| targets::input::scramble(&mut seed))
+            .collect();
+        println!("{round}: {input:?}"); // shown when the input panics
+        accepted += usize::from(targets::mesh::tracked(&input).is_some());
+    }
+    println!("{accepted} meshes accepted");
+    assert!(accepted > 100);
+}
+
 /// The kept inputs, then random networks, with all kernels.
 #[test]
 fn whole_layers() {

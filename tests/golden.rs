@@ -5,7 +5,8 @@ mod common;
 
 use common::root;
 use posewise::eyes::{Eye, EyeUnknown, Eyes, Gaze};
-use posewise::{Config, State, TrackResult};
+use posewise::mesh::{MAX_VERTICES, MeshSpace, MeshVertex};
+use posewise::{Config, Model, State, TrackResult, Tracker};
 
 /// FNV-1a, 64 bits.
 struct Hash(u64);
@@ -122,7 +123,7 @@ fn share(state: State, share: Option<f32>) -> f32 {
 }
 
 /// Hashes the demo clip's results by `hashed` and compares them with a file of `tests/data`.
-fn check(config: &Config, file: &str, hashed: impl Fn(&mut Hash, &TrackResult)) {
+fn check(config: &Config, file: &str, hashed: impl Fn(&mut Hash, &Tracker, &Model<'_>)) {
     let clip = common::demo();
     let model = common::model();
     let mut tracker = common::tracker(config);
@@ -134,7 +135,7 @@ fn check(config: &Config, file: &str, hashed: impl Fn(&mut Hash, &TrackResult)) 
             .step(&model, &frame, timestamp_us)
             .expect("in order");
         tracked += usize::from(result.state == State::Tracking);
-        hashed(&mut hash, result);
+        hashed(&mut hash, &tracker, &model);
     }
     let found = format!("{:016x} {tracked}/{} tracked\n", hash.0, clip.luma.len());
     let path = root().join("tests/data").join(file);
@@ -150,7 +151,9 @@ fn check(config: &Config, file: &str, hashed: impl Fn(&mut Hash, &TrackResult)) 
 
 #[test]
 fn demo_clip_gives_the_same_bits() {
-    check(&Config::default(), "demo.hash", Hash::result);
+    check(&Config::default(), "demo.hash", |hash, tracker, _| {
+        hash.result(tracker.result());
+    });
 }
 
 /// Every field, also one that was added: the shortest texts of two numbers differ if a bit does.
@@ -159,8 +162,8 @@ fn demo_clip_gives_the_same_text() {
     check(
         &Config::default().with_gaze(true),
         "demo-text.hash",
-        |hash, result| {
-            hash.bytes(format!("{result:?}").as_bytes());
+        |hash, tracker, _| {
+            hash.bytes(format!("{:?}", tracker.result()).as_bytes());
         },
     );
 }
@@ -168,5 +171,32 @@ fn demo_clip_gives_the_same_text() {
 #[test]
 fn demo_clip_gives_the_same_bits_of_the_eyes() {
     let config = Config::default().with_gaze(true).with_natural_gaze(true);
-    check(&config, "demo-eyes.hash", |hash, result| hash.eyes(result));
+    check(&config, "demo-eyes.hash", |hash, tracker, _| {
+        hash.eyes(tracker.result());
+    });
+}
+
+#[test]
+fn demo_clip_gives_the_same_bits_of_the_mesh() {
+    check(
+        &Config::default(),
+        "demo-mesh.hash",
+        |hash, tracker, model| {
+            let mut vertices = [MeshVertex::default(); MAX_VERTICES];
+            for space in [MeshSpace::Picture, MeshSpace::Camera, MeshSpace::Head] {
+                let count = tracker
+                    .mesh(model, space, &mut vertices)
+                    .unwrap_or_default();
+                for MeshVertex {
+                    x,
+                    y,
+                    z,
+                    visibility,
+                } in &vertices[..count]
+                {
+                    [x, y, z, visibility].iter().for_each(|v| hash.float(**v));
+                }
+            }
+        },
+    );
 }

@@ -26,7 +26,7 @@ const _: () = assert!(POSEWISE_EYE_LOOKS as usize == EYE_LOOKS);
 const _: () = assert!(POSEWISE_EVENTS as usize == EVENTS);
 const _: () = assert!(POSEWISE_EXCLUDED as usize == MAX_EXCLUDED);
 const _: () = assert!(POSEWISE_ALIGN as usize == posewise_format::ALIGN);
-const _: () = assert!(POSEWISE_PART_DEFAULT_MODEL == 1 << (PARTS.len() - 1));
+const _: () = assert!(POSEWISE_PART_MESH == 1 << (PARTS.len() - 1));
 
 /// POSEWISE_VERSION of the linked library.
 #[unsafe(no_mangle)]
@@ -115,6 +115,10 @@ pub extern "C" fn posewise_strerror(status: posewise_status) -> *const c_char {
             c"a setting of the driver monitor is out of range, or two are out of order"
         }
         POSEWISE_E_MONITOR_ZONES => c"more than 8 zones, or one whose kind or numbers are no zone",
+        POSEWISE_E_CAPACITY => c"an output has less room than is needed",
+        POSEWISE_E_NO_FACE => c"the tracker searches: there is no face",
+        POSEWISE_E_MESH => c"the model has no mesh, or the library was built without",
+        POSEWISE_E_MESH_SPACE => c"the space of the mesh is not a POSEWISE_MESH_SPACE_*",
         POSEWISE_E_SMOOTHING => c"smoothing_hz must be 0.01..100 and smoothing_beta 0..1000",
         _ => c"unknown status",
     };

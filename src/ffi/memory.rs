@@ -43,6 +43,10 @@ unsafe impl Growing for posewise_result {
     // 128: before `eye_open_probability`; 304: before `facing_angle_deg`.
     const EARLIER_SIZES: &'static [usize] = &[128, 304];
 }
+// SAFETY: as above.
+unsafe impl Growing for posewise_mesh_topology {
+    const EARLIER_SIZES: &'static [usize] = &[];
+}
 
 // SAFETY: as above.
 unsafe impl Growing for posewise_monitor_config {

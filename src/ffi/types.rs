@@ -28,6 +28,10 @@ pub const POSEWISE_EYE_LOOKS: u32 = 8;
 pub const POSEWISE_EXCLUDED: u32 = 16;
 /// Unread events that a tracker keeps.
 pub const POSEWISE_EVENTS: u32 = 64;
+/// Most vertices of posewise_mesh().
+pub const POSEWISE_MESH_VERTICES: u32 = 800;
+/// Lines of a mesh, POSEWISE_MESH_LINE_*.
+pub const POSEWISE_MESH_LINES: u32 = 8;
 /// Dot products of AArch64, for posewise_set_cpu().
 pub const POSEWISE_CPU_DOTPROD: u32 = 1;
 
@@ -93,6 +97,14 @@ pub const POSEWISE_E_MONITOR: i32 = -26;
 pub const POSEWISE_E_MONITOR_CONFIG: i32 = -27;
 /// Zones: too many, or not those of their kind.
 pub const POSEWISE_E_MONITOR_ZONES: i32 = -28;
+/// An output has less room than is needed.
+pub const POSEWISE_E_CAPACITY: i32 = -29;
+/// The tracker searches: there is no face.
+pub const POSEWISE_E_NO_FACE: i32 = -30;
+/// The model, or the library, has no mesh.
+pub const POSEWISE_E_MESH: i32 = -31;
+/// Not a POSEWISE_MESH_SPACE_* value.
+pub const POSEWISE_E_MESH_SPACE: i32 = -32;
 
 /// Part: networks that see closer crops.
 pub const POSEWISE_PART_REFINERS: u32 = 1;
@@ -104,6 +116,8 @@ pub const POSEWISE_PART_KEYFRAMES: u32 = 4;
 pub const POSEWISE_PART_MONITOR: u32 = 8;
 /// Part: posewise_default_model().
 pub const POSEWISE_PART_DEFAULT_MODEL: u32 = 16;
+/// Part: the dense mesh.
+pub const POSEWISE_PART_MESH: u32 = 32;
 
 /// Terms of a model: its sheet lacks them.
 pub const POSEWISE_TERMS_UNKNOWN: u32 = 0;
@@ -207,6 +221,30 @@ pub const POSEWISE_LENS_PINHOLE: u32 = 0;
 pub const POSEWISE_LENS_BROWN: u32 = 1;
 /// k1, k2, k3, k4, 0: OpenCV's fisheye.
 pub const POSEWISE_LENS_FISHEYE: u32 = 2;
+
+/// x, y in px of the upright image as the lens shows it, z in mm.
+pub const POSEWISE_MESH_SPACE_PICTURE: u32 = 0;
+/// The camera frame, in mm.
+pub const POSEWISE_MESH_SPACE_CAMERA: u32 = 1;
+/// The head frame, in mm.
+pub const POSEWISE_MESH_SPACE_HEAD: u32 = 2;
+
+/// The landmarks, iBUG 68: no line.
+pub const POSEWISE_MESH_LINE_LANDMARKS: u32 = 0;
+/// Loop of the outer edge of the lips.
+pub const POSEWISE_MESH_LINE_OUTER_LIPS: u32 = 1;
+/// Loop of the inner edge of the lips.
+pub const POSEWISE_MESH_LINE_INNER_LIPS: u32 = 2;
+/// Loop of the lids of the left eye.
+pub const POSEWISE_MESH_LINE_LEFT_EYE: u32 = 3;
+/// Loop of the lids of the right eye.
+pub const POSEWISE_MESH_LINE_RIGHT_EYE: u32 = 4;
+/// The left brow, outwards.
+pub const POSEWISE_MESH_LINE_LEFT_BROW: u32 = 5;
+/// The right brow, towards the nose.
+pub const POSEWISE_MESH_LINE_RIGHT_BROW: u32 = 6;
+/// Loop of the edge of the mesh.
+pub const POSEWISE_MESH_LINE_EDGE: u32 = 7;
 
 /// A new face is tracked.
 pub const POSEWISE_EVENT_ACQUIRED: u32 = 0;
@@ -536,6 +574,41 @@ pub struct posewise_model_details {
     /// Which check the model failed, in English; empty for a model that the library can track with.
     pub check: *const c_char,
     pub check_len: usize,
+}
+
+/// One vertex of posewise_mesh(). This struct never grows, so the layout of arrays stays the same.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default)]
+pub struct posewise_mesh_vertex {
+    /// In the space that was asked for \[by kind\]: px or mm.
+    pub x: f32,
+    pub y: f32,
+    /// In POSEWISE_MESH_SPACE_PICTURE the distance along the camera's axis \[mm\].
+    pub z: f32,
+    /// Whether the surface there faces the camera \[0..1\]: 0 where it turns away, 1 where it is
+    /// seen at 12 degrees or more, half way at the edge. What covers it does not count.
+    pub visibility: f32,
+}
+
+/// How the vertices of a mesh are joined. The tables lie in the model.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct posewise_mesh_topology {
+    /// sizeof(posewise_mesh_topology), set by the caller.
+    pub struct_size: u32,
+    /// Number of vertices.
+    pub vertex_count: u32,
+    /// Number of triangles.
+    pub triangle_count: u32,
+    /// Where each of POSEWISE_MESH_LINE_* begins in lines; it ends where the next one begins, the
+    /// last at the ninth number. Of a loop the last vertex is joined to the first.
+    pub line_starts: [u32; 9],
+    /// Three vertices of each triangle, counter-clockwise as seen from outside of the face.
+    pub triangles: *const u16,
+    /// Two numbers of each vertex, 0..1: u to the right and v upwards in a texture of the face.
+    pub uvs: *const f32,
+    /// The vertices of all lines.
+    pub lines: *const u16,
 }
 
 /// A tracker, opaque. It starts at the start of the caller's memory and holds no pointer into

@@ -14,6 +14,7 @@
 //! - `fit`: the 3D face that explains them, which all that follows takes.
 //! - `eyes`: lids, glasses and gaze of a fitted face; `learnt` is what many frames say of them,
 //!   `result` what one result says.
+//! - `mesh`: the dense mesh of a fitted face, when it is asked for.
 //! - `output`: what the caller gets. `result` is written of a fitted face, `one_euro` smooths it,
 //!   `event` logs what happens to the face.
 //!
@@ -26,6 +27,8 @@ mod eyes;
 mod fit;
 mod follow;
 mod geometry;
+#[cfg(feature = "mesh")]
+mod mesh;
 mod model;
 mod output;
 mod policy;
@@ -37,6 +40,8 @@ mod verify;
 pub use config::{Config, ConfigError, MAX_EXCLUDED, Smoothing};
 pub use eyes::{EYE_LOOK_NAMES, EYE_LOOKS, Eye, EyeUnknown, Eyes, Gaze};
 pub use geometry::is_same_face;
+#[cfg(feature = "mesh")]
+pub use mesh::{MeshError, MeshSpace};
 pub use model::Model;
 pub use output::{
     EVENTS, Event, EventKind, EventLog, EventRing, Landmark, Loss, State, TrackResult,

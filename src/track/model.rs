@@ -3,6 +3,8 @@
 use crate::align::{AlignModel, EnsembleMember, EyeModel, Refiners, RotationRegression};
 use crate::detect::{self, DetectorModel};
 use crate::shape::{FACE_TAG, FaceModel};
+#[cfg(feature = "mesh")]
+use crate::shape::{MeshModel, MeshTopology};
 use crate::verifier::Verifier;
 use posewise_format::{Blob, ModelError};
 
@@ -23,6 +25,9 @@ pub struct Model<'m> {
     pub(crate) eyes: EyeModel<'m>,
     /// The 3D face.
     pub(crate) face: FaceModel<'m>,
+    /// Its dense mesh.
+    #[cfg(feature = "mesh")]
+    pub(crate) mesh: MeshModel<'m>,
 }
 
 impl<'m> Model<'m> {
@@ -41,9 +46,18 @@ impl<'m> Model<'m> {
             align,
             eyes: EyeModel::open(&blob)?,
             face: FaceModel::open(blob.section(&FACE_TAG)?)?,
+            #[cfg(feature = "mesh")]
+            mesh: MeshModel::open(&blob)?,
             #[cfg(feature = "unstable-internals")]
             blob,
         })
+    }
+
+    /// What of the mesh of [`Tracker::mesh`](super::Tracker::mesh) is the same for every face;
+    /// `None` where the model has no mesh.
+    #[cfg(feature = "mesh")]
+    pub fn mesh_topology(&self) -> Option<MeshTopology<'m>> {
+        self.mesh.mesh().map(|mesh| mesh.topology)
     }
 }
 

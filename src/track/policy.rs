@@ -488,3 +488,11 @@ pub(super) const MAX_SMOOTHING_GAP_US: i64 = 250_000;
 ///
 /// Source: chosen: anatomy, rounded.
 pub(super) const FACE_WIDTH_MM: f32 = 150.0;
+
+// --- Mesh ----------------------------------------------------------------------------------------
+
+/// Product of a landmark's confidence and visibility from which it draws the mesh all the way.
+///
+/// Source: chosen: more likely right and seen than not.
+#[cfg(feature = "mesh")]
+pub(super) const MESH_SURE: f32 = 0.5;

@@ -29,6 +29,8 @@ use super::align::{Candidate, Origin};
 use super::eyes::{Eyes, see};
 use super::fit::{Fitted, fit_face};
 use super::follow::{Target, see_target, verify_target};
+#[cfg(feature = "mesh")]
+use super::mesh::{self, MeshError, MeshSpace};
 use super::output::{Event, EventKind, EventLog, Smoother, write};
 use super::policy::{COAST_US, NO_LONGER_NOISY, NOISY, REFINE_UNITS};
 use super::search::{Detected, Excluded, FaceHint, FoundFace};
@@ -39,6 +41,8 @@ use super::{Config, ConfigError, Loss, Model, Smoothing, State, StepError, Track
 use crate::align::Workspace;
 use crate::image::{Frame, Roi, noise_share};
 use crate::shape::Intrinsics;
+#[cfg(feature = "mesh")]
+use crate::shape::MeshVertex;
 
 /// All state of one tracked face. Plain data: a copy of it is an independent tracker.
 #[derive(Clone)]
@@ -245,6 +249,42 @@ impl Tracker {
     /// [`Tracker::result`].
     pub fn smoothed(&self) -> &TrackResult {
         self.smoother.result()
+    }
+
+    /// Writes the vertices of the dense mesh of the face of the last step, while it coasts those of
+    /// its last fit; returns their number, [`MeshTopology::vertices`](crate::mesh::MeshTopology).
+    /// `model` is that of the step. The vertices follow the picture: near landmarks that were seen
+    /// they lie where these do. Of what is smoothed ([`Tracker::smoothed`]) they take nothing.
+    ///
+    /// ```
+    /// use posewise::mesh::{MAX_VERTICES, MeshSpace, MeshVertex};
+    /// # use posewise::{Config, Model, Tracker};
+    /// # let model = Model::load(posewise::DEFAULT_MODEL).unwrap();
+    /// # let tracker = Box::new(Tracker::new(&Config::default()).unwrap());
+    /// let mut vertices = [MeshVertex::default(); MAX_VERTICES];
+    /// match tracker.mesh(&model, MeshSpace::Picture, &mut vertices) {
+    ///     Ok(count) => println!("{:?}", &vertices[..count]),
+    ///     Err(why) => println!("{why}"),
+    /// }
+    /// ```
+    ///
+    /// # Errors
+    /// [`MeshError`]; nothing is written.
+    #[cfg(feature = "mesh")]
+    pub fn mesh(
+        &self,
+        model: &Model<'_>,
+        space: MeshSpace,
+        out: &mut [MeshVertex],
+    ) -> Result<usize, MeshError> {
+        let Target { face, camera, .. } = &self.target;
+        mesh::write(model, &self.result, face, camera, space, out)
+    }
+
+    /// How many vertices [`Tracker::mesh`] would write.
+    #[cfg(all(feature = "mesh", feature = "ffi"))]
+    pub(crate) fn mesh_vertices(&self, model: &Model<'_>) -> Result<usize, MeshError> {
+        mesh::open(model, &self.result).map(|mesh| mesh.topology.vertices)
     }
 
     /// The events that were not read yet. They outlive [`Tracker::reset`].

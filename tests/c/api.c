@@ -88,9 +88,9 @@ static void test_constants(void) {
     CHECK(posewise_memory_align() == POSEWISE_ALIGN);
     CHECK(posewise_memory_size(NULL) > 0);
     CHECK(posewise_memory_size(NULL) <= POSEWISE_MEMORY_SIZE);
-    for (s = -28; s <= 0; s++) {
+    for (s = -32; s <= 0; s++) {
         CHECK(strcmp(posewise_strerror(s), "unknown status") != 0);
-        for (other = -28; other < s; other++)
+        for (other = -32; other < s; other++)
             CHECK(strcmp(posewise_strerror(s), posewise_strerror(other)) != 0);
     }
     CHECK(strcmp(posewise_strerror(1), "unknown status") == 0);
@@ -706,6 +706,73 @@ static void test_outputs(void) {
     guarded_free(memory);
 }
 
+/* A call for a mesh that must fail writes nothing. */
+static void mesh_refused(const posewise_tracker *t, uint32_t space, size_t capacity,
+                         posewise_status expected) {
+    static posewise_mesh_vertex v[POSEWISE_MESH_VERTICES];
+    size_t count = 77;
+    memset(v, 0x33, sizeof v);
+    CHECK_STATUS(posewise_mesh(t, space, v, capacity, &count), expected);
+    CHECK(count == 77 && filled((uint8_t *)v, sizeof v, 0x33));
+}
+
+static void test_mesh(void) {
+    guarded memory = tracker_memory(0);
+    posewise_tracker *t = init(memory, NULL);
+    posewise_mesh_topology tables = POSEWISE_MESH_TOPOLOGY_INIT;
+    static posewise_mesh_vertex v[POSEWISE_MESH_VERTICES];
+    posewise_mesh_vertex *inside = (posewise_mesh_vertex *)(void *)memory.start;
+    size_t count = 0, i;
+    outputs a;
+    uint32_t space;
+    CHECK_STATUS(posewise_mesh_tables(t, NULL), POSEWISE_E_NULL);
+    tables.struct_size--;
+    CHECK_STATUS(posewise_mesh_tables(t, &tables), POSEWISE_E_STRUCT_SIZE);
+    CHECK(tables.vertex_count == 0);
+    tables.struct_size++;
+    CHECK_STATUS(posewise_mesh_tables(t, &tables), POSEWISE_OK);
+    CHECK(tables.vertex_count >= 468 && tables.vertex_count <= POSEWISE_MESH_VERTICES);
+    for (i = 0; i < 3 * (size_t)tables.triangle_count; i++)
+        CHECK(tables.triangles[i] < tables.vertex_count);
+    for (i = 0; i < 2 * (size_t)tables.vertex_count; i++)
+        CHECK(tables.uvs[i] >= 0 && tables.uvs[i] <= 1);
+    for (i = 0; i < POSEWISE_MESH_LINES; i++)
+        CHECK(tables.line_starts[i] < tables.line_starts[i + 1]);
+    for (i = 0; i < tables.line_starts[POSEWISE_MESH_LINES]; i++)
+        CHECK(tables.lines[i] < tables.vertex_count);
+    CHECK(tables.line_starts[POSEWISE_MESH_LINE_LANDMARKS + 1] == POSEWISE_LANDMARKS);
+    mesh_refused(t, POSEWISE_MESH_SPACE_HEAD, POSEWISE_MESH_VERTICES, POSEWISE_E_NO_FACE);
+    for (i = 0; i < frames.count; i++) {
+        const posewise_frame f = clip_frame(&frames, i);
+        CHECK_STATUS(step(t, &f, &a), POSEWISE_OK);
+        if (a.result.state == POSEWISE_TRACKING)
+            break;
+    }
+    CHECK(a.result.state == POSEWISE_TRACKING);
+    mesh_refused(t, POSEWISE_MESH_SPACE_HEAD + 1, POSEWISE_MESH_VERTICES, POSEWISE_E_MESH_SPACE);
+    mesh_refused(t, UINT32_MAX, 0, POSEWISE_E_MESH_SPACE);
+    mesh_refused(t, POSEWISE_MESH_SPACE_HEAD, tables.vertex_count - 1, POSEWISE_E_CAPACITY);
+    mesh_refused(t, POSEWISE_MESH_SPACE_PICTURE, 0, POSEWISE_E_CAPACITY);
+    CHECK_STATUS(posewise_mesh(t, 0, NULL, POSEWISE_MESH_VERTICES, &count), POSEWISE_E_NULL);
+    CHECK_STATUS(posewise_mesh(t, 0, v, POSEWISE_MESH_VERTICES, NULL), POSEWISE_E_NULL);
+    CHECK_STATUS(posewise_mesh(NULL, 0, v, POSEWISE_MESH_VERTICES, &count), POSEWISE_E_NULL);
+    CHECK_STATUS(posewise_mesh(t, 0, inside, POSEWISE_MESH_VERTICES, &count), POSEWISE_E_OVERLAP);
+    CHECK_STATUS(posewise_mesh(t, 0, v, POSEWISE_MESH_VERTICES, (size_t *)(void *)memory.start),
+                 POSEWISE_E_OVERLAP);
+    CHECK_STATUS(posewise_mesh(t, 0, v, POSEWISE_MESH_VERTICES, (size_t *)(void *)v),
+                 POSEWISE_E_OVERLAP);
+    CHECK(count == 0);
+    for (space = POSEWISE_MESH_SPACE_PICTURE; space <= POSEWISE_MESH_SPACE_HEAD; space++) {
+        memset(v, 0x33, sizeof v);
+        CHECK_STATUS(posewise_mesh(t, space, v, SIZE_MAX, &count), POSEWISE_OK);
+        CHECK(count == tables.vertex_count);
+        CHECK(filled((uint8_t *)(v + count), sizeof v - count * sizeof *v, 0x33));
+        for (i = 0; i < count; i++)
+            CHECK(v[i].visibility >= 0 && v[i].visibility <= 1 && fabsf(v[i].x) < 1e5f);
+    }
+    guarded_free(memory);
+}
+
 /* A step that must fail leaves tracker and output unchanged. */
 static void frame_refused(posewise_tracker *t, const posewise_frame *f, posewise_status expected) {
     outputs a, before;
@@ -1101,6 +1168,7 @@ int main(int argc, char **argv) {
     test_struct_sizes();
     test_initialisers();
     test_outputs();
+    test_mesh();
     test_bad_frames_change_nothing();
     test_formats();
     test_extreme_times();

@@ -1,7 +1,7 @@
 /* replay.c VIDEO.y4m FRAMES [CPU] - prints a hash of all bytes of all results for the video's first
- * frames, gaze and driver monitor included. The line is the same on every machine. Standard error
- * gets the sizes of model and tracker and the peak stacks of posewise_init, _step, _step_at and
- * _detect [bytes]. C99 with GCC's attributes; reads 8-bit mono y4m. */
+ * frames, gaze, mesh and driver monitor included. The line is the same on every machine. Standard
+ * error gets the sizes of model and tracker and the peak stacks of posewise_init, _step, _step_at,
+ * _detect and _mesh [bytes]. C99 with GCC's attributes; reads 8-bit mono y4m. */
 #include "posewise.h"
 #include "float_env.h"
 #include "hash.h"
@@ -16,6 +16,7 @@ static uint8_t memory[POSEWISE_MEMORY_SIZE + POSEWISE_ALIGN];
 static uint8_t pixels[640 * 480], last[640 * 480];
 static posewise_landmark landmarks[POSEWISE_LANDMARKS];
 static float animation[POSEWISE_ANIMATIONS];
+static posewise_mesh_vertex vertices[POSEWISE_MESH_VERTICES];
 static uint8_t monitor_memory[POSEWISE_MONITOR_SIZE + POSEWISE_ALIGN];
 
 static int fail(const char *what) {
@@ -24,7 +25,7 @@ static int fail(const char *what) {
 }
 
 /* The deepest stacks so far. */
-static size_t step_stack, step_at_stack, detect_stack;
+static size_t step_stack, step_at_stack, detect_stack, mesh_stack;
 
 /* Notes how deep the stack was, if it was the deepest. */
 static void deepest(size_t *stack, size_t used) {
@@ -85,6 +86,24 @@ static posewise_status detect(posewise_tracker *tracker, posewise_frame *frame,
         }
     }
     return status;
+}
+
+/* Hashes the mesh in every space, if there is one. */
+static posewise_status mesh(const posewise_tracker *tracker) {
+    posewise_status status = POSEWISE_OK;
+    uint32_t space, before;
+    size_t count;
+    for (space = 0; status == POSEWISE_OK && space <= POSEWISE_MESH_SPACE_HEAD; space++) {
+        const uint32_t own = float_env();
+        stack_walk(1);
+        before = next_env();
+        status = posewise_mesh(tracker, space, vertices, POSEWISE_MESH_VERTICES, &count);
+        own_env(own, before);
+        deepest(&mesh_stack, stack_walk(0));
+        if (status == POSEWISE_OK)
+            hash_bytes(vertices, count * sizeof *vertices);
+    }
+    return status == POSEWISE_E_MESH || status == POSEWISE_E_NO_FACE ? POSEWISE_OK : status;
 }
 
 /* Shows the monitor what the tracker saw, and hashes what it knows then. */
@@ -154,6 +173,8 @@ int main(int argc, char **argv) {
             status = posewise_animation(tracker, animation, POSEWISE_ANIMATIONS);
         if (status == POSEWISE_OK)
             status = watch(tracker, monitor, frame.timestamp_us);
+        if (status == POSEWISE_OK)
+            status = mesh(tracker);
         if (status != POSEWISE_OK)
             return fail(posewise_strerror(status));
         hash_bytes(&result, sizeof result);
@@ -190,6 +211,7 @@ int main(int argc, char **argv) {
             (unsigned long)init_stack, (unsigned long)step_stack);
     fprintf(stderr, "stack of posewise_step_at: %lu bytes\nstack of posewise_detect: %lu bytes\n",
             (unsigned long)step_at_stack, (unsigned long)detect_stack);
+    fprintf(stderr, "stack of posewise_mesh: %lu bytes\n", (unsigned long)mesh_stack);
     print_hash();
     printf(" %ld frames, %ld tracked\n", count, tracked);
     return 0;

@@ -11,13 +11,13 @@ const LEAST: usize = 90;
 #[test]
 #[ignore = "builds the library once more: .ci/nightly"]
 fn the_smallest_build_tracks() {
-    check(&["refiners verifier keyframes"]);
+    check(&["refiners verifier keyframes mesh"]);
 }
 
 #[test]
-#[ignore = "builds the library three times: .ci/nightly"]
+#[ignore = "builds the library four times: .ci/nightly"]
 fn every_build_tracks() {
-    check(&["refiners", "verifier", "keyframes"]);
+    check(&["refiners", "verifier", "keyframes", "mesh"]);
 }
 
 /// Tracks the clip with builds without these parts, as `make WITHOUT=…` makes them.
@@ -44,6 +44,7 @@ fn check(builds: &[&str]) {
             ("refiners", b"SREG"),
             ("verifier", b"VRFY"),
             ("verifier", b"ROTN"),
+            ("mesh", b"MESH"),
         ];
         let unread: usize = sections
             .iter()

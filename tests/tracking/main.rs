@@ -7,6 +7,7 @@ mod events;
 mod gaze;
 mod keyframe;
 mod lens;
+mod mesh;
 mod models;
 mod monitor;
 mod serde;

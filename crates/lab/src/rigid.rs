@@ -3,6 +3,15 @@
 use glam::{Mat3, Vec3};
 use nalgebra::Matrix3;
 
+/// Points turned and moved so that they come nearest to others.
+pub fn moved_onto(from: &[Vec3], to: &[Vec3]) -> Vec<Vec3> {
+    let mean = |points: &[Vec3]| points.iter().sum::<Vec3>() / points.len().max(1) as f32;
+    let (turn, from_mean, to_mean) = (rotation_onto(from, to), mean(from), mean(to));
+    from.iter()
+        .map(|p| turn * (*p - from_mean) + to_mean)
+        .collect()
+}
+
 /// The rotation that brings points nearest to others, both about their means (Kabsch 1976).
 pub fn rotation_onto(from: &[Vec3], to: &[Vec3]) -> Mat3 {
     let mean = |points: &[Vec3]| points.iter().sum::<Vec3>() / points.len().max(1) as f32;

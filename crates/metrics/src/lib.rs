@@ -8,6 +8,7 @@
 //! | [`landmarks`] | distances of landmarks, normalised mean error (NME) |
 //! | [`cumulative`] | area under the cumulative error distribution (CED) |
 //! | [`jitter`] | how much landmarks jitter from frame to frame |
+//! | [`mesh`] | errors of the vertices of a face by region, unrest of still ones |
 //! | [`pose`] | errors of head pose, share of frames tracked |
 //! | [`box_jitter`] | boxes as far off as a detector's |
 
@@ -16,6 +17,7 @@ pub mod calibration;
 pub mod cumulative;
 pub mod jitter;
 pub mod landmarks;
+pub mod mesh;
 pub mod pose;
 pub mod roc;
 pub mod statistics;

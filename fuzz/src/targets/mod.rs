@@ -9,6 +9,7 @@ pub mod frame;
 pub mod input;
 pub mod kernels;
 pub mod memory;
+pub mod mesh;
 pub mod model;
 pub mod outputs;
 pub mod tiny;

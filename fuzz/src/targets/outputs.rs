@@ -1,7 +1,7 @@
 //! A tracker in guarded memory, and all its outputs after a step, checked.
 
 use super::memory::{Exact, Guarded};
-use crate::ffi::{api::*, types::*};
+use crate::ffi::{api::*, mesh::*, types::*};
 use std::mem::size_of;
 
 /// Result, landmarks and animation weights, byte by byte.
@@ -34,6 +34,8 @@ impl Outputs {
         landmarks.check();
         weights.check();
         check_smoothed(tracker);
+        let state = words(result).nth(1).expect("a state");
+        check_mesh(tracker, state);
         let outputs = Outputs([&result[..RESULT], landmarks.get(), weights.get()].concat());
         outputs.check();
         outputs
@@ -140,6 +142,50 @@ fn finite_text(value: &impl std::fmt::Debug) -> String {
     let finite = !text.contains("NaN") && !text.contains("inf");
     assert!(finite, "a number is not finite: {text}");
     text
+}
+
+const SPACES: [u32; 3] = [
+    POSEWISE_MESH_SPACE_PICTURE,
+    POSEWISE_MESH_SPACE_CAMERA,
+    POSEWISE_MESH_SPACE_HEAD,
+];
+const MOST_VERTICES: usize = POSEWISE_MESH_VERTICES as usize;
+
+/// Checks what the header states of the mesh of the last step, in every space.
+fn check_mesh(tracker: *const posewise_tracker, state: u32) {
+    let vertex = size_of::<posewise_mesh_vertex>();
+    let mesh = |space: u32, capacity: usize| {
+        let vertices = Guarded::new(capacity * vertex, UNTOUCHED);
+        let count = Guarded::new(size_of::<usize>(), UNTOUCHED);
+        let out = (vertices.ptr().cast(), count.ptr().cast());
+        // SAFETY: as long as the capacity says.
+        let status = unsafe { posewise_mesh(tracker, space, out.0, capacity, out.1) };
+        vertices.check();
+        count.check();
+        let untouched = |memory: &Guarded| memory.get().iter().all(|b| *b == UNTOUCHED);
+        assert!(status == POSEWISE_OK || untouched(&vertices) && untouched(&count));
+        let count = usize::from_ne_bytes(count.get().try_into().expect("a length"));
+        (status, vertices, count)
+    };
+    for space in SPACES {
+        let (status, vertices, count) = mesh(space, MOST_VERTICES);
+        match status {
+            POSEWISE_E_MESH => continue,
+            POSEWISE_E_NO_FACE => assert_eq!(state, POSEWISE_SEARCHING),
+            _ => {
+                assert!(status == POSEWISE_OK && state != POSEWISE_SEARCHING);
+                assert!((LANDMARKS..=MOST_VERTICES).contains(&count));
+                let (written, rest) = vertices.get().split_at(count * vertex);
+                assert!(rest.iter().all(|b| *b == UNTOUCHED));
+                let numbers: Vec<f32> = words(written).map(f32::from_bits).collect();
+                assert!(numbers.iter().all(|v| v.is_finite()), "{numbers:?}");
+                let mut seen = numbers.iter().skip(3).step_by(4);
+                assert!(seen.all(|v| (0.0..=1.0).contains(v)), "{numbers:?}");
+                assert_eq!(mesh(space, count - 1).0, POSEWISE_E_CAPACITY);
+            }
+        }
+    }
+    assert_eq!(mesh(3, MOST_VERTICES).0, POSEWISE_E_MESH_SPACE);
 }
 
 /// The smoothed result has the state of the last one, and finite numbers.

@@ -103,6 +103,44 @@ fn points() -> [[f32; 3]; LANDMARKS] {
     })
 }
 
+/// A sheet of vertices after the landmarks, as section `MESH`, which [`model`] lacks.
+pub fn mesh() -> SectionWriter {
+    const VERTICES: usize = 84;
+    let mut w = Writer::new(b"MESH");
+    let listed = LANDMARKS + 7 * 3;
+    for value in [VERTICES, 1, VERTICES - 2, listed] {
+        w.u32(value);
+    }
+    let mut mean = points().to_vec();
+    mean.extend((LANDMARKS..VERTICES).map(|i| [i as f32 - 70.0, -60.0, 20.0]));
+    w.array(mean.as_flattened());
+    w.array(&[0.02f32]);
+    w.array(&[0.1f32; ANIMATIONS]);
+    w.i8s(VERTICES.next_multiple_of(16) * (1 + ANIMATIONS) * 3, |i| {
+        noise(i, 60)
+    });
+    w.array(
+        &(0..6 * VERTICES)
+            .map(|i| (i % LANDMARKS) as u8)
+            .collect::<Vec<_>>(),
+    );
+    w.i8s(6 * VERTICES, |i| noise(i, 64));
+    let index = |i: usize| (i % VERTICES) as u16;
+    w.array(
+        &(0..4 * VERTICES)
+            .map(|i| index(i / 4 + i % 4))
+            .collect::<Vec<_>>(),
+    );
+    let corner = |i: usize| index(i / 3 + i % 3);
+    w.array(&(0..3 * (VERTICES - 2)).map(corner).collect::<Vec<_>>());
+    w.array(&vec![0.5f32; 2 * VERTICES]);
+    let mut lengths = [3u16; 8];
+    lengths[0] = LANDMARKS as u16;
+    w.array(&lengths);
+    w.array(&(0..listed).map(index).collect::<Vec<_>>());
+    w.0
+}
+
 fn face() -> Writer {
     let mut w = Writer::new(b"FACE");
     w.u32(LANDMARKS);

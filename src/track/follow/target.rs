@@ -5,6 +5,8 @@ use super::appearance::Appearance;
 use super::motion::{Motion, damped};
 use crate::align::Shape;
 use crate::detect::Detection;
+#[cfg(feature = "mesh")]
+use crate::shape::Intrinsics;
 use crate::shape::{FRAME_WEIGHT, FaceState, IdentityEstimator, LANDMARKS, MAX_IDENTITIES};
 use crate::track::align::Origin;
 use crate::track::eyes::PersonsEyes;
@@ -28,7 +30,10 @@ pub struct Target {
     initial_shape: Shape,
     motion: Motion,
     /// Pose, animation and identity of the last fit.
-    face: FaceState,
+    pub face: FaceState,
+    /// The camera of that fit.
+    #[cfg(feature = "mesh")]
+    pub camera: Intrinsics,
     identity: IdentityEstimator,
     pub(super) appearance: Appearance,
     /// Of the last trusted frame.
@@ -55,6 +60,8 @@ impl Target {
         initial_shape: [[0.0; 2]; LANDMARKS],
         motion: Motion::STILL,
         face: FaceState::EMPTY,
+        #[cfg(feature = "mesh")]
+        camera: Intrinsics::new(0.0, 0.0, 0.0, 0.0),
         // Replaced with every new identity; zero until then, as all of `Tracker::EMPTY`.
         identity: IdentityEstimator::with_memory(0.0),
         appearance: Appearance::EMPTY,
@@ -189,6 +196,10 @@ impl Target {
         self.place = detection_of(step.model, shape);
         self.fitted_us = step.now_us;
         self.face = fitted.fit.state;
+        #[cfg(feature = "mesh")]
+        {
+            self.camera = *fitted.camera;
+        }
     }
 
     /// Takes how sure it is that this is a face, and the same one.

@@ -10,6 +10,7 @@ use posewise::detect::{Scan, ScanBudget, Sizes, TILE_UNITS, TileMemory};
 use posewise::image::Frame;
 use posewise::shape::{FitOptions, Identity, Intrinsics, MAX_IDENTITIES, Observed, fit};
 use posewise::track::{Config, Model, State, Tracker};
+use posewise::mesh::{MAX_VERTICES, MeshSpace, MeshVertex};
 use posewise_cli::picture::Picture;
 
 /// Repetitions of each part.
@@ -22,13 +23,14 @@ pub struct Stage {
     pub ns: u64,
     /// Multiply-adds of its networks; 0 without any.
     pub multiply_adds: usize,
-    /// Whether each tracking step does it; the scan is of searching steps.
+    /// Whether each tracking step does it; the scan is of searching steps, the mesh of calls.
     pub of_tracking: bool,
 }
 
 /// Times every part on the first frame of the clip in which the face is tracked.
 pub fn time(model: &Model<'_>, frames: &[GrayImage]) -> Result<Vec<Stage>> {
-    let (picture, shape) = tracked(model, frames)?;
+    let (picture, tracker) = tracked(model, frames)?;
+    let shape: Shape = tracker.result().landmarks.map(|l| [l.x, l.y]);
     let frame = picture.frame()?;
     let align = model.align();
     let mut work = Box::new(Workspace::new());
@@ -51,19 +53,25 @@ pub fn time(model: &Model<'_>, frames: &[GrayImage]) -> Result<Vec<Stage>> {
     });
     let tile = time_tile(model, &frame, &mut work);
     let fit = time_fit(model, &frame, &shape)?;
+    let mut vertices = [MeshVertex::default(); MAX_VERTICES];
+    let mesh = median(|| {
+        let _ = black_box(tracker.mesh(model, MeshSpace::Picture, &mut vertices));
+    });
+    let apart = |name, ns, multiply_adds| Stage {
+        of_tracking: false,
+        ..stage(name, ns, multiply_adds)
+    };
     Ok(vec![
         stage("global stage", global, align.iteration_multiply_adds()),
         stage("verifier", verifier, 0),
         stage("refiners", refiners, align.refiner_multiply_adds()),
         stage("3D fit", fit, 0),
-        Stage {
-            of_tracking: false,
-            ..stage("tile", tile, model.detector().multiply_adds())
-        },
+        apart("tile", tile, model.detector().multiply_adds()),
+        apart("mesh", mesh, 0),
     ])
 }
 
-fn tracked(model: &Model<'_>, frames: &[GrayImage]) -> Result<(Picture, Shape)> {
+fn tracked(model: &Model<'_>, frames: &[GrayImage]) -> Result<(Picture, Box<Tracker>)> {
     let mut tracker = Box::new(Tracker::new(&Config::default()).map_err(|e| anyhow!("{e}"))?);
     for (i, image) in frames.iter().enumerate() {
         let picture = Picture::from_grey(image.clone());
@@ -72,7 +80,7 @@ fn tracked(model: &Model<'_>, frames: &[GrayImage]) -> Result<(Picture, Shape)> 
             .step(model, &frame, i as i64)
             .map_err(|e| anyhow!("{e}"))?;
         if result.state == State::Tracking {
-            return Ok((picture, result.landmarks.map(|l| [l.x, l.y])));
+            return Ok((picture, tracker));
         }
     }
     Err(anyhow!(

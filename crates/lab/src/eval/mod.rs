@@ -8,7 +8,7 @@ mod stills;
 use anyhow::Result;
 use clap::Subcommand;
 use clips::{deviations, eyes, jitter, monitor, pose};
-use shown::{drift, faceless, latency, recovery};
+use shown::{drift, faceless, latency, mesh, recovery};
 use stills::{angles, landmarks, profiles};
 
 /// What is measured.
@@ -30,6 +30,8 @@ pub enum Command {
     Monitor(monitor::Args),
     /// Jitter of the landmarks of a tracked clip
     Jitter(jitter::Args),
+    /// The dense mesh on rendered heads, whose vertices are known
+    Mesh(mesh::Args),
     /// Frames until a face that disappeared is tracked again elsewhere
     Recovery(recovery::Args),
     /// Frames until a small face anywhere in a photograph is tracked
@@ -51,6 +53,7 @@ pub fn run(command: &Command) -> Result<()> {
         Command::Eyes(args) => eyes::run(args),
         Command::Monitor(args) => monitor::run(args),
         Command::Jitter(args) => jitter::run(args),
+        Command::Mesh(args) => mesh::run(args),
         Command::Recovery(args) => recovery::run(args),
         Command::Latency(args) => latency::run(args),
         Command::Faceless(args) => faceless::run(args),

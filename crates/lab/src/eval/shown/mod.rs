@@ -7,5 +7,7 @@
 pub mod drift;
 pub mod faceless;
 pub mod latency;
+pub mod mesh;
+mod mesh_picture;
 pub mod recovery;
 mod show;
