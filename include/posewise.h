@@ -76,16 +76,18 @@
 #endif
 #endif
 
-#define POSEWISE_VERSION     0x000100u    ///< 0xMMmmpp; compare with posewise_version()
-#define POSEWISE_ABI         1u           ///< Changes when programs must be recompiled
-#define POSEWISE_ALIGN       64u          ///< Alignment of memory and model [bytes]
-#define POSEWISE_MEMORY_SIZE (192 * 1024) ///< Upper bound of posewise_memory_size() [bytes]
-#define POSEWISE_LANDMARKS   68u          ///< Landmarks, iBUG 68 scheme
-#define POSEWISE_ANIMATIONS  24u          ///< Weights, POSEWISE_ANIMATION_*
-#define POSEWISE_EYE_LOOKS   8u           ///< Weights of a gaze, POSEWISE_EYE_LOOK_*
-#define POSEWISE_EXCLUDED    16u          ///< Most boxes of posewise_set_excluded()
-#define POSEWISE_EVENTS      64u          ///< Unread events that a tracker keeps
-#define POSEWISE_CPU_DOTPROD 1u           ///< Dot products of AArch64, for posewise_set_cpu()
+#define POSEWISE_VERSION       0x000100u    ///< 0xMMmmpp; compare with posewise_version()
+#define POSEWISE_ABI           1u           ///< Changes when programs must be recompiled
+#define POSEWISE_ALIGN         64u          ///< Alignment of memory and model [bytes]
+#define POSEWISE_MEMORY_SIZE   (192 * 1024) ///< Upper bound of posewise_memory_size() [bytes]
+#define POSEWISE_LANDMARKS     68u          ///< Landmarks, iBUG 68 scheme
+#define POSEWISE_ANIMATIONS    24u          ///< Weights, POSEWISE_ANIMATION_*
+#define POSEWISE_EYE_LOOKS     8u           ///< Weights of a gaze, POSEWISE_EYE_LOOK_*
+#define POSEWISE_EXCLUDED      16u          ///< Most boxes of posewise_set_excluded()
+#define POSEWISE_EVENTS        64u          ///< Unread events that a tracker keeps
+#define POSEWISE_MESH_VERTICES 800u         ///< Most vertices of posewise_mesh()
+#define POSEWISE_MESH_LINES    8u           ///< Lines of a mesh, POSEWISE_MESH_LINE_*
+#define POSEWISE_CPU_DOTPROD   1u           ///< Dot products of AArch64, for posewise_set_cpu()
 
 #define POSEWISE_OK                0     ///< Success
 #define POSEWISE_E_ARG             (-1)  ///< A wrong argument that no other status names
@@ -116,12 +118,17 @@
 #define POSEWISE_E_MONITOR         (-26) ///< No monitor of this library is there
 #define POSEWISE_E_MONITOR_CONFIG  (-27) ///< A setting of the monitor is out of range
 #define POSEWISE_E_MONITOR_ZONES   (-28) ///< Zones: too many, or not those of their kind
+#define POSEWISE_E_CAPACITY        (-29) ///< An output has less room than is needed
+#define POSEWISE_E_NO_FACE         (-30) ///< The tracker searches: there is no face
+#define POSEWISE_E_MESH            (-31) ///< The model, or the library, has no mesh
+#define POSEWISE_E_MESH_SPACE      (-32) ///< Not a POSEWISE_MESH_SPACE_* value
 
 #define POSEWISE_PART_REFINERS      1u  ///< Part: networks that see closer crops
 #define POSEWISE_PART_VERIFIER      2u  ///< Part: calibrated probabilities
 #define POSEWISE_PART_KEYFRAMES     4u  ///< Part: a lost face is found by its looks
 #define POSEWISE_PART_MONITOR       8u  ///< Part: the driver monitor
 #define POSEWISE_PART_DEFAULT_MODEL 16u ///< Part: posewise_default_model()
+#define POSEWISE_PART_MESH          32u ///< Part: the dense mesh
 
 #define POSEWISE_TERMS_UNKNOWN  0u ///< Terms of a model: its sheet lacks them
 #define POSEWISE_TERMS_FREE     1u ///< Any use, in products too
@@ -178,6 +185,19 @@
 #define POSEWISE_LENS_PINHOLE 0u ///< No distortion; coefficients are 0
 #define POSEWISE_LENS_BROWN   1u ///< k1, k2, p1, p2, k3 as in OpenCV
 #define POSEWISE_LENS_FISHEYE 2u ///< k1, k2, k3, k4, 0: OpenCV's fisheye
+
+#define POSEWISE_MESH_SPACE_PICTURE 0u ///< x, y in px of the upright image, z in mm
+#define POSEWISE_MESH_SPACE_CAMERA  1u ///< The camera frame, in mm
+#define POSEWISE_MESH_SPACE_HEAD    2u ///< The head frame, in mm
+
+#define POSEWISE_MESH_LINE_LANDMARKS  0u ///< The landmarks, iBUG 68: no line
+#define POSEWISE_MESH_LINE_OUTER_LIPS 1u ///< Loop of the outer edge of the lips
+#define POSEWISE_MESH_LINE_INNER_LIPS 2u ///< Loop of the inner edge of the lips
+#define POSEWISE_MESH_LINE_LEFT_EYE   3u ///< Loop of the lids of the left eye
+#define POSEWISE_MESH_LINE_RIGHT_EYE  4u ///< Loop of the lids of the right eye
+#define POSEWISE_MESH_LINE_LEFT_BROW  5u ///< The left brow, outwards
+#define POSEWISE_MESH_LINE_RIGHT_BROW 6u ///< The right brow, towards the nose
+#define POSEWISE_MESH_LINE_EDGE       7u ///< Loop of the edge of the mesh
 
 #define POSEWISE_EVENT_ACQUIRED   0u ///< A new face is tracked
 #define POSEWISE_EVENT_REACQUIRED 1u ///< A lost face is tracked again, with its identity
@@ -599,6 +619,40 @@ typedef struct posewise_event {
     /// 0. Keeps the struct free of padding.
     uint32_t reserved;
 } posewise_event;
+
+/// One vertex of posewise_mesh(). This struct never grows, so the layout of arrays stays the same.
+typedef struct posewise_mesh_vertex {
+    /// In the space that was asked for [by kind]: px or mm.
+    float x;
+    float y;
+    /// In POSEWISE_MESH_SPACE_PICTURE the distance along the camera's axis [mm].
+    float z;
+    /// Whether the surface there faces the camera [0..1]: 0 where it turns away, 1 where it is
+    /// seen at 12 degrees or more, half way at the edge. What covers it does not count.
+    float visibility;
+} posewise_mesh_vertex;
+
+/// How the vertices of a mesh are joined. The tables lie in the model.
+typedef struct posewise_mesh_topology {
+    /// sizeof(posewise_mesh_topology), set by the caller.
+    uint32_t struct_size;
+    /// Number of vertices.
+    uint32_t vertex_count;
+    /// Number of triangles.
+    uint32_t triangle_count;
+    /// Where each of POSEWISE_MESH_LINE_* begins in lines; it ends where the next one begins, the
+    /// last at the ninth number. Of a loop the last vertex is joined to the first.
+    uint32_t line_starts[9];
+    /// Three vertices of each triangle, counter-clockwise as seen from outside of the face.
+    const uint16_t *triangles;
+    /// Two numbers of each vertex, 0..1: u to the right and v upwards in a texture of the face.
+    const float *uvs;
+    /// The vertices of all lines.
+    const uint16_t *lines;
+} posewise_mesh_topology;
+/// Initialises a posewise_mesh_topology: struct_size is set, all other fields are 0.
+#define POSEWISE_MESH_TOPOLOGY_INIT \
+    {sizeof(posewise_mesh_topology), 0, 0, {0, 0, 0, 0, 0, 0, 0, 0, 0}, NULL, NULL, NULL}
 
 /// Settings of a driver monitor. A NULL pointer to this struct selects all defaults; without
 /// POSEWISE_EXACT 0 in a field selects that of the preset, of which the comments have the general
@@ -1033,6 +1087,26 @@ POSEWISE_API const char *posewise_animation_name(uint32_t index);
 /// Name of a weight of posewise_result.eye_look, a POSEWISE_EYE_LOOK_*: ARKit's name of the
 /// blendshape, as "eyeLookUpLeft". Static; NULL from POSEWISE_EYE_LOOKS on.
 POSEWISE_API const char *posewise_eye_look_name(uint32_t index);
+
+/// Writes the vertices of the dense mesh of the face of the last step, in a space
+/// (POSEWISE_MESH_SPACE_*), and their number: vertex_count of posewise_mesh_tables(). While
+/// coasting they are those of the last fit. Near landmarks that were seen, the mesh lies where
+/// these do. Nothing is computed without the call, whose work is bounded. Fails with
+/// POSEWISE_E_MESH_SPACE, POSEWISE_E_MESH, POSEWISE_E_NO_FACE while searching, and
+/// POSEWISE_E_CAPACITY where there is room for fewer vertices than the mesh has, of which there are
+/// at most POSEWISE_MESH_VERTICES.
+POSEWISE_API
+posewise_status posewise_mesh(const posewise_tracker *tracker,
+                              uint32_t space,
+                              posewise_mesh_vertex *out,
+                              size_t capacity,
+                              size_t *count);
+
+/// Writes how the vertices of the mesh are joined, and where they lie in a texture. The tables lie
+/// in the model, and are the same for every face. POSEWISE_E_MESH: the model has no mesh.
+POSEWISE_API
+posewise_status posewise_mesh_tables(const posewise_tracker *tracker,
+                                     posewise_mesh_topology *out);
 
 /// Writes the settings of a preset (POSEWISE_MONITOR_PRESET_*) with their values and
 /// POSEWISE_EXACT: what is set to 0 then is 0. As for every struct, out->struct_size must be set.

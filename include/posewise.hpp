@@ -31,6 +31,7 @@ inline posewise_frame frame() { return POSEWISE_FRAME_INIT; }
 inline posewise_hint hint() { return POSEWISE_HINT_INIT; }
 inline posewise_result result() { return POSEWISE_RESULT_INIT; }
 inline posewise_model_details model_details() { return POSEWISE_MODEL_DETAILS_INIT; }
+inline posewise_mesh_topology mesh_topology() { return POSEWISE_MESH_TOPOLOGY_INIT; }
 inline posewise_monitor_config monitor_config() { return POSEWISE_MONITOR_CONFIG_INIT; }
 inline posewise_monitor_observation monitor_observation() {
     return POSEWISE_MONITOR_OBSERVATION_INIT;

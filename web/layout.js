@@ -44,6 +44,10 @@ export const STATUS = {
   E_MONITOR: -26,
   E_MONITOR_CONFIG: -27,
   E_MONITOR_ZONES: -28,
+  E_CAPACITY: -29,
+  E_NO_FACE: -30,
+  E_MESH: -31,
+  E_MESH_SPACE: -32,
 };
 
 /** Pixel formats by name. */
@@ -75,6 +79,7 @@ export const PARTS = {
   'keyframes': 4,
   'monitor': 8,
   'default-model': 16,
+  'mesh': 32,
 };
 
 /** @typedef {(typeof STATES)[number]} State */
@@ -526,6 +531,55 @@ export const MODEL_DETAILS = {
     sheetLen: { at: 172, type: 'u32' },
     check: { at: 176, type: 'u32' },
     checkLen: { at: 180, type: 'u32' },
+  },
+};
+
+/**
+ * One vertex of mesh().
+ * @typedef {object} MeshVertex
+ * @property {number} x In the space that was asked for [by kind]: px or mm.
+ * @property {number} y In the space that was asked for [by kind]: px or mm.
+ * @property {number} z In POSEWISE_MESH_SPACE_PICTURE the distance along the camera's axis [mm].
+ * @property {number} visibility Whether the surface there faces the camera [0..1]: 0 where it turns
+ *   away, 1 where it is seen at 12 degrees or more, half way at the edge. What covers it does not
+ *   count.
+ */
+/** @type {import('./struct.js').Layout} */
+export const MESH_VERTEX = {
+  size: 16,
+  fields: {
+    x: { at: 0, type: 'f32' },
+    y: { at: 4, type: 'f32' },
+    z: { at: 8, type: 'f32' },
+    visibility: { at: 12, type: 'f32' },
+  },
+};
+
+/**
+ * How the vertices of a mesh are joined. The tables lie in the model.
+ * @typedef {object} MeshTopology
+ * @property {number} vertexCount Number of vertices.
+ * @property {number} triangleCount Number of triangles.
+ * @property {[number, number, number, number, number, number, number, number, number]} lineStarts
+ *   Where each of POSEWISE_MESH_LINE_* begins in lines; it ends where the next one begins, the last
+ *   at the ninth number. Of a loop the last vertex is joined to the first.
+ * @property {number} triangles Three vertices of each triangle, counter-clockwise as seen from
+ *   outside of the face.
+ * @property {number} uvs Two numbers of each vertex, 0..1: u to the right and v upwards in a
+ *   texture of the face.
+ * @property {number} lines The vertices of all lines.
+ */
+/** @type {import('./struct.js').Layout} */
+export const MESH_TOPOLOGY = {
+  size: 60,
+  fields: {
+    structSize: { at: 0, type: 'u32' },
+    vertexCount: { at: 4, type: 'u32' },
+    triangleCount: { at: 8, type: 'u32' },
+    lineStarts: { at: 12, type: 'u32', count: 9 },
+    triangles: { at: 48, type: 'u32' },
+    uvs: { at: 52, type: 'u32' },
+    lines: { at: 56, type: 'u32' },
   },
 };
 

@@ -184,6 +184,10 @@ STATUS = {
     -26: "E_MONITOR",
     -27: "E_MONITOR_CONFIG",
     -28: "E_MONITOR_ZONES",
+    -29: "E_CAPACITY",
+    -30: "E_NO_FACE",
+    -31: "E_MESH",
+    -32: "E_MESH_SPACE",
 }
 
 # Pixel formats by name.
@@ -215,6 +219,7 @@ PARTS = {
     "keyframes": 4,
     "monitor": 8,
     "default-model": 16,
+    "mesh": 32,
 }
 
 
@@ -381,6 +386,27 @@ class ModelDetails(Structure):
         ("check_len", c_size_t),
     ]
     _words_ = {"terms": TERMS}
+
+
+class MeshVertex(Structure):
+    _fields_ = [
+        ("x", c_float),
+        ("y", c_float),
+        ("z", c_float),
+        ("visibility", c_float),
+    ]
+
+
+class MeshTopology(Structure):
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("vertex_count", c_uint32),
+        ("triangle_count", c_uint32),
+        ("line_starts", c_uint32 * 9),
+        ("triangles", c_void_p),
+        ("uvs", c_void_p),
+        ("lines", c_void_p),
+    ]
 
 
 class MonitorConfig(Structure):

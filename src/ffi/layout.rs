@@ -52,6 +52,11 @@ layout! {
         struct_size 0, format_version 4, length 8, checksum 12, terms 16, section_count 20,
         sections 24, wrong_section 152, reserved 156, name 160, name_len 160 + P, sheet 160 + 2 * P,
         sheet_len 160 + 3 * P, check 160 + 4 * P, check_len 160 + 5 * P;
+    posewise_mesh_vertex 16;
+        x 0, y 4, z 8, visibility 12;
+    posewise_mesh_topology 48 + 3 * P;
+        struct_size 0, vertex_count 4, triangle_count 8, line_starts 12, triangles 48, uvs 48 + P,
+        lines 48 + 2 * P;
     posewise_monitor_config 144;
         struct_size 0, flags 4, preset 8, gap_us 12, min_confidence 16, eye_yaw_deg 20,
         eye_pitch_deg 24, closed_below 28, open_above 32, blink_us 36, long_closure_us 40,

@@ -11,12 +11,12 @@ use super::types::*;
 use core::mem::size_of;
 
 /// Writes the vertices of the dense mesh of the face of the last step, in a space
-/// (POSEWISE_MESH_SPACE_*), and their number: vertex_count of posewise_mesh_topology(). While
+/// (POSEWISE_MESH_SPACE_*), and their number: vertex_count of posewise_mesh_tables(). While
 /// coasting they are those of the last fit. Near landmarks that were seen, the mesh lies where
-/// these do. The work is a tenth of that of a tracking step, and nothing is done without the call.
-/// POSEWISE_E_MESH_SPACE: no such space; POSEWISE_E_MESH: the model has no mesh; POSEWISE_E_NO_FACE:
-/// the tracker searches; POSEWISE_E_CAPACITY: there is room for fewer vertices than the mesh has,
-/// which are at most POSEWISE_MESH_VERTICES.
+/// these do. Nothing is computed without the call, whose work is bounded. Fails with
+/// POSEWISE_E_MESH_SPACE, POSEWISE_E_MESH, POSEWISE_E_NO_FACE while searching, and
+/// POSEWISE_E_CAPACITY where there is room for fewer vertices than the mesh has, of which there are
+/// at most POSEWISE_MESH_VERTICES.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn posewise_mesh(
     tracker: *const posewise_tracker,

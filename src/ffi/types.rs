@@ -222,7 +222,7 @@ pub const POSEWISE_LENS_BROWN: u32 = 1;
 /// k1, k2, k3, k4, 0: OpenCV's fisheye.
 pub const POSEWISE_LENS_FISHEYE: u32 = 2;
 
-/// x, y in px of the upright image as the lens shows it, z in mm.
+/// x, y in px of the upright image, z in mm.
 pub const POSEWISE_MESH_SPACE_PICTURE: u32 = 0;
 /// The camera frame, in mm.
 pub const POSEWISE_MESH_SPACE_CAMERA: u32 = 1;

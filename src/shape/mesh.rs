@@ -37,6 +37,7 @@ const LARGEST_UV: f32 = 1.0;
 
 /// One vertex of a mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[repr(C)]
 pub struct MeshVertex {
     /// To the right \[mm\], or in the picture \[px\].
@@ -62,6 +63,8 @@ impl MeshVertex {
 
 /// A loop or a line of a mesh. Of a loop the last vertex is joined to the first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 #[non_exhaustive]
 pub enum MeshLine {
     /// The landmarks, which are no line: in the order of the 68.

@@ -5,13 +5,16 @@ use super::Model;
 use super::output::{State, TrackResult};
 use super::policy::MESH_SURE;
 use crate::shape::{
-    Contour, FaceModel, FaceState, Intrinsics, LANDMARKS, Mesh, MeshVertex, NEAREST_MM, Shape,
+    Contour, FaceModel, FaceState, Intrinsics, LANDMARKS, Mesh, MeshVertex, NEAREST_MM, Project,
+    Shape,
 };
 use core::fmt;
 use glam::Vec3;
 
 /// Where the vertices of a mesh are given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 #[non_exhaustive]
 pub enum MeshSpace {
     /// The head frame \[mm\].
@@ -87,7 +90,7 @@ pub(super) fn write(
         match space {
             MeshSpace::Camera => {}
             MeshSpace::Head => vertex.set_position(to_head * (point - face.pose.translation_mm)),
-            MeshSpace::Picture => [vertex.x, vertex.y] = camera.image_of(point),
+            MeshSpace::Picture => [vertex.x, vertex.y] = camera.image_of(point.to_array()),
         }
     }
     Ok(vertices)
@@ -109,7 +112,10 @@ fn moves(
     let mut moves = [Vec3::ZERO; LANDMARKS];
     let landmarks = (result.landmarks.iter().zip(&result.points_mm)).zip(&seen);
     for (i, (out, ((landmark, point), [x, y]))) in moves.iter_mut().zip(landmarks).enumerate() {
-        let vertex = vertices.get(i).map(MeshVertex::position).unwrap_or_default();
+        let vertex = vertices
+            .get(i)
+            .map(MeshVertex::position)
+            .unwrap_or_default();
         let [from_x, from_y] = camera.project(vertex);
         let [fitted_x, fitted_y] = camera.project(Vec3::from_array(*point));
         // Where the fit has what is seen.

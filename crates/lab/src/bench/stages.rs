@@ -8,9 +8,9 @@ use image::GrayImage;
 use posewise::align::{Shape, Workspace};
 use posewise::detect::{Scan, ScanBudget, Sizes, TILE_UNITS, TileMemory};
 use posewise::image::Frame;
+use posewise::mesh::{MAX_VERTICES, MeshSpace, MeshVertex};
 use posewise::shape::{FitOptions, Identity, Intrinsics, MAX_IDENTITIES, Observed, fit};
 use posewise::track::{Config, Model, State, Tracker};
-use posewise::mesh::{MAX_VERTICES, MeshSpace, MeshVertex};
 use posewise_cli::picture::Picture;
 
 /// Repetitions of each part.

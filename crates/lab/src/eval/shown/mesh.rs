@@ -17,8 +17,8 @@ use crate::rigid::moved_onto;
 use anyhow::{Context, Result};
 use glam::{Vec2, Vec3};
 use image::GrayImage;
-use posewise::shape::{Identity, LANDMARKS};
 use posewise::mesh::{MAX_VERTICES, MeshSpace, MeshVertex};
+use posewise::shape::{Identity, LANDMARKS};
 use posewise::{Config, FaceHint, Frame, FrameLayout, Model, State, Tracker};
 use posewise_cli::model_file::ModelFile;
 use posewise_metrics::mean;
@@ -244,7 +244,7 @@ impl Truth {
         let [low, high] = extent(&sample.landmarks);
         let size = (high - low).max_element();
         let camera = &sample.camera;
-        let at = |p: Vec3| Vec2::from(camera.project(p));
+        let at = |p: Vec3| Vec2::from(camera.image_of(p.to_array()));
         let all = (0..count).map(|k| {
             let space_mm = match seen[k] {
                 true => moved.next().map_or(f32::NAN, |p| p.distance(truth[k])),
