@@ -2,7 +2,8 @@
 
 use crate::common::{demo, model, tracker};
 use posewise::ffi::types::posewise_mesh_vertex;
-use posewise::{Config, MeshError, MeshLine, MeshSpace, MeshVertex, Model, State, Tracker};
+use posewise::mesh::{MAX_VERTICES, MeshError, MeshLine, MeshSpace, MeshVertex};
+use posewise::{Config, Model, State, Tracker};
 use posewise_format::{AlignedBytes, without};
 
 /// What no mesh has.

@@ -3,13 +3,12 @@
 use glam::{Mat3, Vec3};
 use nalgebra::Matrix3;
 
-/// Points turned and moved so that they come nearest to others.
-pub fn moved_onto(from: &[Vec3], to: &[Vec3]) -> Vec<Vec3> {
+/// Points turned and moved as some others are so that they come nearest to what they belong to.
+pub fn moved_onto(from: &[Vec3], to: &[Vec3], points: &[Vec3]) -> Vec<Vec3> {
     let mean = |points: &[Vec3]| points.iter().sum::<Vec3>() / points.len().max(1) as f32;
     let (turn, from_mean, to_mean) = (rotation_onto(from, to), mean(from), mean(to));
-    from.iter()
-        .map(|p| turn * (*p - from_mean) + to_mean)
-        .collect()
+    let moved = |p: &Vec3| turn * (*p - from_mean) + to_mean;
+    points.iter().map(moved).collect()
 }
 
 /// The rotation that brings points nearest to others, both about their means (Kabsch 1976).

@@ -1,6 +1,6 @@
 //! Writes section `MESH`: the face of the head with fewer vertices, which are vertices of the head.
 //!
-//! The region is cut out, without what is inside of lids and lips. The landmarks take the vertices
+//! The region is cut out, without what is inside of lids, lips and nostrils. The landmarks take the vertices
 //! nearest to where the 3D face has them; lines between them follow the head's edges. Vertices go
 //! until [`VERTICES`] are left, most of them near eyes, lips and nose (`thin`).
 
@@ -12,9 +12,10 @@ mod thin;
 
 use crate::face_section::{Mode, combined, identity_directions, quantised};
 use crate::head::Head;
+use crate::render;
 use anyhow::{Context, Result, ensure};
 use glam::Vec3;
-pub use other::{Place, places_on};
+pub use other::{Place, nearest, places_on};
 use posewise::shape::{
     FaceModel, Identity, LANDMARKS, MAX_IDENTITIES, MESH_BLOCK, MESH_RING, MESH_TAG, MeshLine,
 };
@@ -46,6 +47,15 @@ fn is_in_region(p: Vec3) -> bool {
     p.y > -74.0 && p.z < 72.0 && !below_jaw && !above_ear && !lobe
 }
 
+/// Whether a point of the mean head \[mm\] is around the nostrils, whose inside is no part of the
+/// mesh.
+fn is_of_nose(p: Vec3) -> bool {
+    p.x.abs() < 26.0 && (15.0..55.0).contains(&p.y) && p.z < -5.0
+}
+
+/// Vertices of the nose that see less of the sky than this are inside of it.
+const INSIDE: f32 = 0.3;
+
 /// How long edges are to be near a landmark \[mm\], and how much longer for each millimetre away
 /// from it.
 fn edge_mm(landmark: usize) -> (f32, f32) {
@@ -66,7 +76,11 @@ const LONGEST_MM: f32 = 16.0;
 pub fn thinned(head: &Head, landmarks_mm: &[Vec3]) -> Result<Thinned> {
     let face = head.part("face").context("the head has no face")?;
     let points: Vec<Vec3> = head.mean.iter().map(|p| Vec3::from(*p)).collect();
-    let inside = |t: &[u32; 3]| t.iter().all(|v| is_in_region(points[*v as usize]));
+    let open = render::mesh::Mesh::new(head)?.open;
+    let is_dark = |v: &u32| is_of_nose(points[*v as usize]) && open[*v as usize] < INSIDE;
+    let inside = |t: &[u32; 3]| {
+        t.iter().all(|v| is_in_region(points[*v as usize])) && !t.iter().all(is_dark)
+    };
     let triangles: Vec<[u32; 3]> = (head.triangles.iter().zip(&head.triangle_part))
         .filter(|(t, part)| **part == face && inside(t))
         .map(|(t, _)| *t)

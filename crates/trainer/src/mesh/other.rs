@@ -55,7 +55,8 @@ pub fn places_on(
         .collect())
 }
 
-fn nearest(point: Vec3, points: &[Vec3], triangles: &[[u32; 3]]) -> Place {
+/// The point of a surface that is nearest to one.
+pub fn nearest(point: Vec3, points: &[Vec3], triangles: &[[u32; 3]]) -> Place {
     let mut best = (f32::INFINITY, Place::at(0));
     for corners in triangles {
         let [a, b, c] = corners.map(|v| points[v as usize]);

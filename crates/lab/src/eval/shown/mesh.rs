@@ -5,8 +5,9 @@
 //! is given in the picture, in % of the longer side of the box around the true landmarks; and in
 //! space, after the mesh was scaled by how far the head truly is over how far it was found, and
 //! moved and turned onto the truth. Of the morphable head, the truth is the same vertex. MakeHuman's
-//! heads have other vertices: there it is the point of their mean skin that is nearest to the mean
-//! mesh when that is drawn to their landmarks.
+//! heads have other vertices. They are moved onto the points of MakeHuman's mean skin that are
+//! nearest to the mean mesh when that is drawn to its landmarks; the truth is then the point of the
+//! head's skin that is nearest to the vertex.
 //!
 //! Jitter: the first pictures again, with new noise in each frame.
 
@@ -24,7 +25,7 @@ use posewise_cli::model_file::ModelFile;
 use posewise_metrics::mean;
 use posewise_metrics::mesh::{ByRegion, Region, unrest};
 use posewise_train::head::Head;
-use posewise_train::mesh::{Place, Thinned, places_on, thinned};
+use posewise_train::mesh::{Place, Thinned, nearest, places_on, thinned};
 use posewise_train::render::{self, Kind, Renderer, SampleSpec, mesh::Material, sample::Rendered};
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
@@ -91,6 +92,8 @@ fn spec() -> SampleSpec {
 struct Truth {
     /// Of the morphable head, and of MakeHuman's.
     places: [Vec<Place>; 2],
+    /// Triangles of MakeHuman's skin.
+    skin: Vec<[u32; 3]>,
     regions: Vec<Region>,
 }
 
@@ -99,7 +102,7 @@ struct Truth {
 struct Errors {
     picture: ByRegion,
     space_mm: ByRegion,
-    /// Visibility of each vertex as found, and whether it was seen.
+    /// Visibility of each vertex as found, and whether it truly faces the camera.
     visibility: Vec<(f64, bool)>,
     heads: usize,
     found: usize,
@@ -192,6 +195,7 @@ struct Measured {
     picture: f64,
     space_mm: f64,
     visibility: f64,
+    is_facing: bool,
     is_seen: bool,
 }
 
@@ -209,6 +213,7 @@ impl Truth {
                 thinned.vertices.iter().map(|v| Place::at(*v)).collect(),
                 places_on(thinned, &landmarks, &other.mean, skin)?,
             ],
+            skin: skin.to_vec(),
             regions: points.iter().map(|p| Region::of(*p, &marks)).collect(),
         })
     }
@@ -227,35 +232,32 @@ impl Truth {
         let found = &found[..count];
         let (sample, skin) = (&rendered.sample, &rendered.skin);
         let places = &self.places[usize::from(rendered.is_makehuman)];
-        let truth: Vec<Vec3> = places.iter().map(|p| p.of(&skin.vertices)).collect();
-        let is_seen = |k: &usize| rendered.shows(truth[*k], places[*k].of(&skin.normals));
-        let seen: Vec<bool> = (0..count).map(|k| is_seen(&k)).collect();
-        let position = |v: &MeshVertex| Vec3::new(v.x, v.y, v.z);
+        let marked: Vec<Vec3> = places.iter().map(|p| p.of(&skin.vertices)).collect();
         let far = tracker.result().translation_mm[2];
-        let points: Vec<Vec3> = found
-            .iter()
-            .map(|v| position(v) * (sample.position.z / far))
-            .collect();
-        let chosen = |of: &[Vec3]| -> Vec<Vec3> {
-            let all = of.iter().zip(&seen).filter(|(_, seen)| **seen);
-            all.map(|(p, _)| *p).collect()
-        };
-        let mut moved = moved_onto(&chosen(&points), &chosen(&truth)).into_iter();
+        let position = |v: &MeshVertex| Vec3::new(v.x, v.y, v.z);
+        let scale = sample.position.z / far;
+        let scaled: Vec<Vec3> = found.iter().map(|v| position(v) * scale).collect();
+        let is_seen = |k: &usize| rendered.shows(marked[*k], places[*k].of(&skin.normals));
+        let seen: Vec<usize> = (0..count).filter(is_seen).collect();
+        let chosen = |of: &[Vec3]| -> Vec<Vec3> { seen.iter().map(|k| of[*k]).collect() };
+        let moved = moved_onto(&chosen(&scaled), &chosen(&marked), &scaled);
         let [low, high] = extent(&sample.landmarks);
         let size = (high - low).max_element();
-        let camera = &sample.camera;
-        let at = |p: Vec3| Vec2::from(camera.image_of(p.to_array()));
+        let at = |p: Vec3| Vec2::from(sample.camera.image_of(p.to_array()));
         let all = (0..count).map(|k| {
-            let space_mm = match seen[k] {
-                true => moved.next().map_or(f32::NAN, |p| p.distance(truth[k])),
-                false => 0.0,
+            let place = match rendered.is_makehuman {
+                true => nearest(moved[k], &skin.vertices, &self.skin),
+                false => places[k],
             };
+            let (truth, normal) = (place.of(&skin.vertices), place.of(&skin.normals));
+            let apart = at(position(&found[k])).distance(at(truth));
             Measured {
                 vertex: k,
-                picture: f64::from(100.0 * at(position(&found[k])).distance(at(truth[k])) / size),
-                space_mm: space_mm.into(),
+                picture: f64::from(100.0 * apart / size),
+                space_mm: moved[k].distance(truth).into(),
                 visibility: found[k].visibility.into(),
-                is_seen: seen[k],
+                is_facing: normal.dot(truth) < 0.0,
+                is_seen: rendered.shows(truth, normal),
             }
         });
         Ok(Some(all.collect()))
@@ -267,7 +269,7 @@ impl Errors {
         self.heads += 1;
         self.found += usize::from(measured.is_some());
         for vertex in measured.unwrap_or_default() {
-            self.visibility.push((vertex.visibility, vertex.is_seen));
+            self.visibility.push((vertex.visibility, vertex.is_facing));
             if vertex.is_seen {
                 let region = truth.regions[vertex.vertex];
                 self.picture.add(region, vertex.picture);
@@ -288,7 +290,7 @@ impl Errors {
         let agreed = self
             .visibility
             .iter()
-            .filter(|(v, seen)| (*v > 0.5) == *seen)
+            .filter(|(v, faces)| (*v > 0.5) == *faces)
             .count();
         json!({
             "heads": self.heads, "tracked": self.found, "vertices": self.picture.count(),

@@ -7,7 +7,7 @@ use posewise::mesh::{MeshLine, MeshTopology, MeshVertex};
 use std::collections::BTreeSet;
 
 /// Side of a head \[px\].
-const SIDE: u32 = 420;
+const SIDE: u32 = 400;
 
 /// Edges of triangles, and loops and lines.
 const EDGE: Rgb<u8> = Rgb([110, 150, 205]);
@@ -28,7 +28,9 @@ impl Row {
     pub fn add(&mut self, luma: &GrayImage, mesh: &[MeshVertex], topology: &MeshTopology<'_>) {
         let scale = SIDE as f32 / luma.width() as f32;
         let larger = resize(luma, SIDE, SIDE, FilterType::CatmullRom);
-        let mut head = RgbImage::from_fn(SIDE, SIDE, |x, y| Rgb([larger[(x, y)].0[0]; 3]));
+        // Few greys, so that the file stays small.
+        let grey = |x: u32, y: u32| larger[(x, y)].0[0] & 0xF0;
+        let mut head = RgbImage::from_fn(SIDE, SIDE, |x, y| Rgb([grey(x, y); 3]));
         let mut draw = |pairs: &BTreeSet<(u16, u16)>, color: Rgb<u8>| {
             for (a, b) in pairs {
                 let [a, b] = [a, b].map(|v| mesh[usize::from(*v)]);
