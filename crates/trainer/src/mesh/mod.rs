@@ -1,8 +1,8 @@
 //! Writes section `MESH`: the face of the head with fewer vertices, which are vertices of the head.
 //!
-//! The region is cut out, without what is inside of lids, lips and nostrils. The landmarks take the vertices
-//! nearest to where the 3D face has them; lines between them follow the head's edges. Vertices go
-//! until [`VERTICES`] are left, most of them near eyes, lips and nose (`thin`).
+//! The region is cut out, without what is inside of lids, lips and nostrils. The landmarks take the
+//! vertices nearest to where the 3D face has them; lines between them follow the head's edges.
+//! Vertices go until [`VERTICES`] are left, most of them near eyes, lips and nose (`thin`).
 
 mod lines;
 mod other;

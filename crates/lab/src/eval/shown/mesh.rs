@@ -4,8 +4,8 @@
 //! frames of the same picture. A vertex counts where the head shows it. Its distance from the truth
 //! is given in the picture, in % of the longer side of the box around the true landmarks; and in
 //! space, after the mesh was scaled by how far the head truly is over how far it was found, and
-//! moved and turned onto the truth. Of the morphable head, the truth is the same vertex. MakeHuman's
-//! heads have other vertices. They are moved onto the points of MakeHuman's mean skin that are
+//! moved and turned onto the truth. Of the morphable head, the truth is the same vertex.
+//! MakeHuman's heads have other vertices. There the mesh is moved onto the points of MakeHuman's mean skin that are
 //! nearest to the mean mesh when that is drawn to its landmarks; the truth is then the point of the
 //! head's skin that is nearest to the vertex.
 //!
@@ -295,7 +295,7 @@ impl Errors {
         json!({
             "heads": self.heads, "tracked": self.found, "vertices": self.picture.count(),
             "visibility_right": agreed as f64 / self.visibility.len().max(1) as f64,
-            "all": {"picture_percent": self.picture.mean(None), "space_mm": self.space_mm.mean(None)},
+            "all": pair(None),
             "regions": regions,
         })
     }
