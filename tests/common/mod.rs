@@ -32,11 +32,8 @@ pub fn check_documented(row: &str, measured: usize, part: f64) {
 
 /// As [`check_documented`], in any page.
 pub fn check_page(page: &str, row: &str, measured: usize, part: f64) {
-    let text = std::fs::read_to_string(root().join(page)).expect(page);
-    let start = format!("| {row} | ");
-    let line = text.lines().find_map(|line| line.strip_prefix(&start));
-    let figure = line.and_then(|rest| rest.split(' ').next()).expect("a row");
-    let figure: f64 = figure.replace(',', "").parse().expect("a number");
+    let figure = xtask::figures::documented(page, row);
+    let figure = figure.unwrap_or_else(|error| panic!("{error:#}"));
     assert!(
         (measured as f64 - figure).abs() <= part * figure,
         "{page} says {figure} in the row '{row}', measured: {measured}"

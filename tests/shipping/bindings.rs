@@ -1,7 +1,7 @@
 //! The examples for other languages and for ROS 2: Java by JNI tracks the demo frames as Rust does;
 //! clang accepts Swift's module map; poses come for images by DDS.
 
-use crate::common::c::{STRICT, arguments, cc, exists, library, require, succeed};
+use crate::common::c::{STRICT, arguments, cc, library, require, succeed};
 use crate::common::java::jdk;
 use crate::common::{demo, model, root, scratch, tracker};
 use posewise::{Config, State};
@@ -65,7 +65,7 @@ fn rotations() -> Vec<Option<[f32; 4]>> {
 #[test]
 #[ignore = "needs Cyclone DDS: .ci/nightly"]
 fn ros2_topics_carry_the_pose() {
-    if !exists("make") || !require("idlc") {
+    if !require("make") || !require("idlc") {
         return;
     }
     library();

@@ -254,7 +254,7 @@ fn yaw_of_frames(frames: &Path, width: &str, height: &str) -> Vec<Option<f32>> {
 #[test]
 #[ignore = "needs GStreamer: .ci/nightly"]
 fn gstreamer_element_posts_results() {
-    if !exists("pkg-config") || !require("gst-launch-1.0") {
+    if !require("pkg-config") || !require("gst-launch-1.0") {
         return;
     }
     let mut packages = Command::new("pkg-config");

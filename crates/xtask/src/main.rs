@@ -44,6 +44,8 @@ enum Task {
     Measure(figures::measure::Args),
     /// Writes docs/accuracy.md and the figures in README.md from the JSON of `measure`
     Accuracy,
+    /// Appends the figures of this version to docs/history.json, or writes them anew
+    History,
     /// Writes what says again what src/ffi describes: posewise.h, layouts for other languages
     Interface,
     /// Writes packaging/NOTICES*.txt, the licences of what is linked in, as `make install` does
@@ -137,6 +139,7 @@ fn main() -> Result<()> {
         }
         Task::Measure(args) => figures::measure::run(&args)?,
         Task::Accuracy => figures::pages::write()?,
+        Task::History => figures::history::write()?,
         Task::Interface => println!("written: {:?}", interface::write()?),
         Task::Notices => notices::write()?,
         Task::Picture => picture::write()?,

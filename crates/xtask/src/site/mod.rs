@@ -2,6 +2,7 @@
 //! and the demo, which may be put on any server or read from a disk. Sphinx makes the pages, and
 //! refuses links that lead nowhere.
 
+use crate::figures::history;
 use crate::interface::{Table, reference};
 use crate::{output_of, root, web, write};
 use anyhow::{Context, Result, ensure};
@@ -25,20 +26,22 @@ const FOLDERS: [&str; 7] = [
 const HIDDEN: (&str, &str) = (".github/", "CODE_OF_CONDUCT.md");
 
 /// Files of the site alone.
-const OWN: [(&str, &str); 4] = [
+const OWN: [(&str, &str); 5] = [
     ("conf.py", include_str!("conf.py")),
     ("index.md", include_str!("index.md")),
     ("gallery.md", include_str!("gallery.md")),
     ("header.md", include_str!("header.md")),
+    ("history.md", include_str!("history.md")),
 ];
 
 /// Files that the site's own pages show.
-const SHOWN: [&str; 5] = [
+const SHOWN: [&str; 6] = [
     "include/posewise.h",
     "include/posewise.hpp",
     "docs/tracked.png",
     "docs/signs.svg",
     "docs/facing.svg",
+    "docs/history.json",
 ];
 
 /// What Sphinx writes for a page that lists a folder.
@@ -89,6 +92,7 @@ fn stage_pages(source: &Path) -> Result<()> {
     for (name, text) in OWN {
         write(&source.join(name), text)?;
     }
+    write(&source.join("history.svg"), history::plot()?)?;
     write(&source.join("reference.md"), reference(&Table::read()?)?)
 }
 
