@@ -90,6 +90,6 @@ INIT
 chmod +x "$work/init"
 (cd "$work" && find . | cpio --quiet -o -H newc | gzip -1) >"$work.cpio.gz"
 # loglevel: no kernel message amid a line. Without KVM: many containers have none, and seconds do.
-exec timeout 300 qemu-system-x86_64 -M pc -m 512 -nographic -no-reboot -nic none \
+exec timeout 900 qemu-system-x86_64 -M pc -m 512 -nographic -no-reboot -nic none \
     -kernel "$(find "$kernel/boot" -name 'vmlinuz-*' | head -n 1)" -initrd "$work.cpio.gz" \
     -append "console=ttyS0 panic=-1 quiet loglevel=1" </dev/null

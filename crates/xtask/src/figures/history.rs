@@ -43,7 +43,7 @@ const PANELS: [Panel; 4] = [
         KERNELS.split_at(1).1,
     ),
     (
-        "mean error of 68 landmarks, in % of the distance between the outer eye corners",
+        "mean error of 68 landmarks, in % of the distance of the eyes",
         0.01,
         &[
             ("error_posewise", "posewise"),
@@ -128,8 +128,10 @@ pub fn plot() -> Result<String> {
 }
 
 fn draw(history: &[Line], svg: &mut String) -> Result<(), Box<dyn std::error::Error>> {
-    let picture = SVGBackend::with_string(svg, (1100, 720)).into_drawing_area();
+    let picture = SVGBackend::with_string(svg, (900, 640)).into_drawing_area();
     picture.fill(&WHITE)?;
+    // The last one is inside.
+    let versions = 0..history.len().saturating_sub(1);
     for (area, (title, unit, series)) in picture.split_evenly((2, 2)).iter().zip(PANELS) {
         let figures = |key: &str| -> Vec<(usize, f64)> {
             let figure = |line: &Line| line.get(key).and_then(Value::as_f64);
@@ -141,11 +143,11 @@ fn draw(history: &[Line], svg: &mut String) -> Result<(), Box<dyn std::error::Er
         let all = series.iter().flat_map(|(key, _)| figures(key));
         let top = all.map(|(_, figure)| figure).fold(0.0, f64::max);
         let mut chart = ChartBuilder::on(area)
-            .caption(title, ("sans-serif", 13))
+            .caption(title, ("sans-serif", 16))
             .margin(12)
             .x_label_area_size(24)
             .y_label_area_size(44)
-            .build_cartesian_2d((0..history.len()).into_segmented(), 0.0..1.1 * top)?;
+            .build_cartesian_2d(versions.clone().into_segmented(), 0.0..1.1 * top)?;
         let version = |at: &SegmentValue<usize>| match at {
             SegmentValue::CenterOf(at) => history
                 .get(*at)
