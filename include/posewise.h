@@ -122,6 +122,8 @@
 #define POSEWISE_E_NO_FACE         (-30) ///< The tracker searches: there is no face
 #define POSEWISE_E_MESH            (-31) ///< The model, or the library, has no mesh
 #define POSEWISE_E_MESH_SPACE      (-32) ///< Not a POSEWISE_MESH_SPACE_* value
+#define POSEWISE_E_RECORD          (-33) ///< A record is none, is cut or damaged
+#define POSEWISE_E_RECORD_VERSION  (-34) ///< A record of an unknown version
 
 #define POSEWISE_PART_REFINERS      1u  ///< Part: networks that see closer crops
 #define POSEWISE_PART_VERIFIER      2u  ///< Part: calibrated probabilities
@@ -243,11 +245,12 @@
 #define POSEWISE_EYE_LOOK_OUT_LEFT   6u ///< The left eye looks away from the nose
 #define POSEWISE_EYE_LOOK_OUT_RIGHT  7u ///< The right eye looks away from the nose
 
-#define POSEWISE_MONITOR_SIZE       (12 * 1024) ///< Most memory of a monitor [bytes]
-#define POSEWISE_MONITOR_EVENTS     24u         ///< Unread events that a monitor keeps
-#define POSEWISE_MONITOR_ZONES      8u          ///< Most zones of a monitor
-#define POSEWISE_MONITOR_FIXED_POSE 1u          ///< Flag: the road is where the settings say
-#define POSEWISE_MONITOR_CUT        1u          ///< Flag of an event: it ended unseen
+#define POSEWISE_MONITOR_SIZE        (12 * 1024) ///< Most memory of a monitor [bytes]
+#define POSEWISE_MONITOR_RECORD_SIZE 64u         ///< Bytes of what posewise_monitor_save() writes
+#define POSEWISE_MONITOR_EVENTS      24u         ///< Unread events that a monitor keeps
+#define POSEWISE_MONITOR_ZONES       8u          ///< Most zones of a monitor
+#define POSEWISE_MONITOR_FIXED_POSE  1u          ///< Flag: the road is where the settings say
+#define POSEWISE_MONITOR_CUT         1u          ///< Flag of an event: it ended unseen
 
 #define POSEWISE_MONITOR_PRESET_GENERAL      0u ///< Euro NCAP's times, P80 of Wierwille 1994
 #define POSEWISE_MONITOR_PRESET_EURO_NCAP    1u ///< Euro NCAP 2026, driver state monitoring
@@ -1167,6 +1170,22 @@ posewise_status posewise_monitor_set_zones(posewise_monitor *monitor,
 /// Another person drives: forgets open eye, natural pose, all measures and the last timestamp, so
 /// that the next observation may have any. Settings, zones and unread events stay.
 POSEWISE_API posewise_status posewise_monitor_forget_driver(posewise_monitor *monitor);
+
+/// Writes what was learnt of the driver, the natural pose and the open eyes, to
+/// POSEWISE_MONITOR_RECORD_SIZE bytes, of which there must be as many: keep them while the power is
+/// off, for posewise_monitor_restore().
+POSEWISE_API
+posewise_status posewise_monitor_save(const posewise_monitor *monitor,
+                                      uint8_t *out,
+                                      size_t capacity);
+
+/// Guesses that the driver is the one of a record. What it says counts from the next observation
+/// on, is never final, and what is observed replaces it, so that the record of another person does
+/// harm for a minute at most. Measures, events and time stay. On an error nothing has changed.
+POSEWISE_API
+posewise_status posewise_monitor_restore(posewise_monitor *monitor,
+                                         const uint8_t *record,
+                                         size_t record_len);
 
 /// Name of a kind of event, as "long-closure". Static; NULL for a kind that the library lacks.
 POSEWISE_API const char *posewise_monitor_event_name(uint32_t kind);

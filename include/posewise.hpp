@@ -255,6 +255,14 @@ public:
     // Another person drives.
     posewise_status forget_driver() { return posewise_monitor_forget_driver(get()); }
 
+    // What was learnt of the driver, for the next drive.
+    posewise_status save(std::array<uint8_t, POSEWISE_MONITOR_RECORD_SIZE> &out) const {
+        return posewise_monitor_save(get(), out.data(), out.size());
+    }
+    posewise_status restore(const void *record, size_t size) {
+        return posewise_monitor_restore(get(), static_cast<const uint8_t *>(record), size);
+    }
+
     // For functions of posewise.h that this class lacks.
     posewise_monitor *get() { return reinterpret_cast<posewise_monitor *>(memory_); }
     const posewise_monitor *get() const {

@@ -13,6 +13,8 @@ export const UNREAD_EVENTS = 64;
 
 export const UNREAD_MONITOR_EVENTS = 24;
 
+export const MONITOR_RECORD_SIZE = 64;
+
 /** Status codes by name. */
 export const STATUS = {
   OK: 0,
@@ -48,6 +50,8 @@ export const STATUS = {
   E_NO_FACE: -30,
   E_MESH: -31,
   E_MESH_SPACE: -32,
+  E_RECORD: -33,
+  E_RECORD_VERSION: -34,
 };
 
 /** Pixel formats by name. */

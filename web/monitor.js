@@ -2,7 +2,8 @@
 
 import { Handle } from './handle.js';
 import {
-  MONITOR_EVENT, MONITOR_OBSERVATION, MONITOR_STATE, MONITOR_ZONE, UNREAD_MONITOR_EVENTS,
+  MONITOR_EVENT, MONITOR_OBSERVATION, MONITOR_RECORD_SIZE, MONITOR_STATE, MONITOR_ZONE,
+  UNREAD_MONITOR_EVENTS,
 } from './layout.js';
 
 /** @typedef {import('./layout.js').MonitorEvent} MonitorEvent */
@@ -108,5 +109,26 @@ export class Monitor extends Handle {
   /** Another person drives: forgets what it learnt and measured, and the time. */
   forgetDriver() {
     this.call('monitor_forget_driver');
+  }
+
+  /**
+   * What was learnt of the driver, for {@link Monitor.restore} on the next drive.
+   * @returns {Uint8Array}
+   */
+  save() {
+    const at = this.engine.scratch;
+    this.call('monitor_save', at, MONITOR_RECORD_SIZE);
+    return new Uint8Array(this.engine.view.buffer, at, MONITOR_RECORD_SIZE).slice();
+  }
+
+  /**
+   * Guesses that the driver is the one of a record, until it has observed enough.
+   * @param {Uint8Array} record
+   */
+  restore(record) {
+    const at = this.engine.scratch;
+    const given = record.subarray(0, 2 * MONITOR_RECORD_SIZE);
+    new Uint8Array(this.engine.view.buffer, at, given.length).set(given);
+    this.call('monitor_restore', at, given.length);
   }
 }

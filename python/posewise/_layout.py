@@ -14,6 +14,7 @@ ANIMATIONS = 24
 EYE_LOOKS = 8
 UNREAD_EVENTS = 64
 UNREAD_MONITOR_EVENTS = 24
+MONITOR_RECORD_SIZE = 64
 FIXED_POSE = 1
 ROAD = 1
 
@@ -188,6 +189,8 @@ STATUS = {
     -30: "E_NO_FACE",
     -31: "E_MESH",
     -32: "E_MESH_SPACE",
+    -33: "E_RECORD",
+    -34: "E_RECORD_VERSION",
 }
 
 # Pixel formats by name.

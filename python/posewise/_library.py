@@ -77,6 +77,8 @@ for _name, _returns, _arguments in [
     ),
     ("monitor_set_zones", c_int32, [_monitor, POINTER(layout.Zone), c_size_t]),
     ("monitor_forget_driver", c_int32, [_monitor]),
+    ("monitor_save", c_int32, [_monitor, c_char_p, c_size_t]),
+    ("monitor_restore", c_int32, [_monitor, c_char_p, c_size_t]),
 ]:
     _function = getattr(lib, f"posewise_{_name}")
     _function.restype = _returns

@@ -155,3 +155,13 @@ class Monitor(Handle):
     def forget_driver(self) -> None:
         """Another person drives: forgets what it learnt and measured, and the time."""
         self._call("monitor_forget_driver")
+
+    def save(self) -> bytes:
+        """What was learnt of the driver, for ``restore`` on the next drive."""
+        out = ctypes.create_string_buffer(layout.MONITOR_RECORD_SIZE)
+        self._call("monitor_save", out, len(out))
+        return out.raw
+
+    def restore(self, record: bytes) -> None:
+        """Guesses that the driver is the one of a record, until it has observed enough."""
+        self._call("monitor_restore", bytes(record), len(record))

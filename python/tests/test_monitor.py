@@ -101,6 +101,23 @@ def test_presets_have_values():
         Monitor(MonitorConfig(gap_us=0))
 
 
+def test_a_driver_is_remembered():
+    first = Monitor()
+    drive(first, 0, (OPEN, 100))
+    record = first.save()
+    assert len(record) == 64 and first.state().natural_is_final
+    second = Monitor()
+    second.restore(record)
+    now, _ = drive(second, 0, (OPEN, 0.2))
+    assert second.state().zone == first.state().zone and now > 0
+    assert not second.state().natural_is_final
+    wrong = bytes([*record[:-1], 1])
+    for damaged in (b"", record[:-1], record + b"0", wrong):
+        with pytest.raises(posewise.PosewiseError) as fault:
+            second.restore(damaged)
+        assert fault.value.name == "E_RECORD"
+
+
 def test_another_driver_and_another_clock():
     monitor = Monitor()
     now, _ = drive(monitor, 10**9, (OPEN, 1), (SHUT, 0.2), (OPEN, 1))

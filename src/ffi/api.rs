@@ -115,6 +115,8 @@ pub extern "C" fn posewise_strerror(status: posewise_status) -> *const c_char {
             c"a setting of the driver monitor is out of range, or two are out of order"
         }
         POSEWISE_E_MONITOR_ZONES => c"more than 8 zones, or one whose kind or numbers are no zone",
+        POSEWISE_E_RECORD => c"the record is none, is cut or damaged",
+        POSEWISE_E_RECORD_VERSION => c"the record has a version that this library does not read",
         POSEWISE_E_CAPACITY => c"an output has less room than is needed",
         POSEWISE_E_NO_FACE => c"the tracker searches: there is no face",
         POSEWISE_E_MESH => c"the model has no mesh, or the library was built without",

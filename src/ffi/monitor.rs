@@ -12,7 +12,9 @@ use super::monitor_convert::*;
 use super::monitor_types::*;
 use super::names::{CName, name_at, names_of};
 use super::types::*;
-use crate::monitor::{MAX_ZONES, Monitor, MonitorConfig, MonitorEventKind, Observation, Zone};
+use crate::monitor::{
+    MAX_ZONES, Monitor, MonitorConfig, MonitorEventKind, Observation, RecordError, Zone,
+};
 use core::ffi::{c_char, c_void};
 use core::mem::{MaybeUninit, align_of, size_of};
 
@@ -208,6 +210,49 @@ pub unsafe extern "C" fn posewise_monitor_forget_driver(
         // SAFETY: the caller's contract.
         unsafe { get_mut(monitor)? }.forget_driver();
         Ok(())
+    })
+}
+
+/// Writes what was learnt of the driver, the natural pose and the open eyes, to
+/// POSEWISE_MONITOR_RECORD_SIZE bytes, of which there must be as many: keep them while the power is
+/// off, for posewise_monitor_restore().
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn posewise_monitor_save(
+    monitor: *const posewise_monitor,
+    out: *mut u8,
+    capacity: usize,
+) -> posewise_status {
+    status(|| {
+        // SAFETY: the caller's contract, here and below.
+        let record = unsafe { get(monitor)? }.save();
+        memory::check_pointer(out)?;
+        if capacity < record.len() {
+            return Err(POSEWISE_E_CAPACITY);
+        }
+        memory::require_disjoint(monitor, BLOCK_SIZE, out, record.len())?;
+        unsafe { out.copy_from_nonoverlapping(record.as_ptr(), record.len()) };
+        Ok(())
+    })
+}
+
+/// Guesses that the driver is the one of a record. What it says counts from the next observation
+/// on, is never final, and what is observed replaces it, so that the record of another person does
+/// harm for a minute at most. Measures, events and time stay. On an error nothing has changed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn posewise_monitor_restore(
+    monitor: *mut posewise_monitor,
+    record: *const u8,
+    record_len: usize,
+) -> posewise_status {
+    status(|| {
+        // SAFETY: the caller's contract, here and below.
+        let monitor = unsafe { get_mut(monitor)? };
+        memory::check_pointer(record)?;
+        let record = unsafe { memory::bytes(record, record_len, POSEWISE_E_RECORD)? };
+        monitor.restore(record).map_err(|error| match error {
+            RecordError::Version => POSEWISE_E_RECORD_VERSION,
+            RecordError::Damaged => POSEWISE_E_RECORD,
+        })
     })
 }
 

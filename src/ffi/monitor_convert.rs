@@ -11,7 +11,8 @@ use crate::monitor::{
 use crate::track::State;
 
 const _: () = {
-    use crate::monitor::{MAX_ZONES, MONITOR_EVENTS};
+    use crate::monitor::{MAX_ZONES, MONITOR_EVENTS, MONITOR_RECORD_BYTES};
+    assert!(POSEWISE_MONITOR_RECORD_SIZE as usize == MONITOR_RECORD_BYTES);
     assert!(POSEWISE_MONITOR_ZONES as usize == MAX_ZONES);
     assert!(POSEWISE_MONITOR_EVENTS as usize == MONITOR_EVENTS);
     assert!(MonitorEventKind::ALL.len() == POSEWISE_MONITOR_EVENT_LOOK_DOWN_END as usize + 1);

@@ -3,6 +3,8 @@
 
 /// Most memory of a monitor \[bytes\].
 pub const POSEWISE_MONITOR_SIZE: u32 = 12 * 1024;
+/// Bytes of what posewise_monitor_save() writes.
+pub const POSEWISE_MONITOR_RECORD_SIZE: u32 = 64;
 /// Unread events that a monitor keeps.
 pub const POSEWISE_MONITOR_EVENTS: u32 = 24;
 /// Most zones of a monitor.

@@ -105,6 +105,10 @@ pub const POSEWISE_E_NO_FACE: i32 = -30;
 pub const POSEWISE_E_MESH: i32 = -31;
 /// Not a POSEWISE_MESH_SPACE_* value.
 pub const POSEWISE_E_MESH_SPACE: i32 = -32;
+/// A record is none, is cut or damaged.
+pub const POSEWISE_E_RECORD: i32 = -33;
+/// A record of an unknown version.
+pub const POSEWISE_E_RECORD_VERSION: i32 = -34;
 
 /// Part: networks that see closer crops.
 pub const POSEWISE_PART_REFINERS: u32 = 1;

@@ -165,7 +165,7 @@ impl Monitor {
 
     /// Guesses what a record says of the driver: it counts from the next observation on, is never
     /// final, and what is observed replaces it, so that the record of another person does harm for
-    /// half a minute at most. Measures, events and clock stay.
+    /// a minute at most. Measures, events and clock stay.
     ///
     /// # Errors
     /// [`RecordError`]; the monitor is then unchanged.

@@ -8,6 +8,7 @@
 //! | 16..20 | 1: the open eye is known, 2: the natural pose, 3: both |
 //! | 20..28 | openness of the open left and right eye, `f32` |
 //! | 28..36 | yaw and pitch of the natural pose, from the configured road \[deg\], `f32` |
+//! | 36..64 | 0 |
 //!
 //! A record is a guess for the person who drives next: what is observed of that person replaces it.
 
@@ -15,7 +16,7 @@ use core::fmt;
 use posewise_format::crc32;
 
 /// Bytes of a record.
-pub const MONITOR_RECORD_BYTES: usize = 36;
+pub const MONITOR_RECORD_BYTES: usize = 64;
 
 const KIND: [u8; 8] = *b"PWDRIVER";
 const VERSION: u32 = 1;

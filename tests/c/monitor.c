@@ -125,12 +125,15 @@ static void no_monitor(posewise_monitor *m) {
     const posewise_monitor_observation o = face(1, 0);
     posewise_monitor_state s = POSEWISE_MONITOR_STATE_INIT;
     posewise_monitor_event event;
+    uint8_t record[POSEWISE_MONITOR_RECORD_SIZE];
     size_t count = 7, lost = 7;
     CHECK_STATUS(posewise_monitor_update(m, &o, 1), POSEWISE_E_ARG);
     CHECK_STATUS(posewise_monitor_read(m, &s), POSEWISE_E_ARG);
     CHECK_STATUS(posewise_monitor_events(m, &event, 1, &count, &lost), POSEWISE_E_ARG);
     CHECK_STATUS(posewise_monitor_set_zones(m, NULL, 0), POSEWISE_E_ARG);
     CHECK_STATUS(posewise_monitor_forget_driver(m), POSEWISE_E_ARG);
+    CHECK_STATUS(posewise_monitor_save(m, record, sizeof record), POSEWISE_E_ARG);
+    CHECK_STATUS(posewise_monitor_restore(m, record, sizeof record), POSEWISE_E_ARG);
     CHECK(count == 7 && lost == 7 && s.timestamp_us == 0);
 }
 
@@ -292,6 +295,42 @@ static void test_events(void) {
     guarded_free(copy);
 }
 
+/* What was learnt of a driver outlives the monitor; a record that is none changes nothing. */
+static void test_record(void) {
+    const posewise_monitor_observation ahead = face(0.9f, 20);
+    uint8_t record[POSEWISE_MONITOR_RECORD_SIZE], before[POSEWISE_MONITOR_RECORD_SIZE];
+    guarded memory = monitor_memory(0);
+    posewise_monitor *m = init(memory, NULL);
+    posewise_monitor_state s;
+    size_t i;
+    for (i = 0; i < 3000; i++)
+        CHECK_STATUS(posewise_monitor_update(m, &ahead, (int64_t)i * 33333), POSEWISE_OK);
+    s = state_of(m);
+    CHECK(s.natural_is_final == 1 && s.open_eye_is_final == 1 && s.natural_deg[0] > 18);
+    CHECK_STATUS(posewise_monitor_save(m, NULL, sizeof record), POSEWISE_E_NULL);
+    CHECK_STATUS(posewise_monitor_save(m, record, sizeof record - 1), POSEWISE_E_CAPACITY);
+    CHECK_STATUS(posewise_monitor_save(m, (uint8_t *)m, sizeof record), POSEWISE_E_OVERLAP);
+    CHECK_STATUS(posewise_monitor_save(m, record, sizeof record), POSEWISE_OK);
+    CHECK_STATUS(posewise_monitor_forget_driver(m), POSEWISE_OK);
+    CHECK_STATUS(posewise_monitor_save(m, before, sizeof before), POSEWISE_OK);
+    for (i = 0; i < sizeof record; i++) {
+        posewise_status expected = i >= 8 && i < 12 ? POSEWISE_E_RECORD_VERSION : POSEWISE_E_RECORD;
+        record[i] ^= 1;
+        CHECK_STATUS(posewise_monitor_restore(m, record, sizeof record), expected);
+        record[i] ^= 1;
+        CHECK_STATUS(posewise_monitor_restore(m, record, i), POSEWISE_E_RECORD);
+    }
+    CHECK_STATUS(posewise_monitor_restore(m, NULL, sizeof record), POSEWISE_E_NULL);
+    CHECK(state_of(m).natural_deg[0] == 0);
+    CHECK_STATUS(posewise_monitor_restore(m, record, sizeof record), POSEWISE_OK);
+    CHECK_STATUS(posewise_monitor_update(m, &ahead, 0), POSEWISE_OK);
+    s = state_of(m);
+    CHECK(s.natural_is_final == 0 && s.open_eye_is_final == 0 && s.natural_deg[0] > 18);
+    CHECK(s.zone == 0);
+    CHECK_STATUS(posewise_monitor_restore(m, before, sizeof before), POSEWISE_OK);
+    guarded_free(memory);
+}
+
 /* Numbers that no tracker gives. */
 static void test_wild_observations(void) {
     static const float wild[] = {NAN, INFINITY, -INFINITY, 3e38f, -3e38f, 1e-40f, -1, 0, 1, 90};
@@ -374,6 +413,7 @@ int main(int argc, char **argv) {
     test_pointers();
     test_zones();
     test_events();
+    test_record();
     test_wild_observations();
     test_tracker(&model, &frames);
     guarded_free(model);

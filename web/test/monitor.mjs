@@ -83,6 +83,20 @@ test('presets have values', () => {
   assert.throws(() => engine.createMonitor({ preset: 'generous' }), TypeError);
 });
 
+test('a driver is remembered', () => {
+  const [first, second] = [engine.createMonitor(), engine.createMonitor()];
+  drive(first, 0, [open, 100]);
+  const record = first.save();
+  second.restore(record);
+  drive(second, 0, [open, 0.2]);
+  assert.equal(second.state().zone, first.state().zone);
+  assert.ok(first.state().naturalIsFinal && !second.state().naturalIsFinal);
+  const wrong = record.with(63, 1);
+  for (const damaged of [record.slice(1), new Uint8Array(0), new Uint8Array(9999), wrong]) {
+    assert.throws(() => second.restore(damaged), coded('E_RECORD'));
+  }
+});
+
 test('another driver and another clock', () => {
   const monitor = engine.createMonitor();
   drive(monitor, 1e9, [open, 1], [shut, 0.2], [open, 1]);

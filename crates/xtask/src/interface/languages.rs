@@ -34,13 +34,14 @@ pub fn words_type(kind: &str) -> (&'static str, &'static str) {
 }
 
 /// Numbers that both have, and their names in C.
-pub const NUMBERS: [(&str, &str); 6] = [
+pub const NUMBERS: [(&str, &str); 7] = [
     ("ABI", "ABI"),
     ("LANDMARKS", "LANDMARKS"),
     ("ANIMATIONS", "ANIMATIONS"),
     ("EYE_LOOKS", "EYE_LOOKS"),
     ("UNREAD_EVENTS", "EVENTS"),
     ("UNREAD_MONITOR_EVENTS", "MONITOR_EVENTS"),
+    ("MONITOR_RECORD_SIZE", "MONITOR_RECORD_SIZE"),
 ];
 
 /// What a field that is the index of a zone may be else: numbers and words.
