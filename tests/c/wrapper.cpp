@@ -36,7 +36,7 @@ int main(int argc, char **argv) {
     CHECK(first);
     posewise::MeshVertices vertices;
     posewise_mesh_topology tables = posewise::mesh_topology();
-    std::size_t count = 0;
+    std::size_t vertex_count = 0;
     CHECK(first.mesh_tables(tables) == POSEWISE_OK && tables.triangle_count > 0);
     posewise_monitor_config wrong_times = posewise::monitor_config();
     wrong_times.gap_us = 1;
@@ -53,9 +53,9 @@ int main(int argc, char **argv) {
         CHECK(first.smoothed(b) == POSEWISE_OK && b.state == a.state);
         CHECK(first.smoothed_landmarks(points) == POSEWISE_OK);
         CHECK(first.smoothed_animation(weights) == POSEWISE_OK);
-        const posewise_status meshed = first.mesh(POSEWISE_MESH_SPACE_HEAD, vertices, count);
+        const posewise_status meshed = first.mesh(POSEWISE_MESH_SPACE_HEAD, vertices, vertex_count);
         CHECK(meshed == (a.state == POSEWISE_SEARCHING ? POSEWISE_E_NO_FACE : POSEWISE_OK));
-        CHECK(count == (meshed == POSEWISE_OK ? tables.vertex_count : count));
+        CHECK(meshed != POSEWISE_OK || vertex_count == tables.vertex_count);
         CHECK(first.observe(seen) == POSEWISE_OK && seen.state == a.state);
         CHECK(monitor.update(seen, a.timestamp_us) == POSEWISE_OK);
         CHECK(monitor.state(state) == POSEWISE_OK && state.timestamp_us == a.timestamp_us);
