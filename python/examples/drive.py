@@ -35,9 +35,11 @@ def main():
             if overwritten:
                 print(f"{overwritten} events were not read in time")
         state, seen = monitor.state(), tracker.observation()
-        # Somebody else sits down, in another car.
+        # Somebody else sits down, in another car, and then the driver whose record was kept.
+        record = monitor.save()
         monitor.forget_driver()
         monitor.set_zones(zones({"screen_mm": (350, 200, 150)}))
+        monitor.restore(record)
     minute = state.perclos_60
     print(f"eyes {state.eyes} ({state.eyes_reason}), {state.drowsiness}, zone {state.zone}")
     print(f"{state.blinks} blinks, {state.yawns} yawns, {state.nods} nods")

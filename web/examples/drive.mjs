@@ -34,7 +34,9 @@ console.log(`eyes ${eyes} (${eyesReason}), ${drowsiness}, zone ${zone}`);
 console.log(`${blinks} blinks, ${yawns} yawns, ${nods} nods`);
 const [p80, known] = [perclos60.p80, perclos60.known].map((share) => (100 * share).toFixed(1));
 console.log(`P80 over 60 s: ${p80} % of the ${known} % that is known`);
-// Somebody else sits down, in another car.
+// Somebody else sits down, in another car, and then the driver whose record was kept.
+const record = monitor.save();
 monitor.forgetDriver();
 monitor.setZones(zones.slice(0, 1));
+monitor.restore(record);
 monitor.free();
