@@ -191,14 +191,19 @@ impl Candidate {
     }
 
     /// Refines the landmarks of the last candidate, or of one whose features the working memory has
-    /// again. `None` where one is not finite.
+    /// again, where all of them are finite.
     #[inline(never)]
-    pub(super) fn refine(&self, step: &Step<'_>, work: &mut Workspace) -> Option<Aligned> {
+    pub(super) fn refine(
+        &self,
+        step: &Step<'_>,
+        work: &mut Workspace,
+        aligned: &mut Option<Aligned>,
+    ) {
         let mut shape = self.shape;
         if !self.is_finite || !(step.model.align).refine(step.frame, &mut shape, work) {
-            return None;
+            return;
         }
-        Some(Aligned {
+        *aligned = Some(Aligned {
             start: self.start,
             shape,
             global_shape: self.shape,
@@ -207,7 +212,7 @@ impl Candidate {
             rotation: self.rotation_prior(step, &shape, work),
             confidence: self.confidence,
             recognised: self.recognised,
-        })
+        });
     }
 
     /// The rotation by what was seen. Landmarks that are hidden are estimates whose errors are

@@ -25,7 +25,7 @@
 use core::fmt;
 use core::mem::MaybeUninit;
 
-use super::align::{Candidate, Origin};
+use super::align::{Aligned, Candidate, Origin, Start};
 use super::eyes::{Eyes, see};
 use super::fit::{Fitted, fit_face};
 use super::follow::{Target, see_target, verify_target};
@@ -396,15 +396,31 @@ impl Tracker {
     /// Follows the target to this frame.
     #[inline(never)]
     fn follow(&mut self, step: &Step<'_>) -> Followed {
+        let mut aligned = None;
+        let mut followed = self.see(step, &mut aligned);
+        if let Some(aligned) = &aligned {
+            followed.loss = self.accept(step, aligned, Origin::Tracked).err();
+            followed.is_found = followed.loss.is_none();
+        }
+        followed
+    }
+
+    /// The target's landmarks on this frame, if it is there. By itself, as [`Tracker::attempt`], so
+    /// that a candidate is not on the stack while a face is fitted.
+    #[inline(never)]
+    fn see(&mut self, step: &Step<'_>, aligned: &mut Option<Aligned>) -> Followed {
         let candidate = &see_target(step, &mut self.target, &self.excluded, &mut self.work);
         let verified = verify_target(step, candidate, &self.target, &self.excluded);
-        let refined = if verified.is_ok() { REFINE_UNITS } else { 0 };
-        let found = verified.and_then(|()| self.accept(step, candidate, Origin::Tracked));
-        Followed {
-            is_found: found.is_ok(),
-            loss: found.err(),
-            units: candidate.units + refined,
+        let mut followed = Followed {
+            is_found: false,
+            loss: Some(verified.err().unwrap_or(Loss::LowConfidence)),
+            units: candidate.units,
+        };
+        if verified.is_ok() {
+            followed.units += REFINE_UNITS;
+            candidate.refine(step, &mut self.work, aligned);
         }
+        followed
     }
 
     /// Attempts one place after the other, until a face is accepted; adds to the step's work. False
@@ -420,28 +436,43 @@ impl Tracker {
             let Some(start) = next else {
                 return false;
             };
-            let candidate = &Candidate::new(step, &start, work);
-            proposals.spend(candidate.units);
-            match verify(step, &start, candidate, &self.excluded, &self.suppressed) {
-                Verdict::Reject => {}
-                Verdict::Retry => search.offer(candidate),
-                Verdict::Fit => {
-                    proposals.spend(REFINE_UNITS);
-                    self.units = proposals.units();
-                    if self.accept(step, candidate, start.origin).is_ok() {
-                        proposals.accepted(&mut self.search);
-                        return true;
-                    }
-                }
+            let mut aligned = None;
+            self.attempt(step, &start, &mut proposals, &mut aligned);
+            self.units = proposals.units();
+            let Some(aligned) = &aligned else {
+                continue;
+            };
+            if self.accept(step, aligned, start.origin).is_ok() {
+                proposals.accepted(&mut self.search);
+                return true;
             }
         }
     }
 
-    /// Refines and fits a face, takes it as the target and writes the result; else says why not.
+    /// The landmarks of what is there, if it may be a face.
     #[inline(never)]
-    fn accept(&mut self, step: &Step<'_>, face: &Candidate, origin: Origin) -> Result<(), Loss> {
-        let aligned = face.refine(step, &mut self.work);
-        let aligned = &aligned.ok_or(Loss::LowConfidence)?;
+    fn attempt(
+        &mut self,
+        step: &Step<'_>,
+        start: &Start,
+        proposals: &mut Proposals,
+        aligned: &mut Option<Aligned>,
+    ) {
+        let candidate = &Candidate::new(step, start, &mut self.work);
+        proposals.spend(candidate.units);
+        match verify(step, start, candidate, &self.excluded, &self.suppressed) {
+            Verdict::Reject => {}
+            Verdict::Retry => self.search.offer(candidate),
+            Verdict::Fit => {
+                proposals.spend(REFINE_UNITS);
+                candidate.refine(step, &mut self.work, aligned);
+            }
+        }
+    }
+
+    /// Fits an aligned face, takes it as the target and writes the result; else says why not.
+    #[inline(never)]
+    fn accept(&mut self, step: &Step<'_>, aligned: &Aligned, origin: Origin) -> Result<(), Loss> {
         let prior = &self.target.prior(origin, step.now_us);
         let fit = fit_face(step, aligned, prior);
         let fitted = (fit.as_ref()).and_then(|fit| Fitted::new(step, aligned, fit, prior));

@@ -153,7 +153,9 @@ fn evaluate(
     if !is_face || !may_find(step, &candidate.shape, excluded) {
         return (None, candidate.units);
     }
-    let found = candidate.refine(step, work).map(|aligned| FoundFace {
+    let mut aligned = None;
+    candidate.refine(step, work, &mut aligned);
+    let found = aligned.as_ref().map(|aligned| FoundFace {
         face_box: bounds(&aligned.shape),
         yaw_deg: 90.0 * face.yaw,
         roll_deg: detection_of(step.model, &aligned.shape).roll.to_degrees(),

@@ -5,9 +5,9 @@
 //! is given in the picture, in % of the longer side of the box around the true landmarks; and in
 //! space, after the mesh was scaled by how far the head truly is over how far it was found, and
 //! moved and turned onto the truth. Of the morphable head, the truth is the same vertex.
-//! MakeHuman's heads have other vertices. There the mesh is moved onto the points of MakeHuman's mean skin that are
-//! nearest to the mean mesh when that is drawn to its landmarks; the truth is then the point of the
-//! head's skin that is nearest to the vertex.
+//! MakeHuman's heads have other vertices. There the mesh is moved onto the points of MakeHuman's
+//! mean skin that are nearest to the mean mesh when that is drawn to its landmarks; the truth is
+//! then the point of the head's skin that is nearest to the vertex.
 //!
 //! Jitter: the first pictures again, with new noise in each frame.
 
@@ -47,7 +47,7 @@ pub struct Args {
     #[arg(long, default_value_t = 4242)]
     pub seed: u64,
     /// Draw the mesh over some of the heads, larger, in place of measuring it
-    #[arg(long, value_name = "PNG")]
+    #[arg(long, value_name = "FILE")]
     pub picture: Option<PathBuf>,
     /// Write the numbers as JSON
     #[arg(long, value_name = "FILE")]
