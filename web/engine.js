@@ -64,7 +64,7 @@ export class PosewiseError extends Error {
 }
 
 // Bytes for arguments and results: more than any list of structs takes.
-const SCRATCH = 4096;
+const SCRATCH = 16384;
 
 // A module with one instruction of 128-bit SIMD.
 const SIMD_PROBE = [

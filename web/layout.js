@@ -9,6 +9,8 @@ export const ANIMATIONS = 24;
 
 export const EYE_LOOKS = 8;
 
+export const MESH_VERTICES = 800;
+
 export const UNREAD_EVENTS = 64;
 
 export const UNREAD_MONITOR_EVENTS = 24;
@@ -161,6 +163,17 @@ export const MONITOR_EVENTS = /** @type {const} */ ([
 /** @typedef {(typeof ZONE_KINDS)[number]} ZoneKind */
 export const ZONE_KINDS = /** @type {const} */ ([
   'angles', 'box', 'plane',
+]);
+
+/** @typedef {(typeof MESH_SPACES)[number]} MeshSpace */
+export const MESH_SPACES = /** @type {const} */ ([
+  'picture', 'camera', 'head',
+]);
+
+/** @typedef {(typeof MESH_LINES)[number]} MeshLine */
+export const MESH_LINES = /** @type {const} */ ([
+  'landmarks', 'outer-lips', 'inner-lips', 'left-eye',
+  'right-eye', 'left-brow', 'right-brow', 'edge',
 ]);
 
 /**
@@ -537,17 +550,6 @@ export const MODEL_DETAILS = {
     checkLen: { at: 180, type: 'u32' },
   },
 };
-
-/**
- * One vertex of mesh().
- * @typedef {object} MeshVertex
- * @property {number} x In the space that was asked for [by kind]: px or mm.
- * @property {number} y In the space that was asked for [by kind]: px or mm.
- * @property {number} z In POSEWISE_MESH_SPACE_PICTURE the distance along the camera's axis [mm].
- * @property {number} visibility Whether the surface there faces the camera [0..1]: 0 where it turns
- *   away, 1 where it is seen at 12 degrees or more, half way at the edge. What covers it does not
- *   count.
- */
 /** @type {import('./struct.js').Layout} */
 export const MESH_VERTEX = {
   size: 16,
@@ -558,21 +560,6 @@ export const MESH_VERTEX = {
     visibility: { at: 12, type: 'f32' },
   },
 };
-
-/**
- * How the vertices of a mesh are joined. The tables lie in the model.
- * @typedef {object} MeshTopology
- * @property {number} vertexCount Number of vertices.
- * @property {number} triangleCount Number of triangles.
- * @property {[number, number, number, number, number, number, number, number, number]} lineStarts
- *   Where each of POSEWISE_MESH_LINE_* begins in lines; it ends where the next one begins, the last
- *   at the ninth number. Of a loop the last vertex is joined to the first.
- * @property {number} triangles Three vertices of each triangle, counter-clockwise as seen from
- *   outside of the face.
- * @property {number} uvs Two numbers of each vertex, 0..1: u to the right and v upwards in a
- *   texture of the face.
- * @property {number} lines The vertices of all lines.
- */
 /** @type {import('./struct.js').Layout} */
 export const MESH_TOPOLOGY = {
   size: 60,

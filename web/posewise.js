@@ -22,7 +22,9 @@ export { Tracker } from './tracker.js';
 /** @typedef {import('./layout.js').Observation} Observation */
 /** @typedef {import('./layout.js').Result} Result */
 /** @typedef {import('./layout.js').Roi} Roi */
+/** @typedef {import('./layout.js').MeshSpace} MeshSpace */
 /** @typedef {import('./monitor.js').Zone} Zone */
+/** @typedef {import('./tracker.js').MeshTables} MeshTables */
 /** @typedef {import('./worker.js').Tracked} Tracked */
 
 /**
@@ -169,6 +171,23 @@ export class FaceTracker {
    */
   detect(picture) {
     return this.#send('detect', picture, 0);
+  }
+
+  /**
+   * The dense mesh of the face of the last picture: x, y, z and visibility of each vertex.
+   * @param {MeshSpace} [space]
+   * @returns {Promise<Float32Array>}
+   */
+  mesh(space) {
+    return this.#call('mesh', [space]);
+  }
+
+  /**
+   * How the vertices of its mesh are joined.
+   * @returns {Promise<MeshTables>}
+   */
+  meshTables() {
+    return this.#call('meshTables', []);
   }
 
   /** Forgets the face, its identity and the time, as for another video. */

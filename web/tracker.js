@@ -2,8 +2,8 @@
 
 import { Handle } from './handle.js';
 import {
-  ANIMATIONS, EVENT, FACE, HINT, INTRINSICS, LANDMARK, LANDMARKS, LENS, MONITOR_OBSERVATION,
-  RESULT, ROI, UNREAD_EVENTS,
+  ANIMATIONS, EVENT, FACE, HINT, INTRINSICS, LANDMARK, LANDMARKS, LENS, MESH_LINES, MESH_SPACES,
+  MESH_TOPOLOGY, MESH_VERTEX, MESH_VERTICES, MONITOR_OBSERVATION, RESULT, ROI, UNREAD_EVENTS,
 } from './layout.js';
 
 /** @typedef {import('./engine.js').Frame} Frame */
@@ -16,6 +16,20 @@ import {
 /** @typedef {import('./layout.js').Observation} Observation */
 /** @typedef {import('./layout.js').Result} Result */
 /** @typedef {import('./layout.js').Roi} Roi */
+
+/** @typedef {import('./layout.js').MeshLine} MeshLine */
+/** @typedef {import('./layout.js').MeshSpace} MeshSpace */
+
+/**
+ * How the vertices of a mesh are joined, the same for every face.
+ * @typedef {object} MeshTables
+ * @property {Uint16Array} triangles Three vertices of each triangle, counter-clockwise as seen from
+ *   outside of the face.
+ * @property {Float32Array} uvs Place of each vertex in a texture of the face, 0..1: u to the right,
+ *   v upwards.
+ * @property {Record<MeshLine, Uint16Array>} lines Vertices of lines; `landmarks` are those of iBUG
+ *   68. Of a loop the last is joined to the first.
+ */
 
 // Most faces of one call of detect().
 const MOST_FACES = 16;
@@ -61,6 +75,39 @@ export class Tracker extends Handle {
    */
   smoothed() {
     return this.read(RESULT, 'smoothed');
+  }
+
+  /**
+   * The dense mesh of the face of the last step: x, y, z and visibility of each vertex. In the
+   * picture z is in mm along the camera's axis. While searching, or with a model without a mesh, it
+   * is an error.
+   * @param {MeshSpace} [space]
+   */
+  mesh(space = 'picture') {
+    const index = MESH_SPACES.indexOf(space);
+    if (index < 0) throw new TypeError(`space must be one of ${MESH_SPACES}, not ${space}`);
+    const at = this.engine.scratch;
+    this.call('mesh', index, at + 16, MESH_VERTICES, at);
+    const count = this.engine.view.getUint32(at, true);
+    return new Float32Array(this.engine.memory, at + 16, (count * MESH_VERTEX.size) / 4).slice();
+  }
+
+  /**
+   * How the vertices of its mesh are joined.
+   * @returns {MeshTables}
+   */
+  meshTables() {
+    const tables = this.read(MESH_TOPOLOGY, 'mesh_tables');
+    const { memory } = this.engine;
+    const { lineStarts } = tables;
+    const lines = new Uint16Array(memory, tables.lines, lineStarts[MESH_LINES.length]);
+    const line = (/** @type {number} */ i) => lines.slice(lineStarts[i], lineStarts[i + 1]);
+    return {
+      triangles: new Uint16Array(memory, tables.triangles, 3 * tables.triangleCount).slice(),
+      uvs: new Float32Array(memory, tables.uvs, 2 * tables.vertexCount).slice(),
+      lines: /** @type {MeshTables['lines']} */ (
+        Object.fromEntries(MESH_LINES.map((name, i) => [name, line(i)]))),
+    };
   }
 
   /**

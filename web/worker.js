@@ -124,6 +124,8 @@ const CALLS = {
   setIntrinsics: (intrinsics) => tracker.setIntrinsics(intrinsics),
   setLens: (lens) => tracker.setLens(lens),
   setExcluded: (boxes) => tracker.setExcluded(boxes),
+  mesh: (space) => tracker.mesh(space),
+  meshTables: () => tracker.meshTables(),
   setZones: (zones) => needed().setZones(zones),
   forgetDriver: () => needed().forgetDriver(),
 };

@@ -37,6 +37,8 @@ def main():
     weights = zip(posewise.ANIMATION_NAMES, result.animation)
     name, weight = max(weights, key=lambda pair: pair[1])
     print(f"{name} {weight:.2f}; {posewise.EYE_LOOK_NAMES[0]} {result.eye_look[0]:.2f}")
+    mesh, tables = tracker.mesh("camera"), tracker.mesh_tables()
+    print(f"{len(mesh.vertices)} vertices, {len(tables.triangles)} triangles")
     # For another video.
     tracker.reset()
     tracker.close()

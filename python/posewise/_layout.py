@@ -12,6 +12,7 @@ ABI = 1
 LANDMARKS = 68
 ANIMATIONS = 24
 EYE_LOOKS = 8
+MESH_VERTICES = 800
 UNREAD_EVENTS = 64
 UNREAD_MONITOR_EVENTS = 24
 MONITOR_RECORD_SIZE = 64
@@ -146,6 +147,25 @@ ZoneKind = Literal[
     "plane",
 ]
 ZONE_KINDS: tuple[ZoneKind, ...] = get_args(ZoneKind)
+
+MeshSpace = Literal[
+    "picture",
+    "camera",
+    "head",
+]
+MESH_SPACES: tuple[MeshSpace, ...] = get_args(MeshSpace)
+
+MeshLine = Literal[
+    "landmarks",
+    "outer-lips",
+    "inner-lips",
+    "left-eye",
+    "right-eye",
+    "left-brow",
+    "right-brow",
+    "edge",
+]
+MESH_LINES: tuple[MeshLine, ...] = get_args(MeshLine)
 
 # The index of a zone, or what it is else.
 ZoneIndex = Union[int, Literal["outside", "unknown"]]

@@ -49,6 +49,8 @@ for _name, _returns, _arguments in [
     ("set_excluded", c_int32, [_tracker, c_void_p, c_size_t]),
     ("landmarks", c_int32, [_tracker, c_void_p, c_size_t]),
     ("animation", c_int32, [_tracker, c_void_p, c_size_t]),
+    ("mesh", c_int32, [_tracker, c_uint32, c_void_p, c_size_t, _size_p]),
+    ("mesh_tables", c_int32, [_tracker, POINTER(layout.MeshTopology)]),
     ("smoothed", c_int32, [_tracker, _result]),
     ("smoothed_landmarks", c_int32, [_tracker, c_void_p, c_size_t]),
     ("smoothed_animation", c_int32, [_tracker, c_void_p, c_size_t]),

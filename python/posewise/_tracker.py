@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, Optional, Sequence, Union
 
 import numpy as np
+import numpy.typing as npt
 
 from . import _arguments as arguments
 from . import _layout as layout
@@ -68,6 +69,29 @@ def _defaults() -> layout.Config:
     out = sized(layout.Config())
     call("config_default", ctypes.byref(out))
     return out
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """The dense mesh of a face, from Tracker.mesh()."""
+
+    #: (n, 3): the vertices, in the space that was asked for.
+    vertices: Floats
+    #: (n,): whether the surface there faces the camera [0..1]. What covers it does not count.
+    visibility: Floats
+
+
+@dataclass(frozen=True)
+class MeshTables:
+    """How the vertices of a mesh are joined, the same for every face."""
+
+    #: (m, 3): vertices of each triangle, counter-clockwise as seen from outside of the face.
+    triangles: npt.NDArray[np.uint16]
+    #: (n, 2): place of each vertex in a texture of the face, u to the right, v upwards [0..1].
+    uvs: Floats
+    #: Vertices of lines by name; "landmarks" are those of iBUG 68. Of a loop the last is joined to
+    #: the first.
+    lines: dict[layout.MeshLine, npt.NDArray[np.uint16]]
 
 
 class Tracker(Handle):
@@ -163,6 +187,36 @@ class Tracker(Handle):
             animation=weights,
         )
         return result
+
+    def mesh(self, space: layout.MeshSpace = "picture") -> Mesh:
+        """The dense mesh of the face of the last step.
+
+        ``space`` is "picture" (x, y in px, z in mm along the camera's axis), "camera" or "head"
+        (mm). While searching, or with a model without a mesh, it is an error.
+        """
+        index = arguments.index_of("a space", space, layout.MESH_SPACES)
+        # As in posewise_mesh_vertex: x, y, z, visibility.
+        points = np.empty((layout.MESH_VERTICES, 4), dtype=np.float32)
+        count = ctypes.c_size_t()
+        at, capacity = points.ctypes.data, len(points)
+        self._call("mesh", index, at, capacity, ctypes.byref(count))
+        points = points[: count.value]
+        return Mesh(vertices=points[:, :3], visibility=points[:, 3])
+
+    def mesh_tables(self) -> MeshTables:
+        """How the vertices of its mesh are joined."""
+        out = self._read("mesh_tables", layout.MeshTopology)
+
+        def copied(at: int, kind: Any, count: int) -> Any:
+            return np.ctypeslib.as_array(ctypes.cast(at, ctypes.POINTER(kind)), (count,)).copy()
+
+        lines = copied(out.lines, ctypes.c_uint16, out.line_starts[8])
+        ends = zip(layout.MESH_LINES, out.line_starts[:8], out.line_starts[1:])
+        return MeshTables(
+            triangles=copied(out.triangles, ctypes.c_uint16, 3 * out.triangle_count).reshape(-1, 3),
+            uvs=copied(out.uvs, ctypes.c_float, 2 * out.vertex_count).reshape(-1, 2),
+            lines={name: lines[start:end] for name, start, end in ends},
+        )
 
     def observation(self) -> Observation:
         """What a driver monitor needs of the last step."""

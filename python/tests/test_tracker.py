@@ -223,6 +223,30 @@ def test_the_gaze_is_given_on_request(clip):
     assert known > 0
 
 
+def test_the_mesh_has_its_tables(clip):
+    tracker = posewise.Tracker()
+    with pytest.raises(posewise.PosewiseError) as fault:
+        tracker.mesh()
+    assert fault.value.name == "E_NO_FACE"
+    for i, frame in enumerate(clip[0][:8]):
+        result = tracker.step(frame, i * clip[1])
+    picture, tables = tracker.mesh(), tracker.mesh_tables()
+    count = len(picture.vertices)
+    assert 400 < count <= 800 and picture.visibility.shape == (count,)
+    assert tables.uvs.shape == (count, 2) and tables.triangles.max() < count
+    assert (0 <= tables.uvs).all() and (tables.uvs <= 1).all()
+    # Its landmarks lie where the tracker has them, but for the jaw's contour.
+    inner = picture.vertices[tables.lines["landmarks"]][17:, :2]
+    assert np.abs(inner - result.landmarks[17:]).max() < 3
+    assert len(tables.lines) == 8 and all(len(line) > 2 for line in tables.lines.values())
+    # The head frame, turned and moved, is the camera's.
+    head, camera = tracker.mesh("head").vertices, tracker.mesh("camera").vertices
+    assert np.ptp(camera - head, axis=0).max() < 40
+    assert np.abs((camera - head).mean(0) - result.translation_mm).max() < 20
+    with pytest.raises(ValueError, match="a space is one of picture, camera, head"):
+        tracker.mesh("face")
+
+
 def test_structs_are_those_of_c():
     # Sizes on machines with 64-bit pointers; the header's test has the rest.
     sizes = {"Config": 84, "Intrinsics": 16, "Lens": 24, "Landmark": 28, "Event": 40, "Roi": 16}

@@ -42,6 +42,8 @@ const strongest = weights.indexOf(Math.max(...weights));
 const smoothed = tracker.smoothedAnimation()[strongest];
 console.log(`${engine.animationNames[strongest]} ${smoothed.toFixed(2)}`);
 console.log(`${engine.eyeLookNames[0]} ${result.eyeLook[0].toFixed(2)}`);
+const { triangles } = tracker.meshTables();
+console.log(`${tracker.mesh('camera').length / 4} vertices, ${triangles.length / 3} triangles`);
 // For another video.
 tracker.reset();
 tracker.free();

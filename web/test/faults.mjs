@@ -113,7 +113,7 @@ test('excluded boxes have four numbers', async () => {
   const { engine } = await bounded();
   const tracker = engine.createTracker();
   tracker.step(grey(64, 48), 0);
-  const behind = () => engine.bytes(engine.scratch + 4096, 8192).slice();
+  const behind = () => engine.bytes(engine.scratch + 16384, 8192).slice();
   const before = behind();
   const row = new Array(1500).fill(7);
   for (const boxes of [[row], [[1, 2, 30]], [[1, 2, 30, 40], [1, 2, 30, 40, 5]], [7]]) {
@@ -168,6 +168,16 @@ test('integers do not wrap', async () => {
   assert.throws(() => tracker.setRoi(roi), RangeError);
   // Clocks of browsers have fractions.
   assert.equal(tracker.step(frame, 33_333.6).timestampUs, 33_333);
+});
+
+test('a mesh needs a face and a space', async () => {
+  const tracker = await newTracker();
+  assert.throws(() => tracker.mesh(), { code: 'E_NO_FACE' });
+  assert.throws(() => tracker.mesh('face'), TypeError);
+  const { triangles, uvs, lines } = tracker.meshTables();
+  assert.ok(Math.max(...triangles) < uvs.length / 2 && uvs.length <= 1600);
+  assert.equal(lines.landmarks.length, 68);
+  assert.ok(Object.values(lines).every((line) => line.length > 2));
 });
 
 test('a model says its name, its terms and its faults', async () => {

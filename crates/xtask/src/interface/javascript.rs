@@ -22,9 +22,15 @@ const HIDDEN: [&str; 5] = ["struct_size", "flags", "reserved", "data", "data_len
 /// Structs of which a caller may leave out fields.
 const OPTIONAL: [&str; 4] = ["config", "hint", "monitor_config", "monitor_observation"];
 
-/// Structs whose types are written by hand: pixels are an array, texts are strings, and a zone has
-/// the numbers of its kind.
-const BY_HAND: [&str; 3] = ["frame", "model_details", "monitor_zone"];
+/// Structs whose types are written by hand: pixels and tables are arrays, texts are strings, and a
+/// zone has the numbers of its kind.
+const BY_HAND: [&str; 5] = [
+    "frame",
+    "model_details",
+    "monitor_zone",
+    "mesh_vertex",
+    "mesh_topology",
+];
 
 /// Whether a caller may leave out a field.
 fn is_optional(item: &Struct, field: &Field) -> bool {

@@ -29,16 +29,19 @@ pub fn words_type(kind: &str) -> (&'static str, &'static str) {
         "MONITOR_DROWSINESS" => ("DROWSINESS", "Drowsiness"),
         "MONITOR_EVENT" => ("MONITOR_EVENTS", "MonitorEventKind"),
         "MONITOR_ZONE" => ("ZONE_KINDS", "ZoneKind"),
+        "MESH_SPACE" => ("MESH_SPACES", "MeshSpace"),
+        "MESH_LINE" => ("MESH_LINES", "MeshLine"),
         _ => ("LENSES", "LensModel"),
     }
 }
 
 /// Numbers that both have, and their names in C.
-pub const NUMBERS: [(&str, &str); 7] = [
+pub const NUMBERS: [(&str, &str); 8] = [
     ("ABI", "ABI"),
     ("LANDMARKS", "LANDMARKS"),
     ("ANIMATIONS", "ANIMATIONS"),
     ("EYE_LOOKS", "EYE_LOOKS"),
+    ("MESH_VERTICES", "MESH_VERTICES"),
     ("UNREAD_EVENTS", "EVENTS"),
     ("UNREAD_MONITOR_EVENTS", "MONITOR_EVENTS"),
     ("MONITOR_RECORD_SIZE", "MONITOR_RECORD_SIZE"),

@@ -98,7 +98,7 @@ pub struct Table {
 }
 
 /// What the constants of words begin with, of which each counts from 0.
-pub const WORDS: [&str; 13] = [
+pub const WORDS: [&str; 15] = [
     "STATE",
     "LOSS",
     "EVENT",
@@ -112,6 +112,8 @@ pub const WORDS: [&str; 13] = [
     "MONITOR_DROWSINESS",
     "MONITOR_EVENT",
     "MONITOR_ZONE",
+    "MESH_SPACE",
+    "MESH_LINE",
 ];
 
 /// Words that have no such beginning.
