@@ -142,10 +142,11 @@ mod with_mesh {
 
     pub(super) fn tables(block: &Block) -> Option<posewise_mesh_topology> {
         let topology = block.model.mesh_topology()?;
+        let (lines, lengths) = topology.lines();
         let mut line_starts = [0; MeshLine::ALL.len() + 1];
         let mut end = 0;
-        for (line, start) in MeshLine::ALL.iter().zip(line_starts.iter_mut().skip(1)) {
-            end += topology.line(*line).len() as u32;
+        for (start, length) in line_starts.iter_mut().skip(1).zip(lengths) {
+            end += u32::from(*length);
             *start = end;
         }
         Some(posewise_mesh_topology {
@@ -155,7 +156,7 @@ mod with_mesh {
             line_starts,
             triangles: topology.triangles.as_ptr().cast(),
             uvs: topology.uvs.as_ptr().cast(),
-            lines: topology.lines().as_ptr(),
+            lines: lines.as_ptr(),
         })
     }
 }

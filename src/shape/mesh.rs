@@ -31,10 +31,6 @@ pub const WHOLE_PULL: i8 = 64;
 /// Vertices around a vertex, by which its normal is found.
 pub const MESH_RING: usize = 4;
 
-/// Largest valid coordinate of a mean face \[mm\], and of a texture.
-const LARGEST_MM: f32 = 1000.0;
-const LARGEST_UV: f32 = 1.0;
-
 /// One vertex of a mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -115,9 +111,9 @@ pub struct MeshTopology<'m> {
 }
 
 impl<'m> MeshTopology<'m> {
-    /// The vertices of all lines of [`MeshLine::ALL`], one after the other.
-    pub fn lines(&self) -> &'m [u16] {
-        self.listed
+    /// The vertices of all lines of [`MeshLine::ALL`], one after the other, and how many each has.
+    pub fn lines(&self) -> (&'m [u16], &'m [u16]) {
+        (self.listed, self.lengths)
     }
 
     /// The vertices of a loop or a line.
@@ -159,7 +155,7 @@ impl<'m> MeshModel<'m> {
             other => other?,
         };
         let mesh = Mesh::read(&mut section.clone())?;
-        section.require(mesh.is_consistent(), "an index is out of range")?;
+        section.require(mesh.is_consistent(), "an index or a coordinate is out of range")?;
         let content = Some(section);
         Ok(MeshModel { content })
     }
@@ -192,16 +188,10 @@ impl<'m> Mesh<'m> {
         let identities = s.count(0, MAX_IDENTITIES, "the number of identity modes")?;
         let triangles = s.count(0, MAX_TRIANGLES, "the number of triangles")?;
         let listed = s.count(LANDMARKS, MAX_LISTED, "the number of listed vertices")?;
-        let within = |values: &[f32], most: f32| values.iter().all(|v| v.abs() <= most);
+        // Whatever they are, up to what every float of a model may be, products of them are finite.
         let mean = s.f32s(3 * vertices)?;
         let identity_scale = s.f32s(identities)?;
         let animation_scale = s.f32s(ANIMATIONS)?;
-        s.require(
-            within(mean, LARGEST_MM)
-                && within(identity_scale, 10.0)
-                && within(animation_scale, 10.0),
-            "the mean or a mode's scale is out of range",
-        )?;
         let blocks = vertices.div_ceil(MESH_BLOCK);
         let modes = s.i8s(blocks * (identities + ANIMATIONS) * BLOCK_NUMBERS)?;
         let pulled_by = s.u8s(MESH_PULLS * vertices)?;
@@ -209,10 +199,6 @@ impl<'m> Mesh<'m> {
         let rings = s.u16s(MESH_RING * vertices)?;
         let triangles = s.u16s(3 * triangles)?;
         let uvs = s.f32s(2 * vertices)?;
-        s.require(
-            within(uvs, LARGEST_UV),
-            "a texture coordinate is out of range",
-        )?;
         let topology = MeshTopology {
             vertices,
             triangles: triangles.as_chunks().0,
@@ -232,14 +218,15 @@ impl<'m> Mesh<'m> {
         })
     }
 
-    /// Whether every index is that of a vertex or a landmark, and the landmarks come first.
+    /// Whether every index is that of a vertex or a landmark, the landmarks come first, and texture
+    /// coordinates are in 0..1.
     fn is_consistent(&self) -> bool {
         let MeshTopology {
             vertices,
             triangles,
+            uvs,
             lengths,
             listed,
-            ..
         } = self.topology;
         let is_vertex = |index: &u16| usize::from(*index) < vertices;
         let is_landmark = |index: &u8| usize::from(*index) < LANDMARKS;
@@ -250,6 +237,7 @@ impl<'m> Mesh<'m> {
             && triangles.as_flattened().iter().all(is_vertex)
             && listed.iter().all(is_vertex)
             && self.pulled_by.as_flattened().iter().all(is_landmark)
+            && uvs.as_flattened().iter().all(|uv| (0.0..=1.0).contains(uv))
             && total == listed.len()
             && come_first
     }

@@ -130,6 +130,7 @@ impl<'m> Section<'m> {
     ///
     /// # Errors
     /// [`ModelError::Section`] at the end, as for all readers here.
+    #[inline(never)] // a section has several, and programs are to be small
     pub fn u16s(&mut self, len: usize) -> Result<&'m [u16], ModelError> {
         self.array(len)
     }

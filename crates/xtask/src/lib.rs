@@ -21,7 +21,7 @@ pub use instructions::{COUNTING_EMULATOR, instructions_per_step};
 pub use library::{Library, optional_parts};
 pub use machine::{Machine, WINE};
 pub use replay::{Replay, demo_clip, replay, run_c};
-pub use size::{code_size, functions_of_the_header, monitor_size, size_table};
+pub use size::{ON_TOP, code_size, functions_of_the_header, size_on_top, size_table};
 
 use anyhow::{Context, Result, ensure};
 use std::path::{Path, PathBuf};
