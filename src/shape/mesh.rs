@@ -155,7 +155,10 @@ impl<'m> MeshModel<'m> {
             other => other?,
         };
         let mesh = Mesh::read(&mut section.clone())?;
-        section.require(mesh.is_consistent(), "an index or a coordinate is out of range")?;
+        section.require(
+            mesh.is_consistent(),
+            "an index or a coordinate is out of range",
+        )?;
         let content = Some(section);
         Ok(MeshModel { content })
     }
