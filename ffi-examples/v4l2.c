@@ -280,8 +280,6 @@ int main(int argc, char **argv) {
                 print_line(index++, &frame, &result);
                 exposure_follow(&for_face, &frame, &result);
             }
-            if (processed == 0)
-                fprintf(stderr, "v4l2: a frame is unusable\n");
             if (processed < 0 || queue(&c, b.index) < 0) {
                 got = processed < 0 ? -1 : fail("the camera is gone");
                 break;

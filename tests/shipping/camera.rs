@@ -124,9 +124,13 @@ fn captures_from_a_device() {
     assert!(interrupted.frames.len() >= 3);
     // A buffer that the driver calls spoilt is left out; the next ones are not.
     let spoilt = run("spoil");
+    let gaps = spoilt.frames.windows(2).map(|pair| pair[1].0 - pair[0].0);
+    let (shortest, longest) = (gaps.clone().min(), gaps.max());
     assert_eq!(spoilt.status, 0);
-    assert!(spoilt.frames.len() >= 6);
-    assert_eq!(spoilt.said[1], "a frame is unusable");
+    assert!(
+        longest > shortest.map(|us| us * 3 / 2),
+        "a frame is missing"
+    );
     let unplugged = run("unplug");
     assert_eq!(unplugged.status, 1);
     assert!(unplugged.frames.len() >= 3);
