@@ -6,6 +6,7 @@
 use super::{BLOCK, DepthwiseInput, DepthwiseWeights, Scale, Sum, tail, unrolled};
 use core::arch::aarch64::*;
 use core::arch::asm;
+use core::array;
 
 /// Flips the sign bit: x − 128 as a signed byte.
 pub(super) const SIGN: u8 = 128;
@@ -370,22 +371,45 @@ products!(+ smlal2_words: int16x8_t, int32x4_t, "smlal2 {out:v}.4s, {a:v}.8h, {b
 #[target_feature(enable = "neon")]
 pub(super) fn add(sum: &Sum, other: &[u8], out: &mut [u8]) {
     let (pre_shift, post_shift, _) = sum.shifts();
-    let [own_factor, other_factor] = sum.factors.map(|f| vdupq_n_s16(f));
-    let [pre_shift, post_shift] = [pre_shift, post_shift].map(|s| vdupq_n_s32(-(s as i32)));
+    let factors = sum.factors.map(|f| vdupq_n_s16(f));
+    let shifts = [pre_shift, post_shift].map(|s| vdupq_n_s32(-(s as i32)));
     let (vectors, rest) = out.as_chunks_mut::<8>();
     let (others, rest_of_other) = other.as_chunks::<8>();
+    // Each sum needs ten instructions, one after the other: in-order cores want several at a time.
+    let (fours, vectors) = vectors.as_chunks_mut::<4>();
+    let (other_fours, others) = others.as_chunks::<4>();
+    for (out, other) in fours.iter_mut().zip(other_fours) {
+        add_vectors(factors, shifts, other, out);
+    }
     for (out, other) in vectors.iter_mut().zip(others) {
+        add_vectors(factors, shifts, &[*other], array::from_mut(out));
+    }
+    tail::add(sum, rest_of_other, rest);
+}
+
+/// Adds eight values `N` times.
+#[target_feature(enable = "neon")]
+#[inline]
+fn add_vectors<const N: usize>(
+    [own_factor, other_factor]: [int16x8_t; 2],
+    [pre_shift, post_shift]: [int32x4_t; 2],
+    other: &[[u8; 8]; N],
+    out: &mut [[u8; 8]; N],
+) {
+    let mut sums = [[vdupq_n_s32(0); 2]; N];
+    unrolled!(n < N => {
         // SAFETY: both are eight bytes.
-        let [own, other] =
-            [&*out, other].map(|v| vreinterpretq_s16_u16(vmovl_u8(unsafe { vld1_u8(v.as_ptr()) })));
+        let [own, other] = [&out[n], &other[n]]
+            .map(|v| vreinterpretq_s16_u16(vmovl_u8(unsafe { vld1_u8(v.as_ptr()) })));
         let low = smlal_words(smull_words(own, own_factor), other, other_factor);
         let high = smlal2_words(smull2_words(own, own_factor), other, other_factor);
-        let [low, high] = [low, high].map(|sum| {
-            // The second shift rounds.
-            vqmovn_s32(vrshlq_s32(vshlq_s32(sum, pre_shift), post_shift))
-        });
+        sums[n] = [low, high];
+    });
+    // The second shift rounds.
+    let sums = sums
+        .map(|sums| sums.map(|sum| vqmovn_s32(vrshlq_s32(vshlq_s32(sum, pre_shift), post_shift))));
+    for (out, [low, high]) in out.iter_mut().zip(sums) {
         // SAFETY: the output is eight bytes.
         unsafe { vst1_u8(out.as_mut_ptr(), vqmovun_s16(vcombine_s16(low, high))) };
     }
-    tail::add(sum, rest_of_other, rest);
 }

@@ -1,12 +1,11 @@
 //! The kernel for AArch64: `smull` and `smlal` multiply bytes and add two products in 16 bits, as
 //! no weight is −128; `sadalp` adds pairs of these to 32-bit sums.
 
-use super::aarch64::{
-    Requantization, SIGN, add, depthwise3x3, halves, signed_bytes, smlal2_bytes, smull2_bytes,
-};
+use super::aarch64::{Requantization, SIGN, add, depthwise3x3, halves, signed_bytes};
 use super::{BLOCK, Kernel, Strip, Tile};
 use super::{forwarded, tail, unrolled};
 use core::arch::aarch64::*;
+use core::arch::asm;
 
 #[derive(Clone, Copy)]
 pub(in crate::network) struct Neon;
@@ -85,57 +84,165 @@ unsafe fn sums<const P: usize, const B: usize>(
     let block_weights = strip.block_weights();
     let mut weights = strip.weights().as_ptr().wrapping_add(block * block_weights);
     for row in strip.rows() {
-        let mut window = tile.window.wrapping_add(*row);
+        let mut values = [tile.window; P];
+        unrolled!(p < P => { values[p] = tile.window.wrapping_add(*row + p * tile.step) });
         for _ in 0..strip.columns() / 8 {
-            let mut values = [vdup_n_s16(0); P];
             // SAFETY: a window has a byte for each column, and a block eight weights for each.
-            unsafe {
-                unrolled!(p < P => {
-                    values[p] = vld1_s16(window.add(p * tile.step).cast());
-                });
-                multiply::<0, 1, P, B>(&mut sums, &values, weights, block_weights);
-                multiply::<2, 3, P, B>(&mut sums, &values, weights.add(32), block_weights);
-            }
+            unsafe { multiply(&mut sums, &mut values, weights, block_weights) };
             weights = weights.wrapping_add(8 * BLOCK);
-            window = window.wrapping_add(8);
         }
     }
     sums
 }
 
-/// Multiplies two pairs of the values of each pixel by the weights of `B` blocks.
+/// Multiplies the next eight values of each pixel by the weights of `B` blocks, and moves on.
+///
+/// What needs the result of an instruction comes four instructions after it, and reads stand
+/// between those that compute: in-order cores want both. The compiler knows nothing about
+/// instructions in assembly but that they must not move past reads. If they could, it would read so
+/// much before that sums go to the stack.
 ///
 /// # Safety
-/// `weights` is valid for 32 bytes of each block, which are `block_weights` apart.
+/// There are eight values of each pixel. `weights` is valid for 64 bytes of each block, which are
+/// `block_weights` apart.
 #[target_feature(enable = "neon")]
 #[inline]
-unsafe fn multiply<const FIRST: i32, const SECOND: i32, const P: usize, const B: usize>(
+unsafe fn multiply<const P: usize, const B: usize>(
     sums: &mut [[[int32x4_t; 2]; B]; P],
-    values: &[int16x4_t; P],
+    values: &mut [*const u8; P],
     weights: *const i8,
     block_weights: usize,
 ) {
-    let mut pairs = [[vdupq_n_s8(0); 2]; B];
-    unrolled!(b < B => {
+    // The weights of two pairs of values.
+    let pairs = |half: usize| {
         // SAFETY: as the caller promises.
-        pairs[b] = unsafe {
-            let weights = weights.add(b * block_weights);
+        [0, B - 1].map(|b| unsafe {
+            let weights = weights.add(b * block_weights + half * 32);
             [vld1q_s8(weights), vld1q_s8(weights.add(16))]
-        };
+        })
+    };
+    // A pair of values for each of two blocks of one pixel, or of two pixels for one block.
+    let mut next = |group: usize| {
+        // SAFETY: as the caller promises.
+        unsafe {
+            let first = next_pair(&mut values[group % 4 * P / 4]);
+            match B {
+                1 => [first, next_pair(&mut values[group % 4 * P / 4 + 1])],
+                _ => [first; 2],
+            }
+        }
+    };
+    let mut weights = pairs(0);
+    let (mut first, mut second) = (next(0), next(0));
+    unrolled!(group < 8 => {
+        let (p, q) = (group % 4 * P / 4, group % 4 * P / 4 + 2 - B);
+        let these = second;
+        let mut products = products([weights[0][0], weights[1][0]], first);
+        if group < 7 {
+            first = next(group + 1);
+        }
+        add_products(&mut products, [weights[0][1], weights[1][1]], these);
+        if group < 7 {
+            second = next(group + 1);
+        }
+        if group == 3 {
+            weights = pairs(1);
+        }
+        let mut pair = [sums[p][0], sums[q][B - 1]];
+        add_pairs(&mut pair, products);
+        [sums[p][0], sums[q][B - 1]] = pair;
     });
-    unrolled!(p < P => {
-        // A pair of values beside the weights of each channel.
-        let first = vreinterpretq_s8_s16(vdupq_lane_s16::<FIRST>(values[p]));
-        let second = vreinterpretq_s8_s16(vdupq_lane_s16::<SECOND>(values[p]));
-        unrolled!(b < B => {
-            let low = vmull_s8(vget_low_s8(pairs[b][0]), vget_low_s8(first));
-            let low = vmlal_s8(low, vget_low_s8(pairs[b][1]), vget_low_s8(second));
-            let high = smull2_bytes(pairs[b][0], first);
-            let high = smlal2_bytes(high, pairs[b][1], second);
-            let [low_sums, high_sums] = sums[p][b];
-            sums[p][b] = [vpadalq_s16(low_sums, low), vpadalq_s16(high_sums, high)];
-        });
-    });
+}
+
+/// Reads two values, which are put beside the weights of each channel, and moves on.
+///
+/// # Safety
+/// They are there.
+#[target_feature(enable = "neon")]
+#[inline]
+unsafe fn next_pair(values: &mut *const u8) -> int8x16_t {
+    // SAFETY: as the caller promises.
+    let pair = unsafe { values.cast::<i16>().read_unaligned() };
+    *values = values.wrapping_add(2);
+    vreinterpretq_s8_s16(vdupq_n_s16(pair))
+}
+
+/// The products of a pair of values with the weights of eight channels, twice.
+#[target_feature(enable = "neon")]
+#[inline]
+fn products(weights: [int8x16_t; 2], values: [int8x16_t; 2]) -> [int16x8_t; 4] {
+    let (a, b, c, d);
+    // SAFETY: the instructions read and write only these registers.
+    unsafe {
+        asm!(
+            "smull {a:v}.8h, {w0:v}.8b, {v0:v}.8b",
+            "smull2 {b:v}.8h, {w0:v}.16b, {v0:v}.16b",
+            "smull {c:v}.8h, {w1:v}.8b, {v1:v}.8b",
+            "smull2 {d:v}.8h, {w1:v}.16b, {v1:v}.16b",
+            a = out(vreg) a,
+            b = out(vreg) b,
+            c = out(vreg) c,
+            d = lateout(vreg) d,
+            w0 = in(vreg) weights[0],
+            w1 = in(vreg) weights[1],
+            v0 = in(vreg) values[0],
+            v1 = in(vreg) values[1],
+            options(nostack, preserves_flags),
+        );
+    }
+    [a, b, c, d]
+}
+
+/// Adds those of the other pair of values.
+#[target_feature(enable = "neon")]
+#[inline]
+fn add_products(
+    [a, b, c, d]: &mut [int16x8_t; 4],
+    weights: [int8x16_t; 2],
+    values: [int8x16_t; 2],
+) {
+    // SAFETY: the instructions read and write only these registers.
+    unsafe {
+        asm!(
+            "smlal {a:v}.8h, {w0:v}.8b, {v0:v}.8b",
+            "smlal2 {b:v}.8h, {w0:v}.16b, {v0:v}.16b",
+            "smlal {c:v}.8h, {w1:v}.8b, {v1:v}.8b",
+            "smlal2 {d:v}.8h, {w1:v}.16b, {v1:v}.16b",
+            a = inout(vreg) *a,
+            b = inout(vreg) *b,
+            c = inout(vreg) *c,
+            d = inout(vreg) *d,
+            w0 = in(vreg) weights[0],
+            w1 = in(vreg) weights[1],
+            v0 = in(vreg) values[0],
+            v1 = in(vreg) values[1],
+            options(nostack, preserves_flags),
+        );
+    }
+}
+
+/// Adds the products of both values of a pair to the sums.
+#[target_feature(enable = "neon")]
+#[inline]
+fn add_pairs([[a, b], [c, d]]: &mut [[int32x4_t; 2]; 2], products: [int16x8_t; 4]) {
+    // SAFETY: the instructions read and write only these registers.
+    unsafe {
+        asm!(
+            "sadalp {a:v}.4s, {p0:v}.8h",
+            "sadalp {b:v}.4s, {p1:v}.8h",
+            "sadalp {c:v}.4s, {p2:v}.8h",
+            "sadalp {d:v}.4s, {p3:v}.8h",
+            a = inout(vreg) *a,
+            b = inout(vreg) *b,
+            c = inout(vreg) *c,
+            d = inout(vreg) *d,
+            p0 = in(vreg) products[0],
+            p1 = in(vreg) products[1],
+            p2 = in(vreg) products[2],
+            p3 = in(vreg) products[3],
+            options(nostack, preserves_flags),
+        );
+    }
 }
 
 #[target_feature(enable = "neon")]
