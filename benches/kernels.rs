@@ -1,10 +1,12 @@
 //! The stages that run networks, with each kernel of this machine: `cargo bench --bench kernels`.
 
+mod clip;
+
+use clip::clip;
 use divan::Bencher;
 use posewise::align::{Shape, Workspace};
 use posewise::network::{KernelName, select_kernel};
 use posewise::{Config, Frame, FrameLayout, Model, State, Tracker};
-use std::io::Read;
 
 fn main() {
     divan::main();
@@ -12,22 +14,6 @@ fn main() {
 
 fn available() -> impl Iterator<Item = KernelName> {
     KernelName::ALL.into_iter().filter(|k| k.is_available())
-}
-
-/// Width, height and luma of the demo clip's frames.
-fn clip() -> (usize, usize, Vec<Vec<u8>>) {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/demo.y4m.gz");
-    let packed = std::fs::File::open(path).expect(path);
-    let mut video = Vec::new();
-    let mut reader = flate2::read::MultiGzDecoder::new(packed);
-    reader.read_to_end(&mut video).expect("a whole clip");
-    let (reader, mut frames) = (&mut &video[..], Vec::new());
-    let mut decoder = y4m::decode(reader).expect("y4m");
-    let (width, height) = (decoder.get_width(), decoder.get_height());
-    while let Ok(frame) = decoder.read_frame() {
-        frames.push(frame.get_y_plane().to_vec());
-    }
-    (width, height, frames)
 }
 
 /// Calls `bench` with the first frame in which the face is tracked, and its landmarks.

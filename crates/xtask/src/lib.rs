@@ -2,8 +2,9 @@
 //! builds, on this machine and on emulated ones, and the accuracy of the models. The tests call the
 //! same functions.
 
+pub mod cores;
+mod counts;
 pub mod figures;
-mod instructions;
 pub mod interface;
 mod library;
 mod machine;
@@ -17,7 +18,7 @@ mod size;
 pub mod web;
 mod zip;
 
-pub use instructions::{COUNTING_EMULATOR, instructions_per_step};
+pub use counts::{COUNTING_EMULATOR, instructions_per_step};
 pub use library::{Library, optional_parts};
 pub use machine::{Machine, WINE};
 pub use replay::{Replay, demo_clip, replay, run_c};

@@ -4,8 +4,8 @@ use anyhow::{Context, Result};
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 use xtask::{
-    Library, code_size, demo_clip, figures, interface, mobile, notices, picture, release, replay,
-    root, site, size_table, web,
+    Library, code_size, cores, demo_clip, figures, interface, mobile, notices, picture, release,
+    replay, root, site, size_table, web,
 };
 
 /// Measures the static library and the models.
@@ -40,6 +40,8 @@ enum Task {
         #[command(flatten)]
         clip: Clip,
     },
+    /// Estimates how long a tracking step takes on ARM cores, and how far off that is here
+    Cores,
     /// Measures a model and writes its figures as JSON
     Measure(figures::measure::Args),
     /// Writes docs/accuracy.md and the figures in README.md from the JSON of `measure`
@@ -137,6 +139,7 @@ fn main() -> Result<()> {
         Task::Sizes { build, clip } => {
             print!("{}", size_table(&build.library(), &clip.path()?)?);
         }
+        Task::Cores => cores::run(&target_dir())?,
         Task::Measure(args) => figures::measure::run(&args)?,
         Task::Accuracy => figures::pages::write()?,
         Task::History => figures::history::write()?,
