@@ -219,8 +219,8 @@ fn stack_and_memory_are_bounded_here() {
 /// Code and constants that a program gets at most, the model not counted \[bytes\].
 const CODE_LIMIT: usize = 304 * 1024;
 
-/// What the driver monitor and the mesh add at most, in programs that use them \[bytes\], by the rows
-/// of docs/memory.md.
+/// What the driver monitor and the mesh add at most, in programs that use them \[bytes\], by the
+/// rows of docs/memory.md.
 const ON_TOP: [(&str, usize); 2] = [
     ("… of the driver monitor on top, AArch64", 28 * 1024),
     ("… of the mesh on top, AArch64", 10 * 1024),
