@@ -1,6 +1,8 @@
 //! Last part of an attempt: the 3D face is fitted to the aligned landmarks.
 
 use super::align::Aligned;
+#[cfg(feature = "verifier")]
+use super::policy::{MOST_TURN_COSINE, UNTRUSTED_KEEP_CONFIDENCE};
 use super::step::Step;
 use crate::align::Shape;
 use crate::shape::{FaceFit, FaceModel, FaceState, FitOptions, Identity, Intrinsics, fit};
@@ -42,9 +44,23 @@ pub(super) struct Fitted<'a> {
     geometric: Confidence,
 }
 
+/// Whether the head faces elsewhere than on the frame before.
+#[cfg(feature = "verifier")]
+fn has_jumped(prior: &Prior<'_>, fit: &FaceFit) -> bool {
+    prior.start.is_some_and(|before| {
+        let cosine = before
+            .pose
+            .rotation
+            .z_axis
+            .dot(fit.state.pose.rotation.z_axis);
+        cosine < MOST_TURN_COSINE
+    })
+}
+
 impl<'a> Fitted<'a> {
     /// `None` where the 3D face does not fit as that of a face does. The classifiers have judged
-    /// that before; without them every alignment is fitted.
+    /// that before, but for a face of low confidence that turns as no head does from one frame to
+    /// the next; without them every alignment is fitted.
     pub(super) fn new(
         step: &'a Step<'_>,
         aligned: &'a Aligned,
@@ -52,7 +68,9 @@ impl<'a> Fitted<'a> {
         prior: &Prior<'_>,
     ) -> Option<Fitted<'a>> {
         #[cfg(feature = "verifier")]
-        let _ = prior;
+        if aligned.confidence.face < UNTRUSTED_KEEP_CONFIDENCE && has_jumped(prior, fit) {
+            return None;
+        }
         #[cfg(not(feature = "verifier"))]
         let geometric = geometric_confidence(fit, &step.camera);
         #[cfg(not(feature = "verifier"))]

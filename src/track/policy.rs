@@ -212,6 +212,13 @@ pub(super) const LARGE_FACE: f32 = 0.25;
 /// Source: chosen.
 pub(super) const LOCAL_SEARCH_PERIOD: u32 = 2;
 
+/// Cosine of the largest angle by which a head of low confidence turns from one frame to the next.
+///
+/// Source: chosen, 60°: 1,800° a second at 30 frames. A head turned beyond profile is recognised by
+/// what is left of it, and its fit then flips to the other side.
+#[cfg(feature = "verifier")]
+pub(super) const MOST_TURN_COSINE: f32 = 0.5;
+
 // --- Work costs ----------------------------------------------------------------------------------
 
 /// Work of an iteration of the global stage and its verification \[units: a tracking step has about
