@@ -154,11 +154,8 @@ impl<'m> MeshModel<'m> {
             Err(ModelError::Missing(_)) => return Ok(MeshModel::default()),
             other => other?,
         };
-        let mesh = Mesh::read(&mut section.clone())?;
-        section.require(
-            mesh.is_consistent(),
-            "an index or a coordinate is out of range",
-        )?;
+        let is_whole = Mesh::read(&mut section.clone()).is_some_and(|mesh| mesh.is_consistent());
+        section.require(is_whole, "it is too short, or a number is out of range")?;
         let content = Some(section);
         Ok(MeshModel { content })
     }
@@ -166,7 +163,7 @@ impl<'m> MeshModel<'m> {
     /// The mesh, if the model has one.
     pub fn mesh(&self) -> Option<Mesh<'m>> {
         // Reading cannot fail: `open` checked the section.
-        Mesh::read(&mut self.content.clone()?).ok()
+        Mesh::read(&mut self.content.clone()?)
     }
 }
 
@@ -186,30 +183,39 @@ pub struct Mesh<'m> {
 }
 
 impl<'m> Mesh<'m> {
-    fn read(s: &mut Section<'m>) -> Result<Self, ModelError> {
-        let vertices = s.count(LANDMARKS, MAX_VERTICES, "the number of vertices")?;
-        let identities = s.count(0, MAX_IDENTITIES, "the number of identity modes")?;
-        let triangles = s.count(0, MAX_TRIANGLES, "the number of triangles")?;
-        let listed = s.count(LANDMARKS, MAX_LISTED, "the number of listed vertices")?;
+    /// `None` where it is too short or a number is out of range. Not the first error, which would
+    /// take more code than the rest.
+    fn read(s: &mut Section<'m>) -> Option<Self> {
+        let mut count = || Some(s.u32().ok()? as usize);
+        let (vertices, identities, triangles, listed) = (count()?, count()?, count()?, count()?);
+        let is_valid = (LANDMARKS..=MAX_VERTICES).contains(&vertices)
+            && identities <= MAX_IDENTITIES
+            && triangles <= MAX_TRIANGLES
+            && listed <= MAX_LISTED;
+        if !is_valid {
+            return None;
+        }
         // Whatever they are, up to what every float of a model may be, products of them are finite.
-        let mean = s.f32s(3 * vertices)?;
-        let identity_scale = s.f32s(identities)?;
-        let animation_scale = s.f32s(ANIMATIONS)?;
+        let mean = s.f32s(3 * vertices).ok()?;
+        let identity_scale = s.f32s(identities).ok()?;
+        let animation_scale = s.f32s(ANIMATIONS).ok()?;
         let blocks = vertices.div_ceil(MESH_BLOCK);
-        let modes = s.i8s(blocks * (identities + ANIMATIONS) * BLOCK_NUMBERS)?;
-        let pulled_by = s.u8s(MESH_PULLS * vertices)?;
-        let pulls = s.i8s(MESH_PULLS * vertices)?;
-        let rings = s.u16s(MESH_RING * vertices)?;
-        let triangles = s.u16s(3 * triangles)?;
-        let uvs = s.f32s(2 * vertices)?;
+        let modes = s
+            .i8s(blocks * (identities + ANIMATIONS) * BLOCK_NUMBERS)
+            .ok()?;
+        let pulled_by = s.u8s(MESH_PULLS * vertices).ok()?;
+        let pulls = s.i8s(MESH_PULLS * vertices).ok()?;
+        let rings = s.u16s(MESH_RING * vertices).ok()?;
+        let triangles = s.u16s(3 * triangles).ok()?;
+        let uvs = s.f32s(2 * vertices).ok()?;
         let topology = MeshTopology {
             vertices,
             triangles: triangles.as_chunks().0,
             uvs: uvs.as_chunks().0,
-            lengths: s.u16s(MeshLine::ALL.len())?,
-            listed: s.u16s(listed)?,
+            lengths: s.u16s(MeshLine::ALL.len()).ok()?,
+            listed: s.u16s(listed).ok()?,
         };
-        Ok(Mesh {
+        Some(Mesh {
             topology,
             mean: mean.as_chunks().0,
             identity_scale,
@@ -236,9 +242,8 @@ impl<'m> Mesh<'m> {
         let total: usize = lengths.iter().map(|length| usize::from(*length)).sum();
         let landmarks = self.topology.line(MeshLine::Landmarks);
         let come_first = landmarks.iter().copied().eq(0..LANDMARKS as u16);
-        self.rings.as_flattened().iter().all(is_vertex)
-            && triangles.as_flattened().iter().all(is_vertex)
-            && listed.iter().all(is_vertex)
+        let indices = [self.rings.as_flattened(), triangles.as_flattened(), listed];
+        indices.iter().all(|list| list.iter().all(is_vertex))
             && self.pulled_by.as_flattened().iter().all(is_landmark)
             && uvs.as_flattened().iter().all(|uv| (0.0..=1.0).contains(uv))
             && total == listed.len()
