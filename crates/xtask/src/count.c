@@ -1,5 +1,5 @@
-/* A plugin of QEMU (user mode, 7.2 or later) that counts the instructions of a program, and which of
- * its accesses miss two levels of cache, of which the first is one for data and one for code:
+/* A plugin of QEMU (user mode, 7.2 or later) that counts the instructions of a program, and which
+ * of its accesses miss two levels of cache, of which the first is one for data and one for code:
  * qemu-aarch64 -plugin libcount.so,l1d=32:4,l1i=32:2,l2=512:16,paths=9000:1000 -d plugin PROGRAM
  * with KiB and ways of each cache. It also prints the code of paths: 2000 instructions as they run,
  * here from the 9000th on and again after every 1000; none after 0. The declarations are those of
