@@ -3,17 +3,18 @@
 //! | state | what a step does | next state if no face is accepted |
 //! |---|---|---|
 //! | Searching | keyframes of a lost target, then the scan | Searching |
-//! | Tracking | alignment at the predicted place; on loss keyframes | Coasting or Searching |
-//! | Coasting | keyframes, then a local search or the scan | Coasting or Searching |
+//! | Tracking | sees the predicted place; on loss keyframes | Coasting or Searching |
+//! | Coasting | by turns a local search, and keyframes with the scan | Coasting or Searching |
 //!
 //! If a face is accepted, the next state is Tracking. Coasting is for a target that was trusted,
 //! until its last fit is `COAST_US` old.
 //!
-//! [`Tracker::step`] is the walk of a frame. The target is followed: aligned at its predicted
-//! place, verified. Where that fails, or there is none, candidates are searched for: each is
-//! proposed, aligned, verified. What passes is accepted if a 3D face fits: it becomes target,
-//! keyframe and result. Values go from room to room as arguments and come back as results; state
-//! and loss are those of the last result.
+//! [`Tracker::step`] is the walk of a frame. The target is followed: seen at its predicted place,
+//! verified. Where that fails, or there is none, candidates are searched for: each is proposed,
+//! seen, verified. What passes is refined, and accepted if a 3D face fits: it becomes target,
+//! keyframe and result. A step counts its work, and begins nothing for which it has no room. Values
+//! go from room to room as arguments and come back as results; state and loss are those of the last
+//! result.
 //!
 //! All thresholds, timeouts and work costs are in `policy.rs`.
 //!
