@@ -9,7 +9,8 @@
 //! - `search`: the places that a step attempts. `scan` is that of the detector, `keyframes` are
 //!   earlier views, `rejected` holds candidates to retry and where none is accepted; `faces` are
 //!   those that the caller expects, or has listed.
-//! - `align`: from a start to a candidate, and what the classifiers say of it; its landmarks refined.
+//! - `align`: from a start to a candidate, and what the classifiers say of it; then its landmarks,
+//!   refined.
 //! - `verify`: whether a candidate may be a face.
 //! - `fit`: the 3D face that explains them, which all that follows takes.
 //! - `eyes`: lids, glasses and gaze of a fitted face; `learnt` is what many frames say of them,
