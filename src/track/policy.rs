@@ -236,11 +236,7 @@ pub(super) const REFINE_UNITS: u32 = 700;
 /// \[units\].
 ///
 /// Source: chosen; the longest step takes what `posewise-lab bench` says.
-pub(super) const STEP_UNITS: u32 = match cfg!(feature = "verifier") {
-    true => 6700,
-    // A face is judged by its fit then, for which it is refined already.
-    false => 7400,
-};
+pub(super) const STEP_UNITS: u32 = 6700;
 
 /// Work of comparing one window of a frame with all keyframes \[units\].
 ///
