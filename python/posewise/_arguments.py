@@ -59,14 +59,14 @@ def index_of(name: str, value: Any, words: Sequence[str]) -> int:
 
 
 def several(count: int, name: str, numbers: Sequence[Any]) -> tuple[Any, ...]:
-    """So many numbers; ctypes would take fewer, and the rest as 0."""
+    """Numbers, of which there must be `count`; ctypes would take fewer, and the rest as 0."""
     if len(numbers) != count:
         raise ValueError(f"{name} must have {count} numbers, not {len(numbers)}")
     return tuple(numbers)
 
 
 def joined(count: int, **lists: Sequence[float]) -> tuple[float, ...]:
-    """Lists of so many numbers each, one after the other."""
+    """Lists of `count` numbers each, one after the other."""
     return tuple(n for name, numbers in lists.items() for n in several(count, name, numbers))
 
 

@@ -64,7 +64,7 @@ pub unsafe extern "C" fn posewise_mesh_tables(
 /// Writes the vertices; returns their number.
 ///
 /// # Safety
-/// `out` is aligned and has room for so many.
+/// `out` is aligned and has room for `capacity` items.
 #[cfg(not(feature = "mesh"))]
 unsafe fn write(
     _: &Block,
@@ -106,7 +106,7 @@ mod with_mesh {
     /// Writes the vertices; returns their number.
     ///
     /// # Safety
-    /// `out` is aligned and has room for so many.
+    /// `out` is aligned and has room for `capacity` items.
     pub(super) unsafe fn write(
         block: &Block,
         space: u32,

@@ -65,7 +65,7 @@ impl Steps {
         Ok(counts)
     }
 
-    /// Counts over the first frames; paths come from an instruction on, after every so many.
+    /// Counts over the first frames; paths begin at instruction `from`, one each `every`.
     fn run(&self, frames: usize, caches: Caches, [from, every]: [u64; 2]) -> Result<Counts> {
         let plugin = self.target_dir.join("libcount.so");
         let mut compile = Command::new(std::env::var("CC").unwrap_or("cc".into()));
