@@ -7,11 +7,9 @@ use std::path::Path;
 const MODEL: &str = "models/posewise.posewise";
 
 /// Sections that only one feature reads, by the name that cargo gives it here.
-const READ_BY: [(&str, Tag); 5] = [
+const READ_BY: [(&str, Tag); 3] = [
     ("CARGO_FEATURE_REFINERS", *b"RFIN"),
     ("CARGO_FEATURE_REFINERS", *b"SREG"),
-    ("CARGO_FEATURE_VERIFIER", *b"ROTN"),
-    ("CARGO_FEATURE_VERIFIER", *b"VRFY"),
     ("CARGO_FEATURE_MESH", *b"MESH"),
 ];
 

@@ -126,11 +126,10 @@
 #define POSEWISE_E_RECORD_VERSION  (-34) ///< A record of an unknown version
 
 #define POSEWISE_PART_REFINERS      1u  ///< Part: networks that see closer crops
-#define POSEWISE_PART_VERIFIER      2u  ///< Part: calibrated probabilities
-#define POSEWISE_PART_KEYFRAMES     4u  ///< Part: a lost face is found by its looks
-#define POSEWISE_PART_MONITOR       8u  ///< Part: the driver monitor
-#define POSEWISE_PART_DEFAULT_MODEL 16u ///< Part: posewise_default_model()
-#define POSEWISE_PART_MESH          32u ///< Part: the dense mesh
+#define POSEWISE_PART_KEYFRAMES     2u  ///< Part: a lost face is found by its looks
+#define POSEWISE_PART_MONITOR       4u  ///< Part: the driver monitor
+#define POSEWISE_PART_DEFAULT_MODEL 8u  ///< Part: posewise_default_model()
+#define POSEWISE_PART_MESH          16u ///< Part: the dense mesh
 
 #define POSEWISE_TERMS_UNKNOWN  0u ///< Terms of a model: its sheet lacks them
 #define POSEWISE_TERMS_FREE     1u ///< Any use, in products too
@@ -465,8 +464,7 @@ typedef struct posewise_result {
     /// Number of landmarks that posewise_landmarks() gives: 68; 0 while searching.
     uint32_t landmark_count;
     /// Calibrated probability that this is a face whose landmarks are right [0..1]. Right: the
-    /// mean error is below a tenth of the distance between the outer eye corners. In a library
-    /// built without the verifier: goodness of fit of the 3D face, 0..1, not a probability.
+    /// mean error is below a tenth of the distance between the outer eye corners.
     float confidence;
     /// Bounding box of the landmarks: x, y, width, height [px].
     float face_box[4];
@@ -581,7 +579,7 @@ typedef struct posewise_face {
     float yaw_deg;
     /// Roll as in posewise_result [deg, -180..180].
     float roll_deg;
-    /// As in posewise_result [0..1]. In a library built without the verifier: always 1.
+    /// As in posewise_result [0..1].
     float confidence;
 } posewise_face;
 
@@ -595,8 +593,7 @@ typedef struct posewise_landmark {
     /// the outer eye corners of the same face seen from the front [0..1].
     float confidence;
     /// Calibrated probability that the landmark is visible [0..1]: neither the head itself nor
-    /// anything in front of it hides it. In a library built without the verifier: 0 where the head
-    /// itself hides it, else 1; the landmark's confidence is then that of the face.
+    /// anything in front of it hides it.
     float visibility;
     /// Point of the 3D face in the camera frame [mm]; for points 0..16 a fixed point of the jaw.
     float x_mm;

@@ -132,9 +132,8 @@ pub mod mesh {
 pub use posewise_format::AlignedBytes;
 
 /// The optional parts, by the names of their features, and whether this build has them.
-pub const PARTS: [(&str, bool); 6] = [
+pub const PARTS: [(&str, bool); 5] = [
     ("refiners", cfg!(feature = "refiners")),
-    ("verifier", cfg!(feature = "verifier")),
     ("keyframes", cfg!(feature = "keyframes")),
     ("monitor", cfg!(feature = "monitor")),
     ("default-model", cfg!(feature = "default-model")),

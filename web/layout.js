@@ -81,11 +81,10 @@ export const FORMATS = {
 /** Bits of the optional parts by name. */
 export const PARTS = {
   'refiners': 1,
-  'verifier': 2,
-  'keyframes': 4,
-  'monitor': 8,
-  'default-model': 16,
-  'mesh': 32,
+  'keyframes': 2,
+  'monitor': 4,
+  'default-model': 8,
+  'mesh': 16,
 };
 
 /** @typedef {(typeof STATES)[number]} State */
@@ -335,8 +334,7 @@ export const HINT = {
  *   searching.
  * @property {number} confidence Calibrated probability that this is a face whose landmarks are
  *   right [0..1]. Right: the mean error is below a tenth of the distance between the outer eye
- *   corners. In a library built without the verifier: goodness of fit of the 3D face, 0..1, not a
- *   probability.
+ *   corners.
  * @property {[number, number, number, number]} faceBox Bounding box of the landmarks: x, y, width,
  *   height [px].
  * @property {[number, number, number, number]} rotation Head-to-camera rotation as a unit
@@ -459,8 +457,7 @@ export const RESULT = {
  * @property {number} confidence Calibrated probability that the error of (x, y) is below a tenth of
  *   the distance between the outer eye corners of the same face seen from the front [0..1].
  * @property {number} visibility Calibrated probability that the landmark is visible [0..1]: neither
- *   the head itself nor anything in front of it hides it. In a library built without the verifier:
- *   0 where the head itself hides it, else 1; the landmark's confidence is then that of the face.
+ *   the head itself nor anything in front of it hides it.
  * @property {number} xMm Point of the 3D face in the camera frame [mm]; for points 0..16 a fixed
  *   point of the jaw.
  * @property {number} yMm Point of the 3D face in the camera frame [mm]; for points 0..16 a fixed
@@ -516,8 +513,7 @@ export const EVENT = {
  *   x, y, width, height [px].
  * @property {number} yawDeg As facing_yaw_deg of Result [deg, -90..90]; rough.
  * @property {number} rollDeg Roll as in Result [deg, -180..180].
- * @property {number} confidence As in Result [0..1]. In a library built without the verifier:
- *   always 1.
+ * @property {number} confidence As in Result [0..1].
  */
 /** @type {import('./struct.js').Layout} */
 export const FACE = {

@@ -74,8 +74,7 @@ class Fields:
     #: Time since the frame of the last fit [us]; 0 while tracking.
     age_us: int
     #: Calibrated probability that this is a face whose landmarks are right [0..1]. Right: the mean
-    #: error is below a tenth of the distance between the outer eye corners. In a library built
-    #: without the verifier: goodness of fit of the 3D face, 0..1, not a probability.
+    #: error is below a tenth of the distance between the outer eye corners.
     confidence: float
     #: Bounding box of the landmarks: x, y, width, height [px].
     face_box: Floats
@@ -203,7 +202,7 @@ class Face:
     yaw_deg: float
     #: Roll as in Result [deg, -180..180].
     roll_deg: float
-    #: As in Result [0..1]. In a library built without the verifier: always 1.
+    #: As in Result [0..1].
     confidence: float
 
     @classmethod

@@ -238,11 +238,10 @@ FORMATS = {
 # Bits of the optional parts by name.
 PARTS = {
     "refiners": 1,
-    "verifier": 2,
-    "keyframes": 4,
-    "monitor": 8,
-    "default-model": 16,
-    "mesh": 32,
+    "keyframes": 2,
+    "monitor": 4,
+    "default-model": 8,
+    "mesh": 16,
 }
 
 

@@ -138,7 +138,7 @@ def test_models_say_their_names_terms_and_faults(tmp_path, root):
     assert "ALGN" in info.sections and "Trained on" in info.sheet
     assert info.check == "" and info.wrong_section == ""
     assert posewise.model_info("research").name == "research.posewise"
-    assert "verifier" in posewise.PARTS
+    assert "keyframes" in posewise.PARTS
     whole = bytearray((root / "models/posewise.posewise").read_bytes())
     assert info.length == len(whole)
     # A section of another name, in a file that is whole.

@@ -20,11 +20,7 @@ pub const MAX_VIEWS: usize = 4;
 const MAX_ITERATIONS: usize = 8;
 
 /// Capacity: features that are kept for the verifier.
-const VERIFIER_FEATURES: usize = if cfg!(feature = "verifier") {
-    LANDMARKS * MAX_FEATURES
-} else {
-    0
-};
+const VERIFIER_FEATURES: usize = LANDMARKS * MAX_FEATURES;
 
 /// A checked view of section `ALGN`, with the model's second ensemble member and local refiners.
 #[derive(Clone, Debug)]
@@ -71,7 +67,7 @@ impl Workspace {
     }
 
     /// Features of the last iteration for the verifier, `[68][features]`, 0..127: the fine map at
-    /// the landmarks of the global stage. Empty in builds without the feature `verifier`.
+    /// the landmarks of the global stage. Empty before the first.
     pub fn features(&self) -> &[i8] {
         self.features.get(..self.feature_count).unwrap_or(&[])
     }
@@ -220,10 +216,8 @@ impl<'m> AlignModel<'m> {
         for (p, q) in points.iter_mut().zip(second.iter().flatten()) {
             *p = [0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])];
         }
-        if cfg!(feature = "verifier") {
-            global.describe(&points, &mut work.memory, &mut work.features);
-            work.feature_count = LANDMARKS * global.features();
-        }
+        global.describe(&points, &mut work.memory, &mut work.features);
+        work.feature_count = LANDMARKS * global.features();
         *shape = points.map(|p| placement.centred_to_frame.apply(p));
         let Some(view) = self.views().of(shape) else {
             return false;

@@ -100,8 +100,7 @@ impl<'m> RotationRegression<'m> {
 
     /// The prior of a face from the cascade's features (`[68][features]`), its signed view
     /// ([`super::Workspace::view`]) and its final shape (frame px). `None` without a
-    /// regression for the view, when the shape has no extent, and in builds without the feature
-    /// `verifier`, which keep no features.
+    /// regression for the view, and when the shape has no extent.
     #[inline(never)]
     pub fn predict(
         &self,

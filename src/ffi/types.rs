@@ -112,16 +112,14 @@ pub const POSEWISE_E_RECORD_VERSION: i32 = -34;
 
 /// Part: networks that see closer crops.
 pub const POSEWISE_PART_REFINERS: u32 = 1;
-/// Part: calibrated probabilities.
-pub const POSEWISE_PART_VERIFIER: u32 = 2;
 /// Part: a lost face is found by its looks.
-pub const POSEWISE_PART_KEYFRAMES: u32 = 4;
+pub const POSEWISE_PART_KEYFRAMES: u32 = 2;
 /// Part: the driver monitor.
-pub const POSEWISE_PART_MONITOR: u32 = 8;
+pub const POSEWISE_PART_MONITOR: u32 = 4;
 /// Part: posewise_default_model().
-pub const POSEWISE_PART_DEFAULT_MODEL: u32 = 16;
+pub const POSEWISE_PART_DEFAULT_MODEL: u32 = 8;
 /// Part: the dense mesh.
-pub const POSEWISE_PART_MESH: u32 = 32;
+pub const POSEWISE_PART_MESH: u32 = 16;
 
 /// Terms of a model: its sheet lacks them.
 pub const POSEWISE_TERMS_UNKNOWN: u32 = 0;
@@ -406,8 +404,7 @@ pub struct posewise_result {
     /// Number of landmarks that posewise_landmarks() gives: 68; 0 while searching.
     pub landmark_count: u32,
     /// Calibrated probability that this is a face whose landmarks are right \[0..1\]. Right: the
-    /// mean error is below a tenth of the distance between the outer eye corners. In a library
-    /// built without the verifier: goodness of fit of the 3D face, 0..1, not a probability.
+    /// mean error is below a tenth of the distance between the outer eye corners.
     pub confidence: f32,
     /// Bounding box of the landmarks: x, y, width, height \[px\].
     pub face_box: [f32; 4],
@@ -502,8 +499,7 @@ pub struct posewise_landmark {
     /// the outer eye corners of the same face seen from the front \[0..1\].
     pub confidence: f32,
     /// Calibrated probability that the landmark is visible \[0..1\]: neither the head itself nor
-    /// anything in front of it hides it. In a library built without the verifier: 0 where the head
-    /// itself hides it, else 1; the landmark's confidence is then that of the face.
+    /// anything in front of it hides it.
     pub visibility: f32,
     /// Point of the 3D face in the camera frame \[mm\]; for points 0..16 a fixed point of the jaw.
     pub x_mm: f32,
@@ -542,7 +538,7 @@ pub struct posewise_face {
     pub yaw_deg: f32,
     /// Roll as in posewise_result \[deg, -180..180\].
     pub roll_deg: f32,
-    /// As in posewise_result \[0..1\]. In a library built without the verifier: always 1.
+    /// As in posewise_result \[0..1\].
     pub confidence: f32,
 }
 

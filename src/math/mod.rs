@@ -11,4 +11,4 @@ mod solve;
 pub use fixed::{isqrt, sigmoid};
 pub use rotation::{HeadAngles, head_angles, head_rotation, rotation_from_quaternion, towards};
 pub use similarity::Similarity;
-pub use solve::solve_spd;
+pub use solve::{dot, solve_spd};

@@ -1,6 +1,7 @@
 //! The 3D face model (section `FACE`): a linear model of shape, with identity and animation modes
 //! (thesis 5.2), and points evaluated from it. The head frame is that of `include/posewise.h`.
 
+use super::modes::{Factors, scaled};
 use super::{ANIMATIONS, Animation, Identity, LANDMARKS, MAX_IDENTITIES, Pose};
 use crate::math::head_angles;
 use glam::Vec3;
@@ -30,6 +31,9 @@ pub const VIEW_BYTES: usize = (VIEW_AZIMUTHS * VIEW_ELEVATIONS).div_ceil(8);
 
 /// Largest valid coordinate of a mean face \[mm\].
 const LARGEST_MM: f32 = 1000.0;
+
+/// What multiplies the identity modes of a person.
+pub(super) type IdentityFactors = Factors<{ MAX_IDENTITIES / 4 }>;
 
 /// A checked view of section `FACE`.
 ///
@@ -158,31 +162,52 @@ impl<'m> FaceModel<'m> {
             .map(|(delta, scale)| scaled(delta, *scale))
     }
 
-    /// Animation modes of one point \[mm at weight 1\].
-    pub(super) fn animation_modes(&self, point: usize) -> impl Iterator<Item = Vec3> + '_ {
-        let start = point * ANIMATIONS;
-        let modes = self.animation.get(start..start + ANIMATIONS).unwrap_or(&[]);
-        modes
-            .iter()
-            .zip(self.animation_scale)
-            .map(|(delta, scale)| scaled(delta, *scale))
+    /// Animation modes of one point \[mm at weight 1\], four by four; `None` for four that do not
+    /// move it.
+    pub(super) fn animation_fours(
+        &self,
+        point: usize,
+    ) -> impl Iterator<Item = Option<[Vec3; 4]>> + '_ {
+        let modes = self.animation.as_chunks::<ANIMATIONS>().0.get(point);
+        let fours = modes.map_or(&[][..], |modes| modes.as_chunks::<4>().0);
+        let scales = self.animation_scale.as_chunks::<4>().0;
+        fours.iter().zip(scales).map(|(deltas, scales)| {
+            let moves = *deltas != [[0; 3]; 4];
+            moves.then(|| core::array::from_fn(|k| scaled(&deltas[k], scales[k])))
+        })
+    }
+
+    /// An animation mode at one point \[mm at weight 1\]; nothing where there is none.
+    pub(super) fn animation_mode(&self, point: usize, mode: usize) -> Vec3 {
+        let deltas = self.animation.as_chunks::<ANIMATIONS>().0.get(point);
+        let delta = deltas.and_then(|deltas| deltas.get(mode));
+        let scale = self.animation_scale.get(mode);
+        let both = delta.zip(scale);
+        both.map_or(Vec3::ZERO, |(delta, scale)| scaled(delta, *scale))
     }
 
     /// The neutral face of a person: all points, head frame.
     pub fn neutral(&self, identity: &Identity) -> Shape {
+        let factors = &self.identity_factors(identity);
         let mut shape = Shape::EMPTY;
         let points = shape.points_mm.iter_mut().take(self.mean.len());
         for (i, out) in points.enumerate() {
-            *out = self.neutral_point(i, identity);
+            *out = self.neutral_point(i, factors);
         }
         shape
     }
 
+    /// What multiplies the identity modes of a person.
+    pub(super) fn identity_factors(&self, identity: &Identity) -> IdentityFactors {
+        IdentityFactors::new(self.identity_scale, identity)
+    }
+
     /// One point of the neutral face of a person, head frame.
-    pub(super) fn neutral_point(&self, point: usize, identity: &Identity) -> Vec3 {
+    pub(super) fn neutral_point(&self, point: usize, factors: &IdentityFactors) -> Vec3 {
         let mean = self.mean.get(point).copied().unwrap_or_default();
-        let modes = self.identity_modes(point).zip(identity);
-        modes.fold(Vec3::from_array(mean), |p, (m, w)| p + m * *w)
+        let size = self.identities * 3;
+        let modes = self.identity.get(point * size..(point + 1) * size);
+        Vec3::from_array(mean) + factors.sum(modes.unwrap_or(&[]))
     }
 
     /// A neutral face with animation weights applied.
@@ -195,24 +220,10 @@ impl<'m> FaceModel<'m> {
 
     /// Applies animation weights to a neutral face, in place.
     pub(crate) fn animate(&self, shape: &mut Shape, animation: &Animation) {
-        let [mut scales, mut weights] = [[[0.0; 3]; ANIMATIONS]; 2];
-        let by_mode = self.animation_scale.iter().zip(animation);
-        for ((scales, weights), (scale, weight)) in scales.iter_mut().zip(&mut weights).zip(by_mode)
-        {
-            (*scales, *weights) = ([*scale; 3], [*weight; 3]);
-        }
+        let factors = Factors::<{ ANIMATIONS / 4 }>::new(self.animation_scale, animation);
         let points = shape.points_mm.iter_mut().take(self.mean.len());
         for (point, modes) in points.zip(self.animation.as_chunks::<ANIMATIONS>().0) {
-            // The products in vectors, then their sums in the order of the modes.
-            let mut moves = [0.0; 3 * ANIMATIONS];
-            let factors = scales.as_flattened().iter().zip(weights.as_flattened());
-            let deltas = modes.as_flattened().iter().zip(factors);
-            for (out, (delta, (scale, weight))) in moves.iter_mut().zip(deltas) {
-                *out = *delta as f32 * scale * weight;
-            }
-            for by_mode in moves.as_chunks::<3>().0 {
-                *point += Vec3::from_array(*by_mode);
-            }
+            *point += factors.sum(modes.as_flattened());
         }
     }
 
@@ -239,12 +250,6 @@ impl<'m> FaceModel<'m> {
         }
         visible
     }
-}
-
-/// A quantised displacement \[mm\].
-#[inline]
-fn scaled(delta: &[i8; 3], scale: f32) -> Vec3 {
-    Vec3::from_array(delta.map(|d| d as f32 * scale))
 }
 
 /// All points of one face in the head frame \[mm\]: landmarks, then contour candidates.

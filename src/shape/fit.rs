@@ -1,7 +1,7 @@
 //! The bounded fit of pose and animation to landmarks: Levenberg–Marquardt with a robust loss.
 
 use super::face::FIXED_CONTOUR;
-use super::linear::{Residuals, System, UNKNOWNS};
+use super::linear::{Residuals, Sums, System, UNKNOWNS};
 use super::posit::{mirrored, posit};
 use super::state::FaceState;
 use super::step::stepped;
@@ -27,7 +27,7 @@ const DAMPING_FAILURE: f32 = 20.0;
 /// Factor when the system cannot be solved.
 const DAMPING_SINGULAR: f32 = 30.0;
 /// The fit has converged when a step reduces the cost by less than this share of it.
-const CONVERGED: f32 = 1e-3;
+const CONVERGED: f32 = 1e-2;
 /// The fit stops when a step increases the cost by less than this share of it.
 const STALLED: f32 = 1e-4;
 
@@ -177,7 +177,7 @@ impl Fit<'_> {
                 identity: *identity,
             };
             let fitted = self.descend(&start, at);
-            fitted.then_some((at.state, at.weights, at.system.mean_cost()))
+            fitted.then_some((at.state, at.weights, at.system.sums.mean_cost()))
         });
         let swap = match (&first, &second) {
             (Some((.., a)), Some((.., b))) => b < a,
@@ -219,7 +219,7 @@ impl Fit<'_> {
         let mut shape = *self.neutral;
         at.contour = self.pose(start, &mut shape);
         self.linearise(start, &shape, at);
-        if at.system.count < MIN_LANDMARKS || !at.system.cost.is_finite() {
+        if at.system.sums.count < MIN_LANDMARKS || !at.system.sums.cost.is_finite() {
             return false;
         }
         let mut damping = DAMPING_START;
@@ -230,17 +230,19 @@ impl Fit<'_> {
             };
             let contour = self.pose(&state, &mut shape);
             let observed = &self.weighted(&at.weights);
-            let cost = System::cost_of(&self.residuals(observed, &state, &shape, &contour));
-            let gain = at.system.cost - cost;
+            let sums = Sums::of(&self.residuals(observed, &state, &shape, &contour));
+            let cost = at.system.sums.cost;
+            let gain = cost - sums.cost;
+            if gain > 0.0 && gain < CONVERGED * cost {
+                // The matrix, of which the covariance is made, hardly differs here.
+                (at.state, at.contour, at.system.sums) = (state, contour, sums);
+                break;
+            }
             if gain > 0.0 {
-                let converged = gain < CONVERGED * at.system.cost;
                 at.contour = contour;
                 self.linearise(&state, &shape, at);
                 damping = (damping * DAMPING_SUCCESS).max(DAMPING_MIN);
-                if converged {
-                    break;
-                }
-            } else if gain > -STALLED * at.system.cost {
+            } else if gain > -STALLED * cost {
                 break;
             } else {
                 damping *= DAMPING_FAILURE;
@@ -316,17 +318,18 @@ impl Fit<'_> {
                 .camera
                 .project(state.pose.apply(shape.at(point as usize)));
         }
-        let freedom = (2.0 * system.weight - 6.0).max(1.0);
+        let sums = &system.sums;
+        let freedom = (2.0 * sums.weight - 6.0).max(1.0);
         Some(FaceFit {
             state: *state,
             points_mm,
             image_px,
             visible: self.face.visibility(&state.pose),
             contour: at.contour,
-            rms_px: libm::sqrtf(system.squares_px / system.weight.max(1e-6)),
-            cost: system.mean_cost(),
+            rms_px: libm::sqrtf(sums.squares_px / sums.weight.max(1e-6)),
+            cost: sums.mean_cost(),
             rotation: self.options.rotation,
-            covariance: pose_covariance(&mut system.matrix, system.squares / freedom)?,
+            covariance: pose_covariance(&mut system.matrix, sums.squares / freedom)?,
         })
     }
 }

@@ -1,8 +1,8 @@
 //! Estimation of identity weights from many frames: normal equations that are summed over time.
 
-use super::linear::{Observed, Residuals, System, UNKNOWNS, gradients};
+use super::linear::{Gradients, Observed, Residuals, Row, System, UNKNOWNS, add_scaled};
 use super::{FaceFit, FaceModel, Identity, Intrinsics, MAX_IDENTITIES};
-use crate::math::solve_spd;
+use crate::math::{dot, solve_spd};
 
 /// Weight of a video frame: below 1, because the errors of neighbouring frames are correlated.
 pub const FRAME_WEIGHT: f32 = 0.2;
@@ -82,22 +82,21 @@ impl IdentityEstimator {
         system.set(&residuals);
         let mut frame = Frame::new();
         residuals.rows(|row| {
-            let mut identity = [[0.0; 2]; MAX_IDENTITIES];
-            for (out, mode) in identity.iter_mut().zip(face.identity_modes(row.point)) {
-                *out = row.by_head.map(|by_head| by_head.dot(mode));
+            let mut identity = [[0.0; MAX_IDENTITIES]; 2];
+            let [first, second] = &mut identity;
+            let modes = face.identity_modes(row.point);
+            for ((a, b), mode) in first.iter_mut().zip(second).zip(modes) {
+                *a = row.by_head[0].dot(mode);
+                *b = row.by_head[1].dot(mode);
             }
-            frame.add(&identity, &gradients(face, &row), row.weight, row.residual);
+            frame.add(&identity, &Gradients::new(face, &row), &row);
         });
         if !frame.eliminate(&mut system) {
             return;
         }
         // The equations are those of a step from `state.identity`: shift them to absolute weights.
         for (rhs, row) in frame.rhs.iter_mut().zip(&frame.matrix) {
-            *rhs += row
-                .iter()
-                .zip(&state.identity)
-                .map(|(a, w)| a * w)
-                .sum::<f32>();
+            *rhs += dot(row, &state.identity);
         }
         let finite = frame
             .matrix
@@ -149,6 +148,7 @@ impl IdentityEstimator {
 
 /// One frame's normal equations: the identity block, and its coupling to pose and animation.
 struct Frame {
+    /// Symmetric; before pose and animation are eliminated only the lower triangle is complete.
     matrix: [[f32; MAX_IDENTITIES]; MAX_IDENTITIES],
     coupling: [[f32; UNKNOWNS]; MAX_IDENTITIES],
     rhs: Identity,
@@ -165,31 +165,19 @@ impl Frame {
 
     /// Adds a landmark: for both of its residuals, the derivatives by the identity, and those by
     /// animation and pose.
-    fn add(
-        &mut self,
-        identity: &[[f32; 2]; MAX_IDENTITIES],
-        gradients: &[[f32; UNKNOWNS]; 2],
-        weight: f32,
-        residual: [f32; 2],
-    ) {
-        let [first, second] = gradients;
-        let blocks = self
-            .matrix
-            .iter_mut()
-            .zip(&mut self.coupling)
-            .zip(&mut self.rhs);
-        for (((own, coupling), rhs), by_both) in blocks.zip(identity) {
-            let [a, b] = by_both.map(|by_residual| weight * by_residual);
-            *rhs += a * residual[0];
-            *rhs += b * residual[1];
-            for (sum, [of_first, of_second]) in own.iter_mut().zip(identity) {
-                *sum += a * of_first;
-                *sum += b * of_second;
+    fn add(&mut self, identity: &[[f32; MAX_IDENTITIES]; 2], gradients: &Gradients, row: &Row) {
+        let [first, second] = identity;
+        let blocks = self.matrix.iter_mut().zip(&mut self.coupling);
+        let blocks = blocks.zip(&mut self.rhs).zip(first.iter().zip(second));
+        for (k, (((own, coupling), rhs), (first, second))) in blocks.enumerate() {
+            let factors = [row.weight * first, row.weight * second];
+            *rhs += factors[0] * row.residual[0];
+            *rhs += factors[1] * row.residual[1];
+            let to_diagonal = own.split_at_mut_checked((k / 4 + 1) * 4);
+            if let Some((own, _)) = to_diagonal {
+                add_scaled(own, &factors, identity.each_ref().map(|v| v.as_slice()));
             }
-            for (sum, (of_first, of_second)) in coupling.iter_mut().zip(first.iter().zip(second)) {
-                *sum += a * of_first;
-                *sum += b * of_second;
-            }
+            gradients.add_to(coupling, &factors);
         }
     }
 
@@ -202,26 +190,28 @@ impl Frame {
         }
         // coupling · A⁻¹ · rhs, with A⁻¹·rhs already solved.
         for (rhs, row) in self.rhs.iter_mut().zip(&self.coupling) {
-            *rhs -= row
-                .iter()
-                .zip(reduced.iter())
-                .map(|(c, r)| c * r)
-                .sum::<f32>();
+            *rhs -= dot(row, reduced);
         }
         // Y = L⁻¹ · couplingᵀ, row by row in place; then matrix − Y·Yᵀ.
         for row in &mut self.coupling {
             for (i, factor_row) in factor.iter().enumerate() {
-                let known = row.iter().zip(factor_row).take(i);
-                let sum: f32 = known.map(|(y, l)| y * l).sum();
-                let pivot = factor_row.get(i).copied().unwrap_or(1.0);
-                if let Some(y) = row.get_mut(i) {
-                    *y = (*y - sum) / pivot;
+                let (known, from) = row.split_at_mut_checked(i).unwrap_or_default();
+                let (of_known, pivot) = factor_row.split_at_checked(i).unwrap_or_default();
+                if let (Some(y), Some(pivot)) = (from.first_mut(), pivot.first()) {
+                    *y = (*y - dot(known, of_known)) / pivot;
                 }
             }
         }
-        for (row, a) in self.matrix.iter_mut().zip(&self.coupling) {
-            for (entry, b) in row.iter_mut().zip(&self.coupling) {
-                *entry -= a.iter().zip(b).map(|(a, b)| a * b).sum::<f32>();
+        for k in 0..MAX_IDENTITIES {
+            let (above, from) = self.matrix.split_at_mut(k);
+            let (Some(row), Some(a)) = (from.first_mut(), self.coupling.get(k)) else {
+                continue;
+            };
+            for (entry, b) in row.iter_mut().zip(&self.coupling).take(k + 1) {
+                *entry -= dot(a, b);
+            }
+            for (mirrored, entry) in above.iter_mut().zip(row.iter()) {
+                mirrored[k] = *entry;
             }
         }
         true

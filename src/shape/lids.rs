@@ -29,11 +29,9 @@ pub fn eye_open(
     blink: usize,
 ) -> Option<f32> {
     let project = |point: Vec3| camera.project(state.pose.apply(point));
-    let at_rest = |k: usize| face.neutral_point(first + k, &state.identity);
-    let shut = |k: usize| {
-        let mode = face.animation_modes(first + k).nth(blink);
-        at_rest(k) + mode.unwrap_or_default()
-    };
+    let factors = &face.identity_factors(&state.identity);
+    let at_rest = |k: usize| face.neutral_point(first + k, factors);
+    let shut = |k: usize| at_rest(k) + face.animation_mode(first + k, blink);
     let sum = |point: &dyn Fn(usize) -> [f32; 2]| {
         LIDS.iter().fold([0.0f32; 2], |sum, [upper, lower]| {
             let (a, b) = (point(*upper), point(*lower));

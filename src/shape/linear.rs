@@ -14,6 +14,10 @@ pub(super) const UNKNOWNS: usize = ANIMATIONS + 6;
 /// contour is less certain than across it.
 const ALONG_CONTOUR: f32 = 0.35;
 
+/// The unknowns of the pose, as bits of [`Gradients::fours`]: they move every point.
+const ALWAYS_MOVES: u32 = u32::MAX << (ANIMATIONS / 4);
+const _: () = assert!(ANIMATIONS.is_multiple_of(4));
+
 /// Scale of the Cauchy loss \[standard deviations\]: a residual of this size has half the weight.
 const CAUCHY: f32 = 3.0;
 
@@ -131,22 +135,57 @@ impl Residuals<'_> {
 }
 
 /// Derivatives of both whitened residuals by the unknowns.
-pub(super) fn gradients(face: &FaceModel<'_>, row: &Row) -> [[f32; UNKNOWNS]; 2] {
-    let mut out = [[0.0; UNKNOWNS]; 2];
-    let [(first, first_pose), (second, second_pose)] =
-        out.each_mut().map(|o| o.split_at_mut(ANIMATIONS));
-    let modes = face.animation_modes(row.point);
-    for ((a, b), mode) in first.iter_mut().zip(second).zip(modes) {
-        *a = row.by_head[0].dot(mode);
-        *b = row.by_head[1].dot(mode);
+pub(super) struct Gradients {
+    pub by_residual: [[f32; UNKNOWNS]; 2],
+    /// Bit `k`: some of the unknowns from `4 k` to `4 k + 3` move the point. Derivatives by others
+    /// are 0, as most are: a landmark of a brow does not move with the mouth.
+    fours: u32,
+}
+
+impl Gradients {
+    pub fn new(face: &FaceModel<'_>, row: &Row) -> Gradients {
+        let mut by_residual = [[0.0; UNKNOWNS]; 2];
+        let mut fours = ALWAYS_MOVES;
+        let [(first, first_pose), (second, second_pose)] =
+            by_residual.each_mut().map(|o| o.split_at_mut(ANIMATIONS));
+        let outputs = first.as_chunks_mut::<4>().0.iter_mut();
+        let outputs = outputs.zip(second.as_chunks_mut::<4>().0).enumerate();
+        for ((k, (first, second)), modes) in outputs.zip(face.animation_fours(row.point)) {
+            let Some(modes) = modes else {
+                continue;
+            };
+            fours |= 1 << k;
+            for ((a, b), mode) in first.iter_mut().zip(second).zip(modes) {
+                *a = row.by_head[0].dot(mode);
+                *b = row.by_head[1].dot(mode);
+            }
+        }
+        for (pose, by_camera) in [first_pose, second_pose].into_iter().zip(row.by_camera) {
+            // A rotation vector ω moves the point by ω × arm.
+            let by_rotation = row.arm.cross(by_camera).to_array();
+            let both = by_rotation.into_iter().chain(by_camera.to_array());
+            pose.iter_mut().zip(both).for_each(|(o, v)| *o = v);
+        }
+        Gradients { by_residual, fours }
     }
-    for (pose, by_camera) in [first_pose, second_pose].into_iter().zip(row.by_camera) {
-        // A rotation vector ω moves the point by ω × arm.
-        let by_rotation = row.arm.cross(by_camera).to_array();
-        let both = by_rotation.into_iter().chain(by_camera.to_array());
-        pose.iter_mut().zip(both).for_each(|(o, v)| *o = v);
+
+    /// Adds a multiple of each residual's derivatives.
+    pub fn add_to(&self, sums: &mut [f32; UNKNOWNS], factors: &[f32; 2]) {
+        let by_residual = self.by_residual.each_ref();
+        let [(a, last_a), (b, last_b)] = by_residual.map(|g| g.as_chunks::<4>());
+        let (sums, last) = sums.as_chunks_mut::<4>();
+        for (k, (sums, (a, b))) in sums.iter_mut().zip(a.iter().zip(b)).enumerate() {
+            if self.moves(k) {
+                add_scaled(sums, factors, [a, b]);
+            }
+        }
+        add_scaled(last, factors, [last_a, last_b]);
     }
-    out
+
+    /// Whether some of four unknowns move the point.
+    fn moves(&self, four: usize) -> bool {
+        self.fours >> four & 1 != 0
+    }
 }
 
 /// Adds the products of both residuals' gradients to `R` rows of the matrix from `first` on, up to
@@ -155,7 +194,7 @@ fn add_products<const R: usize>(
     rows: &mut [[f32; UNKNOWNS]; R],
     first: usize,
     weighted: &[[f32; UNKNOWNS]; 2],
-    gradients: &[[f32; UNKNOWNS]; 2],
+    gradients: &Gradients,
 ) {
     let mut factors = [[0.0; 2]; R];
     for (residual, weighted) in weighted.iter().enumerate() {
@@ -163,24 +202,29 @@ fn add_products<const R: usize>(
             factors[residual] = *a;
         }
     }
-    let [(a, last_a), (b, last_b)] = gradients.each_ref().map(|g| g.as_chunks::<4>());
+    let by_residual = gradients.by_residual.each_ref();
+    let [(a, last_a), (b, last_b)] = by_residual.map(|g| g.as_chunks::<4>());
     for (column, (a, b)) in a.iter().zip(b).take(first / 4 + 1).enumerate() {
+        if !gradients.moves(column) {
+            continue;
+        }
         for (row, factors) in rows.iter_mut().zip(&factors) {
             if let Some(sums) = row.as_chunks_mut::<4>().0.get_mut(column) {
-                add_scaled(sums, factors, a, b);
+                add_scaled(sums, factors, [a, b]);
             }
         }
     }
     if first / 4 + 1 > a.len() {
         for (row, factors) in rows.iter_mut().zip(&factors) {
-            add_scaled(row.as_chunks_mut::<4>().1, factors, last_a, last_b);
+            add_scaled(row.as_chunks_mut::<4>().1, factors, [last_a, last_b]);
         }
     }
 }
 
 /// Adds a multiple of each of two vectors.
-fn add_scaled(sums: &mut [f32], factors: &[f32; 2], a: &[f32], b: &[f32]) {
-    for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
+#[inline]
+pub(super) fn add_scaled(sums: &mut [f32], factors: &[f32; 2], vectors: [&[f32]; 2]) {
+    for (sum, (a, b)) in sums.iter_mut().zip(vectors[0].iter().zip(vectors[1])) {
         *sum += factors[0] * a;
         *sum += factors[1] * b;
     }
@@ -208,11 +252,9 @@ impl RotationTerm {
     }
 }
 
-/// Normal equations of one linearisation, `matrix · step = rhs`, and sums over the landmarks.
-pub(super) struct System {
-    /// Symmetric; only the lower triangle is complete.
-    pub matrix: [[f32; UNKNOWNS]; UNKNOWNS],
-    pub rhs: [f32; UNKNOWNS],
+/// Sums over the landmarks of a state.
+#[derive(Clone, Copy)]
+pub(super) struct Sums {
     /// Robust cost of the residuals and of the priors.
     pub cost: f32,
     /// Σ weight · distance² \[px²\].
@@ -225,16 +267,66 @@ pub(super) struct System {
     pub count: usize,
 }
 
-impl System {
-    /// The system of no landmarks, all zero.
-    pub const EMPTY: System = System {
-        matrix: [[0.0; UNKNOWNS]; UNKNOWNS],
-        rhs: [0.0; UNKNOWNS],
+impl Sums {
+    /// Those of no landmarks.
+    const EMPTY: Sums = Sums {
         cost: 0.0,
         squares_px: 0.0,
         squares: 0.0,
         weight: 0.0,
         count: 0,
+    };
+
+    /// Those of a state, with the same bits as in its system.
+    #[inline(never)]
+    pub fn of(residuals: &Residuals<'_>) -> Sums {
+        let mut sums = Sums::EMPTY;
+        residuals.rows(|row| sums.add(&row));
+        sums.add_priors(residuals);
+        sums
+    }
+
+    /// Robust cost per landmark used.
+    pub fn mean_cost(&self) -> f32 {
+        self.cost / self.count.max(1) as f32
+    }
+
+    fn add(&mut self, row: &Row) {
+        for residual in row.residual {
+            self.squares += row.weight * residual * residual;
+        }
+        self.cost += row.cost;
+        self.squares_px += row.weight * row.distance_px * row.distance_px;
+        self.weight += row.weight;
+        self.count += 1;
+    }
+
+    /// Adds the costs of the priors.
+    fn add_priors(&mut self, residuals: &Residuals<'_>) {
+        let sigmas = residuals.face.animation_sigma();
+        for (w, sigma) in residuals.state.animation.iter().zip(sigmas) {
+            self.cost += 1.0 / (sigma * sigma) * w * w;
+        }
+        if let Some(prior) = residuals.rotation {
+            self.cost += RotationTerm::new(prior, &residuals.state.pose.rotation).cost;
+        }
+    }
+}
+
+/// Normal equations of one linearisation, `matrix · step = rhs`.
+pub(super) struct System {
+    /// Symmetric; only the lower triangle is complete.
+    pub matrix: [[f32; UNKNOWNS]; UNKNOWNS],
+    pub rhs: [f32; UNKNOWNS],
+    pub sums: Sums,
+}
+
+impl System {
+    /// The system of no landmarks, all zero.
+    pub const EMPTY: System = System {
+        matrix: [[0.0; UNKNOWNS]; UNKNOWNS],
+        rhs: [0.0; UNKNOWNS],
+        sums: Sums::EMPTY,
     };
 
     /// Becomes the system of these residuals; in place, for small stacks.
@@ -246,48 +338,28 @@ impl System {
         if let Some(prior) = residuals.rotation {
             self.add_rotation(prior, residuals.state);
         }
-    }
-
-    /// The cost alone, with the same bits as that of the system.
-    #[inline(never)]
-    pub fn cost_of(residuals: &Residuals<'_>) -> f32 {
-        let mut cost = 0.0;
-        residuals.rows(|row| cost += row.cost);
-        let sigmas = residuals.face.animation_sigma();
-        for (w, sigma) in residuals.state.animation.iter().zip(sigmas) {
-            cost += 1.0 / (sigma * sigma) * w * w;
-        }
-        if let Some(prior) = residuals.rotation {
-            cost += RotationTerm::new(prior, &residuals.state.pose.rotation).cost;
-        }
-        cost
-    }
-
-    /// Robust cost per landmark used.
-    pub fn mean_cost(&self) -> f32 {
-        self.cost / self.count.max(1) as f32
+        self.sums.add_priors(residuals);
     }
 
     fn add(&mut self, face: &FaceModel<'_>, row: &Row) {
-        let gradients = gradients(face, row);
-        let weighted = gradients.map(|g| g.map(|by_unknown| row.weight * by_unknown));
+        let gradients = Gradients::new(face, row);
+        let by_residual = gradients.by_residual.each_ref();
+        let weighted = by_residual.map(|g| g.map(|by_unknown| row.weight * by_unknown));
         for (weighted, residual) in weighted.iter().zip(row.residual) {
             let rhs = self.rhs.iter_mut().zip(weighted);
             rhs.for_each(|(sum, a)| *sum += a * residual);
-            self.squares += row.weight * residual * residual;
         }
         // The lower triangle, rounded up to whole SIMD vectors of four.
         let (groups, last) = self.matrix.as_chunks_mut::<4>();
         for (k, rows) in groups.iter_mut().enumerate() {
-            add_products(rows, 4 * k, &weighted, &gradients);
+            if gradients.moves(k) {
+                add_products(rows, 4 * k, &weighted, &gradients);
+            }
         }
         if let Some(rows) = last.first_chunk_mut::<{ UNKNOWNS % 4 }>() {
             add_products(rows, UNKNOWNS / 4 * 4, &weighted, &gradients);
         }
-        self.cost += row.cost;
-        self.squares_px += row.weight * row.distance_px * row.distance_px;
-        self.weight += row.weight;
-        self.count += 1;
+        self.sums.add(row);
     }
 
     /// Adds the prior of the rotation, with the same robust loss as the landmarks.
@@ -301,7 +373,6 @@ impl System {
             entries.for_each(|(entry, value)| *entry += value);
             *rhs += slope;
         }
-        self.cost += term.cost;
     }
 
     /// Adds the prior N(0, σ²) of the animation weights.
@@ -315,7 +386,6 @@ impl System {
                 *diagonal += information;
             }
             *rhs -= information * w;
-            self.cost += information * w * w;
         }
     }
 }

@@ -11,6 +11,7 @@ mod lids;
 mod linear;
 #[cfg(feature = "mesh")]
 mod mesh;
+mod modes;
 mod posit;
 mod rotation_prior;
 mod state;

@@ -121,10 +121,6 @@ pub(super) struct Aligned {
     weights: [f32; LANDMARKS],
     /// The rotation by what it has seen.
     pub(super) rotation: Option<RotationPrior>,
-    #[cfg_attr(
-        not(feature = "verifier"),
-        expect(dead_code, reason = "the 3D fit judges a face then")
-    )]
     pub(super) confidence: Confidence,
     /// As in the candidate.
     pub(super) recognised: u32,

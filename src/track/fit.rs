@@ -1,23 +1,17 @@
 //! Last part of an attempt: the 3D face is fitted to the aligned landmarks.
 
 use super::align::Aligned;
-#[cfg(feature = "verifier")]
 use super::policy::{MOST_TURN_COSINE, UNTRUSTED_KEEP_CONFIDENCE};
 use super::step::Step;
 use crate::align::Shape;
 use crate::shape::{FaceFit, FaceModel, FaceState, FitOptions, Identity, Intrinsics, fit};
 use crate::verifier::Confidence;
-#[cfg(not(feature = "verifier"))]
-use crate::verifier::geometric_confidence;
 
 /// What is known of a face before it is fitted.
 pub(super) struct Prior<'a> {
     /// The face on the frame before.
     pub(super) start: Option<&'a FaceState>,
     pub(super) identity: Identity,
-    /// Confidence by geometry alone from which the fit is one of a face.
-    #[cfg(not(feature = "verifier"))]
-    pub(super) min_confidence: f32,
 }
 
 /// Fits the 3D face to an alignment. `None` when no pose explains the landmarks.
@@ -39,13 +33,9 @@ pub(super) struct Fitted<'a> {
     pub(super) camera: &'a Intrinsics,
     pub(super) aligned: &'a Aligned,
     pub(super) fit: &'a FaceFit,
-    /// How well the 3D face fits.
-    #[cfg(not(feature = "verifier"))]
-    geometric: Confidence,
 }
 
 /// Whether the head faces elsewhere than on the frame before.
-#[cfg(feature = "verifier")]
 fn has_jumped(prior: &Prior<'_>, fit: &FaceFit) -> bool {
     prior.start.is_some_and(|before| {
         let cosine = before
@@ -58,23 +48,15 @@ fn has_jumped(prior: &Prior<'_>, fit: &FaceFit) -> bool {
 }
 
 impl<'a> Fitted<'a> {
-    /// `None` where the 3D face does not fit as that of a face does. The classifiers have judged
-    /// that before, but for a face of low confidence that turns as no head does from one frame to
-    /// the next; without them every alignment is fitted.
+    /// `None` for a face of low confidence that turns as no head does from one frame to the next.
+    /// All else the classifiers have judged before.
     pub(super) fn new(
         step: &'a Step<'_>,
         aligned: &'a Aligned,
         fit: &'a FaceFit,
         prior: &Prior<'_>,
     ) -> Option<Fitted<'a>> {
-        #[cfg(feature = "verifier")]
         if aligned.confidence.face < UNTRUSTED_KEEP_CONFIDENCE && has_jumped(prior, fit) {
-            return None;
-        }
-        #[cfg(not(feature = "verifier"))]
-        let geometric = geometric_confidence(fit, &step.camera);
-        #[cfg(not(feature = "verifier"))]
-        if geometric.face < prior.min_confidence {
             return None;
         }
         Some(Fitted {
@@ -82,8 +64,6 @@ impl<'a> Fitted<'a> {
             camera: &step.camera,
             aligned,
             fit,
-            #[cfg(not(feature = "verifier"))]
-            geometric,
         })
     }
 
@@ -92,11 +72,8 @@ impl<'a> Fitted<'a> {
         &self.aligned.shape
     }
 
-    /// That of the classifiers; without them, by geometry.
+    /// That of the classifiers.
     pub(super) fn confidence(&self) -> &Confidence {
-        #[cfg(feature = "verifier")]
-        return &self.aligned.confidence;
-        #[cfg(not(feature = "verifier"))]
-        return &self.geometric;
+        &self.aligned.confidence
     }
 }

@@ -216,7 +216,6 @@ pub(super) const LOCAL_SEARCH_PERIOD: u32 = 2;
 ///
 /// Source: chosen, 60°: 1,800° a second at 30 frames. A head turned beyond profile is recognised by
 /// what is left of it, and its fit then flips to the other side.
-#[cfg(feature = "verifier")]
 pub(super) const MOST_TURN_COSINE: f32 = 0.5;
 
 // --- Work costs ----------------------------------------------------------------------------------

@@ -474,7 +474,7 @@ impl Tracker {
     /// Fits an aligned face, takes it as the target and writes the result; else says why not.
     #[inline(never)]
     fn accept(&mut self, step: &Step<'_>, aligned: &Aligned, origin: Origin) -> Result<(), Loss> {
-        let prior = &self.target.prior(origin, step.now_us);
+        let prior = &self.target.prior(origin);
         let fit = fit_face(step, aligned, prior);
         let fitted = (fit.as_ref()).and_then(|fit| Fitted::new(step, aligned, fit, prior));
         let fitted = &fitted.ok_or(Loss::NoPose)?;

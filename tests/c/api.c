@@ -302,7 +302,7 @@ static void test_model_info(void) {
     info.struct_size--;
     CHECK_STATUS(posewise_model_info(model.start, model.len, &info), POSEWISE_E_STRUCT_SIZE);
     CHECK(info.length == 0 && info.check == NULL);
-    CHECK((posewise_parts() & POSEWISE_PART_VERIFIER) != 0 && posewise_parts() < 64);
+    CHECK((posewise_parts() & POSEWISE_PART_KEYFRAMES) != 0 && posewise_parts() < 32);
     guarded_free(copy);
 }
 

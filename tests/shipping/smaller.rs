@@ -11,13 +11,13 @@ const LEAST: usize = 90;
 #[test]
 #[ignore = "builds the library once more: .ci/nightly"]
 fn the_smallest_build_tracks() {
-    check(&["refiners verifier keyframes mesh"]);
+    check(&["refiners keyframes mesh"]);
 }
 
 #[test]
-#[ignore = "builds the library four times: .ci/nightly"]
+#[ignore = "builds the library three times: .ci/nightly"]
 fn every_build_tracks() {
-    check(&["refiners", "verifier", "keyframes", "mesh"]);
+    check(&["refiners", "keyframes", "mesh"]);
 }
 
 /// Tracks the clip with builds without these parts, as `make WITHOUT=…` makes them.
@@ -42,8 +42,6 @@ fn check(builds: &[&str]) {
         let sections = [
             ("refiners", b"RFIN"),
             ("refiners", b"SREG"),
-            ("verifier", b"VRFY"),
-            ("verifier", b"ROTN"),
             ("mesh", b"MESH"),
         ];
         let unread: usize = sections

@@ -90,9 +90,13 @@ fn figure(replay: &Replay, name: &str) -> usize {
 /// Checks that each call keeps the promise of the header, and what docs/memory.md says of it.
 fn check_stack(replay: &Replay, machine: &str) {
     let calls = ["init", "step", "step_at", "detect", "mesh"];
-    for call in calls.map(|name| format!("posewise_{name}")) {
+    let stacks = calls.map(|name| {
+        let call = format!("posewise_{name}");
         let bytes = figure(replay, &format!("stack of {call}"));
         println!("{machine}: stack of {call}: {bytes}");
+        (call, bytes)
+    });
+    for (call, bytes) in stacks {
         assert!(
             bytes < STACK_LIMIT,
             "{machine}: {call} takes {bytes} bytes of stack"

@@ -186,7 +186,7 @@ test('a model says its name, its terms and its faults', async () => {
   assert.equal(engine.model.terms, 'free');
   assert.equal(engine.model.length, model.length);
   assert.ok(engine.model.sections.includes('ALGN') && engine.model.sheet.includes('Trained on'));
-  assert.ok(engine.parts.includes('verifier'));
+  assert.ok(engine.parts.includes('keyframes'));
   const instance = await WebAssembly.instantiate(compiled, {});
   const spoilt = Uint8Array.from(model);
   spoilt[5000] ^= 1;

@@ -21,30 +21,23 @@ const MEAN_SCALE: i32 = 128;
 /// `u16`.
 const VARIANCE_SCALE: i32 = 4;
 
-/// Landmarks with a model: none in builds without the verifier.
-const MODELLED: usize = if cfg!(feature = "verifier") {
-    LANDMARKS
-} else {
-    0
-};
-
 /// The appearance models of one person's landmarks. Plain data, all zero at first.
 #[derive(Clone)]
 pub struct Appearance {
     /// Means \[1 / [`MEAN_SCALE`] feature units\].
-    mean: [[i16; MAX_FEATURES]; MODELLED],
+    mean: [[i16; MAX_FEATURES]; LANDMARKS],
     /// Variances \[1 / [`VARIANCE_SCALE`] feature units²\].
-    variance: [[u16; MAX_FEATURES]; MODELLED],
+    variance: [[u16; MAX_FEATURES]; LANDMARKS],
     /// Updates so far, by landmark.
-    frames: [u16; MODELLED],
+    frames: [u16; LANDMARKS],
 }
 
 impl Appearance {
     /// Models without any update.
     pub const EMPTY: Appearance = Appearance {
-        mean: [[0; MAX_FEATURES]; MODELLED],
-        variance: [[0; MAX_FEATURES]; MODELLED],
-        frames: [0; MODELLED],
+        mean: [[0; MAX_FEATURES]; LANDMARKS],
+        variance: [[0; MAX_FEATURES]; LANDMARKS],
+        frames: [0; LANDMARKS],
     };
 
     /// Applies the models to a frame's `features` (`[68][features]`): shifts the visibilities in
@@ -118,7 +111,7 @@ fn with_logit_change(probability: f32, change: f32) -> f32 {
     sigmoid(libm::logf(p / (1.0 - p)) + change)
 }
 
-#[cfg(all(test, feature = "verifier"))]
+#[cfg(test)]
 mod tests {
     use super::*;
 

@@ -98,13 +98,10 @@ impl Target {
     /// Confidence below which the target is lost, when `recognised` landmarks are.
     pub fn min_confidence(&self, recognised: u32, now_us: i64) -> f32 {
         let is_late = now_us.saturating_sub(self.confirmed_us) > LOW_CONFIDENCE_US;
-        // Without `verifier` confidences are no probabilities and nothing is recognised, so that a
-        // covered face would be lost too.
-        let verifier = cfg!(feature = "verifier");
         match self.is_trusted {
             true if recognised >= RECOGNISED_LANDMARKS => RECOGNISED_KEEP_CONFIDENCE,
-            true if !(is_late && verifier) => TRUSTED_KEEP_CONFIDENCE,
-            false if is_late && verifier => ACCEPT_CONFIDENCE,
+            true if !is_late => TRUSTED_KEEP_CONFIDENCE,
+            false if is_late => ACCEPT_CONFIDENCE,
             _ => UNTRUSTED_KEEP_CONFIDENCE,
         }
     }
@@ -133,21 +130,12 @@ impl Target {
     }
 
     /// What is known of the face before it is fitted.
-    #[cfg_attr(
-        feature = "verifier",
-        expect(unused_variables, reason = "judged before")
-    )]
-    pub fn prior(&self, origin: Origin, now_us: i64) -> Prior<'_> {
+    pub fn prior(&self, origin: Origin) -> Prior<'_> {
         Prior {
             start: (origin == Origin::Tracked).then_some(&self.face),
             identity: match origin {
                 Origin::NewFace => [0.0; MAX_IDENTITIES],
                 Origin::Reacquired | Origin::Tracked => self.face.identity,
-            },
-            #[cfg(not(feature = "verifier"))]
-            min_confidence: match origin {
-                Origin::Tracked => self.min_confidence(0, now_us),
-                Origin::NewFace | Origin::Reacquired => ACCEPT_CONFIDENCE,
             },
         }
     }
@@ -231,7 +219,7 @@ impl Target {
     }
 }
 
-#[cfg(all(test, feature = "verifier"))]
+#[cfg(test)]
 mod tests {
     use super::*;
 

@@ -115,7 +115,6 @@ pub struct TrackResult {
     pub age_us: i64,
     /// Calibrated probability that this is a face and that the landmarks are right, 0..1: their
     /// mean error is below a tenth of the inter-ocular distance (see [`Landmark::confidence`]).
-    /// Without the feature `verifier` no probability: how well the 3D face fits, 0..1.
     pub confidence: f32,
     /// Axis-aligned box of the landmarks: x, y, width, height \[px of the upright frame\].
     pub face_box: [f32; 4],

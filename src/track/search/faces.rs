@@ -83,8 +83,7 @@ pub struct FoundFace {
     pub yaw_deg: f32,
     /// > 0: the face tilts clockwise in the image \[deg\].
     pub roll_deg: f32,
-    /// Calibrated probability that it is a face and that its landmarks are right, 0..1. Without
-    /// the feature `verifier` always 1.
+    /// Calibrated probability that it is a face and that its landmarks are right, 0..1.
     pub confidence: f32,
 }
 
