@@ -130,7 +130,7 @@ impl<'m> AlignModel<'m> {
                 yaws: s.f32s(views)?,
             },
             iterations,
-            global: Regressor::read(s, LANDMARKS)?,
+            global: Regressor::open(s, LANDMARKS)?,
             second,
             refiners,
         };
@@ -209,6 +209,7 @@ impl<'m> AlignModel<'m> {
             return false;
         };
         warp(frame, &placement.corner_to_frame, side, &mut work.crop);
+        work.crop.standardise();
         // The first member runs last: the verifier reads its maps.
         let second = self.second.run(&mut work.crop, &mut work.memory);
         let mut points = [[0.0f32; 2]; LANDMARKS];

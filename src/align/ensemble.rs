@@ -36,7 +36,7 @@ impl<'m> EnsembleMember<'m> {
             Err(ModelError::Missing(_)) => return Ok(EnsembleMember::default()),
             other => other?,
         };
-        let regressor = Regressor::read(&mut section.clone(), LANDMARKS)?;
+        let regressor = Regressor::open(&mut section.clone(), LANDMARKS)?;
         Ok(EnsembleMember {
             side: regressor.side(),
             zoom: regressor.zoom(),
@@ -64,7 +64,7 @@ impl<'m> EnsembleMember<'m> {
         section.require(same, "its crops differ from those of the global stage")
     }
 
-    /// Landmarks predicted from the mirrored crop, mirrored back, in crop px relative to the crop's
+    /// Landmarks predicted from the mirrored standardised crop, mirrored back, in crop px relative to the crop's
     /// centre; `None` without a network. The crop is unchanged afterwards.
     #[inline(never)]
     pub(super) fn run(&self, crop: &mut Crop, memory: &mut Memory) -> Option<Shape> {

@@ -153,7 +153,7 @@ impl<'m> EyeModel<'m> {
             sigma,
             network: s.clone(),
         };
-        Regressor::read(&mut s, EYE_OUTPUTS)?;
+        Regressor::open(&mut s, EYE_OUTPUTS)?;
         Ok(EyeModel {
             numbers: Some(numbers),
         })
@@ -204,6 +204,7 @@ impl<'m> EyeModel<'m> {
         }
         let bright = crop.luma().iter().filter(|v| **v >= OVEREXPOSED).count();
         let glare = bright as f32 / crop.luma().len().max(1) as f32;
+        crop.standardise();
         let mut outputs = [[0.0f32; 2]; EYE_OUTPUTS];
         regressor.run(crop, &mut outputs, memory);
         let [iris, gaze, [open, visible], [glasses, dark]] = outputs;

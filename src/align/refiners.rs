@@ -143,7 +143,7 @@ impl<'m> Refiner<'m> {
     #[inline(never)]
     fn check(s: &mut Section<'m>) -> Result<(), ModelError> {
         let (landmarks, _) = Self::read_landmarks(s)?;
-        Regressor::read(s, landmarks.len()).map(|_| ())
+        Regressor::open(s, landmarks.len()).map(|_| ())
     }
 
     fn read(s: &mut Section<'m>) -> Result<Self, ModelError> {
@@ -192,6 +192,7 @@ impl<'m> Refiner<'m> {
         let [tx, ty] = to_frame.apply([-centre, -centre]);
         let corner_to_frame = Similarity { tx, ty, ..to_frame };
         warp(run.frame, &corner_to_frame, regressor.side(), run.crop);
+        run.crop.standardise();
         if mirror {
             run.crop.mirror();
         }

@@ -89,7 +89,20 @@ impl Memory {
 }
 
 impl<'m> Regressor<'m> {
-    /// Reads a regressor of `points` points: `side: u32, zoom: f32, fine, coarse, heads, rank: u32`
+    /// As [`Regressor::read`], and checks that no sum of its network overflows.
+    ///
+    /// # Errors
+    /// Likewise, or when a sum might overflow.
+    #[inline(always)]
+    pub fn open(s: &mut Section<'m>, points: usize) -> Result<Self, ModelError> {
+        let regressor = Self::read(s, points);
+        if let Ok(regressor) = &regressor {
+            regressor.network.check_bounds(s)?;
+        }
+        regressor
+    }
+
+    /// Reads a regressor that was opened before, of `points` points: `side: u32, zoom: f32, fine, coarse, heads, rank: u32`
     /// (`fine` and `coarse` are numbers of nodes), the network, and for each head `sources: u32,
     /// project: i8[rank·inputs], scale, bias: f32[rank], expand: i8[rank·2·points], expand_scale:
     /// f32[rank], offset: f32[2·points]`.
@@ -149,7 +162,7 @@ impl<'m> Regressor<'m> {
         self.network.multiply_adds() + heads
     }
 
-    /// Regresses the points, in place, on the crop.
+    /// Regresses the points, in place, on the standardised crop.
     pub fn run(&self, crop: &Crop, points: &mut [[f32; 2]], work: &mut Memory) {
         self.network.run(crop, &mut work.maps);
         let local = points.len() * self.features();
@@ -193,20 +206,23 @@ impl<'m> Regressor<'m> {
         let last = ((side as i32 - 1) << 8) - 1;
         let at = |v: f32| {
             let v = (v + centre).clamp(-FARTHEST_PX, FARTHEST_PX) * (256.0 / step as f32);
-            (libm::roundf(v) as i32).max(0).min(last) as usize
+            ((v.max(0.0) + 0.5) as i32).min(last) as usize
         };
         for ([x, y], out) in points.iter().zip(features.chunks_exact_mut(n.max(1))) {
             let (x, y) = (at(*x), at(*y));
-            let (fx, fy) = ((x & 255) as u32, (y & 255) as u32);
+            let (fx, fy) = ((x & 255) as u16, (y & 255) as u16);
             let first = ((y >> 8) * side + (x >> 8)) * n;
             let pixel = |at: usize| values.get(at..at + n).unwrap_or(&[]);
             let (a, b) = (pixel(first), pixel(first + n));
             let (c, d) = (pixel(first + side * n), pixel(first + side * n + n));
             for (out, ((a, b), (c, d))) in out.iter_mut().zip(a.iter().zip(b).zip(c.iter().zip(d)))
             {
-                let top = *a as u32 * (256 - fx) + *b as u32 * fx;
-                let bottom = *c as u32 * (256 - fx) + *d as u32 * fx;
-                *out = ((top * (256 - fy) + bottom * fy + (1 << 15)) >> 16) as u8;
+                // Nothing overflows 16 bits before the second interpolation.
+                let top = u16::from(*a) * (256 - fx) + u16::from(*b) * fx;
+                let bottom = u16::from(*c) * (256 - fx) + u16::from(*d) * fx;
+                let value =
+                    u32::from(top) * u32::from(256 - fy) + u32::from(bottom) * u32::from(fy);
+                *out = ((value + (1 << 15)) >> 16) as u8;
             }
         }
     }
@@ -250,10 +266,10 @@ impl<'m> Head<'m> {
         let constants = self.scale.iter().zip(self.bias).zip(self.expand_scale);
         for ((sum, row), ((scale, bias), expand_scale)) in sums.iter().zip(expand).zip(constants) {
             let coefficient = (*sum as f32 * scale + bias) * expand_scale;
-            for (p, [x, y]) in points.iter_mut().zip(row.as_chunks::<2>().0) {
-                p[0] += coefficient * *x as f32;
-                p[1] += coefficient * *y as f32;
-            }
+            let coordinates = points.as_flattened_mut().iter_mut();
+            coordinates
+                .zip(row)
+                .for_each(|(p, weight)| *p += coefficient * f32::from(*weight));
         }
     }
 }

@@ -5,7 +5,7 @@
 //! labelled faces: a well placed nose corrects the jaw (correlative regression, thesis 5.1).
 
 use super::shape::Shape;
-use crate::math::Similarity;
+use crate::math::{Similarity, dot};
 use crate::shape::LANDMARKS;
 use posewise_format::{Blob, ModelError};
 
@@ -55,8 +55,12 @@ impl<'m> ShapeRegression<'m> {
         let mut rows = rows.zip(self.scale).zip(self.bias);
         let mut next = || {
             rows.next().map_or(0.0, |((row, scale), bias)| {
-                let pairs = row.iter().zip(deviation.as_flattened());
-                bias + scale * pairs.map(|(w, v)| f32::from(*w) * v).sum::<f32>()
+                let mut weights = [0.0; COORDINATES];
+                weights
+                    .iter_mut()
+                    .zip(row)
+                    .for_each(|(w, v)| *w = f32::from(*v));
+                bias + scale * dot(&weights, deviation.as_flattened())
             })
         };
         for p in shape {

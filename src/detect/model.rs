@@ -77,7 +77,7 @@ impl<'m> DetectorModel<'m> {
             middle_size,
             network: section.clone(),
         };
-        let network = Network::read(&mut section, TILE)?;
+        let network = Network::open(&mut section, TILE)?;
         let output = network.output();
         section.require(
             output.channels() >= OUTPUTS && output.side() > 0,

@@ -33,6 +33,7 @@ pub(super) fn evaluate(
     let Some((network, output)) = model.network() else {
         return;
     };
+    memory.crop.standardise();
     network.run(memory.crop, memory.maps);
     let mut hits = Hits::EMPTY;
     let side = output.side().max(1);

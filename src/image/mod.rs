@@ -16,6 +16,7 @@ mod layout;
 mod noise;
 mod reduce;
 mod roi;
+mod standardise;
 mod warp;
 
 pub use crop::{CROP_MAX, Crop};

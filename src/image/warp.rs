@@ -51,13 +51,22 @@ pub fn warp(frame: &Frame<'_>, to_frame: &Similarity, side: usize, crop: &mut Cr
         coarse,
     };
     let inside = Inside::of(frame);
+    // Crop (u, v) → frame (a·u − b·v + tx, b·u + a·v + ty).
+    let start = |v: usize| {
+        let x = tx - b * v as i64 + first(a) - first(b);
+        (x, ty + a * v as i64 + first(b) + first(a))
+    };
+    let row_is_inside = |v: usize| {
+        let (x, y) = start(v);
+        samples.are_inside(frame, x, y, side)
+    };
+    // All rows lie between the first and the last one.
+    let all_inside = row_is_inside(0) && row_is_inside(side.saturating_sub(1));
     let rows = crop.resized(side).chunks_exact_mut(side.max(1));
     for (v, row) in rows.enumerate() {
-        // Crop (u, v) → frame (a·u − b·v + tx, b·u + a·v + ty).
-        let x = tx - b * v as i64 + first(a) - first(b);
-        let y = ty + a * v as i64 + first(b) + first(a);
+        let (x, y) = start(v);
         // A row that is not all inside is so for the most part.
-        let is_inside = samples.are_inside(frame, x, y, side);
+        let is_inside = all_inside || row_is_inside(v);
         let piece = if is_inside { side } else { PIECE };
         for (k, row) in row.chunks_mut(piece.max(1)).enumerate() {
             let first = (k * piece) as i64;

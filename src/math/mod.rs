@@ -7,8 +7,10 @@ mod fixed;
 mod rotation;
 mod similarity;
 mod solve;
+mod vector;
 
 pub use fixed::{isqrt, sigmoid};
 pub use rotation::{HeadAngles, head_angles, head_rotation, rotation_from_quaternion, towards};
 pub use similarity::Similarity;
-pub use solve::{dot, solve_spd};
+pub use solve::solve_spd;
+pub use vector::{dot, sum};

@@ -4,12 +4,16 @@
 //! it takes 7.2 KB of stack (measured on x86-64) where this works in place, and a call of the
 //! library has 40 KiB. Small systems, of 4 and 6 unknowns, are nalgebra's.
 
-use glam::Vec4;
+use super::dot;
 
 /// Solves `matrix · x = rhs` in place by Cholesky's L·Lᵀ. Only the lower triangle of `matrix`
-/// (rows of columns) is read, and it is overwritten by L. Returns false, with `rhs` undefined, when
+/// (rows of columns, of `W` ≥ `N` numbers) is read, and it is overwritten by L. Returns false, with `rhs` undefined, when
 /// the matrix is not positive definite. Takes N³/6 multiply-adds.
-pub fn solve_spd<const N: usize>(matrix: &mut [[f32; N]; N], rhs: &mut [f32; N]) -> bool {
+pub fn solve_spd<const N: usize, const W: usize>(
+    matrix: &mut [[f32; W]; N],
+    rhs: &mut [f32; N],
+) -> bool {
+    const { assert!(N <= W) };
     for j in 0..N {
         let known = matrix[j];
         let known = &known[..j];
@@ -35,19 +39,6 @@ pub fn solve_spd<const N: usize>(matrix: &mut [[f32; N]; N], rhs: &mut [f32; N])
         rhs[i] = sum / matrix[i][i];
     }
     true
-}
-
-/// Σ a·b, the longer one cut off. Four sums, in one order on all machines.
-#[inline(never)]
-pub fn dot(a: &[f32], b: &[f32]) -> f32 {
-    let ((a, rest_a), (b, rest_b)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
-    let mut sums = Vec4::ZERO;
-    for (a, b) in a.iter().zip(b) {
-        sums += Vec4::from_array(*a) * Vec4::from_array(*b);
-    }
-    let rest = rest_a.iter().zip(rest_b);
-    let [x, y, z, w] = sums.to_array();
-    rest.fold((x + z) + (y + w), |sum, (a, b)| sum + a * b)
 }
 
 #[cfg(test)]

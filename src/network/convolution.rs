@@ -181,8 +181,10 @@ impl Convolution {
                 }
                 next = top + self.kernel;
                 let mut rows = [0; MAX_ROWS];
-                for (k, row) in rows.iter_mut().enumerate() {
-                    *row = (top + k) % self.kernel.max(1) * row_bytes;
+                let mut slot = top % self.kernel.max(1);
+                for row in rows.iter_mut().take(self.kernel) {
+                    *row = slot * row_bytes;
+                    slot = if slot + 1 < self.kernel { slot + 1 } else { 0 };
                 }
                 let at = (y * width + first) * self.outputs;
                 let end = at + (pixels - 1) * self.outputs + scale.bias.len() * BLOCK;

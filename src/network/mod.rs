@@ -4,7 +4,7 @@
 //! `[height][width][channels]`. Weights are `i8` with one scale per output channel, sums are `i32`.
 //! A sum is requantised to the next layer's `u8` by an integer multiplication and two shifts (after
 //! Jacob et al., CVPR 2018, without their rounding), so every machine gives the same bytes. The
-//! model defines the layers; [`Network::read`] checks them once, after which a run cannot fail or
+//! model defines the layers; [`Network::open`] checks them once, after which a run cannot fail or
 //! access memory outside its [`Activations`].
 
 mod activations;

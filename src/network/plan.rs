@@ -107,14 +107,36 @@ pub struct Network<'m> {
 }
 
 impl<'m> Network<'m> {
-    /// Reads `nodes: u32` and then each node: `op, kernel, stride, input, other, channels, at,
+    /// As [`Network::read`], and checks that no sum overflows.
+    ///
+    /// # Errors
+    /// Likewise, or when a sum might overflow.
+    #[inline(always)]
+    pub fn open(s: &mut Section<'m>, side: usize) -> Result<Self, ModelError> {
+        let network = Self::read(s, side);
+        if let Ok(network) = &network {
+            network.check_bounds(s)?;
+        }
+        network
+    }
+
+    /// Checks that no sum of a node overflows; `s` is where the network is from.
+    ///
+    /// # Errors
+    /// When one might.
+    #[inline(never)]
+    pub fn check_bounds(&self, s: &Section<'_>) -> Result<(), ModelError> {
+        let mut nodes = self.nodes.iter().flatten();
+        nodes.try_for_each(|node| node.check_bounds(s))
+    }
+
+    /// Reads a network whose sums are known to be in bounds: `nodes: u32` and then each node: `op, kernel, stride, input, other, channels, at,
     /// zero_point, pre_shift, post_shift: u32`, `weights: i8[…]`, `bias: i32[…]`,
     /// `multiplier: i32[…]`. Node 0 is the crop, `side` px square; `input` and `other` are numbers
     /// of earlier nodes.
     ///
     /// # Errors
-    /// When the section is too short, or a node would leave the arena, overwrite its input or
-    /// overflow its sums.
+    /// When the section is too short, or a node would leave the arena or overwrite its input.
     pub fn read(s: &mut Section<'m>, side: usize) -> Result<Self, ModelError> {
         let count = s.count(2, MAX_NODES, "number of nodes")?;
         let mut network = Network {
@@ -158,7 +180,7 @@ impl<'m> Network<'m> {
             _ => input.is_disjoint(&output),
         };
         s.require(disjoint, "a node overwrites its input")?;
-        let node = Node {
+        Ok(Node {
             op: raw.op,
             kernel: raw.kernel as u8,
             stride: raw.stride as u8,
@@ -171,9 +193,7 @@ impl<'m> Network<'m> {
             multiplier: s.i32s(channels)?,
             pre_shift: raw.pre_shift,
             post_shift: raw.post_shift,
-        };
-        node.check_bounds(s)?;
-        Ok(node)
+        })
     }
 
     /// The output map of a node.

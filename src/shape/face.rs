@@ -273,7 +273,7 @@ pub const FIXED_CONTOUR: Contour = {
 };
 
 impl Shape {
-    const EMPTY: Shape = Shape {
+    pub(super) const EMPTY: Shape = Shape {
         points_mm: [Vec3::ZERO; MAX_POINTS],
     };
 

@@ -1,7 +1,7 @@
 //! The bounded fit of pose and animation to landmarks: Levenberg–Marquardt with a robust loss.
 
 use super::face::FIXED_CONTOUR;
-use super::linear::{Residuals, Sums, System, UNKNOWNS};
+use super::linear::{Matrix, Residuals, Sums, System, UNKNOWNS};
 use super::posit::{mirrored, posit};
 use super::state::FaceState;
 use super::step::stepped;
@@ -142,6 +142,7 @@ struct Point {
     state: FaceState,
     /// Weight of each landmark, less where the head hides it at the initial pose.
     weights: [f32; LANDMARKS],
+    shape: Shape,
     contour: Contour,
     system: System,
 }
@@ -150,6 +151,7 @@ impl Point {
     const EMPTY: Point = Point {
         state: FaceState::EMPTY,
         weights: [0.0; LANDMARKS],
+        shape: Shape::EMPTY,
         contour: FIXED_CONTOUR,
         system: System::EMPTY,
     };
@@ -236,6 +238,7 @@ impl Fit<'_> {
             if gain > 0.0 && gain < CONVERGED * cost {
                 // The matrix, of which the covariance is made, hardly differs here.
                 (at.state, at.contour, at.system.sums) = (state, contour, sums);
+                at.shape = shape;
                 break;
             }
             if gain > 0.0 {
@@ -299,7 +302,7 @@ impl Fit<'_> {
 
     /// Moves `at` to a state whose shape is known; its weights and contour are those to use.
     fn linearise(&self, state: &FaceState, shape: &Shape, at: &mut Point) {
-        at.state = *state;
+        (at.state, at.shape) = (*state, *shape);
         let observed = &self.weighted(&at.weights);
         at.system
             .set(&self.residuals(observed, state, shape, &at.contour));
@@ -308,9 +311,7 @@ impl Fit<'_> {
     /// The result at a point, whose system is overwritten; `None` when its matrix is singular.
     #[inline(never)]
     fn finish(&self, at: &mut Point) -> Option<FaceFit> {
-        let (state, system) = (&at.state, &mut at.system);
-        let mut shape = *self.neutral;
-        self.face.animate(&mut shape, &state.animation);
+        let (state, shape, system) = (&at.state, &at.shape, &mut at.system);
         let points_mm = shape.landmarks().map(|p| state.pose.apply(p));
         let mut image_px = points_mm.map(|p| self.camera.project(p));
         for (px, point) in image_px.iter_mut().zip(at.contour) {
@@ -336,10 +337,7 @@ impl Fit<'_> {
 
 /// Covariance of the last six unknowns: `variance` times the inverse of the Schur complement of the
 /// others, whose Cholesky factor is the last block of the whole factor. The matrix is overwritten.
-fn pose_covariance(
-    matrix: &mut [[f32; UNKNOWNS]; UNKNOWNS],
-    variance: f32,
-) -> Option<[[f32; 6]; 6]> {
+fn pose_covariance(matrix: &mut Matrix, variance: f32) -> Option<[[f32; 6]; 6]> {
     if !solve_spd(matrix, &mut [0.0; UNKNOWNS]) {
         return None;
     }

@@ -1,8 +1,9 @@
 //! Estimation of identity weights from many frames: normal equations that are summed over time.
 
-use super::linear::{Gradients, Observed, Residuals, Row, System, UNKNOWNS, add_scaled};
+use super::linear::{Gradients, Observed, ROW, Residuals, Row, System};
 use super::{FaceFit, FaceModel, Identity, Intrinsics, MAX_IDENTITIES};
 use crate::math::{dot, solve_spd};
+use glam::Vec4;
 
 /// Weight of a video frame: below 1, because the errors of neighbouring frames are correlated.
 pub const FRAME_WEIGHT: f32 = 0.2;
@@ -150,7 +151,7 @@ impl IdentityEstimator {
 struct Frame {
     /// Symmetric; before pose and animation are eliminated only the lower triangle is complete.
     matrix: [[f32; MAX_IDENTITIES]; MAX_IDENTITIES],
-    coupling: [[f32; UNKNOWNS]; MAX_IDENTITIES],
+    coupling: [[f32; ROW]; MAX_IDENTITIES],
     rhs: Identity,
 }
 
@@ -158,7 +159,7 @@ impl Frame {
     fn new() -> Self {
         Frame {
             matrix: [[0.0; MAX_IDENTITIES]; MAX_IDENTITIES],
-            coupling: [[0.0; UNKNOWNS]; MAX_IDENTITIES],
+            coupling: [[0.0; ROW]; MAX_IDENTITIES],
             rhs: [0.0; MAX_IDENTITIES],
         }
     }
@@ -169,15 +170,22 @@ impl Frame {
         let [first, second] = identity;
         let blocks = self.matrix.iter_mut().zip(&mut self.coupling);
         let blocks = blocks.zip(&mut self.rhs).zip(first.iter().zip(second));
-        for (k, (((own, coupling), rhs), (first, second))) in blocks.enumerate() {
-            let factors = [row.weight * first, row.weight * second];
+        for (k, (((own, coupling), rhs), (a, b))) in blocks.enumerate() {
+            let factors = [row.weight * a, row.weight * b];
             *rhs += factors[0] * row.residual[0];
             *rhs += factors[1] * row.residual[1];
-            let to_diagonal = own.split_at_mut_checked((k / 4 + 1) * 4);
-            if let Some((own, _)) = to_diagonal {
-                add_scaled(own, &factors, identity.each_ref().map(|v| v.as_slice()));
+            let by_four = own.as_chunks_mut::<4>().0.iter_mut();
+            let identities = first
+                .as_chunks::<4>()
+                .0
+                .iter()
+                .zip(second.as_chunks::<4>().0);
+            let [a, b] = factors.map(Vec4::splat);
+            for (sums, (first, second)) in by_four.zip(identities).take(k / 4 + 1) {
+                let sum = Vec4::from_array(*sums) + a * Vec4::from_array(*first);
+                *sums = (sum + b * Vec4::from_array(*second)).to_array();
             }
-            gradients.add_to(coupling, &factors);
+            gradients.add_to(coupling, factors);
         }
     }
 

@@ -4,7 +4,7 @@ use super::face::contour_directions;
 use super::{
     ANIMATIONS, Contour, FaceModel, FaceState, Intrinsics, LANDMARKS, Project, RotationPrior, Shape,
 };
-use glam::{Mat3, Vec3};
+use glam::{Mat3, Vec3, Vec4};
 
 /// Unknowns of the fit: animation weights, then a rotation vector \[rad\], then a translation
 /// \[mm\].
@@ -14,8 +14,10 @@ pub(super) const UNKNOWNS: usize = ANIMATIONS + 6;
 /// contour is less certain than across it.
 const ALONG_CONTOUR: f32 = 0.35;
 
-/// The unknowns of the pose, as bits of [`Gradients::fours`]: they move every point.
-const ALWAYS_MOVES: u32 = u32::MAX << (ANIMATIONS / 4);
+/// Unknowns by four; the last ones are padded.
+const FOURS: usize = UNKNOWNS.div_ceil(4);
+/// Length of a row of the normal equations.
+pub(super) const ROW: usize = 4 * FOURS;
 const _: () = assert!(ANIMATIONS.is_multiple_of(4));
 
 /// Scale of the Cauchy loss \[standard deviations\]: a residual of this size has half the weight.
@@ -136,29 +138,38 @@ impl Residuals<'_> {
 
 /// Derivatives of both whitened residuals by the unknowns.
 pub(super) struct Gradients {
-    pub by_residual: [[f32; UNKNOWNS]; 2],
-    /// Bit `k`: some of the unknowns from `4 k` to `4 k + 3` move the point. Derivatives by others
+    /// `[residual][unknown]`, padded with zeros.
+    by_residual: [[f32; ROW]; 2],
+    /// Unknowns by four: those of which some move the point, in order. Derivatives by the others
     /// are 0, as most are: a landmark of a brow does not move with the mouth.
-    fours: u32,
+    moving: [u8; FOURS],
+    count: usize,
 }
 
 impl Gradients {
     pub fn new(face: &FaceModel<'_>, row: &Row) -> Gradients {
-        let mut by_residual = [[0.0; UNKNOWNS]; 2];
-        let mut fours = ALWAYS_MOVES;
-        let [(first, first_pose), (second, second_pose)] =
-            by_residual.each_mut().map(|o| o.split_at_mut(ANIMATIONS));
+        let mut out = Gradients {
+            by_residual: [[0.0; ROW]; 2],
+            moving: [0; FOURS],
+            count: 0,
+        };
+        let [(first, first_pose), (second, second_pose)] = out
+            .by_residual
+            .each_mut()
+            .map(|o| o.split_at_mut(ANIMATIONS));
         let outputs = first.as_chunks_mut::<4>().0.iter_mut();
-        let outputs = outputs.zip(second.as_chunks_mut::<4>().0).enumerate();
-        for ((k, (first, second)), modes) in outputs.zip(face.animation_fours(row.point)) {
+        let outputs = outputs.zip(second.as_chunks_mut::<4>().0).zip(0..);
+        let mut fours = out.moving.iter_mut();
+        for (((first, second), four), modes) in outputs.zip(face.animation_fours(row.point)) {
             let Some(modes) = modes else {
                 continue;
             };
-            fours |= 1 << k;
             for ((a, b), mode) in first.iter_mut().zip(second).zip(modes) {
                 *a = row.by_head[0].dot(mode);
                 *b = row.by_head[1].dot(mode);
             }
+            fours.by_ref().take(1).for_each(|moving| *moving = four);
+            out.count += 1;
         }
         for (pose, by_camera) in [first_pose, second_pose].into_iter().zip(row.by_camera) {
             // A rotation vector ω moves the point by ω × arm.
@@ -166,67 +177,36 @@ impl Gradients {
             let both = by_rotation.into_iter().chain(by_camera.to_array());
             pose.iter_mut().zip(both).for_each(|(o, v)| *o = v);
         }
-        Gradients { by_residual, fours }
+        for (moving, four) in fours.zip(ANIMATIONS as u8 / 4..FOURS as u8) {
+            *moving = four;
+            out.count += 1;
+        }
+        out
     }
 
-    /// Adds a multiple of each residual's derivatives.
-    pub fn add_to(&self, sums: &mut [f32; UNKNOWNS], factors: &[f32; 2]) {
-        let by_residual = self.by_residual.each_ref();
-        let [(a, last_a), (b, last_b)] = by_residual.map(|g| g.as_chunks::<4>());
-        let (sums, last) = sums.as_chunks_mut::<4>();
-        for (k, (sums, (a, b))) in sums.iter_mut().zip(a.iter().zip(b)).enumerate() {
-            if self.moves(k) {
-                add_scaled(sums, factors, [a, b]);
-            }
-        }
-        add_scaled(last, factors, [last_a, last_b]);
+    /// Those unknowns by four of which some move the point, in order.
+    fn moving(&self) -> &[u8] {
+        self.moving.get(..self.count).unwrap_or(&[])
     }
 
-    /// Whether some of four unknowns move the point.
-    fn moves(&self, four: usize) -> bool {
-        self.fours >> four & 1 != 0
+    /// Adds multiples of both residuals' derivatives, by those of the unknowns that are named by
+    /// four.
+    #[inline(always)]
+    fn add_of(&self, moving: &[u8], sums: &mut [f32; ROW], factors: [f32; 2]) {
+        let factors = factors.map(Vec4::splat);
+        let [a, b] = self.by_residual.each_ref().map(|row| row.as_chunks().0);
+        let sums = sums.as_chunks_mut().0;
+        for four in moving {
+            // The remainder, which changes nothing, saves the checks of three indices.
+            let four = usize::from(*four) % FOURS;
+            let sum = Vec4::from_array(sums[four]) + factors[0] * Vec4::from_array(a[four]);
+            sums[four] = (sum + factors[1] * Vec4::from_array(b[four])).to_array();
+        }
     }
-}
 
-/// Adds the products of both residuals' gradients to `R` rows of the matrix from `first` on, up to
-/// the column of the last row, rounded up to a whole vector of four.
-fn add_products<const R: usize>(
-    rows: &mut [[f32; UNKNOWNS]; R],
-    first: usize,
-    weighted: &[[f32; UNKNOWNS]; 2],
-    gradients: &Gradients,
-) {
-    let mut factors = [[0.0; 2]; R];
-    for (residual, weighted) in weighted.iter().enumerate() {
-        for (factors, a) in factors.iter_mut().zip(weighted.iter().skip(first)) {
-            factors[residual] = *a;
-        }
-    }
-    let by_residual = gradients.by_residual.each_ref();
-    let [(a, last_a), (b, last_b)] = by_residual.map(|g| g.as_chunks::<4>());
-    for (column, (a, b)) in a.iter().zip(b).take(first / 4 + 1).enumerate() {
-        if !gradients.moves(column) {
-            continue;
-        }
-        for (row, factors) in rows.iter_mut().zip(&factors) {
-            if let Some(sums) = row.as_chunks_mut::<4>().0.get_mut(column) {
-                add_scaled(sums, factors, [a, b]);
-            }
-        }
-    }
-    if first / 4 + 1 > a.len() {
-        for (row, factors) in rows.iter_mut().zip(&factors) {
-            add_scaled(row.as_chunks_mut::<4>().1, factors, [last_a, last_b]);
-        }
-    }
-}
-
-/// Adds a multiple of each of two vectors.
-#[inline]
-pub(super) fn add_scaled(sums: &mut [f32], factors: &[f32; 2], vectors: [&[f32]; 2]) {
-    for (sum, (a, b)) in sums.iter_mut().zip(vectors[0].iter().zip(vectors[1])) {
-        *sum += factors[0] * a;
-        *sum += factors[1] * b;
+    /// Adds multiples of both residuals' derivatives.
+    pub fn add_to(&self, sums: &mut [f32; ROW], factors: [f32; 2]) {
+        self.add_of(self.moving(), sums, factors);
     }
 }
 
@@ -313,10 +293,13 @@ impl Sums {
     }
 }
 
+/// A square matrix of the unknowns, its rows padded.
+pub(super) type Matrix = [[f32; ROW]; UNKNOWNS];
+
 /// Normal equations of one linearisation, `matrix · step = rhs`.
 pub(super) struct System {
     /// Symmetric; only the lower triangle is complete.
-    pub matrix: [[f32; UNKNOWNS]; UNKNOWNS],
+    pub matrix: Matrix,
     pub rhs: [f32; UNKNOWNS],
     pub sums: Sums,
 }
@@ -324,7 +307,7 @@ pub(super) struct System {
 impl System {
     /// The system of no landmarks, all zero.
     pub const EMPTY: System = System {
-        matrix: [[0.0; UNKNOWNS]; UNKNOWNS],
+        matrix: [[0.0; ROW]; UNKNOWNS],
         rhs: [0.0; UNKNOWNS],
         sums: Sums::EMPTY,
     };
@@ -343,21 +326,25 @@ impl System {
 
     fn add(&mut self, face: &FaceModel<'_>, row: &Row) {
         let gradients = Gradients::new(face, row);
-        let by_residual = gradients.by_residual.each_ref();
-        let weighted = by_residual.map(|g| g.map(|by_unknown| row.weight * by_unknown));
-        for (weighted, residual) in weighted.iter().zip(row.residual) {
-            let rhs = self.rhs.iter_mut().zip(weighted);
-            rhs.for_each(|(sum, a)| *sum += a * residual);
+        let [a, b] = &gradients.by_residual;
+        let derivatives = a
+            .iter()
+            .zip(b)
+            .map(|(a, b)| [row.weight * a, row.weight * b]);
+        let rhs = self.rhs.iter_mut().zip(derivatives.clone());
+        for (sum, [a, b]) in rhs {
+            *sum += a * row.residual[0];
+            *sum += b * row.residual[1];
         }
-        // The lower triangle, rounded up to whole SIMD vectors of four.
-        let (groups, last) = self.matrix.as_chunks_mut::<4>();
-        for (k, rows) in groups.iter_mut().enumerate() {
-            if gradients.moves(k) {
-                add_products(rows, 4 * k, &weighted, &gradients);
+        // The lower triangle, rounded up to whole fours.
+        let moving = gradients.moving();
+        for (n, four) in moving.iter().enumerate() {
+            let (columns, _) = moving.split_at_checked(n + 1).unwrap_or_default();
+            let first = 4 * usize::from(*four);
+            let rows = self.matrix.iter_mut().zip(derivatives.clone());
+            for (row, factors) in rows.skip(first).take(4) {
+                gradients.add_of(columns, row, factors);
             }
-        }
-        if let Some(rows) = last.first_chunk_mut::<{ UNKNOWNS % 4 }>() {
-            add_products(rows, UNKNOWNS / 4 * 4, &weighted, &gradients);
         }
         self.sums.add(row);
     }

@@ -2,7 +2,7 @@
 //! damping by the diagonal).
 
 use super::FaceState;
-use super::linear::{System, UNKNOWNS};
+use super::linear::{Matrix, System, UNKNOWNS};
 use crate::math::solve_spd;
 use glam::Vec3;
 
@@ -47,10 +47,10 @@ pub(super) fn stepped(from: &FaceState, system: &System, damping: f32) -> Option
 }
 
 /// Removes one unknown from a system: its step becomes 0.
-fn fix(matrix: &mut [[f32; UNKNOWNS]; UNKNOWNS], rhs: &mut [f32; UNKNOWNS], unknown: usize) {
+fn fix(matrix: &mut Matrix, rhs: &mut [f32; UNKNOWNS], unknown: usize) {
     for (i, (row, r)) in matrix.iter_mut().zip(rhs).enumerate() {
         if i == unknown {
-            *row = [0.0; UNKNOWNS];
+            row.fill(0.0);
             *r = 0.0;
         }
         if let Some(entry) = row.get_mut(unknown) {

@@ -250,6 +250,11 @@ pub(super) const KEYFRAME_UNITS: u32 = 2200;
 /// the median, without it 0.036 at most (*A box filter for frames with much noise*).
 pub(super) const NOISY: f32 = 0.2;
 
+/// Of the steps that track a face one in this number measures the noise.
+///
+/// Source: chosen: noise lasts, and 432 samples are 1 % of a step.
+pub(super) const NOISE_PERIOD: u8 = 4;
+
 /// Share of noise below which a frame is no longer box-filtered after one that was.
 ///
 /// Source: chosen: hysteresis, so that frames at the edge are not filtered by turns.
@@ -306,14 +311,15 @@ pub(super) const ROTATION_PRIOR_WEIGHT: f32 = 500.0;
 
 /// Trusted frames after the acquisition of which each updates the identity.
 ///
-/// Source: chosen.
-pub(super) const IDENTITY_FRAMES: u32 = 30;
+/// Source: from then on the estimator forgets (`MEMORY` of src/shape/identity.rs over
+/// `FRAME_WEIGHT`).
+pub(super) const IDENTITY_FRAMES: u32 = 12;
 
 /// Of the trusted frames after those one in this number updates it: an update takes a part of a
-/// step.
+/// step, and neighbouring frames have nearly the same errors.
 ///
 /// Source: chosen.
-pub(super) const IDENTITY_PERIOD: u32 = 4;
+pub(super) const IDENTITY_PERIOD: u32 = 8;
 
 // --- Appearance of the target's landmarks --------------------------------------------------------
 

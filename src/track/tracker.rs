@@ -33,7 +33,7 @@ use super::follow::{Target, see_target, verify_target};
 #[cfg(feature = "mesh")]
 use super::mesh::{self, MeshError, MeshSpace};
 use super::output::{Event, EventKind, EventLog, Smoother, write};
-use super::policy::{COAST_US, NO_LONGER_NOISY, NOISY, REFINE_UNITS};
+use super::policy::{COAST_US, NO_LONGER_NOISY, NOISE_PERIOD, NOISY, REFINE_UNITS};
 use super::search::{Detected, Excluded, FaceHint, FoundFace};
 use super::search::{Proposals, Search, Suppressed, Wanted, list};
 use super::step::Step;
@@ -54,6 +54,8 @@ pub struct Tracker {
     last_timestamp_us: Option<i64>,
     /// Whether the last frame was box-filtered.
     is_noisy: bool,
+    /// Steps so far; from the largest number on it counts anew.
+    steps: u8,
     search: Search,
     suppressed: Suppressed,
     excluded: Excluded,
@@ -114,6 +116,7 @@ impl Tracker {
         smoother: Smoother::ZERO,
         last_timestamp_us: None,
         is_noisy: false,
+        steps: 0,
         search: Search::EMPTY,
         suppressed: Suppressed::NONE,
         excluded: Excluded::NONE,
@@ -561,7 +564,13 @@ impl Tracker {
             true => NO_LONGER_NOISY,
             false => NOISY,
         };
-        let is_noisy = noise_share(frame) >= threshold;
+        let is_due =
+            self.result.state != State::Tracking || self.steps.is_multiple_of(NOISE_PERIOD);
+        self.steps = self.steps.wrapping_add(1);
+        let is_noisy = match is_due {
+            true => noise_share(frame) >= threshold,
+            false => self.is_noisy,
+        };
         if is_noisy != self.is_noisy {
             self.is_noisy = is_noisy;
             self.record(match is_noisy {

@@ -202,7 +202,7 @@ pub fn compared(data: &[u8]) -> Option<usize> {
     section[..4].copy_from_slice(&(nodes.maps.len() as u32).to_le_bytes());
     let file = AlignedBytes::new(&blob(&[SectionWriter::of_bytes(TAG, section)]));
     let model = Blob::open(&file).expect("a whole file");
-    let network = Network::read(&mut model.section(&TAG).expect("it is there"), side);
+    let network = Network::open(&mut model.section(&TAG).expect("it is there"), side);
     let network = network.expect("the sizes fit");
 
     let luma: Vec<u8> = (0..side * side)
@@ -212,6 +212,7 @@ pub fn compared(data: &[u8]) -> Option<usize> {
     let frame = Frame::new(&layout, &luma).expect("a frame");
     let mut crop = Box::new(Crop::new());
     warp(&frame, &Similarity::IDENTITY, side, &mut crop);
+    crop.standardise();
     let before = chosen_kernel();
     let maps = |kernel: KernelName| {
         assert!(select_kernel(kernel));

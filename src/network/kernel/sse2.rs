@@ -500,52 +500,56 @@ fn add(sum: &Sum, other: &[u8], out: &mut [u8]) {
 
 #[target_feature(enable = "sse2")]
 fn dot(features: &[u8], weights: &[i8]) -> i32 {
-    let [sum, _] = dot_with_two(features, [weights; 2]);
+    let [sum] = dot_with(features, [weights]);
     sum
 }
 
-/// The products with two rows of weights, for which the features are widened once.
+/// The products with `R` rows of weights, for which the features are widened once.
 #[target_feature(enable = "sse2")]
 #[inline]
-fn dot_with_two(features: &[u8], rows: [&[i8]; 2]) -> [i32; 2] {
+fn dot_with<const R: usize>(features: &[u8], rows: [&[i8]; R]) -> [i32; R] {
     let (vectors, rest) = features.as_chunks::<16>();
-    let [(first, rest_of_first), (second, rest_of_second)] = rows.map(|row| row.as_chunks::<16>());
-    let mut sums = [[_mm_setzero_si128(); 2]; 2];
-    for ((features, first), second) in vectors.iter().zip(first).zip(second) {
-        // SAFETY: all are sixteen bytes.
-        let (features, rows) = unsafe {
-            let rows = [first, second].map(|w| signed(_mm_loadu_si128(w.as_ptr().cast())));
-            (unsigned(_mm_loadu_si128(features.as_ptr().cast())), rows)
-        };
-        unrolled!(r < 2 => {
-            unrolled!(h < 2 => {
-                let products = _mm_madd_epi16(features[h], rows[r][h]);
-                sums[r][h] = _mm_add_epi32(sums[r][h], products);
-            });
+    let rows = rows.map(|row| row.as_chunks::<16>());
+    let mut sums = [[_mm_setzero_si128(); 2]; R];
+    for (k, features) in vectors.iter().enumerate() {
+        // SAFETY: sixteen bytes.
+        let features = unsafe { unsigned(_mm_loadu_si128(features.as_ptr().cast())) };
+        unrolled!(r < R => {
+            if let Some(weights) = rows[r].0.get(k) {
+                // SAFETY: sixteen bytes.
+                let weights = unsafe { signed(_mm_loadu_si128(weights.as_ptr().cast())) };
+                unrolled!(h < 2 => {
+                    let products = _mm_madd_epi16(features[h], weights[h]);
+                    sums[r][h] = _mm_add_epi32(sums[r][h], products);
+                });
+            }
         });
     }
-    let [first, second] = sums.map(|[low, high]| {
+    let mut rows = rows.iter();
+    sums.map(|[low, high]| {
         let sums = _mm_add_epi32(low, high);
         let sums = _mm_add_epi32(sums, _mm_shuffle_epi32::<0b1110>(sums));
-        _mm_cvtsi128_si32(_mm_add_epi32(sums, _mm_shuffle_epi32::<0b01>(sums)))
-    });
-    [
-        first.wrapping_add(tail::dot(rest, rest_of_first)),
-        second.wrapping_add(tail::dot(rest, rest_of_second)),
-    ]
+        let sum = _mm_cvtsi128_si32(_mm_add_epi32(sums, _mm_shuffle_epi32::<0b01>(sums)));
+        let rest_of_row = rows.next().map_or(&[][..], |(_, rest)| rest);
+        sum.wrapping_add(tail::dot(rest, rest_of_row))
+    })
 }
 
 #[target_feature(enable = "sse2")]
 fn dots(features: &[u8], rows: &[i8], sums: &mut [i32]) {
     let mut rows = rows.chunks_exact(features.len().max(1));
-    for sums in sums.chunks_mut(2) {
-        let Some(first) = rows.next() else {
+    let present = rows.len().min(sums.len());
+    let (fours, rest) = sums
+        .get_mut(..present)
+        .unwrap_or(&mut [])
+        .as_chunks_mut::<4>();
+    for sums in fours {
+        let [Some(a), Some(b), Some(c), Some(d)] = [(); 4].map(|()| rows.next()) else {
             return;
         };
-        let second = rows.next();
-        let both = dot_with_two(features, [first, second.unwrap_or(first)]);
-        let present = 1 + usize::from(second.is_some());
-        let of_rows = sums.iter_mut().zip(both).take(present);
-        of_rows.for_each(|(sum, of_row)| *sum = of_row);
+        *sums = dot_with(features, [a, b, c, d]);
+    }
+    for (sum, row) in rest.iter_mut().zip(rows) {
+        *sum = dot(features, row);
     }
 }

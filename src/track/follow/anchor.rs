@@ -162,14 +162,15 @@ impl Square {
     /// Mean luma of the cell in this column and row.
     fn luma(&self, frame: &Frame<'_>, (column, row): (usize, usize)) -> u8 {
         let [x, y] = self.first;
-        let at = |first: f32, n: usize| libm::floorf(first + self.step * n as f32) as i32;
-        let mut sum = 0;
-        for v in SAMPLES * row..SAMPLES * (row + 1) {
-            for u in SAMPLES * column..SAMPLES * (column + 1) {
-                sum += u32::from(frame.raw_luma(at(x, u), at(y, v)));
-            }
-        }
-        (sum / (SAMPLES * SAMPLES) as u32) as u8
+        let at = |first: f32, cell: usize| {
+            let of_sample = |n: usize| first + self.step * (SAMPLES * cell + n) as f32;
+            core::array::from_fn(|n| libm::floorf(of_sample(n)) as i32)
+        };
+        let (columns, rows): ([i32; SAMPLES], [i32; SAMPLES]) = (at(x, column), at(y, row));
+        let lumas = rows
+            .iter()
+            .flat_map(|y| columns.map(|x| u32::from(frame.raw_luma(x, *y))));
+        (lumas.sum::<u32>() / (SAMPLES * SAMPLES) as u32) as u8
     }
 }
 

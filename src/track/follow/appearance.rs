@@ -6,7 +6,7 @@
 //! occludes the others. Drift is bounded: only the trained classifiers select the samples for an
 //! update, and the influence on a probability is limited.
 
-use crate::math::sigmoid;
+use crate::math::{sigmoid, sum};
 use crate::network::MAX_FEATURES;
 use crate::shape::LANDMARKS;
 use crate::track::policy::{
@@ -76,24 +76,34 @@ impl Appearance {
 /// Mean squared deviation of a landmark's features from its model, in variances, minus 1: about 0
 /// for a typical frame of the person.
 fn distance(mean: &[i16], variance: &[u16], features: &[i8]) -> f32 {
-    let mut sum = 0.0f32;
-    for ((mean, variance), feature) in mean.iter().zip(variance).zip(features) {
+    let mut terms = [0.0f32; MAX_FEATURES];
+    let models = mean.iter().zip(variance).zip(features);
+    for (term, ((mean, variance), feature)) in terms.iter_mut().zip(models) {
         let deviation = f32::from(*feature) - f32::from(*mean) / MEAN_SCALE as f32;
         let variance = f32::from(*variance) / VARIANCE_SCALE as f32 + APPEARANCE_VARIANCE;
-        sum += deviation * deviation / variance;
+        *term = deviation * deviation / variance;
     }
-    sum / features.len().max(1) as f32 - 1.0
+    sum(&terms) / features.len().max(1) as f32 - 1.0
 }
 
 /// Exponential moving average of mean and variance; a plain average over the first frames.
 fn update_model(mean: &mut [i16], variance: &mut [u16], frames: u16, features: &[i8]) {
-    let rate = (i32::from(frames) + 1).min(APPEARANCE_RATE);
+    match i32::from(frames) + 1 {
+        // The compiler divides by a constant in vectors.
+        APPEARANCE_RATE.. => move_towards(mean, variance, features, APPEARANCE_RATE),
+        rate => move_towards(mean, variance, features, rate),
+    }
+}
+
+/// Moves mean and variance by one part in `rate`.
+#[inline(always)]
+fn move_towards(mean: &mut [i16], variance: &mut [u16], features: &[i8], rate: i32) {
     for ((mean, variance), feature) in mean.iter_mut().zip(variance).zip(features) {
         let deviation = i32::from(*feature) * MEAN_SCALE - i32::from(*mean);
         *mean = (i32::from(*mean) + divide_rounded(deviation, rate)) as i16;
         let units = deviation / MEAN_SCALE;
         let square = (units * units * VARIANCE_SCALE).min(i32::from(u16::MAX));
-        let target = if frames == 0 { 0 } else { square };
+        let target = if rate == 1 { 0 } else { square };
         let change = divide_rounded(target - i32::from(*variance), rate);
         *variance = (i32::from(*variance) + change).clamp(0, i32::from(u16::MAX)) as u16;
     }

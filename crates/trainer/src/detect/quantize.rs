@@ -171,6 +171,7 @@ mod tests {
         let (mut crop, mut maps) = (Box::new(Crop::new()), Box::new(Activations::new()));
         let frame = Frame::new(&FrameLayout::grey(TILE as u32, TILE as u32), &tiles[0]).unwrap();
         reduce(&frame, [0, 0], 256, TILE, &mut crop);
+        crop.standardise();
         integer.run(&crop, &mut maps);
         let mut work = network.work();
         standardise(&tiles[0], &mut work.maps[0]);
