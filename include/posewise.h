@@ -86,6 +86,7 @@
 #define POSEWISE_EXCLUDED      16u          ///< Most boxes of posewise_set_excluded()
 #define POSEWISE_EVENTS        64u          ///< Unread events that a tracker keeps
 #define POSEWISE_MESH_VERTICES 800u         ///< Most vertices of posewise_mesh()
+#define POSEWISE_MESH_NEUTRAL  0xFFFFFFFFu  ///< Shape of posewise_mesh_shape(): no animation
 #define POSEWISE_MESH_LINES    8u           ///< Lines of a mesh, POSEWISE_MESH_LINE_*
 #define POSEWISE_CPU_DOTPROD   1u           ///< Dot products of AArch64, for posewise_set_cpu()
 
@@ -119,11 +120,12 @@
 #define POSEWISE_E_MONITOR_CONFIG  (-27) ///< A setting of the monitor is out of range
 #define POSEWISE_E_MONITOR_ZONES   (-28) ///< Zones: too many, or not those of their kind
 #define POSEWISE_E_CAPACITY        (-29) ///< An output has less room than is needed
-#define POSEWISE_E_NO_FACE         (-30) ///< The tracker searches: there is no face
+#define POSEWISE_E_NO_FACE         (-30) ///< There is no face, or there was none yet
 #define POSEWISE_E_MESH            (-31) ///< The model, or the library, has no mesh
 #define POSEWISE_E_MESH_SPACE      (-32) ///< Not a POSEWISE_MESH_SPACE_* value
 #define POSEWISE_E_RECORD          (-33) ///< A record is none, is cut or damaged
 #define POSEWISE_E_RECORD_VERSION  (-34) ///< A record of an unknown version
+#define POSEWISE_E_MESH_SHAPE      (-35) ///< Not a shape of posewise_mesh_shape()
 
 #define POSEWISE_PART_REFINERS      1u  ///< Part: networks that see closer crops
 #define POSEWISE_PART_KEYFRAMES     2u  ///< Part: a lost face is found by its looks
@@ -1101,6 +1103,22 @@ posewise_status posewise_mesh(const posewise_tracker *tracker,
                               posewise_mesh_vertex *out,
                               size_t capacity,
                               size_t *count);
+
+/// Writes the vertices of the person's own head in the head frame [mm], and their number as
+/// posewise_mesh() does: with POSEWISE_MESH_NEUTRAL the neutral face, with a POSEWISE_ANIMATION_*
+/// that face with this weight at 1. A face with any weights is the neutral one plus each weight
+/// times what its shape differs by: morph targets. The identity is that of the last fit, so it
+/// outlives the loss of the face; it gets better while the face is tracked. Until the first trusted
+/// frame, and after posewise_forget_identity(), it is the mean head. Pose and landmarks play no
+/// part, and visibility is 1. Fails with POSEWISE_E_MESH_SHAPE, POSEWISE_E_MESH,
+/// POSEWISE_E_CAPACITY, and POSEWISE_E_NO_FACE where no face was tracked since posewise_init() or
+/// posewise_reset().
+POSEWISE_API
+posewise_status posewise_mesh_shape(const posewise_tracker *tracker,
+                                    uint32_t shape,
+                                    posewise_mesh_vertex *out,
+                                    size_t capacity,
+                                    size_t *count);
 
 /// Writes how the vertices of the mesh are joined, and where they lie in a texture. The tables lie
 /// in the model, and are the same for every face. POSEWISE_E_MESH: the model has no mesh.

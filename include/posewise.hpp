@@ -138,6 +138,11 @@ public:
         return posewise_mesh(tracker_, space, out.data(), out.size(), &count);
     }
 
+    // Those of the person's own head, head frame: POSEWISE_MESH_NEUTRAL, or one weight at 1.
+    posewise_status mesh_shape(std::uint32_t shape, MeshVertices &out, std::size_t &count) const {
+        return posewise_mesh_shape(tracker_, shape, out.data(), out.size(), &count);
+    }
+
     // How they are joined: tables that lie in the model.
     posewise_status mesh_tables(posewise_mesh_topology &out) const {
         return posewise_mesh_tables(tracker_, &out);

@@ -121,11 +121,12 @@ pub mod eyes {
     pub use crate::track::{EYE_LOOK_NAMES, EYE_LOOKS, Eye, EyeUnknown, Eyes, Gaze};
 }
 
-/// The dense mesh of the tracked face: [`Tracker::mesh`], [`Model::mesh_topology`].
+/// The dense mesh of the tracked face: [`Tracker::mesh`], [`Tracker::mesh_shape`],
+/// [`Model::mesh_topology`].
 #[cfg(feature = "mesh")]
 pub mod mesh {
     pub use crate::shape::{MAX_VERTICES, MeshLine, MeshTopology, MeshVertex};
-    pub use crate::track::{MeshError, MeshSpace};
+    pub use crate::track::{MeshError, MeshShape, MeshSpace};
 }
 
 #[cfg(feature = "alloc")]

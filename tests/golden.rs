@@ -5,8 +5,8 @@ mod common;
 
 use common::root;
 use posewise::eyes::{Eye, EyeUnknown, Eyes, Gaze};
-use posewise::mesh::{MAX_VERTICES, MeshSpace, MeshVertex};
-use posewise::{Config, Model, State, TrackResult, Tracker};
+use posewise::mesh::{MAX_VERTICES, MeshShape, MeshSpace, MeshVertex};
+use posewise::{ANIMATIONS, Config, Model, State, TrackResult, Tracker};
 
 /// FNV-1a, 64 bits.
 struct Hash(u64);
@@ -14,6 +14,18 @@ struct Hash(u64);
 impl Hash {
     fn new() -> Hash {
         Hash(0xCBF2_9CE4_8422_2325)
+    }
+
+    fn vertices(&mut self, vertices: &[MeshVertex]) {
+        for vertex in vertices {
+            let MeshVertex {
+                x,
+                y,
+                z,
+                visibility,
+            } = vertex;
+            [x, y, z, visibility].iter().for_each(|v| self.float(**v));
+        }
     }
 
     fn bytes(&mut self, bytes: &[u8]) {
@@ -187,15 +199,12 @@ fn demo_clip_gives_the_same_bits_of_the_mesh() {
                 let count = tracker
                     .mesh(model, space, &mut vertices)
                     .unwrap_or_default();
-                for MeshVertex {
-                    x,
-                    y,
-                    z,
-                    visibility,
-                } in &vertices[..count]
-                {
-                    [x, y, z, visibility].iter().for_each(|v| hash.float(**v));
-                }
+                hash.vertices(&vertices[..count]);
+            }
+            let shapes = (0..ANIMATIONS).map(MeshShape::Animation);
+            for shape in [MeshShape::Neutral].into_iter().chain(shapes) {
+                let count = tracker.mesh_shape(model, shape, &mut vertices);
+                hash.vertices(&vertices[..count.unwrap_or_default()]);
             }
         },
     );

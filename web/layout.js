@@ -11,6 +11,8 @@ export const EYE_LOOKS = 8;
 
 export const MESH_VERTICES = 800;
 
+export const MESH_NEUTRAL = 4294967295;
+
 export const UNREAD_EVENTS = 64;
 
 export const UNREAD_MONITOR_EVENTS = 24;
@@ -54,6 +56,7 @@ export const STATUS = {
   E_MESH_SPACE: -32,
   E_RECORD: -33,
   E_RECORD_VERSION: -34,
+  E_MESH_SHAPE: -35,
 };
 
 /** Pixel formats by name. */

@@ -183,6 +183,16 @@ export class FaceTracker {
   }
 
   /**
+   * The person's own head in the head frame [mm], as {@link mesh}: the neutral face, or that face
+   * with one animation weight at 1, for morph targets. It outlives the loss of the face.
+   * @param {string} [shape] `neutral`, or one of animationNames.
+   * @returns {Promise<Float32Array>}
+   */
+  meshShape(shape) {
+    return this.#call('meshShape', [shape]);
+  }
+
+  /**
    * How the vertices of its mesh are joined.
    * @returns {Promise<MeshTables>}
    */

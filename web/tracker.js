@@ -2,8 +2,9 @@
 
 import { Handle } from './handle.js';
 import {
-  ANIMATIONS, EVENT, FACE, HINT, INTRINSICS, LANDMARK, LANDMARKS, LENS, MESH_LINES, MESH_SPACES,
-  MESH_TOPOLOGY, MESH_VERTEX, MESH_VERTICES, MONITOR_OBSERVATION, RESULT, ROI, UNREAD_EVENTS,
+  ANIMATIONS, EVENT, FACE, HINT, INTRINSICS, LANDMARK, LANDMARKS, LENS, MESH_LINES, MESH_NEUTRAL,
+  MESH_SPACES, MESH_TOPOLOGY, MESH_VERTEX, MESH_VERTICES, MONITOR_OBSERVATION, RESULT, ROI,
+  UNREAD_EVENTS,
 } from './layout.js';
 
 /** @typedef {import('./engine.js').Frame} Frame */
@@ -86,8 +87,31 @@ export class Tracker extends Handle {
   mesh(space = 'picture') {
     const index = MESH_SPACES.indexOf(space);
     if (index < 0) throw new TypeError(`space must be one of ${MESH_SPACES}, not ${space}`);
+    return this.#vertices('mesh', index);
+  }
+
+  /**
+   * The person's own head in the head frame [mm], as {@link mesh}, with visibility 1: the neutral
+   * face, or that face with one animation weight at 1. A face with any weights is the neutral one
+   * plus each weight times what its shape differs by. The identity is that of the last fit, so it
+   * outlives the loss of the face. Before the first face it is an error.
+   * @param {string} [shape] `neutral`, or one of Engine.animationNames.
+   */
+  meshShape(shape = 'neutral') {
+    const index = this.engine.animationNames.indexOf(shape);
+    if (index < 0 && shape !== 'neutral') {
+      throw new TypeError(`shape must be neutral or one of animationNames, not ${shape}`);
+    }
+    return this.#vertices('mesh_shape', index < 0 ? MESH_NEUTRAL : index);
+  }
+
+  /**
+   * @param {string} name
+   * @param {number} index
+   */
+  #vertices(name, index) {
     const at = this.engine.scratch;
-    this.call('mesh', index, at + 16, MESH_VERTICES, at);
+    this.call(name, index, at + 16, MESH_VERTICES, at);
     const count = this.engine.view.getUint32(at, true);
     return new Float32Array(this.engine.memory, at + 16, (count * MESH_VERTEX.size) / 4).slice();
   }

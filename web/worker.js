@@ -125,6 +125,7 @@ const CALLS = {
   setLens: (lens) => tracker.setLens(lens),
   setExcluded: (boxes) => tracker.setExcluded(boxes),
   mesh: (space) => tracker.mesh(space),
+  meshShape: (shape) => tracker.meshShape(shape),
   meshTables: () => tracker.meshTables(),
   setZones: (zones) => needed().setZones(zones),
   forgetDriver: () => needed().forgetDriver(),

@@ -39,6 +39,9 @@ def main():
     print(f"{name} {weight:.2f}; {posewise.EYE_LOOK_NAMES[0]} {result.eye_look[0]:.2f}")
     mesh, tables = tracker.mesh("camera"), tracker.mesh_tables()
     print(f"{len(mesh.vertices)} vertices, {len(tables.triangles)} triangles")
+    # The person's own head, and how an open jaw changes it: a morph target.
+    moved = tracker.mesh_shape("jawOpen") - tracker.mesh_shape()
+    print(f"an open jaw moves vertices by up to {abs(moved).max():.0f} mm")
     # For another video.
     tracker.reset()
     tracker.close()

@@ -50,6 +50,7 @@ for _name, _returns, _arguments in [
     ("landmarks", c_int32, [_tracker, c_void_p, c_size_t]),
     ("animation", c_int32, [_tracker, c_void_p, c_size_t]),
     ("mesh", c_int32, [_tracker, c_uint32, c_void_p, c_size_t, _size_p]),
+    ("mesh_shape", c_int32, [_tracker, c_uint32, c_void_p, c_size_t, _size_p]),
     ("mesh_tables", c_int32, [_tracker, POINTER(layout.MeshTopology)]),
     ("smoothed", c_int32, [_tracker, _result]),
     ("smoothed_landmarks", c_int32, [_tracker, c_void_p, c_size_t]),

@@ -195,13 +195,27 @@ class Tracker(Handle):
         (mm). While searching, or with a model without a mesh, it is an error.
         """
         index = arguments.index_of("a space", space, layout.MESH_SPACES)
+        points = self._vertices("mesh", index)
+        return Mesh(vertices=points[:, :3], visibility=points[:, 3])
+
+    def mesh_shape(self, shape: str = "neutral") -> Floats:
+        """The person's own head: vertices in the head frame, (vertices, 3) in mm.
+
+        ``shape`` is "neutral", or one of ANIMATION_NAMES: the neutral face with that weight at 1. A
+        face with weights w is neutral + sum of w[i] * (shape i - neutral). The identity is that of
+        the last fit, so it outlives the loss of the face. Before the first face, or with a model
+        without a mesh, it is an error.
+        """
+        index = arguments.index_of("a shape", shape, ("neutral", *ANIMATION_NAMES))
+        return self._vertices("mesh_shape", index - 1 if index else layout.MESH_NEUTRAL)[:, :3]
+
+    def _vertices(self, name: str, index: int) -> Floats:
         # As in posewise_mesh_vertex: x, y, z, visibility.
         points = np.empty((layout.MESH_VERTICES, 4), dtype=np.float32)
         count = ctypes.c_size_t()
         at, capacity = points.ctypes.data, len(points)
-        self._call("mesh", index, at, capacity, ctypes.byref(count))
-        points = points[: count.value]
-        return Mesh(vertices=points[:, :3], visibility=points[:, 3])
+        self._call(name, index, at, capacity, ctypes.byref(count))
+        return points[: count.value]
 
     def mesh_tables(self) -> MeshTables:
         """How the vertices of its mesh are joined."""

@@ -247,6 +247,26 @@ def test_the_mesh_has_its_tables(clip):
         tracker.mesh("face")
 
 
+def test_shapes_are_of_the_persons_own_head(clip):
+    tracker = posewise.Tracker()
+    with pytest.raises(posewise.PosewiseError) as fault:
+        tracker.mesh_shape()
+    assert fault.value.name == "E_NO_FACE"
+    for i, frame in enumerate(clip[0][:8]):
+        result = tracker.step(frame, i * clip[1])
+    neutral = tracker.mesh_shape()
+    assert neutral.shape == tracker.mesh("head").vertices.shape
+    moved = {name: tracker.mesh_shape(name) - neutral for name in posewise.ANIMATION_NAMES}
+    # Every weight moves something by millimetres; an open jaw moves the chin, vertex 8, down.
+    assert all(1 < np.abs(move).max() < 60 for move in moved.values())
+    assert moved["jawOpen"][8, 1] > 5
+    # The face is the neutral one with its weights, but for what landmarks drew.
+    face = neutral + sum(w * m for w, m in zip(result.animation, moved.values()))
+    assert np.abs(face - tracker.mesh("head").vertices).mean() < 3
+    with pytest.raises(ValueError, match="a shape is one of neutral, browDownLeft"):
+        tracker.mesh_shape("jawopen")
+
+
 def test_structs_are_those_of_c():
     # Sizes on machines with 64-bit pointers; the header's test has the rest.
     sizes = {"Config": 84, "Intrinsics": 16, "Lens": 24, "Landmark": 28, "Event": 40, "Roi": 16}

@@ -28,19 +28,60 @@ pub unsafe extern "C" fn posewise_mesh(
     status(|| {
         // SAFETY: the caller's contract, here and below.
         let block = unsafe { block::get(tracker)? };
-        memory::check_pointer(out)?;
-        memory::check_pointer(count)?;
+        let capacity = checked_capacity(tracker, out, capacity, count)?;
         if space > POSEWISE_MESH_SPACE_HEAD {
             return Err(POSEWISE_E_MESH_SPACE);
         }
-        let capacity = capacity.min(POSEWISE_MESH_VERTICES as usize);
-        let bytes = size_of::<posewise_mesh_vertex>() * capacity;
-        memory::require_disjoint(tracker, BLOCK_SIZE, out, bytes)?;
-        memory::require_disjoint(tracker, BLOCK_SIZE, count, size_of::<usize>())?;
-        memory::require_disjoint(out, bytes, count, size_of::<usize>())?;
         unsafe { count.write(write(block, space, out, capacity)?) };
         Ok(())
     })
+}
+
+/// Writes the vertices of the person's own head in the head frame \[mm\], and their number as
+/// posewise_mesh() does: with POSEWISE_MESH_NEUTRAL the neutral face, with a POSEWISE_ANIMATION_*
+/// that face with this weight at 1. A face with any weights is the neutral one plus each weight
+/// times what its shape differs by: morph targets. The identity is that of the last fit, so it
+/// outlives the loss of the face; it gets better while the face is tracked. Until the first trusted
+/// frame, and after posewise_forget_identity(), it is the mean head. Pose and landmarks play no
+/// part, and visibility is 1. Fails with POSEWISE_E_MESH_SHAPE, POSEWISE_E_MESH,
+/// POSEWISE_E_CAPACITY, and POSEWISE_E_NO_FACE where no face was tracked since posewise_init() or
+/// posewise_reset().
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn posewise_mesh_shape(
+    tracker: *const posewise_tracker,
+    shape: u32,
+    out: *mut posewise_mesh_vertex,
+    capacity: usize,
+    count: *mut usize,
+) -> posewise_status {
+    status(|| {
+        // SAFETY: the caller's contract, here and below.
+        let block = unsafe { block::get(tracker)? };
+        let capacity = checked_capacity(tracker, out, capacity, count)?;
+        if shape >= POSEWISE_ANIMATIONS && shape != POSEWISE_MESH_NEUTRAL {
+            return Err(POSEWISE_E_MESH_SHAPE);
+        }
+        unsafe { count.write(write_shape(block, shape, out, capacity)?) };
+        Ok(())
+    })
+}
+
+/// Checks the outputs of a mesh; returns for how many vertices there is room, at most as many as a
+/// mesh can have.
+fn checked_capacity(
+    tracker: *const posewise_tracker,
+    out: *mut posewise_mesh_vertex,
+    capacity: usize,
+    count: *mut usize,
+) -> Result<usize, posewise_status> {
+    memory::check_pointer(out)?;
+    memory::check_pointer(count)?;
+    let capacity = capacity.min(POSEWISE_MESH_VERTICES as usize);
+    let bytes = size_of::<posewise_mesh_vertex>() * capacity;
+    memory::require_disjoint(tracker, BLOCK_SIZE, out, bytes)?;
+    memory::require_disjoint(tracker, BLOCK_SIZE, count, size_of::<usize>())?;
+    memory::require_disjoint(out, bytes, count, size_of::<usize>())?;
+    Ok(capacity)
 }
 
 /// Writes how the vertices of the mesh are joined, and where they lie in a texture. The tables lie
@@ -75,19 +116,33 @@ unsafe fn write(
     Err(POSEWISE_E_MESH)
 }
 
+/// Writes the vertices of a shape; returns their number.
+///
+/// # Safety
+/// As [`write`].
+#[cfg(not(feature = "mesh"))]
+unsafe fn write_shape(
+    _: &Block,
+    _: u32,
+    _: *mut posewise_mesh_vertex,
+    _: usize,
+) -> Result<usize, posewise_status> {
+    Err(POSEWISE_E_MESH)
+}
+
 #[cfg(not(feature = "mesh"))]
 fn tables(_: &Block) -> Option<posewise_mesh_topology> {
     None
 }
 
 #[cfg(feature = "mesh")]
-use with_mesh::{tables, write};
+use with_mesh::{tables, write, write_shape};
 
 #[cfg(feature = "mesh")]
 mod with_mesh {
     use super::*;
     use crate::shape::{MAX_VERTICES, MeshLine, MeshVertex};
-    use crate::track::{MeshError, MeshSpace};
+    use crate::track::{MeshError, MeshShape, MeshSpace};
     use core::mem::{align_of, offset_of};
 
     const _: () = assert!(POSEWISE_MESH_VERTICES as usize == MAX_VERTICES);
@@ -120,22 +175,57 @@ mod with_mesh {
             _ => MeshSpace::Head,
         };
         let vertices = tracker.mesh_vertices(model).map_err(error_of)?;
+        // SAFETY: the caller's promise.
+        let out = unsafe { cleared(out, vertices, capacity)? };
+        tracker.mesh(model, space, out).map_err(error_of)
+    }
+
+    /// Writes the vertices of a shape; returns their number.
+    ///
+    /// # Safety
+    /// As [`write`].
+    pub(super) unsafe fn write_shape(
+        block: &Block,
+        shape: u32,
+        out: *mut posewise_mesh_vertex,
+        capacity: usize,
+    ) -> Result<usize, posewise_status> {
+        let (tracker, model) = (&block.tracker, &block.model);
+        let shape = match shape {
+            POSEWISE_MESH_NEUTRAL => MeshShape::Neutral,
+            index => MeshShape::Animation(index as usize),
+        };
+        let vertices = tracker.mesh_shape_vertices(model).map_err(error_of)?;
+        // SAFETY: the caller's promise.
+        let out = unsafe { cleared(out, vertices, capacity)? };
+        tracker.mesh_shape(model, shape, out).map_err(error_of)
+    }
+
+    /// The caller's vertices, if there is room for these.
+    ///
+    /// # Safety
+    /// `out` is aligned and has room for `capacity` items.
+    unsafe fn cleared<'o>(
+        out: *mut posewise_mesh_vertex,
+        vertices: usize,
+        capacity: usize,
+    ) -> Result<&'o mut [MeshVertex], posewise_status> {
         if vertices > capacity {
             return Err(POSEWISE_E_CAPACITY);
         }
         let out = out.cast::<MeshVertex>();
         // SAFETY: there is room by the caller's promise; zero is a valid vertex.
-        let out = unsafe {
+        unsafe {
             out.write_bytes(0, vertices);
-            core::slice::from_raw_parts_mut(out, vertices)
-        };
-        tracker.mesh(model, space, out).map_err(error_of)
+            Ok(core::slice::from_raw_parts_mut(out, vertices))
+        }
     }
 
     fn error_of(error: MeshError) -> posewise_status {
         match error {
             MeshError::NoMesh => POSEWISE_E_MESH,
             MeshError::NoFace => POSEWISE_E_NO_FACE,
+            MeshError::Shape => POSEWISE_E_MESH_SHAPE,
             MeshError::Capacity { .. } => POSEWISE_E_CAPACITY,
         }
     }

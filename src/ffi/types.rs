@@ -30,6 +30,8 @@ pub const POSEWISE_EXCLUDED: u32 = 16;
 pub const POSEWISE_EVENTS: u32 = 64;
 /// Most vertices of posewise_mesh().
 pub const POSEWISE_MESH_VERTICES: u32 = 800;
+/// Shape of posewise_mesh_shape(): no animation.
+pub const POSEWISE_MESH_NEUTRAL: u32 = 0xFFFF_FFFF;
 /// Lines of a mesh, POSEWISE_MESH_LINE_*.
 pub const POSEWISE_MESH_LINES: u32 = 8;
 /// Dot products of AArch64, for posewise_set_cpu().
@@ -99,7 +101,7 @@ pub const POSEWISE_E_MONITOR_CONFIG: i32 = -27;
 pub const POSEWISE_E_MONITOR_ZONES: i32 = -28;
 /// An output has less room than is needed.
 pub const POSEWISE_E_CAPACITY: i32 = -29;
-/// The tracker searches: there is no face.
+/// There is no face, or there was none yet.
 pub const POSEWISE_E_NO_FACE: i32 = -30;
 /// The model, or the library, has no mesh.
 pub const POSEWISE_E_MESH: i32 = -31;
@@ -109,6 +111,8 @@ pub const POSEWISE_E_MESH_SPACE: i32 = -32;
 pub const POSEWISE_E_RECORD: i32 = -33;
 /// A record of an unknown version.
 pub const POSEWISE_E_RECORD_VERSION: i32 = -34;
+/// Not a shape of posewise_mesh_shape().
+pub const POSEWISE_E_MESH_SHAPE: i32 = -35;
 
 /// Part: networks that see closer crops.
 pub const POSEWISE_PART_REFINERS: u32 = 1;

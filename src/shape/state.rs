@@ -24,4 +24,10 @@ impl FaceState {
         animation: [0.0; ANIMATIONS],
         identity: [0.0; MAX_IDENTITIES],
     };
+
+    /// Whether it is of a face, not [`FaceState::EMPTY`].
+    #[cfg(feature = "mesh")]
+    pub fn is_fitted(&self) -> bool {
+        self.pose.rotation != Mat3::ZERO
+    }
 }

@@ -1,15 +1,15 @@
 //! The dense mesh of the tracked face: of the 3D face as it was last fitted, drawn towards the
-//! landmarks that were seen.
+//! landmarks that were seen. And the person's head at rest, for files and avatars that animate it.
 
 use super::Model;
 use super::output::{State, TrackResult};
 use super::policy::MESH_SURE;
 use crate::shape::{
-    Contour, FaceModel, FaceState, Intrinsics, LANDMARKS, Mesh, MeshVertex, NEAREST_MM, Project,
-    Shape,
+    ANIMATIONS, Contour, FaceModel, FaceState, Intrinsics, LANDMARKS, Mesh, MeshVertex, NEAREST_MM,
+    Pose, Project, Shape,
 };
 use core::fmt;
-use glam::Vec3;
+use glam::{Mat3, Vec3};
 
 /// Where the vertices of a mesh are given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,14 +26,30 @@ pub enum MeshSpace {
     Picture,
 }
 
+/// A shape of the person's own head, which weights blend: the neutral one plus, for each animation
+/// weight, that weight times what the shape of the weight differs by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+#[non_exhaustive]
+pub enum MeshShape {
+    /// No animation.
+    Neutral,
+    /// The weight of this index of [`ANIMATION_NAMES`](crate::ANIMATION_NAMES) is 1, all others are
+    /// 0.
+    Animation(usize),
+}
+
 /// Why there is no mesh. Nothing was written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum MeshError {
     /// The model has no mesh.
     NoMesh,
-    /// No face is tracked.
+    /// No face is tracked; of a shape, none was since the tracker began.
     NoFace,
+    /// There is no animation weight of this index.
+    Shape,
     /// There is room for fewer vertices than the mesh has.
     Capacity {
         /// Vertices of the mesh.
@@ -46,6 +62,7 @@ impl fmt::Display for MeshError {
         match self {
             MeshError::NoMesh => f.write_str("the model has no mesh"),
             MeshError::NoFace => f.write_str("no face is tracked"),
+            MeshError::Shape => f.write_str("there is no such animation weight"),
             MeshError::Capacity { vertices } => {
                 write!(
                     f,
@@ -64,6 +81,45 @@ pub(super) fn open<'m>(model: &Model<'m>, result: &TrackResult) -> Result<Mesh<'
     match result.state {
         State::Searching => Err(MeshError::NoFace),
         State::Tracking | State::Coasting => Ok(mesh),
+    }
+}
+
+/// Writes the vertices of a shape of the head of the last fit, head frame; returns their number.
+pub(super) fn write_shape(
+    model: &Model<'_>,
+    face: &FaceState,
+    shape: MeshShape,
+    out: &mut [MeshVertex],
+) -> Result<usize, MeshError> {
+    let mut animation = [0.0; ANIMATIONS];
+    if let MeshShape::Animation(index) = shape {
+        *animation.get_mut(index).ok_or(MeshError::Shape)? = 1.0;
+    }
+    let mesh = open_shape(model, face)?;
+    let vertices = mesh.topology.vertices;
+    let too_small = MeshError::Capacity { vertices };
+    let out = out.get_mut(..vertices).ok_or(too_small)?;
+    let head = FaceState {
+        pose: Pose {
+            rotation: Mat3::IDENTITY,
+            translation_mm: Vec3::ZERO,
+        },
+        animation,
+        identity: face.identity,
+    };
+    mesh.place(&head, out);
+    for vertex in out {
+        vertex.visibility = 1.0;
+    }
+    Ok(vertices)
+}
+
+/// The mesh of a model, if a face was fitted.
+pub(super) fn open_shape<'m>(model: &Model<'m>, face: &FaceState) -> Result<Mesh<'m>, MeshError> {
+    let mesh = model.mesh.mesh().ok_or(MeshError::NoMesh)?;
+    match face.is_fitted() {
+        true => Ok(mesh),
+        false => Err(MeshError::NoFace),
     }
 }
 

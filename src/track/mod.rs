@@ -42,7 +42,7 @@ pub use config::{Config, ConfigError, MAX_EXCLUDED, Smoothing};
 pub use eyes::{EYE_LOOK_NAMES, EYE_LOOKS, Eye, EyeUnknown, Eyes, Gaze};
 pub use geometry::is_same_face;
 #[cfg(feature = "mesh")]
-pub use mesh::{MeshError, MeshSpace};
+pub use mesh::{MeshError, MeshShape, MeshSpace};
 pub use model::Model;
 pub use output::{
     EVENTS, Event, EventKind, EventLog, EventRing, Landmark, Loss, State, TrackResult,

@@ -31,7 +31,7 @@ use super::eyes::{Eyes, see};
 use super::fit::{Fitted, fit_face};
 use super::follow::{Target, see_target, verify_target};
 #[cfg(feature = "mesh")]
-use super::mesh::{self, MeshError, MeshSpace};
+use super::mesh::{self, MeshError, MeshShape, MeshSpace};
 use super::output::{Event, EventKind, EventLog, Smoother, write};
 use super::policy::{COAST_US, NO_LONGER_NOISY, NOISE_PERIOD, NOISY, REFINE_UNITS};
 use super::search::{Detected, Excluded, FaceHint, FoundFace};
@@ -41,9 +41,9 @@ use super::verify::{Verdict, verify};
 use super::{Config, ConfigError, Loss, Model, Smoothing, State, StepError, TrackResult};
 use crate::align::Workspace;
 use crate::image::{Frame, Roi, noise_share};
-use crate::shape::Intrinsics;
 #[cfg(feature = "mesh")]
 use crate::shape::MeshVertex;
+use crate::shape::{FaceState, Intrinsics};
 
 /// All state of one tracked face. Plain data: a copy of it is an independent tracker.
 #[derive(Clone)]
@@ -291,6 +291,49 @@ impl Tracker {
         mesh::open(model, &self.result).map(|mesh| mesh.topology.vertices)
     }
 
+    /// Writes the vertices of a shape of the person's own head, head frame \[mm\], visibility 1;
+    /// returns their number, as [`Tracker::mesh`]. The identity is that of the last fit, so it
+    /// outlives the loss of the face; it gets better while the face is tracked, and another face
+    /// has its own. Until the first trusted frame of a face, and after
+    /// [`Tracker::forget_identity`], it is the mean head. Pose, picture and landmarks play no part.
+    ///
+    /// A face with weights `w` is `neutral + Σ w[i]·(shape[i] − neutral)`: morph targets of a file.
+    ///
+    /// ```
+    /// use posewise::ANIMATIONS;
+    /// use posewise::mesh::{MAX_VERTICES, MeshShape, MeshVertex};
+    /// # use posewise::{Config, Model, Tracker};
+    /// # let model = Model::load(posewise::DEFAULT_MODEL).unwrap();
+    /// # let tracker = Box::new(Tracker::new(&Config::default()).unwrap());
+    /// let mut vertices = [MeshVertex::default(); MAX_VERTICES];
+    /// let shapes = [MeshShape::Neutral].into_iter();
+    /// for shape in shapes.chain((0..ANIMATIONS).map(MeshShape::Animation)) {
+    ///     match tracker.mesh_shape(&model, shape, &mut vertices) {
+    ///         Ok(count) => println!("{shape:?} {:?}", &vertices[..count]),
+    ///         Err(why) => println!("{why}"),
+    ///     }
+    /// }
+    /// ```
+    ///
+    /// # Errors
+    /// [`MeshError`]; nothing is written. [`MeshError::NoFace`] if no face was fitted since the
+    /// tracker began or was [reset](Tracker::reset).
+    #[cfg(feature = "mesh")]
+    pub fn mesh_shape(
+        &self,
+        model: &Model<'_>,
+        shape: MeshShape,
+        out: &mut [MeshVertex],
+    ) -> Result<usize, MeshError> {
+        mesh::write_shape(model, &self.target.face, shape, out)
+    }
+
+    /// How many vertices [`Tracker::mesh_shape`] would write.
+    #[cfg(all(feature = "mesh", feature = "ffi"))]
+    pub(crate) fn mesh_shape_vertices(&self, model: &Model<'_>) -> Result<usize, MeshError> {
+        mesh::open_shape(model, &self.target.face).map(|mesh| mesh.topology.vertices)
+    }
+
     /// The events that were not read yet. They outlive [`Tracker::reset`].
     ///
     /// ```
@@ -316,6 +359,7 @@ impl Tracker {
     pub fn reset(&mut self) {
         self.record(EventKind::Reset);
         self.result = TrackResult::default();
+        self.target.face = FaceState::EMPTY;
         self.smoother = Smoother::EMPTY;
         self.last_timestamp_us = None;
         self.is_noisy = false;

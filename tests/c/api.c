@@ -706,6 +706,51 @@ static void test_outputs(void) {
     guarded_free(memory);
 }
 
+/* A call for a shape that must fail writes nothing. */
+static void shape_refused(const posewise_tracker *t, uint32_t shape, size_t capacity,
+                          posewise_status expected) {
+    static posewise_mesh_vertex v[POSEWISE_MESH_VERTICES];
+    size_t count = 77;
+    memset(v, 0x33, sizeof v);
+    CHECK_STATUS(posewise_mesh_shape(t, shape, v, capacity, &count), expected);
+    CHECK(count == 77 && filled((uint8_t *)v, sizeof v, 0x33));
+}
+
+/* Shapes of the head of a tracker, in memory, that has a face. */
+static void mesh_shapes(const posewise_tracker *t, guarded memory, size_t vertex_count) {
+    static posewise_mesh_vertex neutral[POSEWISE_MESH_VERTICES], v[POSEWISE_MESH_VERTICES];
+    posewise_mesh_vertex *inside = (posewise_mesh_vertex *)(void *)memory.start;
+    const size_t most = POSEWISE_MESH_VERTICES;
+    const uint32_t last = POSEWISE_ANIMATIONS - 1;
+    size_t count = 0, i;
+    uint32_t shape;
+    shape_refused(t, POSEWISE_ANIMATIONS, most, POSEWISE_E_MESH_SHAPE);
+    shape_refused(t, POSEWISE_MESH_NEUTRAL - 1, 0, POSEWISE_E_MESH_SHAPE);
+    shape_refused(t, POSEWISE_MESH_NEUTRAL, vertex_count - 1, POSEWISE_E_CAPACITY);
+    shape_refused(t, last, 0, POSEWISE_E_CAPACITY);
+    CHECK_STATUS(posewise_mesh_shape(t, 0, NULL, most, &count), POSEWISE_E_NULL);
+    CHECK_STATUS(posewise_mesh_shape(t, 0, v, most, NULL), POSEWISE_E_NULL);
+    CHECK_STATUS(posewise_mesh_shape(NULL, 0, v, most, &count), POSEWISE_E_NULL);
+    CHECK_STATUS(posewise_mesh_shape(t, 0, inside, most, &count), POSEWISE_E_OVERLAP);
+    CHECK_STATUS(posewise_mesh_shape(t, 0, v, most, (size_t *)(void *)v), POSEWISE_E_OVERLAP);
+    CHECK(count == 0);
+    CHECK_STATUS(posewise_mesh_shape(t, POSEWISE_MESH_NEUTRAL, neutral, SIZE_MAX, &count),
+                 POSEWISE_OK);
+    CHECK(count == vertex_count);
+    for (shape = 0; shape <= last; shape++) {
+        float moved = 0;
+        memset(v, 0x33, sizeof v);
+        CHECK_STATUS(posewise_mesh_shape(t, shape, v, vertex_count, &count), POSEWISE_OK);
+        CHECK(count == vertex_count);
+        CHECK(filled((uint8_t *)(v + count), sizeof v - count * sizeof *v, 0x33));
+        for (i = 0; i < count; i++) {
+            moved = fmaxf(moved, fabsf(v[i].y - neutral[i].y) + fabsf(v[i].z - neutral[i].z));
+            CHECK(v[i].visibility == 1);
+        }
+        CHECK(moved > 1 && moved < 100);
+    }
+}
+
 /* A call for a mesh that must fail writes nothing. */
 static void mesh_refused(const posewise_tracker *t, uint32_t space, size_t capacity,
                          posewise_status expected) {
@@ -742,6 +787,7 @@ static void test_mesh(void) {
         CHECK(tables.lines[i] < tables.vertex_count);
     CHECK(tables.line_starts[POSEWISE_MESH_LINE_LANDMARKS + 1] == POSEWISE_LANDMARKS);
     mesh_refused(t, POSEWISE_MESH_SPACE_HEAD, POSEWISE_MESH_VERTICES, POSEWISE_E_NO_FACE);
+    shape_refused(t, POSEWISE_MESH_NEUTRAL, POSEWISE_MESH_VERTICES, POSEWISE_E_NO_FACE);
     for (i = 0; i < frames.count; i++) {
         const posewise_frame f = clip_frame(&frames, i);
         CHECK_STATUS(step(t, &f, &a), POSEWISE_OK);
@@ -770,6 +816,9 @@ static void test_mesh(void) {
         for (i = 0; i < count; i++)
             CHECK(v[i].visibility >= 0 && v[i].visibility <= 1 && fabsf(v[i].x) < 1e5f);
     }
+    mesh_shapes(t, memory, tables.vertex_count);
+    CHECK_STATUS(posewise_reset(t), POSEWISE_OK);
+    shape_refused(t, POSEWISE_MESH_NEUTRAL, POSEWISE_MESH_VERTICES, POSEWISE_E_NO_FACE);
     guarded_free(memory);
 }
 

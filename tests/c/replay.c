@@ -1,7 +1,7 @@
 /* replay.c VIDEO.y4m FRAMES [CPU] - prints a hash of all bytes of all results for the video's first
  * frames, gaze, mesh and driver monitor included. The line is the same on every machine. Standard
  * error gets the sizes of model and tracker and the peak stacks of posewise_init, _step, _step_at,
- * _detect and _mesh [bytes]. C99 with GCC's attributes; reads 8-bit mono y4m. */
+ * _detect and _mesh, or _mesh_shape [bytes]. C99 with GCC's attributes; reads 8-bit mono y4m. */
 #include "posewise.h"
 #include "float_env.h"
 #include "hash.h"
@@ -88,21 +88,37 @@ static posewise_status detect(posewise_tracker *tracker, posewise_frame *frame,
     return status;
 }
 
-/* Hashes the mesh in every space, if there is one. */
+/* A function that writes vertices: posewise_mesh or posewise_mesh_shape. */
+typedef posewise_status (*mesh_function)(const posewise_tracker *, uint32_t, posewise_mesh_vertex *,
+                                         size_t, size_t *);
+
+/* Hashes what it writes, if there is a mesh. */
+static posewise_status vertices_of(const posewise_tracker *tracker, mesh_function function,
+                                   uint32_t which) {
+    const uint32_t own = float_env();
+    size_t count;
+    uint32_t before;
+    posewise_status status;
+    stack_walk(1);
+    before = next_env();
+    status = function(tracker, which, vertices, POSEWISE_MESH_VERTICES, &count);
+    own_env(own, before);
+    deepest(&mesh_stack, stack_walk(0));
+    if (status == POSEWISE_OK)
+        hash_bytes(vertices, count * sizeof *vertices);
+    return status;
+}
+
+/* Hashes the mesh in every space, and every shape of the head, if there is one. */
 static posewise_status mesh(const posewise_tracker *tracker) {
     posewise_status status = POSEWISE_OK;
-    uint32_t space, before;
-    size_t count;
-    for (space = 0; status == POSEWISE_OK && space <= POSEWISE_MESH_SPACE_HEAD; space++) {
-        const uint32_t own = float_env();
-        stack_walk(1);
-        before = next_env();
-        status = posewise_mesh(tracker, space, vertices, POSEWISE_MESH_VERTICES, &count);
-        own_env(own, before);
-        deepest(&mesh_stack, stack_walk(0));
-        if (status == POSEWISE_OK)
-            hash_bytes(vertices, count * sizeof *vertices);
-    }
+    uint32_t which;
+    for (which = 0; status == POSEWISE_OK && which <= POSEWISE_MESH_SPACE_HEAD; which++)
+        status = vertices_of(tracker, posewise_mesh, which);
+    for (which = 0; status == POSEWISE_OK && which < POSEWISE_ANIMATIONS; which++)
+        status = vertices_of(tracker, posewise_mesh_shape, which);
+    if (status == POSEWISE_OK)
+        status = vertices_of(tracker, posewise_mesh_shape, POSEWISE_MESH_NEUTRAL);
     return status == POSEWISE_E_MESH || status == POSEWISE_E_NO_FACE ? POSEWISE_OK : status;
 }
 

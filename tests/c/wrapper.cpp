@@ -56,6 +56,9 @@ int main(int argc, char **argv) {
         const posewise_status meshed = first.mesh(POSEWISE_MESH_SPACE_HEAD, vertices, vertex_count);
         CHECK(meshed == (a.state == POSEWISE_SEARCHING ? POSEWISE_E_NO_FACE : POSEWISE_OK));
         CHECK(meshed != POSEWISE_OK || vertex_count == tables.vertex_count);
+        const posewise_status shaped =
+            first.mesh_shape(POSEWISE_MESH_NEUTRAL, vertices, vertex_count);
+        CHECK(shaped == POSEWISE_OK || (shaped == POSEWISE_E_NO_FACE && meshed == shaped));
         CHECK(first.observe(seen) == POSEWISE_OK && seen.state == a.state);
         CHECK(monitor.update(seen, a.timestamp_us) == POSEWISE_OK);
         CHECK(monitor.state(state) == POSEWISE_OK && state.timestamp_us == a.timestamp_us);

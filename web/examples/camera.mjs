@@ -44,6 +44,11 @@ console.log(`${engine.animationNames[strongest]} ${smoothed.toFixed(2)}`);
 console.log(`${engine.eyeLookNames[0]} ${result.eyeLook[0].toFixed(2)}`);
 const { triangles } = tracker.meshTables();
 console.log(`${tracker.mesh('camera').length / 4} vertices, ${triangles.length / 3} triangles`);
+// The person's own head, and how an open jaw changes it: a morph target.
+const [neutral, open] = [tracker.meshShape(), tracker.meshShape('jawOpen')];
+const lowest = (/** @type {Float32Array} */ mesh) =>
+  mesh.reduce((most, y, i) => (i % 4 === 1 ? Math.max(most, y) : most), -Infinity);
+console.log(`the jaw opens by ${(lowest(open) - lowest(neutral)).toFixed(0)} mm`);
 // For another video.
 tracker.reset();
 tracker.free();

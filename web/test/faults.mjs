@@ -174,6 +174,8 @@ test('a mesh needs a face and a space', async () => {
   const tracker = await newTracker();
   assert.throws(() => tracker.mesh(), { code: 'E_NO_FACE' });
   assert.throws(() => tracker.mesh('face'), TypeError);
+  assert.throws(() => tracker.meshShape(), { code: 'E_NO_FACE' });
+  assert.throws(() => tracker.meshShape('jawopen'), TypeError);
   const { triangles, uvs, lines } = tracker.meshTables();
   assert.ok(Math.max(...triangles) < uvs.length / 2 && uvs.length <= 1600);
   assert.equal(lines.landmarks.length, 68);

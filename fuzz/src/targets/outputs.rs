@@ -151,41 +151,73 @@ const SPACES: [u32; 3] = [
 ];
 const MOST_VERTICES: usize = POSEWISE_MESH_VERTICES as usize;
 
-/// Checks what the header states of the mesh of the last step, in every space.
+/// `posewise_mesh()`, or `posewise_mesh_shape()`.
+type MeshFunction = unsafe extern "C" fn(
+    *const posewise_tracker,
+    u32,
+    *mut posewise_mesh_vertex,
+    usize,
+    *mut usize,
+) -> i32;
+
+/// Checks what the header states of the mesh of the last step, in every space, and of the shapes of
+/// the head.
 fn check_mesh(tracker: *const posewise_tracker, state: u32) {
-    let vertex = size_of::<posewise_mesh_vertex>();
-    let mesh = |space: u32, capacity: usize| {
-        let vertices = Guarded::new(capacity * vertex, UNTOUCHED);
-        let count = Guarded::new(size_of::<usize>(), UNTOUCHED);
-        let out = (vertices.ptr().cast(), count.ptr().cast());
-        // SAFETY: as long as the capacity says.
-        let status = unsafe { posewise_mesh(tracker, space, out.0, capacity, out.1) };
-        vertices.check();
-        count.check();
-        let untouched = |memory: &Guarded| memory.get().iter().all(|b| *b == UNTOUCHED);
-        assert!(status == POSEWISE_OK || untouched(&vertices) && untouched(&count));
-        let count = usize::from_ne_bytes(count.get().try_into().expect("a length"));
-        (status, vertices, count)
-    };
     for space in SPACES {
-        let (status, vertices, count) = mesh(space, MOST_VERTICES);
-        match status {
-            POSEWISE_E_MESH => continue,
-            POSEWISE_E_NO_FACE => assert_eq!(state, POSEWISE_SEARCHING),
-            _ => {
-                assert!(status == POSEWISE_OK && state != POSEWISE_SEARCHING);
-                assert!((LANDMARKS..=MOST_VERTICES).contains(&count));
-                let (written, rest) = vertices.get().split_at(count * vertex);
-                assert!(rest.iter().all(|b| *b == UNTOUCHED));
-                let numbers: Vec<f32> = words(written).map(f32::from_bits).collect();
-                assert!(numbers.iter().all(|v| v.is_finite()), "{numbers:?}");
-                let mut seen = numbers.iter().skip(3).step_by(4);
-                assert!(seen.all(|v| (0.0..=1.0).contains(v)), "{numbers:?}");
-                assert_eq!(mesh(space, count - 1).0, POSEWISE_E_CAPACITY);
-            }
-        }
+        let status = check_vertices(tracker, posewise_mesh, space);
+        let searching = state == POSEWISE_SEARCHING;
+        assert!(status == POSEWISE_E_MESH || (status == POSEWISE_E_NO_FACE) == searching);
     }
-    assert_eq!(mesh(3, MOST_VERTICES).0, POSEWISE_E_MESH_SPACE);
+    let (status, ..) = vertices(tracker, posewise_mesh, 3, MOST_VERTICES);
+    assert_eq!(status, POSEWISE_E_MESH_SPACE);
+    for shape in (0..POSEWISE_ANIMATIONS).chain([POSEWISE_MESH_NEUTRAL]) {
+        let status = check_vertices(tracker, posewise_mesh_shape, shape);
+        // That of the last face, if there was one.
+        assert!(status != POSEWISE_E_NO_FACE || state == POSEWISE_SEARCHING);
+    }
+    let shape = POSEWISE_ANIMATIONS;
+    let (status, ..) = vertices(tracker, posewise_mesh_shape, shape, MOST_VERTICES);
+    assert_eq!(status, POSEWISE_E_MESH_SHAPE);
+}
+
+/// What a function writes where there is room for `capacity` vertices.
+fn vertices(
+    tracker: *const posewise_tracker,
+    function: MeshFunction,
+    which: u32,
+    capacity: usize,
+) -> (i32, Guarded, usize) {
+    let vertices = Guarded::new(capacity * size_of::<posewise_mesh_vertex>(), UNTOUCHED);
+    let count = Guarded::new(size_of::<usize>(), UNTOUCHED);
+    let out = (vertices.ptr().cast(), count.ptr().cast());
+    // SAFETY: as long as the capacity says.
+    let status = unsafe { function(tracker, which, out.0, capacity, out.1) };
+    vertices.check();
+    count.check();
+    let untouched = |memory: &Guarded| memory.get().iter().all(|b| *b == UNTOUCHED);
+    assert!(status == POSEWISE_OK || untouched(&vertices) && untouched(&count));
+    let count = usize::from_ne_bytes(count.get().try_into().expect("a length"));
+    (status, vertices, count)
+}
+
+/// Checks the vertices that a function writes; returns its status.
+fn check_vertices(tracker: *const posewise_tracker, function: MeshFunction, which: u32) -> i32 {
+    let (status, written, count) = vertices(tracker, function, which, MOST_VERTICES);
+    if [POSEWISE_E_MESH, POSEWISE_E_NO_FACE].contains(&status) {
+        return status;
+    }
+    assert_eq!(status, POSEWISE_OK);
+    assert!((LANDMARKS..=MOST_VERTICES).contains(&count));
+    let length = count * size_of::<posewise_mesh_vertex>();
+    let (written, rest) = written.get().split_at(length);
+    assert!(rest.iter().all(|b| *b == UNTOUCHED));
+    let numbers: Vec<f32> = words(written).map(f32::from_bits).collect();
+    assert!(numbers.iter().all(|v| v.is_finite()), "{numbers:?}");
+    let mut seen = numbers.iter().skip(3).step_by(4);
+    assert!(seen.all(|v| (0.0..=1.0).contains(v)), "{numbers:?}");
+    let (too_small, ..) = vertices(tracker, function, which, count - 1);
+    assert_eq!(too_small, POSEWISE_E_CAPACITY);
+    status
 }
 
 /// The smoothed result has the state of the last one, and finite numbers.

@@ -142,7 +142,9 @@ fn constant(line: &str) -> Option<(&str, String)> {
         format!("({value})")
     } else if name == "POSEWISE_OK" {
         value.to_string()
-    } else if name.starts_with("POSEWISE_FMT_") || name == "POSEWISE_VERSION" {
+    } else if name.starts_with("POSEWISE_FMT_")
+        || ["POSEWISE_VERSION", "POSEWISE_MESH_NEUTRAL"].contains(&name)
+    {
         let value: u32 = value.parse().ok()?;
         let digits = if value > 0xFFFFFF { 8 } else { 6 };
         format!("0x{value:0digits$X}u")

@@ -36,12 +36,13 @@ pub fn words_type(kind: &str) -> (&'static str, &'static str) {
 }
 
 /// Numbers that both have, and their names in C.
-pub const NUMBERS: [(&str, &str); 8] = [
+pub const NUMBERS: [(&str, &str); 9] = [
     ("ABI", "ABI"),
     ("LANDMARKS", "LANDMARKS"),
     ("ANIMATIONS", "ANIMATIONS"),
     ("EYE_LOOKS", "EYE_LOOKS"),
     ("MESH_VERTICES", "MESH_VERTICES"),
+    ("MESH_NEUTRAL", "MESH_NEUTRAL"),
     ("UNREAD_EVENTS", "EVENTS"),
     ("UNREAD_MONITOR_EVENTS", "MONITOR_EVENTS"),
     ("MONITOR_RECORD_SIZE", "MONITOR_RECORD_SIZE"),
