@@ -158,7 +158,7 @@ pub struct TrackArgs {
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true)]
     pub log: Option<Option<PathBuf>>,
     /// Send head rotation and blendshapes over OSC, as the Virtual Motion Capture protocol has them
-    /// (VSeeFace, Warudo, VNyan and others)
+    /// (VSeeFace, VMagicMirror and others)
     #[arg(long, value_name = "HOST:PORT", value_parser = host_port)]
     pub osc: Option<String>,
     /// Send the head pose to opentrack's input "UDP over network"

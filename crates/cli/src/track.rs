@@ -102,7 +102,11 @@ impl Outputs {
                 .as_deref()
                 .map(|path| Overlay::create(path, source.fps()))
                 .transpose()?,
-            streams: Streams::open(args.osc.as_deref(), args.udp_opentrack.as_deref())?,
+            streams: Streams::open(
+                args.osc.as_deref(),
+                args.udp_opentrack.as_deref(),
+                args.tracker.gaze || args.tracker.natural_gaze || args.monitor.is_some(),
+            )?,
             painter: Painter::new(&args.overlay_style),
             samples: Vec::new(),
             live: source.is_live(),

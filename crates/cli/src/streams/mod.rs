@@ -10,17 +10,19 @@ use anyhow::{Context, Result, anyhow};
 use posewise::TrackResult;
 
 /// The datagrams of one frame.
-type Encode = fn(&TrackResult) -> Result<Vec<Vec<u8>>>;
+type Encode = Box<dyn Fn(&TrackResult) -> Result<Vec<Vec<u8>>>>;
 
 /// Every receiver that was asked for.
 #[derive(Default)]
 pub struct Streams(Vec<Stream>);
 
 impl Streams {
-    /// `osc` and `opentrack` are HOST:PORT.
-    pub fn open(osc: Option<&str>, opentrack: Option<&str>) -> Result<Self> {
-        let vmc: Option<(_, Encode)> = osc.map(|to| (to, vmc::datagrams as Encode));
-        let opentrack = opentrack.map(|to| (to, opentrack::datagrams as Encode));
+    /// `osc` and `opentrack` are HOST:PORT; `gaze` says whether the gaze is looked for.
+    pub fn open(osc: Option<&str>, opentrack: Option<&str>, gaze: bool) -> Result<Self> {
+        let vmc = osc.map(|to| -> (_, Encode) {
+            (to, Box::new(move |result| vmc::datagrams(result, gaze)))
+        });
+        let opentrack = opentrack.map(|to| -> (_, Encode) { (to, Box::new(opentrack::datagrams)) });
         let streams = [vmc, opentrack].into_iter().flatten();
         Ok(Streams(
             streams

@@ -6,6 +6,7 @@
 //! three: a rotation has the same matrix, and the same quaternion, in both.
 
 use anyhow::{Result, anyhow};
+use posewise::eyes::EYE_LOOK_NAMES;
 use posewise::{ANIMATION_NAMES, State, TrackResult};
 use rosc::{OscBundle, OscMessage, OscPacket, OscTime, OscType};
 
@@ -17,9 +18,14 @@ const AT_ONCE: OscTime = OscTime {
 /// `/VMC/Ext/OK`: a model is loaded; it is calibrated; calibrated in the normal way.
 const STATUS: [i32; 3] = [1, 3, 0];
 
-/// Two datagrams, each within an Ethernet frame: status, time and head; then the blendshapes.
-/// Without a face only the status, which says so.
-pub fn datagrams(result: &TrackResult) -> Result<Vec<Vec<u8>>> {
+/// Largest payload of UDP over IPv4 in an Ethernet frame \[bytes\]: what is larger comes in
+/// fragments, of which none may be lost.
+const MOST: usize = 1500 - 20 - 8;
+
+/// Datagrams that are each within an Ethernet frame: status, time and head; then the blendshapes,
+/// in as many as they take, the 8 of the eyes among them if the gaze is looked for. Without a face
+/// only the status, which says so.
+pub fn datagrams(result: &TrackResult, gaze: bool) -> Result<Vec<Vec<u8>>> {
     let has_face = result.state != State::Searching;
     let status = STATUS.into_iter().chain([i32::from(has_face)]);
     let seconds = result.timestamp_us as f64 / 1e6;
@@ -31,7 +37,26 @@ pub fn datagrams(result: &TrackResult) -> Result<Vec<Vec<u8>>> {
         return Ok(vec![bundle(first)?]);
     }
     first.push(head(result));
-    Ok(vec![bundle(first)?, bundle(blendshapes(result))?])
+    let mut datagrams = vec![bundle(first)?];
+    datagrams.extend(bundles(blendshapes(result, gaze))?);
+    Ok(datagrams)
+}
+
+/// Messages in as few bundles as hold them.
+fn bundles(messages: Vec<OscPacket>) -> Result<Vec<Vec<u8>>> {
+    let mut full = Vec::new();
+    let mut last = bundle(Vec::new())?;
+    for message in messages {
+        let bytes = encode(&message)?;
+        // A bundle is a head, then for each message its length and itself.
+        if last.len() + 4 + bytes.len() > MOST {
+            full.push(std::mem::replace(&mut last, bundle(Vec::new())?));
+        }
+        last.extend((bytes.len() as u32).to_be_bytes());
+        last.extend(bytes);
+    }
+    full.push(last);
+    Ok(full)
 }
 
 /// The head's rotation to that of the camera. Where the bone is belongs to the avatar: 0.
@@ -45,10 +70,12 @@ fn head(result: &TrackResult) -> OscPacket {
     )
 }
 
-/// All weights, then the order to show them.
-fn blendshapes(result: &TrackResult) -> Vec<OscPacket> {
+/// All weights, then the order to show them. Those of eyes whose gaze is unknown are 0.
+fn blendshapes(result: &TrackResult, gaze: bool) -> Vec<OscPacket> {
     let weights = ANIMATION_NAMES.iter().zip(result.animation);
+    let looks = EYE_LOOK_NAMES.iter().zip(result.eyes.look);
     weights
+        .chain(looks.filter(|_| gaze))
         .map(|(name, weight)| {
             let name = OscType::String(capitalized(name));
             message("/VMC/Ext/Blend/Val", vec![name, OscType::Float(weight)])
@@ -76,16 +103,17 @@ fn bundle(content: Vec<OscPacket>) -> Result<Vec<u8>> {
         timetag: AT_ONCE,
         content,
     });
-    rosc::encoder::encode(&packet).map_err(|e| anyhow!("cannot encode OSC: {e:?}"))
+    encode(&packet)
+}
+
+fn encode(packet: &OscPacket) -> Result<Vec<u8>> {
+    rosc::encoder::encode(packet).map_err(|e| anyhow!("cannot encode OSC: {e:?}"))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use glam::{EulerRot, Quat, Vec3};
-
-    /// Largest payload of UDP over IPv4 in an Ethernet frame \[bytes\].
-    const MOST: usize = 1500 - 20 - 8;
 
     /// Where the avatar's forward and up axes point, in Unity's frame.
     fn turned(yaw_deg: f32, pitch_deg: f32, roll_deg: f32) -> (Vec3, Vec3) {
@@ -116,11 +144,26 @@ mod tests {
     #[test]
     fn datagrams_are_whole_frames() {
         let mut result = TrackResult::default();
-        assert_eq!(datagrams(&result).unwrap().len(), 1);
+        assert_eq!(datagrams(&result, true).unwrap().len(), 1);
         result.state = State::Tracking;
-        let sent = datagrams(&result).unwrap();
-        assert_eq!(sent.len(), 2);
-        assert!(sent.iter().all(|d| d.len() <= MOST), "no fragments");
+        for gaze in [false, true] {
+            let sent = datagrams(&result, gaze).unwrap();
+            assert!(sent.iter().all(|d| d.len() <= MOST), "no fragments");
+            let looks = if gaze { EYE_LOOK_NAMES.len() } else { 0 };
+            let shapes = blendshapes(&result, gaze);
+            assert_eq!(shapes.len(), ANIMATION_NAMES.len() + looks + 1);
+            // Each is there once, in its order.
+            let mut received = Vec::new();
+            for datagram in &sent[1..] {
+                let packet = rosc::decoder::decode_udp(datagram).unwrap().1;
+                let OscPacket::Bundle(bundle) = packet else {
+                    panic!("a bundle");
+                };
+                assert!(!bundle.content.is_empty());
+                received.extend(bundle.content);
+            }
+            assert_eq!(received, shapes);
+        }
         assert_eq!(capitalized("eyeBlinkLeft"), "EyeBlinkLeft");
     }
 }

@@ -14,13 +14,14 @@ const FRAMES: usize = 8;
 
 /// Tracks the first frames of the demo clip; gives what the JSON lines say of them, what was
 /// received, and how long it took.
-fn track(option: &str) -> (Vec<Value>, Vec<Vec<u8>>, Duration) {
+fn track(option: &str, more: &[&str]) -> (Vec<Value>, Vec<Vec<u8>>, Duration) {
     let receiver = UdpSocket::bind("127.0.0.1:0").unwrap();
     let to = receiver.local_addr().unwrap().to_string();
     let start = Instant::now();
     let run = posewise()
         .args(["track", DEMO, "--frames", &FRAMES.to_string(), "--quiet"])
         .args(["--jsonl", "-", option, &to])
+        .args(more)
         .assert()
         .success();
     let taken = start.elapsed();
@@ -43,7 +44,7 @@ fn has_face(row: &Value) -> bool {
 
 #[test]
 fn opentrack_receives_six_doubles_a_frame() {
-    let (rows, received, taken) = track("--udp-opentrack");
+    let (rows, received, taken) = track("--udp-opentrack", &[]);
     let rows: Vec<&Value> = rows.iter().filter(|row| has_face(row)).collect();
     assert!(rows.len() >= FRAMES - 2, "the face is found");
     assert_eq!(received.len(), rows.len());
@@ -84,7 +85,18 @@ fn messages(packet: OscPacket) -> Vec<OscMessage> {
 
 #[test]
 fn vmc_receives_head_and_blendshapes() {
-    let (rows, received, _) = track("--osc");
+    check_vmc(&[]);
+}
+
+#[test]
+fn vmc_receives_the_weights_of_the_eyes_with_gaze() {
+    check_vmc(&["--gaze"]);
+    check_vmc(&["--natural-gaze"]);
+}
+
+/// Compares what is received with the JSON lines.
+fn check_vmc(options: &[&str]) {
+    let (rows, received, _) = track("--osc", options);
     let received: Vec<OscMessage> = received
         .iter()
         .flat_map(|datagram| messages(rosc::decoder::decode_udp(datagram).unwrap().1))
@@ -118,9 +130,13 @@ fn vmc_receives_head_and_blendshapes() {
         );
     }
     let values = of("/VMC/Ext/Blend/Val");
-    let weights = with_face
-        .iter()
-        .flat_map(|row| row["animation"].as_object().unwrap());
+    let gaze = !options.is_empty();
+    let weights = with_face.iter().flat_map(|row| {
+        let looks = row["eyes"]["look"].as_object().unwrap().iter();
+        let animation = row["animation"].as_object().unwrap().iter();
+        animation.chain(looks.filter(move |_| gaze))
+    });
+    let count = weights.clone().count();
     for (value, (name, weight)) in values.iter().zip(weights) {
         let OscType::String(sent) = &value.args[0] else {
             panic!("a name");
@@ -131,7 +147,14 @@ fn vmc_receives_head_and_blendshapes() {
             OscType::Float(weight.as_f64().unwrap() as f32)
         );
     }
-    assert_eq!(values.len(), 24 * with_face.len());
+    assert_eq!(values.len(), count);
+    let looks = values.iter().filter(|value| match &value.args[..] {
+        [OscType::String(name), OscType::Float(weight)] => {
+            name.starts_with("EyeLook") && *weight > 0.0
+        }
+        other => panic!("{other:?}"),
+    });
+    assert_eq!(looks.count() > 0, gaze, "somewhere they look");
 }
 
 #[test]
