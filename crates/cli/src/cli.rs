@@ -153,6 +153,17 @@ pub struct TrackArgs {
     /// Plot angles and confidence over time (.svg or .png)
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
+    /// Write the person's head, animated, as binary glTF 2.0: morph targets under ARKit's names,
+    /// their weights and the head's motion as keyframes
+    #[arg(long, value_name = "FILE")]
+    pub gltf: Option<PathBuf>,
+    /// Write the head of one frame as Wavefront OBJ
+    #[arg(long, value_name = "FILE")]
+    pub obj: Option<PathBuf>,
+    /// The frame, from 1 [default: the last one that is tracked]
+    #[arg(long, value_name = "N", requires = "obj",
+        value_parser = clap::value_parser!(u64).range(1..))]
+    pub obj_frame: Option<u64>,
     /// Write what happens to the face (acquired, coasting, lost and why), one event a line; without
     /// FILE to standard error
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true)]

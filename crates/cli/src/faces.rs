@@ -224,6 +224,11 @@ impl<'m> Faces<'m> {
         slots.map(move |(id, slot)| (several.then_some(id), slot.session.events()))
     }
 
+    /// The tracker of face 0.
+    pub fn first(&self) -> &Session<'m> {
+        &self.slots[0].session
+    }
+
     /// The camera that the trackers assume for the current frame.
     pub fn intrinsics(&self) -> Intrinsics {
         self.slots[0].session.intrinsics()

@@ -11,6 +11,7 @@
 //! | `track`, `faces`, `session` | `posewise track`: the loop and its trackers |
 //! | `csv`, `jsonl`, `log`, `overlay/`, `plot` | its outputs |
 //! | `fields`, `value` | the fields of a result, whatever their type |
+//! | `head/` | the head as files for 3D programs: glTF, OBJ |
 //! | `streams/` | its results as datagrams for other programs |
 //! | `monitor/` | a driver monitor over the results |
 //! | `lens`, `calibration` | the camera, by options, EXIF or a file |
@@ -32,6 +33,7 @@ mod destination;
 mod faces;
 #[rustfmt::skip] // generated
 mod fields;
+mod head;
 mod index;
 mod interrupt;
 mod jsonl;

@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use anyhow::{Result, anyhow};
+use posewise::mesh::{MAX_VERTICES, MeshError, MeshShape, MeshSpace, MeshVertex};
 use posewise::{
     Config, Detected, EventLog, FoundFace, Frame, Intrinsics, Model, Roi, StepError, TrackResult,
     Tracker,
@@ -126,6 +127,21 @@ impl<'m> Session<'m> {
         })
     }
 
+    /// Width and height of the current frame \[px\].
+    pub fn size(&self) -> (i32, i32) {
+        self.frame.0
+    }
+
+    /// The mesh of the face of the last step, head frame \[mm\].
+    pub fn mesh(&self) -> Result<Vec<MeshVertex>, MeshError> {
+        vertices(|out| self.tracker.mesh(self.model, MeshSpace::Head, out))
+    }
+
+    /// A shape of the person's own head, head frame \[mm\].
+    pub fn mesh_shape(&self, shape: MeshShape) -> Result<Vec<MeshVertex>, MeshError> {
+        vertices(|out| self.tracker.mesh_shape(self.model, shape, out))
+    }
+
     /// The result of the last step.
     pub fn result(&self) -> &TrackResult {
         self.tracker.result()
@@ -148,4 +164,14 @@ impl<'m> Session<'m> {
     pub fn exclude(&mut self, boxes: &[[f32; 4]]) -> Result<()> {
         self.tracker.set_excluded(boxes).map_err(|e| anyhow!("{e}"))
     }
+}
+
+/// What a call writes.
+fn vertices(
+    write: impl FnOnce(&mut [MeshVertex]) -> Result<usize, MeshError>,
+) -> Result<Vec<MeshVertex>, MeshError> {
+    let mut vertices = vec![MeshVertex::default(); MAX_VERTICES];
+    let count = write(&mut vertices)?;
+    vertices.truncate(count);
+    Ok(vertices)
 }

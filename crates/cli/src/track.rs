@@ -1,4 +1,4 @@
-//! `posewise track`: source → tracker → CSV, JSON lines, overlay, plot.
+//! `posewise track`: source → tracker → CSV, JSON lines, overlay, plot, head.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -6,12 +6,13 @@ use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
-use posewise::{EventLog, Intrinsics, State, TrackResult};
+use posewise::{EventLog, Model, State, TrackResult};
 
 use crate::cli::{TrackArgs, TrackerArgs};
 use crate::csv::{CsvWriter, Row};
 use crate::destination::{self, Destination, Named};
 use crate::faces::{Face, Faces};
+use crate::head::{self, HeadFiles};
 use crate::interrupt::Interrupt;
 use crate::lens::LensNote;
 use crate::model_file::ModelFile;
@@ -48,7 +49,7 @@ impl Counts {
     }
 }
 
-struct Outputs {
+struct Outputs<'m> {
     /// The files, renamed when they are complete.
     destinations: Vec<Destination>,
     csv: Option<CsvWriter<Box<dyn Write>>>,
@@ -56,14 +57,15 @@ struct Outputs {
     log: Option<Box<dyn Write>>,
     watch: Option<Watch>,
     overlay: Option<Overlay>,
+    head: HeadFiles<'m>,
     streams: Streams,
     painter: Painter,
     samples: Vec<Sample>,
     live: bool,
 }
 
-impl Outputs {
-    fn open(args: &TrackArgs, source: &dyn Source) -> Result<Self> {
+impl<'m> Outputs<'m> {
+    fn open(args: &TrackArgs, source: &dyn Source, model: &Model<'m>) -> Result<Self> {
         let mut destinations = Vec::new();
         let mut open = |path: &Path| {
             let destination = Destination::new(path);
@@ -102,6 +104,7 @@ impl Outputs {
                 .as_deref()
                 .map(|path| Overlay::create(path, source.fps()))
                 .transpose()?,
+            head: HeadFiles::open(args, model)?,
             streams: Streams::open(
                 args.osc.as_deref(),
                 args.udp_opentrack.as_deref(),
@@ -118,7 +121,7 @@ impl Outputs {
         args: &TrackArgs,
         frame: u64,
         picture: &Picture,
-        camera: &Intrinsics,
+        trackers: &Faces<'_>,
         faces: &[Face],
     ) -> Result<()> {
         if let Err(error) = self.write_rows(frame, picture, faces) {
@@ -128,7 +131,8 @@ impl Outputs {
         }
         if let Some(overlay) = &mut self.overlay {
             let mut image = picture.upright_rgb()?;
-            self.painter.paint(&mut image, frame, faces, camera);
+            let camera = trackers.intrinsics();
+            self.painter.paint(&mut image, frame, faces, &camera);
             overlay.write(&image)?;
         }
         let first = faces.iter().find(|face| face.id == 0);
@@ -137,6 +141,8 @@ impl Outputs {
         if args.plot.is_some() {
             self.samples.push(Sample::of(&result));
         }
+        let head = &mut self.head;
+        head.add(frame, picture.timestamp_us, &result, trackers.first())?;
         self.streams.send(&result)?;
         if self.live {
             self.flush()?;
@@ -196,8 +202,8 @@ impl Outputs {
         Ok(())
     }
 
-    /// Closes all files and gives them their names; draws the plot.
-    fn finish(mut self, args: &TrackArgs) -> Result<()> {
+    /// Closes all files and gives them their names; draws the plot and writes the head.
+    fn finish(mut self, args: &TrackArgs, trackers: &Faces<'_>) -> Result<()> {
         self.flush()?;
         (self.csv, self.jsonl, self.log) = (None, None, None);
         if let Some(watch) = &mut self.watch {
@@ -223,7 +229,7 @@ impl Outputs {
             }
             destination.finish()?;
         }
-        Ok(())
+        self.head.finish(trackers.first())
     }
 
     /// Whether results go to standard output, where a summary would be in the way.
@@ -232,6 +238,8 @@ impl Outputs {
         let outputs = [
             &args.csv,
             &args.jsonl,
+            &args.gltf,
+            &args.obj,
             file_of(&args.log),
             file_of(&args.monitor),
         ];
@@ -264,6 +272,8 @@ fn check_outputs(args: &TrackArgs) -> Result<()> {
         named("--jsonl", &args.jsonl),
         named("--overlay", &args.overlay),
         named("--plot", &args.plot),
+        named("--gltf", &args.gltf),
+        named("--obj", &args.obj),
         named("--log", file_of(&args.log)),
         named("--monitor", file_of(&args.monitor)),
     ];
@@ -296,6 +306,7 @@ pub fn run(args: &TrackArgs) -> Result<Option<u8>> {
     check_outputs(args)?;
     let file = ModelFile::read(args.tracker.model.as_deref())?;
     let model = file.model()?;
+    head::check(args, &model)?;
     let mut source = source::open(&args.input, args.frame.fps)?;
     let live = source.is_live();
     let settings = TrackerArgs {
@@ -304,7 +315,7 @@ pub fn run(args: &TrackArgs) -> Result<Option<u8>> {
     };
     let mut trackers = Faces::new(args.faces, &model, &settings, live, args.frame.roi)?;
     let interrupt = Interrupt::listen().context("cannot listen for signals")?;
-    let mut outputs = Outputs::open(args, source.as_ref())?;
+    let mut outputs = Outputs::open(args, source.as_ref(), &model)?;
     let progress = progress_bar(source.as_ref(), args);
     let mut counts = Counts::default();
     let mut lens = LensNote::default();
@@ -322,7 +333,7 @@ pub fn run(args: &TrackArgs) -> Result<Option<u8>> {
     );
     progress.finish_and_clear();
     // What was tracked before an input broke off is kept.
-    outputs.finish(args)?;
+    outputs.finish(args, &trackers)?;
     // A signal reaches the programs at the other end of a pipe too.
     if interrupt.status().is_none() {
         ended?;
@@ -346,7 +357,7 @@ fn follow(
     args: &TrackArgs,
     source: &mut dyn Source,
     trackers: &mut Faces<'_>,
-    outputs: &mut Outputs,
+    outputs: &mut Outputs<'_>,
     lens: &mut LensNote,
     mut go_on: impl FnMut(State) -> bool,
 ) -> Result<()> {
@@ -368,7 +379,7 @@ fn follow(
         }
         let camera = trackers.intrinsics();
         lens.add(&args.tracker, 2.0 * camera.cx + 1.0, picture.focal_px);
-        outputs.write(args, frame, &picture, &camera, &faces)?;
+        outputs.write(args, frame, &picture, trackers, &faces)?;
         if !go_on(state_of(&faces)) {
             break;
         }

@@ -3,6 +3,7 @@
 mod common;
 mod demo;
 mod faces;
+mod head;
 mod index;
 mod manual;
 mod model;
