@@ -202,18 +202,23 @@ fn check_table(path: &Path) {
     assert!(table.lines().all(|row| row.split(',').count() == columns));
 }
 
-#[test]
-fn the_page_works_in_chromium() {
-    let Some(site) = site() else { return };
-    if !require("node") || !require("chromium") {
-        return;
-    }
-    if !has_package("playwright-core") || !has_package("axe-core") {
-        return;
+/// The page, served, and its address, if this machine has what the scripts of `web/test` drive it
+/// with.
+fn served() -> Option<(&'static Path, String)> {
+    let site = site()?;
+    let has_programs = require("node") && require("chromium");
+    if !has_programs || !has_package("playwright-core") || !has_package("axe-core") {
+        return None;
     }
     let server = web::Site::bind(site, 0).expect("a free port");
     let url = server.url().expect("bound");
     std::thread::spawn(move || server.serve());
+    Some((site, url))
+}
+
+#[test]
+fn the_page_works_in_chromium() {
+    let Some((site, url)) = served() else { return };
     let out = scratch("web/page");
     let mut node = Command::new("node");
     node.arg(root().join("web/test/page.mjs")).arg(url);
@@ -221,6 +226,15 @@ fn the_page_works_in_chromium() {
     println!("{}", succeed(&mut node));
     check_frames(&out.join("frames.bin"));
     check_table(&out.join("page.csv"));
+}
+
+/// Wire, mask and make-up lie on the face; textures of the visitor's.
+#[test]
+fn the_page_draws_the_dense_mesh() {
+    let Some((site, url)) = served() else { return };
+    let mut node = Command::new("node");
+    node.arg(root().join("web/test/face.mjs")).arg(url);
+    println!("{}", succeed(node.arg(site).arg(scratch("web/face"))));
 }
 
 /// What lies outside the folder is not served.

@@ -2,9 +2,11 @@
 
 import { FaceTracker, grabbed, moduleName, startWorker } from '../posewise.js';
 import { asset, compiled, embeddedWorker, isStandalone } from './assets.js';
-import { attempt, begin, connectDisplay, element, say, showFrame } from './display.js';
+import { attempt, begin, connectDisplay, drawFrame, element, say, showFrame } from './display.js';
 import { firstClip, firstModel, firstModule, firstWorker } from './early.js';
 import { Source } from './sources.js';
+
+/** @typedef {import('../worker.js').Tracked} Tracked */
 
 /** What the page says of each model; models/*.md has the terms. */
 const NOTES = {
@@ -28,6 +30,10 @@ let tracker;
 let isBusy = false;
 /** Time of the frame that the video shows [us]. */
 let shownUs = -1;
+/** @type {{ picture: VideoFrame | ImageBitmap, tracked: Tracked } | undefined} What is shown. */
+let shown;
+/** @type {import('./face/layer.js').FaceLayer | undefined} Once it is wanted. */
+let face;
 
 /** What the chosen model's tracker is made of. */
 async function chosen() {
@@ -62,17 +68,47 @@ async function onFrame(timestampUs) {
   if (isBusy || !tracker) return;
   const current = tracker;
   isBusy = true;
-  /** @type {VideoFrame | ImageBitmap | undefined} */
-  let shown;
   try {
     const frame = await grabbed(video, timestampUs);
-    shown = frame instanceof ImageBitmap ? await createImageBitmap(frame) : frame.clone();
-    showFrame(shown, await current.track(frame, timestampUs));
+    const picture = frame instanceof ImageBitmap ? await createImageBitmap(frame) : frame.clone();
+    const tracked = await current.track(frame, timestampUs).catch((error) => {
+      picture.close();
+      throw error;
+    });
+    shown?.picture.close();
+    shown = { picture, tracked };
+    await face?.follow(current, tracked);
+    showFrame(picture, tracked, paint);
   } finally {
-    shown?.close();
     // Another model may have been chosen in the meantime.
     if (current === tracker) isBusy = false;
   }
+}
+
+/** The tracker, for what cannot do without it. */
+function ready() {
+  if (!tracker) throw new Error('The model is not loaded yet.');
+  return tracker;
+}
+
+/** @param {CanvasRenderingContext2D} context */
+function paint(context) {
+  if (shown) face?.paint(context, shown.tracked);
+}
+
+/** What draws the dense mesh; its modules are loaded when somebody wants it. */
+async function faceLayer() {
+  const { FaceLayer } = await import('./face/layer.js');
+  face ??= new FaceLayer(ready, () => attempt(redraw));
+  return face;
+}
+
+/** Draws the frame that is shown anew: something else is wanted of it. */
+async function redraw() {
+  // The next frame shows it anyway.
+  if (isBusy || !tracker || !shown) return;
+  await face?.follow(tracker, shown.tracked);
+  if (shown) drawFrame(shown.picture, shown.tracked, paint);
 }
 
 /**
@@ -97,10 +133,21 @@ function connect() {
     await (video.paused ? video.play() : video.pause());
   });
   model.addEventListener('change', () => attempt(() => loadModel(chosen())));
+  element('controls', HTMLFormElement).addEventListener('input', () => attempt(redraw));
+  element('face', HTMLFieldSetElement).addEventListener('input', () => attempt(async () => {
+    if (face) return;
+    await faceLayer();
+    await redraw();
+  }));
   const file = element('file', HTMLInputElement);
   const open = (/** @type {FileList | null | undefined} */ files) => {
     const first = files?.[0];
-    if (first) attempt(() => use(() => source.file(first)));
+    if (!first) return;
+    attempt(async () => {
+      if (!first.type.startsWith('image/')) return use(() => source.file(first));
+      await (await faceLayer()).wear(first);
+      await redraw();
+    });
   };
   file.addEventListener('change', () => open(file.files));
   stage.addEventListener('dragover', (event) => {

@@ -101,15 +101,9 @@ export function row(frame, tracked) {
 }
 
 /**
- * Offers a text for saving.
- * @param {string} name
+ * A whole table as a file.
  * @param {string[]} lines
  */
-export function save(name, lines) {
-  const link = document.createElement('a');
-  link.href = URL.createObjectURL(new Blob([lines.join('\n'), '\n'], { type: 'text/csv' }));
-  link.download = name;
-  link.click();
-  // The browser has taken the file by then.
-  setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
+export function tableOf(lines) {
+  return new Blob([lines.join('\n'), '\n'], { type: 'text/csv' });
 }

@@ -1,9 +1,10 @@
 // What the page shows of a frame, whoever tracked it: picture, drawing, numbers, curves, table.
 
 import { Chart } from './charts.js';
-import { header, row, save } from './csv.js';
+import { header, row, tableOf } from './csv.js';
 import { draw } from './overlay.js';
 import { readings, show } from './readings.js';
+import { save } from './save.js';
 
 /** @typedef {import('../worker.js').Tracked} Tracked */
 
@@ -63,6 +64,14 @@ export async function attempt(action) {
   }
 }
 
+/**
+ * Pixels of the canvas for one of a frame, across: lines over small frames are fine too.
+ * @param {number} width Width of the frame [px].
+ */
+export function scaleOf(width) {
+  return Math.max(1, Math.ceil(640 / width));
+}
+
 /** @param {Tracked} tracked */
 function chart({ result: r, stepMs, pixelsMs }) {
   const hasFace = r.state !== 'searching';
@@ -74,23 +83,40 @@ function chart({ result: r, stepMs, pixelsMs }) {
 }
 
 /**
- * Shows a picture with what was found in it.
+ * Draws a picture with what was found in it.
  * @param {CanvasImageSource} image
  * @param {Tracked} tracked
+ * @param {(context: CanvasRenderingContext2D) => void} [paint] Draws between the picture and the
+ *   landmarks.
  */
-export function showFrame(image, tracked) {
+export function drawFrame(image, tracked, paint) {
   const { width, height, result } = tracked;
-  if (picture.width !== width || picture.height !== height) {
-    picture.width = width;
-    picture.height = height;
+  const scale = scaleOf(width);
+  if (picture.width !== scale * width || picture.height !== scale * height) {
+    picture.width = scale * width;
+    picture.height = scale * height;
   }
-  context.drawImage(image, 0, 0, width, height);
+  context.drawImage(image, 0, 0, picture.width, picture.height);
+  paint?.(context);
   const boxes = document.querySelectorAll('input[name=draw]:checked');
   const wanted = new Set(Array.from(boxes, (box) => /** @type {HTMLInputElement} */ (box).value));
-  const isSmooth = smooth.checked;
-  draw(context, isSmooth ? tracked.smoothed : result,
-    isSmooth ? tracked.smoothedLandmarks : tracked.landmarks, wanted, tracked.camera);
-  show(list, readings(tracked, isSmooth));
+  // Pixels of the frame have their centres at whole numbers.
+  context.setTransform(scale, 0, 0, scale, scale / 2, scale / 2);
+  draw(context, tracked, smooth.checked ? tracked.smoothed : result,
+    smooth.checked ? tracked.smoothedLandmarks : tracked.landmarks, wanted);
+  context.resetTransform();
+}
+
+/**
+ * Shows a picture and what was found in it.
+ * @param {CanvasImageSource} image
+ * @param {Tracked} tracked
+ * @param {(context: CanvasRenderingContext2D) => void} [paint] As for `drawFrame`.
+ */
+export function showFrame(image, tracked, paint) {
+  const { result } = tracked;
+  drawFrame(image, tracked, paint);
+  show(list, readings(tracked, smooth.checked));
   chart(tracked);
   const text = { searching: 'No face', tracking: 'Face found', coasting: 'Face lost for a moment' };
   picture.setAttribute('aria-label', `Video. ${text[result.state]}`);
@@ -117,7 +143,7 @@ export function connectDisplay(animationNames) {
   mirror.addEventListener('change', () => picture.classList.toggle('mirror', mirror.checked));
   // Starts the recording, or ends and saves it.
   record.addEventListener('click', () => {
-    if (table) save('posewise.csv', table);
+    if (table) save('posewise.csv', tableOf(table));
     table = table ? undefined : [header(animationNames())];
     record.textContent = table ? 'Stop and save' : 'Record CSV';
     record.setAttribute('aria-pressed', String(table !== undefined));

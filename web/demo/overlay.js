@@ -102,20 +102,27 @@ function colorOf(confidence) {
 }
 
 /**
+ * The camera of a frame.
+ * @param {{ width: number, height: number, camera?: Intrinsics }} frame Without a camera it is one
+ *   with a horizontal field of view of 60 degrees, as the tracker assumes.
+ * @returns {Pick<Intrinsics, 'fx' | 'fy' | 'cx' | 'cy'>}
+ */
+export function cameraOf({ width, height, camera }) {
+  const focal = width / 2 / Math.tan(Math.PI / 6);
+  return camera ?? { fx: focal, fy: focal, cx: (width - 1) / 2, cy: (height - 1) / 2 };
+}
+
+/**
  * Draws what is wanted of a result.
- * @param {CanvasRenderingContext2D} context
+ * @param {CanvasRenderingContext2D} context In pixels of the frame.
+ * @param {Parameters<typeof cameraOf>[0]} frame
  * @param {Result} result
  * @param {Landmark[]} landmarks
  * @param {Set<string>} wanted points, mesh, axes, box
- * @param {Intrinsics} [camera] Without it a horizontal field of view of 60 degrees, as the tracker
- *   assumes.
  */
-export function draw(context, result, landmarks, wanted, camera) {
+export function draw(context, frame, result, landmarks, wanted) {
   if (result.state === 'searching') return;
-  const { width, height } = context.canvas;
-  const focal = width / 2 / Math.tan(Math.PI / 6);
-  const { fx, fy, cx, cy } =
-    camera ?? { fx: focal, fy: focal, cx: (width - 1) / 2, cy: (height - 1) / 2 };
+  const { fx, fy, cx, cy } = cameraOf(frame);
   const project = (/** @type {number[]} */ [x, y, z]) =>
     /** @type {Point2} */ ([(fx * x) / z + cx, (fy * y) / z + cy]);
   const size = Math.max(result.faceBox[2], result.faceBox[3]);

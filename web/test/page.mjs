@@ -9,9 +9,9 @@ import { pathToFileURL } from 'node:url';
 import { gzipSync } from 'node:zlib';
 import { launch } from './browser.mjs';
 import { checkLooks } from './looks.mjs';
+import { untilTracked, visits } from './visits.mjs';
 
 const [url, folder, camera, out] = process.argv.slice(2);
-const PATIENCE_MS = 60_000;
 /** What loading the page may transfer, uncompressed and from a server that compresses. */
 const MOST_BYTES = 1_670_000;
 const MOST_PACKED_BYTES = 1_210_000;
@@ -22,42 +22,7 @@ const browser = await launch(
   `--use-file-for-fake-video-capture=${camera}`,
 );
 
-/** Everything that must not happen. */
-const faults = [];
-
-/** A fresh page that counts what it tracks. */
-async function open(address, options = {}, script = () => {}) {
-  const context = await browser.newContext({ acceptDownloads: true, ...options });
-  const page = await context.newPage();
-  page.setDefaultTimeout(PATIENCE_MS);
-  page.on('console', (message) => {
-    if (['error', 'warning'].includes(message.type())) faults.push(message.text());
-  });
-  page.on('pageerror', (error) => faults.push(String(error)));
-  page.on('requestfailed', (request) => faults.push(`${request.url()} failed`));
-  page.on('request', (request) => {
-    const { origin, protocol } = new URL(request.url());
-    const isOwn = ['data:', 'blob:', 'file:'].includes(protocol) || `${origin}/` === url;
-    if (!isOwn) faults.push(`${request.url()} is elsewhere`);
-  });
-  await page.addInitScript(() => {
-    globalThis.seen = { tracked: 0, firstMs: 0 };
-    document.addEventListener('posewise:tracked', ({ detail }) => {
-      if (detail.result.state === 'tracking' && seen.tracked++ === 0) {
-        seen.firstMs = performance.now();
-      }
-    });
-  });
-  await page.addInitScript(script);
-  await page.goto(address);
-  return page;
-}
-
-/** Waits until so many more frames were tracked. */
-async function untilTracked(page, count) {
-  const before = await page.evaluate(() => seen.tracked);
-  await page.waitForFunction((n) => seen.tracked >= n, before + count);
-}
+const { open, faults } = visits(browser, url);
 
 /** What the demo clip gives, how the page looks, and whether axe finds fault with it. */
 async function looks(name, options) {
@@ -95,7 +60,7 @@ async function controls() {
       || document.activeElement?.value));
   }
   for (const id of ['use-clip', 'use-camera', 'file', 'pause', 'model', 'points', 'mesh', 'axes',
-    'box', 'smooth', 'mirror', 'record']) {
+    'box', 'smooth', 'mirror', 'none', 'record']) {
     assert(reached.has(id), `${id} is reached by keyboard`);
   }
   await page.focus('#record');

@@ -26,7 +26,7 @@ macro_rules! script {
 }
 
 /// Everything that the page loads.
-pub const FILES: [File; 9] = [
+pub const FILES: [File; 10] = [
     File {
         path: "demo/style.css",
         kind: "text/css; charset=utf-8",
@@ -40,6 +40,7 @@ pub const FILES: [File; 9] = [
     script!("demo/live.js"),
     script!("demo/overlay.js"),
     script!("demo/readings.js"),
+    script!("demo/save.js"),
 ];
 
 const INDEX: &str = include_str!("../../assets/web/index.html");

@@ -11,7 +11,7 @@ use std::process::Command;
 pub use serve::Site;
 
 /// Files of the package and of the page that are served as they are in the repository, from web/.
-const FILES: [&str; 24] = [
+const FILES: [&str; 32] = [
     "README.md",
     "package.json",
     "index.html",
@@ -32,8 +32,16 @@ const FILES: [&str; 24] = [
     "demo/csv.js",
     "demo/display.js",
     "demo/early.js",
+    "demo/face/controls.js",
+    "demo/face/geometry.js",
+    "demo/face/gpu.js",
+    "demo/face/layer.js",
+    "demo/face/raster.js",
+    "demo/face/surface.js",
+    "demo/face/textures.js",
     "demo/overlay.js",
     "demo/readings.js",
+    "demo/save.js",
     "demo/sources.js",
     "demo/style.css",
 ];
@@ -48,9 +56,10 @@ const MODULES: [&str; 2] = ["posewise-simd128.wasm", "posewise.wasm"];
 pub fn build(target_dir: &Path) -> Result<PathBuf> {
     let modules = build_modules(target_dir)?;
     let out = target_dir.join("web");
-    std::fs::create_dir_all(out.join("demo"))?;
     let copy = |from: PathBuf, name: &str| {
-        std::fs::copy(&from, out.join(name)).with_context(|| format!("cannot copy {from:?}"))
+        let to = out.join(name);
+        std::fs::create_dir_all(to.parent().unwrap_or(&out))?;
+        std::fs::copy(&from, to).with_context(|| format!("cannot copy {from:?}"))
     };
     for file in FILES {
         copy(root().join("web").join(file), file)?;

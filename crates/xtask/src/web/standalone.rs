@@ -21,7 +21,7 @@ const WORKER: [&str; 8] = [
 ];
 
 /// Modules of the page, likewise.
-const PAGE: [&str; 18] = [
+const PAGE: [&str; 26] = [
     "layout.js",
     "struct.js",
     "handle.js",
@@ -36,8 +36,16 @@ const PAGE: [&str; 18] = [
     "demo/columns.js",
     "demo/csv.js",
     "demo/readings.js",
+    "demo/save.js",
     "demo/display.js",
     "demo/early.js",
+    "demo/face/geometry.js",
+    "demo/face/gpu.js",
+    "demo/face/raster.js",
+    "demo/face/surface.js",
+    "demo/face/textures.js",
+    "demo/face/controls.js",
+    "demo/face/layer.js",
     "demo/sources.js",
     "demo/app.js",
 ];
@@ -120,7 +128,8 @@ fn joined(folder: &Path, modules: &[&str]) -> Result<String> {
         let mut inside = false;
         for line in text.lines() {
             let starts = ["import ", "export {"].iter().any(|s| line.starts_with(s));
-            inside |= starts;
+            // What is imported later has its name from the beginning.
+            inside |= starts || line.contains("} = await import(");
             if !inside {
                 writeln!(out, "{}", line.strip_prefix("export ").unwrap_or(line))?;
             }
