@@ -237,6 +237,15 @@ fn the_page_draws_the_dense_mesh() {
     println!("{}", succeed(node.arg(site).arg(scratch("web/face"))));
 }
 
+/// Takes are recorded and saved, by the page that is served and by the one from a disk.
+#[test]
+fn the_page_saves_takes() {
+    let Some((site, url)) = served() else { return };
+    let mut node = Command::new("node");
+    node.arg(root().join("web/test/record.mjs")).arg(url);
+    succeed(node.arg(site).arg(scratch("web/takes")));
+}
+
 /// What lies outside the folder is not served.
 #[test]
 fn the_server_stays_in_its_folder() {

@@ -34,6 +34,8 @@ let shownUs = -1;
 let shown;
 /** @type {import('./face/layer.js').FaceLayer | undefined} Once it is wanted. */
 let face;
+/** @type {import('./take/controls.js').TakeControls | undefined} Likewise. */
+let take;
 
 /** What the chosen model's tracker is made of. */
 async function chosen() {
@@ -54,6 +56,7 @@ async function loadModel(parts) {
   const [wasm, bytes, worker] = await parts;
   const config = { scanBudget: SCAN_BUDGET };
   const next = await FaceTracker.create({ wasm, model: bytes, worker, config });
+  await take?.end();
   const before = tracker;
   tracker = next;
   isBusy = false;
@@ -79,6 +82,7 @@ async function onFrame(timestampUs) {
     shown = { picture, tracked };
     await face?.follow(current, tracked);
     showFrame(picture, tracked, paint);
+    await take?.add(current, tracked);
   } finally {
     // Another model may have been chosen in the meantime.
     if (current === tracker) isBusy = false;
@@ -117,6 +121,7 @@ async function redraw() {
  */
 async function use(open) {
   say('Opening…');
+  await take?.end();
   await open();
   begin(source.isCamera);
   pause.setAttribute('aria-pressed', 'false');
@@ -139,6 +144,11 @@ function connect() {
     await faceLayer();
     await redraw();
   }));
+  on('record-take', async () => {
+    if (take) return;
+    const { TakeControls } = await import('./take/controls.js');
+    take ??= new TakeControls(ready);
+  });
   const file = element('file', HTMLInputElement);
   const open = (/** @type {FileList | null | undefined} */ files) => {
     const first = files?.[0];

@@ -49,6 +49,6 @@ function follow() {
   };
 }
 
-for (const id of ['source', 'models', 'video', 'face']) element(id, HTMLElement).remove();
+for (const id of ['source', 'models', 'video', 'face', 'take']) element(id, HTMLElement).remove();
 connectDisplay(() => animationNames);
 follow();

@@ -123,6 +123,11 @@ export class GpuSurface {
     return this.#gl.isContextLost();
   }
 
+  /** Gives its memory back: browsers have few contexts. */
+  free() {
+    this.#gl.getExtension('WEBGL_lose_context')?.loseContext();
+  }
+
   /** @param {string} fragmentShader */
   #program(fragmentShader) {
     const gl = this.#gl;
@@ -138,6 +143,9 @@ export class GpuSurface {
     ['vertex', 'place', 'corner', 'contour'].forEach((name, i) =>
       gl.bindAttribLocation(program, i, name));
     gl.linkProgram(program);
+    if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) {
+      throw new Error(`WebGL: ${gl.getProgramInfoLog(program)}`);
+    }
     return program;
   }
 

@@ -51,6 +51,7 @@ export class FaceLayer {
     if (tracker !== this.#tracker || !this.#tables) {
       this.#tables = await tracker.meshTables();
       this.#tracker = tracker;
+      this.#surface?.free();
       this.#surface = undefined;
       this.#texture = { name: '', canvas: undefined };
     }

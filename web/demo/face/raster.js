@@ -52,6 +52,9 @@ export class RasterSurface {
     return false;
   }
 
+  /** There is nothing that is not freed by itself. */
+  free() {}
+
   /** @param {HTMLCanvasElement} texture */
   #take(texture) {
     if (texture === this.#read) return;

@@ -11,7 +11,7 @@ use std::process::Command;
 pub use serve::Site;
 
 /// Files of the package and of the page that are served as they are in the repository, from web/.
-const FILES: [&str; 32] = [
+const FILES: [&str; 35] = [
     "README.md",
     "package.json",
     "index.html",
@@ -44,6 +44,9 @@ const FILES: [&str; 32] = [
     "demo/save.js",
     "demo/sources.js",
     "demo/style.css",
+    "demo/take/controls.js",
+    "demo/take/glb.js",
+    "demo/take/take.js",
 ];
 
 /// Models that the page can load.

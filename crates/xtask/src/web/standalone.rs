@@ -21,7 +21,7 @@ const WORKER: [&str; 8] = [
 ];
 
 /// Modules of the page, likewise.
-const PAGE: [&str; 26] = [
+const PAGE: [&str; 29] = [
     "layout.js",
     "struct.js",
     "handle.js",
@@ -46,6 +46,9 @@ const PAGE: [&str; 26] = [
     "demo/face/textures.js",
     "demo/face/controls.js",
     "demo/face/layer.js",
+    "demo/take/glb.js",
+    "demo/take/take.js",
+    "demo/take/controls.js",
     "demo/sources.js",
     "demo/app.js",
 ];
