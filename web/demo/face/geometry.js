@@ -62,14 +62,26 @@ export function cornersOf(tables) {
 }
 
 /**
- * The least and the greatest distance of a mesh's vertices.
+ * The part of a canvas that a mesh may change [px], and its least and greatest distance.
  * @param {Float32Array} mesh x, y, z and visibility of each vertex.
+ * @param {number} scale Pixels of the canvas for one of the picture.
+ * @param {{ width: number, height: number }} canvas
  */
-export function rangeOf(mesh) {
-  let [near, far] = [Infinity, -Infinity];
-  for (let i = 2; i < mesh.length; i += 4) {
-    near = Math.min(near, mesh[i]);
-    far = Math.max(far, mesh[i]);
-  }
-  return [near, far];
+export function extentOf(mesh, scale, { width, height }) {
+  const least = [Infinity, Infinity, Infinity];
+  const most = [-Infinity, -Infinity, -Infinity];
+  mesh.forEach((value, i) => {
+    if (i % 4 === 3) return;
+    least[i % 4] = Math.min(least[i % 4], value);
+    most[i % 4] = Math.max(most[i % 4], value);
+  });
+  const within = (/** @type {number} */ v, /** @type {number} */ end) =>
+    Math.min(end, Math.max(0, v));
+  const [left, right] = [
+    within(Math.floor(scale * least[0]), width), within(Math.ceil(scale * (most[0] + 1)), width),
+  ];
+  const [top, bottom] = [
+    within(Math.floor(scale * least[1]), height), within(Math.ceil(scale * (most[1] + 1)), height),
+  ];
+  return { left, right, top, bottom, near: least[2], far: most[2] };
 }

@@ -1,6 +1,6 @@
 // A surface that WebGL draws.
 
-import { rangeOf } from './geometry.js';
+import { extentOf } from './geometry.js';
 
 /** @typedef {import('./geometry.js').Corners} Corners */
 /** @typedef {import('./surface.js').Look} Look */
@@ -69,6 +69,15 @@ void main() {
     * solidity(seen);
 }`;
 
+/**
+ * Whether a processor does the work of graphics: Chromium counts that as no caveat.
+ * @param {WebGL2RenderingContext} gl
+ */
+function isSoftware(gl) {
+  const name = gl.getExtension('WEBGL_debug_renderer_info')?.UNMASKED_RENDERER_WEBGL;
+  return /swiftshader|llvmpipe|software|basic render/i.test(gl.getParameter(name ?? gl.RENDERER));
+}
+
 /** A canvas with the face as WebGL draws it. */
 export class GpuSurface {
   #gl;
@@ -87,7 +96,7 @@ export class GpuSurface {
   static create(corners, isSlowFine = false) {
     const canvas = document.createElement('canvas');
     const gl = canvas.getContext('webgl2', { failIfMajorPerformanceCaveat: !isSlowFine });
-    return gl ? new GpuSurface(canvas, gl, corners) : undefined;
+    return gl && (isSlowFine || !isSoftware(gl)) ? new GpuSurface(canvas, gl, corners) : undefined;
   }
 
   /**
@@ -172,7 +181,7 @@ export class GpuSurface {
   }
 
   /**
-   * Draws a mesh in a picture.
+   * Draws a mesh in a picture. Returns the part of the canvas that is new.
    * @param {Float32Array} mesh x, y, z and visibility of each vertex.
    * @param {number} width Width of the picture [px].
    * @param {number} height
@@ -190,12 +199,12 @@ export class GpuSurface {
       for (let i = 0; i < 4; i++) this.#positions[4 * corner + i] = mesh[4 * vertex + i];
     });
     gl.bufferSubData(gl.ARRAY_BUFFER, 0, this.#positions);
-    const [near, far] = rangeOf(mesh);
+    const extent = extentOf(mesh, scale, canvas);
     const program = look.texture ? this.#textured : this.#wire;
     const uniform = (/** @type {string} */ name) => gl.getUniformLocation(program, name);
     gl.useProgram(program);
     gl.uniform2f(uniform('size'), width, height);
-    gl.uniform2f(uniform('range'), near, far);
+    gl.uniform2f(uniform('range'), extent.near, extent.far);
     if (look.texture) {
       this.#upload(look.texture);
     } else {
@@ -204,5 +213,6 @@ export class GpuSurface {
       gl.uniform1f(uniform('lineWidth'), look.width);
     }
     gl.drawArrays(gl.TRIANGLES, 0, this.#corners.vertices.length);
+    return extent;
   }
 }

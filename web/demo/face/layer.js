@@ -103,14 +103,16 @@ export class FaceLayer {
     if (!this.#mesh || !this.#tables || choice.mode === 'none') return;
     if (!this.#surface || this.#surface.isLost) this.#surface = surfaceFor(this.#tables);
     const scale = context.canvas.width / width;
-    this.#surface.draw(this.#mesh, width, height, scale,
+    const { left, right, top, bottom } = this.#surface.draw(this.#mesh, width, height, scale,
       this.#look(this.#tables, choice, Math.max(1, scale / 2)));
+    if (left === right || top === bottom) return;
     context.save();
     if (choice.mode === 'make-up') {
       context.globalCompositeOperation = 'multiply';
       context.globalAlpha = choice.strength;
     }
-    context.drawImage(this.#surface.canvas, 0, 0);
+    const part = /** @type {const} */ ([left, top, right - left, bottom - top]);
+    context.drawImage(this.#surface.canvas, ...part, ...part);
     context.restore();
   }
 }

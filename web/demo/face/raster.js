@@ -1,6 +1,8 @@
 // A surface for browsers without WebGL 2: each pixel is computed here, to the same rules as in
 // gpu.js.
 
+import { extentOf } from './geometry.js';
+
 /** @typedef {import('./geometry.js').Corners} Corners */
 /** @typedef {import('./surface.js').Look} Look */
 
@@ -80,13 +82,19 @@ export class RasterSurface {
       this.#image = new ImageData(scale * width, scale * height);
       this.#nearness = new Float32Array(scale * width * scale * height);
     }
-    this.#image.data.fill(0);
-    this.#nearness.fill(0);
+    // Outside of it there may be what was drawn before.
+    const extent = extentOf(mesh, scale, this.canvas);
+    const { left, right, top, bottom } = extent;
+    for (let row = top * scale * width; row < bottom * scale * width; row += scale * width) {
+      this.#image.data.fill(0, 4 * (row + left), 4 * (row + right));
+      this.#nearness.fill(0, row + left, row + right);
+    }
     if (look.texture) this.#take(look.texture);
     for (let first = 0; first < this.#corners.vertices.length; first += 3) {
       this.#triangle(mesh, first, scale, look);
     }
-    this.#context.putImageData(this.#image, 0, 0);
+    this.#context.putImageData(this.#image, 0, 0, left, top, right - left, bottom - top);
+    return extent;
   }
 
   /**

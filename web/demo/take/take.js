@@ -147,7 +147,7 @@ export class Take {
       rotations: flat((key) => key.rotation),
       weights: flat((key) => key.weights),
     };
-    const yfov = 2 * Math.atan(height / (2 * fy));
-    return glb(head, motion, { yfov, aspectRatio: width / fx / (height / fy) }, `posewise ${version}`);
+    const lens = { yfov: 2 * Math.atan(height / (2 * fy)), aspectRatio: width / fx / (height / fy) };
+    return glb(head, motion, lens, `posewise ${version}`);
   }
 }
