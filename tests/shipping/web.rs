@@ -1,7 +1,7 @@
 //! The JavaScript package and the page of `web/`: Node and Chromium give the same bits as this
 //! machine, the types fit, and the page works.
 
-use crate::common::c::{require, succeed};
+use crate::common::c::{command, require, succeed};
 use crate::common::skip::{need, skipped};
 use crate::common::{demo, grey, model, root, scratch, tracker};
 use posewise::{Config, State};
@@ -237,13 +237,33 @@ fn the_page_draws_the_dense_mesh() {
     println!("{}", succeed(node.arg(site).arg(scratch("web/face"))));
 }
 
-/// Takes are recorded and saved, by the page that is served and by the one from a disk.
+/// Takes are recorded and saved, by the page that is served and by the one from a disk. Of the demo
+/// clip the page saves what the command writes.
 #[test]
 fn the_page_saves_takes() {
     let Some((site, url)) = served() else { return };
-    let mut node = Command::new("node");
-    node.arg(root().join("web/test/record.mjs")).arg(url);
-    succeed(node.arg(site).arg(scratch("web/takes")));
+    if !has_package("gltf-validator") {
+        return;
+    }
+    let out = scratch("web/takes");
+    let script = |name: &str| {
+        let mut node = Command::new("node");
+        node.arg(root().join("web/test").join(name));
+        node
+    };
+    succeed(script("record.mjs").arg(url).arg(site).arg(&out));
+    let clip = xtask::demo_clip(&scratch("web")).expect("the demo clip");
+    let of_command = out.join("command.glb");
+    let mut track = Command::new(command());
+    track.arg("track").arg(&clip).arg("--gltf").arg(&of_command);
+    succeed(track.arg("--quiet"));
+    let mut take = script("take.mjs");
+    take.arg(site.join("posewise-simd128.wasm"));
+    take.arg(site.join("posewise.posewise"));
+    succeed(take.args([&clip, &of_command, &out.join("clip.glb")]));
+    for file in ["page.glb", "standalone.glb", "clip.glb"] {
+        succeed(script("gltf.mjs").arg(out.join(file)));
+    }
 }
 
 /// What lies outside the folder is not served.

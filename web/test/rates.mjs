@@ -15,10 +15,17 @@ try {
   for (const mode of ['none', 'wire', 'mask', 'make-up']) {
     await page.check(`input[name=face][value=${mode}]`);
     await untilTracked(page, 20);
-    const before = await page.evaluate(() => seen.tracked);
-    await page.waitForTimeout(1000 * SECONDS);
-    const shown = await page.evaluate(() => seen.tracked) - before;
-    console.log(`${mode}: ${(shown / SECONDS).toFixed(0)} frames a second`);
+    // In the quickest second: other programs delay most of them.
+    const rate = await page.evaluate(async (seconds) => {
+      const rates = [];
+      while (rates.length < seconds) {
+        const [start, before] = [performance.now(), seen.tracked];
+        await new Promise((resolve) => setTimeout(resolve, 1000));
+        rates.push((1000 * (seen.tracked - before)) / (performance.now() - start));
+      }
+      return Math.max(...rates);
+    }, SECONDS);
+    console.log(`${mode}: ${rate.toFixed(0)} frames a second`);
   }
 } finally {
   await browser.close();

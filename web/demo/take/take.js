@@ -147,7 +147,8 @@ export class Take {
       rotations: flat((key) => key.rotation),
       weights: flat((key) => key.weights),
     };
-    const lens = { yfov: 2 * Math.atan(height / (2 * fy)), aspectRatio: width / fx / (height / fy) };
+    const yfov = 2 * Math.atan(height / (2 * fy));
+    const lens = { yfov, aspectRatio: width / fx / (height / fy) };
     return glb(head, motion, lens, `posewise ${version}`);
   }
 }

@@ -35,9 +35,10 @@ const OWN: [(&str, &str); 5] = [
 ];
 
 /// Files that the site's own pages show.
-const SHOWN: [&str; 6] = [
+const SHOWN: [&str; 7] = [
     "include/posewise.h",
     "include/posewise.hpp",
+    "docs/mesh-page.png",
     "docs/tracked.png",
     "docs/signs.svg",
     "docs/facing.svg",
