@@ -64,8 +64,8 @@ impl<'m> EnsembleMember<'m> {
         section.require(same, "its crops differ from those of the global stage")
     }
 
-    /// Landmarks predicted from the mirrored standardised crop, mirrored back, in crop px relative to the crop's
-    /// centre; `None` without a network. The crop is unchanged afterwards.
+    /// Landmarks predicted from the mirrored standardised crop, mirrored back, in crop px relative
+    /// to the crop's centre; `None` without a network. The crop is unchanged afterwards.
     #[inline(never)]
     pub(super) fn run(&self, crop: &mut Crop, memory: &mut Memory) -> Option<Shape> {
         // Reading cannot fail: `open` checked the section.

@@ -102,10 +102,10 @@ impl<'m> Regressor<'m> {
         regressor
     }
 
-    /// Reads a regressor that was opened before, of `points` points: `side: u32, zoom: f32, fine, coarse, heads, rank: u32`
-    /// (`fine` and `coarse` are numbers of nodes), the network, and for each head `sources: u32,
-    /// project: i8[rank·inputs], scale, bias: f32[rank], expand: i8[rank·2·points], expand_scale:
-    /// f32[rank], offset: f32[2·points]`.
+    /// Reads a regressor that was opened before, of `points` points: `side: u32, zoom: f32, fine,
+    /// coarse, heads, rank: u32` (`fine` and `coarse` are numbers of nodes), the network, and for
+    /// each head `sources: u32, project: i8[rank·inputs], scale, bias: f32[rank], expand:
+    /// i8[rank·2·points], expand_scale: f32[rank], offset: f32[2·points]`.
     ///
     /// # Errors
     /// When the section is too short or a number is out of range.

@@ -7,8 +7,8 @@
 use super::dot;
 
 /// Solves `matrix · x = rhs` in place by Cholesky's L·Lᵀ. Only the lower triangle of `matrix`
-/// (rows of columns, of `W` ≥ `N` numbers) is read, and it is overwritten by L. Returns false, with `rhs` undefined, when
-/// the matrix is not positive definite. Takes N³/6 multiply-adds.
+/// (rows of columns, of `W` ≥ `N` numbers) is read, and it is overwritten by L. Returns false, with
+/// `rhs` undefined, when the matrix is not positive definite. Takes N³/6 multiply-adds.
 pub fn solve_spd<const N: usize, const W: usize>(
     matrix: &mut [[f32; W]; N],
     rhs: &mut [f32; N],

@@ -7,8 +7,8 @@ use super::plan::{Network, Node, OP_ADD, OP_DEPTHWISE, OP_INPUT};
 use crate::image::Crop;
 
 impl Network<'_> {
-    /// Computes all maps of a standardised crop, whose side is the one that the network was read for
-    /// \[px\].
+    /// Computes all maps of a standardised crop, whose side is the one that the network was read
+    /// for \[px\].
     pub fn run(&self, crop: &Crop, work: &mut Activations) {
         dispatch!(kernel => self.run_with(kernel, crop, work));
     }

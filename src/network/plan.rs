@@ -130,10 +130,10 @@ impl<'m> Network<'m> {
         nodes.try_for_each(|node| node.check_bounds(s))
     }
 
-    /// Reads a network whose sums are known to be in bounds: `nodes: u32` and then each node: `op, kernel, stride, input, other, channels, at,
-    /// zero_point, pre_shift, post_shift: u32`, `weights: i8[…]`, `bias: i32[…]`,
-    /// `multiplier: i32[…]`. Node 0 is the crop, `side` px square; `input` and `other` are numbers
-    /// of earlier nodes.
+    /// Reads a network whose sums are known to be in bounds: `nodes: u32` and then each node: `op,
+    /// kernel, stride, input, other, channels, at, zero_point, pre_shift, post_shift: u32`,
+    /// `weights: i8[…]`, `bias: i32[…]`, `multiplier: i32[…]`. Node 0 is the crop, `side` px
+    /// square; `input` and `other` are numbers of earlier nodes.
     ///
     /// # Errors
     /// When the section is too short, or a node would leave the arena or overwrite its input.
