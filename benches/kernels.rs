@@ -4,7 +4,7 @@ mod clip;
 
 use clip::clip;
 use divan::Bencher;
-use posewise::align::{Shape, Workspace};
+use posewise::align::{Networks, Shape, Workspace};
 use posewise::network::{KernelName, select_kernel};
 use posewise::{Config, Frame, FrameLayout, Model, State, Tracker};
 
@@ -40,7 +40,9 @@ fn global_stage(bencher: Bencher<'_, '_>, kernel: KernelName) {
         let mut work = Box::new(Workspace::new());
         bencher.bench_local(|| {
             let mut shape = *shape;
-            model.align().iterate(frame, &mut shape, &mut work)
+            model
+                .align()
+                .iterate(frame, &mut shape, Networks::All, &mut work)
         });
     });
 }
@@ -53,7 +55,9 @@ fn refiners(bencher: Bencher<'_, '_>, kernel: KernelName) {
         let mut work = Box::new(Workspace::new());
         bencher.bench_local(|| {
             let mut shape = *shape;
-            model.align().refine(frame, &mut shape, &mut work)
+            model
+                .align()
+                .refine(frame, &mut shape, Networks::All, &mut work)
         });
     });
 }
@@ -64,7 +68,9 @@ fn verifier(bencher: Bencher<'_, '_>, kernel: KernelName) {
     select_kernel(kernel);
     with_face(|model, frame, shape| {
         let mut work = Box::new(Workspace::new());
-        model.align().iterate(frame, &mut shape.clone(), &mut work);
+        model
+            .align()
+            .iterate(frame, &mut shape.clone(), Networks::All, &mut work);
         bencher.bench_local(|| model.verifier().evaluate(work.features(), work.view()));
     });
 }

@@ -225,6 +225,42 @@ private:
     posewise_status status_ = POSEWISE_E_NULL;
 };
 
+// Steps several trackers on the same frames, so that each follows a face of its own, for less than
+// they cost alone. A copy is a second, independent group.
+class Group {
+public:
+    Group() {
+        posewise_group *created = nullptr;
+        status_ = posewise_group_init(&created, memory_, sizeof memory_);
+    }
+
+    // The trackers are those of the steps before, in the same order; out[k] is of trackers[k].
+    posewise_status step(posewise_tracker *const *trackers, std::size_t count,
+                         const posewise_frame &frame, posewise_result *out) {
+        return posewise_group_step(get(), trackers, count, &frame, out);
+    }
+
+    template <std::size_t N>
+    posewise_status step(const std::array<Tracker, N> &trackers, const posewise_frame &frame,
+                         std::array<posewise_result, N> &out) {
+        std::array<posewise_tracker *, N> pointers{};
+        for (std::size_t k = 0; k < N; k++) {
+            pointers[k] = trackers[k].get();
+            out[k] = result();
+        }
+        return step(pointers.data(), N, frame, out.data());
+    }
+
+    posewise_status status() const { return status_; }
+
+    // For functions of posewise.h that this class lacks.
+    posewise_group *get() { return reinterpret_cast<posewise_group *>(memory_); }
+
+private:
+    alignas(POSEWISE_ALIGN) unsigned char memory_[POSEWISE_GROUP_SIZE] = {};
+    posewise_status status_ = POSEWISE_OK;
+};
+
 // Watches one driver through the results of a tracker; holds its memory itself. A copy is a second,
 // independent monitor.
 class Monitor {

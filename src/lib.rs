@@ -112,8 +112,8 @@ pub use posewise_format::{Aligned, ModelError, ModelInfo, ModelTerms};
 pub use shape::{ANIMATION_NAMES, ANIMATIONS, Distortion, Intrinsics, LANDMARKS};
 pub use track::{
     Config, ConfigError, Detected, EVENTS, Event, EventKind, EventLog, EventRing, FaceHint,
-    FoundFace, Landmark, Loss, MAX_EXCLUDED, Model, Smoothing, State, StepError, TrackResult,
-    Tracker, is_same_face,
+    FoundFace, Group, Landmark, Loss, MAX_EXCLUDED, MAX_GROUP, Model, Smoothing, State, StepError,
+    TrackResult, Tracker, is_same_face,
 };
 
 /// What a result says of the eyes: lids, glasses, gaze.

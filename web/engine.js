@@ -5,6 +5,7 @@ import {
   ABI, ANIMATIONS, CONFIG, EYE_LOOKS, FORMATS, FRAME, MODEL_DETAILS, MONITOR_CONFIG, PARTS, PRESETS,
   STATUS,
 } from './layout.js';
+import { Group } from './group.js';
 import { Monitor } from './monitor.js';
 import { changeStruct, clearStruct, readStruct, writeStruct } from './struct.js';
 import { Tracker } from './tracker.js';
@@ -162,7 +163,7 @@ export class Engine {
    * Memory that was given back, by what was in it.
    * @type {Record<string, number[]>}
    */
-  #freed = { init: [], monitor_init: [] };
+  #freed = { init: [], monitor_init: [], group_init: [] };
 
   /**
    * @param {WebAssembly.Instance} instance
@@ -307,8 +308,9 @@ export class Engine {
    */
   createTracker(config = {}) {
     const size = this.call('memory_size', 0);
-    this.#writeDefaults(CONFIG, 'config_default');
-    return this.#create(Tracker, 'init', CONFIG, config, size, this.#model, this.#modelLength);
+    const settings = this.#writeDefaults(CONFIG, 'config_default');
+    changeStruct(this.view, settings, CONFIG, config);
+    return this.#create(Tracker, 'init', size, this.#model, this.#modelLength, settings);
   }
 
   /**
@@ -318,8 +320,9 @@ export class Engine {
    */
   createMonitor(config = {}, zones) {
     const size = this.call('monitor_memory_size', 0);
-    this.#writePreset(config.preset);
-    const monitor = this.#create(Monitor, 'monitor_init', MONITOR_CONFIG, config, size);
+    const settings = this.#writePreset(config.preset);
+    changeStruct(this.view, settings, MONITOR_CONFIG, config);
+    const monitor = this.#create(Monitor, 'monitor_init', size, settings);
     try {
       if (zones) monitor.setZones(zones);
     } catch (error) {
@@ -327,6 +330,11 @@ export class Engine {
       throw error;
     }
     return monitor;
+  }
+
+  /** Makes a group, for several trackers. */
+  createGroup() {
+    return this.#create(Group, 'group_init', this.call('group_memory_size'));
   }
 
   /**
@@ -368,21 +376,16 @@ export class Engine {
 
   /**
    * Makes an object of the library, in memory that an earlier one gave back where there is such.
-   * Its settings are those that were written last, but for what is given.
    * @template T
    * @param {new (engine: Engine, at: number, release: () => void) => T} kind
    * @param {string} init
-   * @param {Layout} layout
-   * @param {object} config
    * @param {number} size
    * @param {...number} args
    */
-  #create(kind, init, layout, config, size, ...args) {
-    const [out, settings] = [this.scratch, this.scratch + 8];
-    changeStruct(this.view, settings, layout, config);
+  #create(kind, init, size, ...args) {
     const memory = this.#freed[init].pop() ?? this.allocate(size);
     const release = () => this.#freed[init].push(memory);
-    const status = this.call(init, out, memory, size, ...args, settings);
+    const status = this.call(init, this.scratch, memory, size, ...args);
     if (status !== STATUS.OK) release();
     this.check(status);
     return new kind(this, memory, release);

@@ -24,6 +24,16 @@ export class Handle {
   }
 
   /**
+   * Where it is in the memory of this engine.
+   * @param {Engine} engine
+   */
+  address(engine) {
+    if (engine !== this.engine) throw new TypeError('a tracker of another engine');
+    if (!this.#at) throw new Error('a tracker after free()');
+    return this.#at;
+  }
+
+  /**
    * @protected
    * @param {string} name
    * @param {...(number | bigint)} args

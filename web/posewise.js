@@ -3,6 +3,7 @@
 import { PosewiseError } from './engine.js';
 
 export { Engine, PosewiseError, hasSimd, load, moduleName } from './engine.js';
+export { Group } from './group.js';
 export { frameOf } from './luma.js';
 export { Monitor } from './monitor.js';
 export { Tracker } from './tracker.js';

@@ -20,6 +20,7 @@ from ._fields import (
     Observation,
     Perclos,
 )
+from ._group import Group
 from ._layout import EVENTS, EYES, LOSSES, MONITOR_EVENTS, PRESETS, STATES
 from ._library import VERSION as __version__
 from ._library import PosewiseError
@@ -48,6 +49,7 @@ __all__ = [
     "Event",
     "FORMATS",
     "Face",
+    "Group",
     "LOSSES",
     "MONITOR_EVENTS",
     "Mesh",

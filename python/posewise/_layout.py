@@ -213,6 +213,9 @@ STATUS = {
     -33: "E_RECORD",
     -34: "E_RECORD_VERSION",
     -35: "E_MESH_SHAPE",
+    -36: "E_GROUP",
+    -38: "E_NETWORK_PERIOD",
+    -37: "E_GROUP_TRACKERS",
 }
 
 # Pixel formats by name.
@@ -285,6 +288,7 @@ class Config(Structure):
         ("lens", Lens),
         ("gaze", c_uint32),
         ("roi", Roi),
+        ("network_period", c_uint32),
     ]
     _words_ = {"gaze": GAZES}
 

@@ -18,6 +18,7 @@ lib = ctypes.CDLL(str(FOLDER / "libposewise.so"))
 
 _size_p = POINTER(c_size_t)
 _tracker = c_void_p
+_group = c_void_p
 _monitor = c_void_p
 _frame = POINTER(layout.Frame)
 _result = POINTER(layout.Result)
@@ -63,6 +64,9 @@ for _name, _returns, _arguments in [
     ("set_intrinsics", c_int32, [_tracker, POINTER(layout.Intrinsics)]),
     ("set_lens", c_int32, [_tracker, POINTER(layout.Lens)]),
     ("set_roi", c_int32, [_tracker, POINTER(layout.Roi)]),
+    ("group_memory_size", c_size_t, []),
+    ("group_init", c_int32, [c_void_p, c_void_p, c_size_t]),
+    ("group_step", c_int32, [_group, POINTER(c_void_p), c_size_t, _frame, _result]),
     ("monitor_config_default", c_int32, [c_uint32, POINTER(layout.MonitorConfig)]),
     ("monitor_memory_size", c_size_t, [c_void_p]),
     (

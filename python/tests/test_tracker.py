@@ -131,6 +131,25 @@ def test_detect_finds_the_face(clip):
     assert 80 < x + width / 2 < 240 and 60 < y + height / 2 < 180
 
 
+def test_a_group_gives_a_face_to_one_tracker(clip):
+    frames, frame_us = clip
+    group, trackers = posewise.Group(), [posewise.Tracker(), posewise.Tracker()]
+    for i, frame in enumerate(frames[:8]):
+        results = group.step(trackers, frame, i * frame_us)
+    assert [result.state for result in results] == ["tracking", "searching"]
+    assert results[0].landmarks[:, 0].mean() > 80
+    with pytest.raises(posewise.PosewiseError, match="timestamp"):
+        group.step(trackers, frames[0], 0)
+    for wrong in ([], trackers * 9, [trackers[0]] * 2):
+        with pytest.raises(posewise.PosewiseError):
+            group.step(wrong, frames[0], 9 * frame_us)
+    trackers[0].close()
+    with pytest.raises(posewise.PosewiseError):
+        group.step(trackers, frames[0], 9 * frame_us)
+    with pytest.raises(posewise.PosewiseError):
+        posewise.Tracker(network_period=9)
+
+
 def test_a_hint_and_a_region(clip):
     tracker = posewise.Tracker()
     first = tracker.step(clip[0][0], 0, hint=((110, 100, 90, 90), 0.0, 0.0))

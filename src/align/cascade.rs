@@ -1,15 +1,16 @@
 //! The cascade's model and one run of it. Sections: `ALGN` holds the global stage, `ENSM` its
 //! second ensemble member, `RFIN` and `SREG` the local refiners and the shape regression.
 
+use super::correction::Networks;
 use super::ensemble::EnsembleMember;
 use super::placement::place;
 use super::refiners::Refiners;
-use super::regressor::{Memory, Regressor};
+use super::regressor::Regressor;
 use super::shape::{Shape, is_finite, shapes_of};
 use super::views::Views;
-use crate::image::{Crop, Frame, warp};
+use super::workspace::Workspace;
+use crate::image::{Frame, warp};
 use crate::math::Similarity;
-use crate::network::{Activations, MAX_FEATURES};
 use crate::shape::LANDMARKS;
 use posewise_format::{Blob, ModelError};
 
@@ -18,9 +19,6 @@ pub const MAX_VIEWS: usize = 4;
 
 /// Most iterations after a detection.
 const MAX_ITERATIONS: usize = 8;
-
-/// Capacity: features that are kept for the verifier.
-const VERIFIER_FEATURES: usize = LANDMARKS * MAX_FEATURES;
 
 /// A checked view of section `ALGN`, with the model's second ensemble member and local refiners.
 #[derive(Clone, Debug)]
@@ -33,72 +31,6 @@ pub struct AlignModel<'m> {
     global: Regressor<'m>,
     second: EnsembleMember<'m>,
     refiners: Refiners<'m>,
-}
-
-/// Working memory of a run, and the outputs of the last run beside its shape.
-#[derive(Clone)]
-pub struct Workspace {
-    crop: Crop,
-    memory: Memory,
-    features: [i8; VERIFIER_FEATURES],
-    feature_count: usize,
-    /// Those of a run before the last, while two are compared.
-    kept_features: [i8; VERIFIER_FEATURES],
-    view: usize,
-}
-
-impl Default for Workspace {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
-impl Workspace {
-    /// Empty working memory.
-    pub const fn new() -> Self {
-        Workspace {
-            crop: Crop::new(),
-            memory: Memory::new(),
-            features: [0; VERIFIER_FEATURES],
-            feature_count: 0,
-            kept_features: [0; VERIFIER_FEATURES],
-            view: 0,
-        }
-    }
-
-    /// Features of the last iteration for the verifier, `[68][features]`, 0..127: the fine map at
-    /// the landmarks of the global stage. Empty before the first.
-    pub fn features(&self) -> &[i8] {
-        self.features.get(..self.feature_count).unwrap_or(&[])
-    }
-
-    /// Keeps the features of a run while another follows, or exchanges those of both runs.
-    pub fn exchange_features(&mut self) {
-        core::mem::swap(&mut self.features, &mut self.kept_features);
-    }
-
-    /// 80 KiB of the working memory, for other use between two runs. A run overwrites it and does
-    /// not read it.
-    pub fn scratch(&mut self) -> &mut [u8] {
-        self.memory.scratch()
-    }
-
-    /// A crop and the memory of a network's maps, for a network of another module between two runs.
-    /// A run overwrites both and does not read them.
-    pub fn network_memory(&mut self) -> (&mut Crop, &mut Activations) {
-        (&mut self.crop, self.memory.maps())
-    }
-
-    /// The same crop, and all of the memory of a regressor.
-    pub(super) fn eye_memory(&mut self) -> (&mut Crop, &mut Memory) {
-        (&mut self.crop, &mut self.memory)
-    }
-
-    /// Signed view of the global shape: 0 is frontal, then the model's views turned to the
-    /// image right, then those turned left. Below [`AlignModel::signed_views`].
-    pub fn view(&self) -> usize {
-        self.view
-    }
 }
 
 impl<'m> AlignModel<'m> {
@@ -189,21 +121,34 @@ impl<'m> AlignModel<'m> {
         shape: &mut Shape,
         work: &mut Workspace,
     ) -> bool {
-        (0..iterations).all(|_| self.iterate(frame, shape, work)) && self.refine(frame, shape, work)
+        let all = Networks::All;
+        (0..iterations).all(|_| self.iterate(frame, shape, all, work))
+            && self.refine(frame, shape, all, work)
     }
 
     /// Runs the refiners from the `shape` of the last iteration; false as in [`AlignModel::run`].
-    pub fn refine(&self, frame: &Frame<'_>, shape: &mut Shape, work: &mut Workspace) -> bool {
+    pub fn refine(
+        &self,
+        frame: &Frame<'_>,
+        shape: &mut Shape,
+        networks: Networks,
+        work: &mut Workspace,
+    ) -> bool {
         if cfg!(feature = "refiners") {
-            let Workspace { crop, memory, .. } = work;
-            self.refiners.run(frame, self.mean, shape, crop, memory);
+            self.refiners.run(frame, self.mean, shape, networks, work);
         }
         is_finite(shape)
     }
 
     /// One iteration of the global stage: then features and view are known. False as
     /// in [`AlignModel::run`].
-    pub fn iterate(&self, frame: &Frame<'_>, shape: &mut Shape, work: &mut Workspace) -> bool {
+    pub fn iterate(
+        &self,
+        frame: &Frame<'_>,
+        shape: &mut Shape,
+        networks: Networks,
+        work: &mut Workspace,
+    ) -> bool {
         let (global, side) = (&self.global, self.global.side());
         let Some(placement) = place(self.mean, shape, global.zoom(), side) else {
             return false;
@@ -211,11 +156,22 @@ impl<'m> AlignModel<'m> {
         warp(frame, &placement.corner_to_frame, side, &mut work.crop);
         work.crop.standardise();
         // The first member runs last: the verifier reads its maps.
-        let second = self.second.run(&mut work.crop, &mut work.memory);
+        let is_held = work.corrections.global.holds(networks);
+        let second = match is_held {
+            true => None,
+            false => self.second.run(&mut work.crop, &mut work.memory),
+        };
         let mut points = [[0.0f32; 2]; LANDMARKS];
         global.run(&work.crop, &mut points, &mut work.memory);
-        for (p, q) in points.iter_mut().zip(second.iter().flatten()) {
-            *p = [0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])];
+        if is_held {
+            (work.corrections.global).add_to(&mut points, &Similarity::IDENTITY);
+        }
+        if let Some(second) = second {
+            let first = points;
+            for (p, q) in points.iter_mut().zip(&second) {
+                *p = [0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])];
+            }
+            (work.corrections.global).keep(&first, &points, &Similarity::IDENTITY);
         }
         global.describe(&points, &mut work.memory, &mut work.features);
         work.feature_count = LANDMARKS * global.features();

@@ -7,8 +7,8 @@
 //! where the iris is between them, which the network sees, and of how the head is turned, which the
 //! pose says.
 
-use super::cascade::Workspace;
 use super::regressor::Regressor;
+use super::workspace::Workspace;
 use crate::image::{Frame, warp};
 use crate::math::{Similarity, sigmoid, towards};
 use crate::shape::Intrinsics;

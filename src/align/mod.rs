@@ -18,6 +18,7 @@
 //! `zoom` is the number of crop pixels per canonical unit.
 
 mod cascade;
+mod correction;
 mod ensemble;
 mod eyes;
 mod placement;
@@ -27,13 +28,16 @@ mod rotation_regression;
 mod shape;
 mod shape_regression;
 mod views;
+mod workspace;
 
-pub use cascade::{AlignModel, Workspace};
+pub use cascade::AlignModel;
+pub use correction::Networks;
 pub use ensemble::EnsembleMember;
 pub use eyes::{EyeModel, EyePlace, SeenEye};
 pub use refiners::Refiners;
 pub use rotation_regression::RotationRegression;
 pub use shape::Shape;
+pub use workspace::Workspace;
 
 #[cfg(feature = "unstable-internals")]
 pub use cascade::MAX_VIEWS;

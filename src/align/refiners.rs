@@ -7,9 +7,11 @@
 //! network, which sees the person's left eye mirrored. The mouth is its own mirror image: the
 //! predictions for the crop and for its mirror image are averaged.
 
+use super::correction::Networks;
 use super::regressor::{Memory, Regressor};
 use super::shape::Shape;
 use super::shape_regression::ShapeRegression;
+use super::workspace::Workspace;
 use crate::image::{Crop, Frame, warp};
 use crate::math::Similarity;
 use crate::shape::{LANDMARKS, MIRROR};
@@ -101,21 +103,30 @@ impl<'m> Refiners<'m> {
         frame: &Frame<'_>,
         mean: &Shape,
         shape: &mut Shape,
-        crop: &mut Crop,
-        memory: &mut Memory,
+        networks: Networks,
+        work: &mut Workspace,
     ) {
         let Some(face) = Similarity::fit(mean, shape) else {
             return;
         };
+        let to_canonical = face.inverse().unwrap_or(Similarity::IDENTITY);
         let Some(mut content) = self.content.clone() else {
             return;
         };
+        let Workspace {
+            crop,
+            memory,
+            corrections,
+            ..
+        } = work;
         let run = &mut Run {
             frame,
             face,
             crop,
             memory,
         };
+        let correction = &mut corrections.refiners;
+        let is_held = correction.holds(networks);
         for _ in 0..self.count {
             // Reading cannot fail: `open` checked the section.
             let Ok(refiner) = Refiner::read(&mut content) else {
@@ -127,10 +138,17 @@ impl<'m> Refiners<'m> {
                 refiner.run(run, true, shape);
                 continue;
             }
+            if is_held {
+                correction.add_to(shape, &face);
+                continue;
+            }
             refiner.run(run, true, &mut other);
+            let once = *shape;
             for (p, q) in shape.iter_mut().zip(&other) {
                 *p = [0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])];
             }
+            // Models have one such refiner; of more, the corrections would be that of the last.
+            correction.keep(&once, shape, &to_canonical);
         }
         if let Some(regression) = &self.shape_regression {
             regression.run(mean, shape);

@@ -18,7 +18,7 @@ use crate::PARTS;
 use crate::network;
 use crate::shape::{ANIMATIONS, Distortion, LANDMARKS};
 use crate::track::{Config, EVENTS, EYE_LOOKS, FoundFace, MAX_EXCLUDED};
-use core::ffi::{c_char, c_void};
+use core::ffi::{CStr, c_char, c_void};
 
 const _: () = assert!(POSEWISE_LANDMARKS as usize == LANDMARKS);
 const _: () = assert!(POSEWISE_ANIMATIONS as usize == ANIMATIONS);
@@ -65,67 +65,137 @@ pub unsafe extern "C" fn posewise_set_cpu(features: u32) -> posewise_status {
     })
 }
 
+/// Descriptions of all statuses.
+static TEXTS: [(posewise_status, &CStr); 39] = [
+    (POSEWISE_OK, c"success"),
+    (POSEWISE_E_ARG, c"an argument is invalid"),
+    (
+        POSEWISE_E_MEMORY,
+        c"the tracker's memory is too small or not 64-byte aligned",
+    ),
+    (
+        POSEWISE_E_MODEL,
+        c"a section of the model is missing or invalid",
+    ),
+    (
+        POSEWISE_E_FRAME,
+        c"width, height, stride, rotation and data_len of the frame are inconsistent",
+    ),
+    (
+        POSEWISE_E_TIME,
+        c"the timestamp is not after that of the last frame",
+    ),
+    (POSEWISE_E_FORMAT, c"the pixel format is not supported"),
+    (POSEWISE_E_MODEL_ALIGN, c"the model is not 64-byte aligned"),
+    (POSEWISE_E_MODEL_TRUNCATED, c"the model is truncated"),
+    (POSEWISE_E_MODEL_MAGIC, c"not a .posewise model"),
+    (
+        POSEWISE_E_MODEL_VERSION,
+        c"the format version of the model is not supported",
+    ),
+    (
+        POSEWISE_E_MODEL_CHECKSUM,
+        c"the checksum of the model does not match: the model is corrupt",
+    ),
+    (POSEWISE_E_NULL, c"a pointer is NULL"),
+    (
+        POSEWISE_E_POINTER_ALIGN,
+        c"a pointer is not aligned to its type",
+    ),
+    (
+        POSEWISE_E_STRUCT_SIZE,
+        c"struct_size is not set, or not the size of the struct in a posewise.h",
+    ),
+    (
+        POSEWISE_E_TRACKER,
+        c"the pointer is not to a tracker of this library",
+    ),
+    (
+        POSEWISE_E_OVERLAP,
+        c"an output or the model lies in the tracker's memory",
+    ),
+    (
+        POSEWISE_E_FLAGS,
+        c"an unknown flag is set, or reserved is not 0",
+    ),
+    (
+        POSEWISE_E_INTRINSICS,
+        c"intrinsics: fx, fy must be 1..1000000, fy/fx 0.1..10, cx, cy -100000..100000",
+    ),
+    (
+        POSEWISE_E_LENS,
+        c"the lens: an unknown model, a coefficient out of range, or one that it does not have",
+    ),
+    (POSEWISE_E_MIN_FACE, c"min_face_px must be 24..4096"),
+    (POSEWISE_E_SCAN_BUDGET, c"scan_budget must be 100..10000000"),
+    (
+        POSEWISE_E_HINT,
+        c"the hint: its box must be 16..32768 px, its yaw -180..180, its roll -360..360 degrees",
+    ),
+    (
+        POSEWISE_E_EXCLUDED,
+        c"more than 16 excluded boxes, or one whose sides are not 1..32768 px",
+    ),
+    (
+        POSEWISE_E_ROI,
+        c"the region of interest is empty, ends beyond 16384 px or is not in the frame",
+    ),
+    (
+        POSEWISE_E_MONITOR,
+        c"the pointer is not to a driver monitor of this library",
+    ),
+    (
+        POSEWISE_E_MONITOR_CONFIG,
+        c"a setting of the driver monitor is out of range, or two are out of order",
+    ),
+    (
+        POSEWISE_E_MONITOR_ZONES,
+        c"more than 8 zones, or one whose kind or numbers are no zone",
+    ),
+    (POSEWISE_E_RECORD, c"the record is none, is cut or damaged"),
+    (
+        POSEWISE_E_RECORD_VERSION,
+        c"the record has a version that this library does not read",
+    ),
+    (
+        POSEWISE_E_CAPACITY,
+        c"an output has less room than is needed",
+    ),
+    (
+        POSEWISE_E_NO_FACE,
+        c"there is no face, or there was none yet",
+    ),
+    (
+        POSEWISE_E_MESH,
+        c"the model has no mesh, or the library was built without",
+    ),
+    (
+        POSEWISE_E_MESH_SHAPE,
+        c"the shape of the mesh is no POSEWISE_ANIMATION_*, nor neutral",
+    ),
+    (POSEWISE_E_NETWORK_PERIOD, c"network_period must be 1..8"),
+    (
+        POSEWISE_E_GROUP,
+        c"the pointer is not to a group of this library",
+    ),
+    (POSEWISE_E_GROUP_TRACKERS, c"a group has 1..16 trackers"),
+    (
+        POSEWISE_E_MESH_SPACE,
+        c"the space of the mesh is not a POSEWISE_MESH_SPACE_*",
+    ),
+    (
+        POSEWISE_E_SMOOTHING,
+        c"smoothing_hz must be 0.01..100 and smoothing_beta 0..1000",
+    ),
+];
+
 /// A description of a status: one line of English, static, never NULL.
 #[unsafe(no_mangle)]
 pub extern "C" fn posewise_strerror(status: posewise_status) -> *const c_char {
-    let text = match status {
-        POSEWISE_OK => c"success",
-        POSEWISE_E_ARG => c"an argument is invalid",
-        POSEWISE_E_MEMORY => c"the tracker's memory is too small or not 64-byte aligned",
-        POSEWISE_E_MODEL => c"a section of the model is missing or invalid",
-        POSEWISE_E_FRAME => {
-            c"width, height, stride, rotation and data_len of the frame are inconsistent"
-        }
-        POSEWISE_E_TIME => c"the timestamp is not after that of the last frame",
-        POSEWISE_E_FORMAT => c"the pixel format is not supported",
-        POSEWISE_E_MODEL_ALIGN => c"the model is not 64-byte aligned",
-        POSEWISE_E_MODEL_TRUNCATED => c"the model is truncated",
-        POSEWISE_E_MODEL_MAGIC => c"not a .posewise model",
-        POSEWISE_E_MODEL_VERSION => c"the format version of the model is not supported",
-        POSEWISE_E_MODEL_CHECKSUM => {
-            c"the checksum of the model does not match: the model is corrupt"
-        }
-        POSEWISE_E_NULL => c"a pointer is NULL",
-        POSEWISE_E_POINTER_ALIGN => c"a pointer is not aligned to its type",
-        POSEWISE_E_STRUCT_SIZE => {
-            c"struct_size is not set, or not the size of the struct in a posewise.h"
-        }
-        POSEWISE_E_TRACKER => c"the pointer is not to a tracker of this library",
-        POSEWISE_E_OVERLAP => c"an output or the model lies in the tracker's memory",
-        POSEWISE_E_FLAGS => c"an unknown flag is set, or reserved is not 0",
-        POSEWISE_E_INTRINSICS => {
-            c"intrinsics: fx, fy must be 1..1000000, fy/fx 0.1..10, cx, cy -100000..100000"
-        }
-        POSEWISE_E_LENS => {
-            c"the lens: an unknown model, a coefficient out of range, or one that it does not have"
-        }
-        POSEWISE_E_MIN_FACE => c"min_face_px must be 24..4096",
-        POSEWISE_E_SCAN_BUDGET => c"scan_budget must be 100..10000000",
-        POSEWISE_E_HINT => {
-            c"the hint: its box must be 16..32768 px, its yaw -180..180, its roll -360..360 degrees"
-        }
-        POSEWISE_E_EXCLUDED => {
-            c"more than 16 excluded boxes, or one whose sides are not 1..32768 px"
-        }
-        POSEWISE_E_ROI => {
-            c"the region of interest is empty, ends beyond 16384 px or is not in the frame"
-        }
-        POSEWISE_E_MONITOR => c"the pointer is not to a driver monitor of this library",
-        POSEWISE_E_MONITOR_CONFIG => {
-            c"a setting of the driver monitor is out of range, or two are out of order"
-        }
-        POSEWISE_E_MONITOR_ZONES => c"more than 8 zones, or one whose kind or numbers are no zone",
-        POSEWISE_E_RECORD => c"the record is none, is cut or damaged",
-        POSEWISE_E_RECORD_VERSION => c"the record has a version that this library does not read",
-        POSEWISE_E_CAPACITY => c"an output has less room than is needed",
-        POSEWISE_E_NO_FACE => c"there is no face, or there was none yet",
-        POSEWISE_E_MESH => c"the model has no mesh, or the library was built without",
-        POSEWISE_E_MESH_SHAPE => c"the shape of the mesh is no POSEWISE_ANIMATION_*, nor neutral",
-        POSEWISE_E_MESH_SPACE => c"the space of the mesh is not a POSEWISE_MESH_SPACE_*",
-        POSEWISE_E_SMOOTHING => c"smoothing_hz must be 0.01..100 and smoothing_beta 0..1000",
-        _ => c"unknown status",
-    };
-    text.as_ptr()
+    let described = TEXTS.iter().find(|(other, _)| *other == status);
+    described
+        .map_or(c"unknown status", |(_, text)| text)
+        .as_ptr()
 }
 
 /// Writes the default settings with their values and POSEWISE_EXACT: what is set to 0 then is 0. As
@@ -140,6 +210,7 @@ pub unsafe extern "C" fn posewise_config_default(out: *mut posewise_config) -> p
             scan_budget: default.scan_budget,
             smoothing_hz: default.smoothing.cutoff_hz,
             smoothing_beta: default.smoothing.beta,
+            network_period: default.network_period,
             ..Default::default()
         };
         // SAFETY: the caller's contract.

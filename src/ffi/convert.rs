@@ -122,7 +122,7 @@ pub(super) unsafe fn config_from(
         gaze: given.gaze != POSEWISE_GAZE_OFF,
         natural_gaze: given.gaze == POSEWISE_GAZE_NATURAL,
         roi: roi_from(&given.roi),
-        ..default
+        network_period: or(given.network_period, default.network_period),
     };
     config.check().map_err(config_error)?;
     Ok(config)
@@ -146,6 +146,7 @@ pub(super) fn config_error(error: ConfigError) -> posewise_status {
         ConfigError::Smoothing => POSEWISE_E_SMOOTHING,
         ConfigError::Roi => POSEWISE_E_ROI,
         ConfigError::Excluded => POSEWISE_E_EXCLUDED,
+        ConfigError::NetworkPeriod => POSEWISE_E_NETWORK_PERIOD,
     }
 }
 
@@ -236,6 +237,7 @@ pub(super) fn step_error(error: StepError) -> posewise_status {
         StepError::Time => POSEWISE_E_TIME,
         StepError::Hint => POSEWISE_E_HINT,
         StepError::Roi => POSEWISE_E_ROI,
+        StepError::Group => POSEWISE_E_GROUP_TRACKERS,
     }
 }
 
@@ -419,6 +421,7 @@ mod tests {
                 scan_budget: 3600,
                 smoothing_hz: 1.0,
                 smoothing_beta,
+                network_period: 1,
                 ..Default::default()
             };
             // SAFETY: a whole struct.

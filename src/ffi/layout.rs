@@ -25,9 +25,9 @@ layout! {
         x 0, y 4, width 8, height 12;
     posewise_lens 24;
         model 0, coefficients 4;
-    posewise_config 84;
+    posewise_config 88;
         struct_size 0, flags 4, min_face_px 8, scan_budget 12, intrinsics 16, smoothing_hz 32,
-        smoothing_beta 36, lens 40, gaze 64, roi 68;
+        smoothing_beta 36, lens 40, gaze 64, roi 68, network_period 84;
     posewise_frame 40 + 2 * P;
         struct_size 0, format 4, timestamp_us 8, width 16, height 20, stride 24, rotation_deg 28,
         flags 32, reserved 36, data_len 40, data 40 + P;

@@ -23,8 +23,8 @@ pub(super) unsafe trait Growing: Copy {
 
 // SAFETY: `repr(C)` and free of padding (asserted in layout.rs), plain numbers and pointers only.
 unsafe impl Growing for posewise_config {
-    // 40: before `lens`; 64: before `gaze`; 68: before `roi`.
-    const EARLIER_SIZES: &'static [usize] = &[40, 64, 68];
+    // 40: before `lens`; 64: before `gaze`; 68: before `roi`; 84: before `network_period`.
+    const EARLIER_SIZES: &'static [usize] = &[40, 64, 68, 84];
 }
 // SAFETY: as above.
 unsafe impl Growing for posewise_frame {

@@ -1,11 +1,11 @@
 //! The C ABI: `include/posewise.h`, which is generated from [`types`], [`weights`], [`api`],
-//! [`names`], `mesh` and their likes for driver monitoring.
+//! [`names`], [`group`], [`mesh`] and their likes for driver monitoring.
 //!
 //! `convert` checks the caller's structs and converts them to the crate's types, and results back.
 //! `memory` does all pointer work, `block` holds the tracker in the caller's memory, `events`
 //! writes unread events.
 //! `layout` holds the structs to their sizes.
-//! `mesh` has the functions of the dense mesh.
+//! `group` has the functions for several trackers, `mesh` those of the dense mesh.
 //! `monitor`, `monitor_types` and `monitor_convert` are the same for driver monitoring.
 //! `float_env` sets the floating-point environment for the time of a call.
 
@@ -17,6 +17,7 @@ mod block;
 mod convert;
 mod events;
 mod float_env;
+pub mod group;
 mod layout;
 mod memory;
 pub mod mesh;

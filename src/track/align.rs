@@ -8,7 +8,7 @@ use super::policy::{
 };
 use super::search::Excluded;
 use super::step::Step;
-use crate::align::{Shape, Workspace};
+use crate::align::{Networks, Shape, Workspace};
 use crate::detect::Detection;
 use crate::shape::{LANDMARKS, Observed, RotationPrior};
 use crate::verifier::Confidence;
@@ -105,6 +105,7 @@ pub(super) struct Candidate {
     pub(super) iterations_left: usize,
     /// What it has cost \[units of the detector\].
     pub(super) units: u32,
+    networks: Networks,
 }
 
 /// A candidate whose landmarks are refined, and not yet fitted.
@@ -151,6 +152,11 @@ impl Candidate {
             recognised: 0,
             iterations_left: start.iterations,
             units: 0,
+            // Only of the target that was on the frame before is anything held.
+            networks: match start.origin {
+                Origin::Tracked => step.networks,
+                Origin::NewFace | Origin::Reacquired => Networks::All,
+            },
         };
         while candidate.iterations_left > 0 {
             let is_next = candidate.iterate(step, work);
@@ -165,7 +171,7 @@ impl Candidate {
     fn iterate(&mut self, step: &Step<'_>, work: &mut Workspace) -> bool {
         let (cascade, verifier) = (&step.model.align, &step.model.verifier);
         self.units += ITERATION_UNITS;
-        self.is_finite = cascade.iterate(step.frame, &mut self.shape, work);
+        self.is_finite = cascade.iterate(step.frame, &mut self.shape, self.networks, work);
         self.confidence = match self.is_finite {
             true => verifier.evaluate(work.features(), work.view()),
             false => Confidence::NONE,
@@ -200,7 +206,9 @@ impl Candidate {
         aligned: &mut Option<Aligned>,
     ) {
         let mut shape = self.shape;
-        if !self.is_finite || !(step.model.align).refine(step.frame, &mut shape, work) {
+        if !self.is_finite
+            || !(step.model.align).refine(step.frame, &mut shape, self.networks, work)
+        {
             return;
         }
         *aligned = Some(Aligned {

@@ -19,6 +19,8 @@
 //! - `output`: what the caller gets. `result` is written of a fitted face, `one_euro` smooths it,
 //!   `event` logs what happens to the face.
 //!
+//! `group` steps several trackers on the same frames.
+//!
 //! All of them use `config`, the settings; `model`, the checked sections; `policy`, every
 //! threshold, timeout and work cost; and `geometry`, boxes and angles.
 
@@ -28,6 +30,7 @@ mod eyes;
 mod fit;
 mod follow;
 mod geometry;
+mod group;
 #[cfg(feature = "mesh")]
 mod mesh;
 mod model;
@@ -41,6 +44,9 @@ mod verify;
 pub use config::{Config, ConfigError, MAX_EXCLUDED, Smoothing};
 pub use eyes::{EYE_LOOK_NAMES, EYE_LOOKS, Eye, EyeUnknown, Eyes, Gaze};
 pub use geometry::is_same_face;
+#[cfg(feature = "ffi")]
+pub(crate) use group::Members;
+pub use group::{Group, MAX_GROUP};
 #[cfg(feature = "mesh")]
 pub use mesh::{MeshError, MeshShape, MeshSpace};
 pub use model::Model;

@@ -2,8 +2,9 @@
 
 use super::policy::STEP_UNITS;
 use super::{Config, Model};
+use crate::align::Networks;
 use crate::detect::TILE_UNITS;
-use crate::image::{Frame, Roi};
+use crate::image::{Frame, Roi, noise_share};
 use crate::shape::Intrinsics;
 use core::fmt;
 
@@ -21,6 +22,8 @@ pub(super) struct Step<'s> {
     pub(super) camera_assumed: bool,
     /// The configured region of interest.
     pub(super) roi: Option<Roi>,
+    /// Those that see the target.
+    pub(super) networks: Networks,
 }
 
 impl<'s> Step<'s> {
@@ -38,12 +41,47 @@ impl<'s> Step<'s> {
             camera: config.intrinsics.unwrap_or_else(of_frame),
             camera_assumed: config.intrinsics.is_none(),
             roi: config.roi,
+            networks: Networks::All,
         }
+    }
+
+    /// With these networks for the target.
+    pub(super) fn with(self, networks: Networks) -> Step<'s> {
+        Step { networks, ..self }
     }
 
     /// The part of the frame that is scanned.
     pub(super) fn scanned(&self) -> Roi {
         self.roi.unwrap_or_else(|| Roi::whole(self.frame))
+    }
+}
+
+/// A frame that several trackers may see, and what is known of it for all of them.
+pub(super) struct SharedFrame<'f> {
+    pub(super) frame: Frame<'f>,
+    /// See [`noise_share`]; `None` until it is asked for.
+    noise: Option<f32>,
+}
+
+impl<'f> SharedFrame<'f> {
+    pub(super) fn new(frame: &Frame<'f>) -> Self {
+        SharedFrame {
+            frame: *frame,
+            noise: None,
+        }
+    }
+
+    /// The share of noise, measured once.
+    pub(super) fn noise(&mut self) -> f32 {
+        *self.noise.get_or_insert_with(|| noise_share(&self.frame))
+    }
+
+    /// The frame, box-filtered if it is noisy.
+    pub(super) fn filtered(&self, is_noisy: bool) -> Frame<'f> {
+        match is_noisy {
+            true => self.frame.box_filtered(),
+            false => self.frame,
+        }
     }
 }
 
@@ -57,6 +95,8 @@ pub enum StepError {
     Hint,
     /// The region of interest does not lie in the frame.
     Roi,
+    /// A group has more than [`MAX_GROUP`](crate::MAX_GROUP) trackers.
+    Group,
 }
 
 impl fmt::Display for StepError {
@@ -65,6 +105,7 @@ impl fmt::Display for StepError {
             StepError::Time => "the timestamp is not after that of the frame before",
             StepError::Hint => "a number of the hint is out of range",
             StepError::Roi => "the region of interest does not lie in the frame",
+            StepError::Group => "a group has at most 16 trackers",
         })
     }
 }

@@ -36,11 +36,12 @@ use super::output::{Event, EventKind, EventLog, Smoother, write};
 use super::policy::{COAST_US, NO_LONGER_NOISY, NOISE_PERIOD, NOISY, REFINE_UNITS};
 use super::search::{Detected, Excluded, FaceHint, FoundFace};
 use super::search::{Proposals, Search, Suppressed, Wanted, list};
-use super::step::Step;
+use super::step::{SharedFrame, Step};
 use super::verify::{Verdict, verify};
 use super::{Config, ConfigError, Loss, Model, Smoothing, State, StepError, TrackResult};
-use crate::align::Workspace;
-use crate::image::{Frame, Roi, noise_share};
+use crate::align::{Networks, Workspace};
+use crate::detect::Scan;
+use crate::image::{Frame, Roi};
 #[cfg(feature = "mesh")]
 use crate::shape::MeshVertex;
 use crate::shape::{FaceState, Intrinsics};
@@ -56,6 +57,8 @@ pub struct Tracker {
     is_noisy: bool,
     /// Steps so far; from the largest number on it counts anew.
     steps: u8,
+    /// Steps since all networks saw the target.
+    rested: u8,
     search: Search,
     suppressed: Suppressed,
     excluded: Excluded,
@@ -111,12 +114,14 @@ impl Tracker {
             roi: None,
             gaze: false,
             natural_gaze: false,
+            network_period: 0,
         },
         result: TrackResult::ZERO,
         smoother: Smoother::ZERO,
         last_timestamp_us: None,
         is_noisy: false,
         steps: 0,
+        rested: 0,
         search: Search::EMPTY,
         suppressed: Suppressed::NONE,
         excluded: Excluded::NONE,
@@ -190,6 +195,23 @@ impl Tracker {
         self.step_with(model, frame, timestamp_us, &Wanted::Near(hint))
     }
 
+    /// As [`Tracker::step`], of a tracker in a group whose turn it is not: see
+    /// [`crate::align::Networks::Few`].
+    ///
+    /// # Errors
+    /// [`StepError`]; the tracker is then unchanged.
+    #[cfg(feature = "unstable-internals")]
+    pub fn step_with_few(
+        &mut self,
+        model: &Model<'_>,
+        frame: &Frame<'_>,
+        timestamp_us: i64,
+    ) -> Result<&TrackResult, StepError> {
+        self.check(frame, timestamp_us)?;
+        let shared = &mut SharedFrame::new(frame);
+        Ok(self.step_shared(model, shared, timestamp_us, &Wanted::Any, Networks::Few))
+    }
+
     /// Attempts a face whose exact box is known, in whatever state the tracker is, and nothing
     /// else.
     ///
@@ -228,13 +250,12 @@ impl Tracker {
         found: &mut [FoundFace],
     ) -> Result<Detected, StepError> {
         self.check_roi(frame)?;
-        let frame = &match noise_share(frame) >= NOISY {
-            true => frame.box_filtered(),
-            false => *frame,
-        };
+        let shared = &mut SharedFrame::new(frame);
+        let is_noisy = shared.noise() >= NOISY;
+        let frame = &shared.filtered(is_noisy);
         let step = &Step::new(model, frame, 0, &self.config);
-        let (config, search, work) = (&self.config, &mut self.search, &mut self.work);
-        Ok(list(step, config, search, &self.excluded, work, found))
+        let (config, scan, work) = (&self.config, self.search.scan(), &mut self.work);
+        Ok(list(step, config, scan, &self.excluded, work, found))
     }
 
     /// Work of the last step, in units of which a tracking step has 2,600.
@@ -412,6 +433,11 @@ impl Tracker {
         Ok(())
     }
 
+    /// As [`Tracker::set_excluded`], of boxes of tracked faces.
+    pub(super) fn leave(&mut self, boxes: &[[f32; 4]]) {
+        self.excluded = Excluded::new(boxes).unwrap_or(Excluded::NONE);
+    }
+
     // --- The walk of a frame ---------------------------------------------------------------------
 
     fn step_with(
@@ -421,10 +447,35 @@ impl Tracker {
         timestamp_us: i64,
         wanted: &Wanted,
     ) -> Result<&TrackResult, StepError> {
+        self.check(frame, timestamp_us)?;
+        let shared = &mut SharedFrame::new(frame);
+        Ok(self.step_shared(model, shared, timestamp_us, wanted, Networks::All))
+    }
+
+    /// Whether a step may begin.
+    pub(super) fn check(&self, frame: &Frame<'_>, timestamp_us: i64) -> Result<(), StepError> {
         self.check_roi(frame)?;
-        self.advance_clock(timestamp_us)?;
-        let frame = &self.filtered(frame);
-        let step = &Step::new(model, frame, timestamp_us, &self.config);
+        let is_after = |last| timestamp_us > last;
+        match self.last_timestamp_us.is_none_or(is_after) {
+            true => Ok(()),
+            false => Err(StepError::Time),
+        }
+    }
+
+    /// A step that [`Tracker::check`] allows.
+    #[inline(never)]
+    pub(super) fn step_shared(
+        &mut self,
+        model: &Model<'_>,
+        shared: &mut SharedFrame<'_>,
+        timestamp_us: i64,
+        wanted: &Wanted,
+        networks: Networks,
+    ) -> &TrackResult {
+        self.last_timestamp_us = Some(timestamp_us);
+        let frame = &self.filtered(shared);
+        let networks = self.in_turn(networks);
+        let step = &Step::new(model, frame, timestamp_us, &self.config).with(networks);
         let followed = match (self.result.state, wanted) {
             (State::Tracking, Wanted::Any | Wanted::Near(_)) => self.follow(step),
             _ => Followed::NOT,
@@ -438,7 +489,50 @@ impl Tracker {
             }
         }
         self.smoother.follow(&self.result, &self.config.smoothing);
-        Ok(&self.result)
+        &self.result
+    }
+
+    /// Steps since all networks saw the target.
+    pub(super) fn rested(&self) -> u8 {
+        self.rested
+    }
+
+    /// All networks only where it is time for them, by the settings.
+    fn in_turn(&mut self, networks: Networks) -> Networks {
+        let is_time = u32::from(self.rested) + 1 >= self.config.network_period;
+        let networks = match is_time {
+            true => networks,
+            false => Networks::Few,
+        };
+        self.rested = match networks {
+            Networks::All => 0,
+            Networks::Few => self.rested.saturating_add(1),
+        };
+        networks
+    }
+
+    /// A step of a tracker without a face for which others of its group search: its clock goes on.
+    pub(super) fn wait(&mut self, timestamp_us: i64) {
+        self.last_timestamp_us = Some(timestamp_us);
+        self.units = 0;
+        self.clear_result(timestamp_us);
+        self.smoother.follow(&self.result, &self.config.smoothing);
+    }
+
+    /// Lists faces for its group, in the group's own scan.
+    #[inline(never)]
+    pub(super) fn list(
+        &mut self,
+        model: &Model<'_>,
+        shared: &mut SharedFrame<'_>,
+        scan: &mut Scan,
+        found: &mut [FoundFace],
+    ) -> Detected {
+        let is_noisy = shared.noise() >= NOISY;
+        let frame = &shared.filtered(is_noisy);
+        let step = &Step::new(model, frame, 0, &self.config);
+        let (config, work) = (&self.config, &mut self.work);
+        list(step, config, scan, &self.excluded, work, found)
     }
 
     /// Follows the target to this frame.
@@ -603,7 +697,7 @@ impl Tracker {
     }
 
     /// The frame, box-filtered if it is noisy.
-    fn filtered<'f>(&mut self, frame: &Frame<'f>) -> Frame<'f> {
+    fn filtered<'f>(&mut self, shared: &mut SharedFrame<'f>) -> Frame<'f> {
         let threshold = match self.is_noisy {
             true => NO_LONGER_NOISY,
             false => NOISY,
@@ -612,7 +706,7 @@ impl Tracker {
             self.result.state != State::Tracking || self.steps.is_multiple_of(NOISE_PERIOD);
         self.steps = self.steps.wrapping_add(1);
         let is_noisy = match is_due {
-            true => noise_share(frame) >= threshold,
+            true => shared.noise() >= threshold,
             false => self.is_noisy,
         };
         if is_noisy != self.is_noisy {
@@ -622,21 +716,7 @@ impl Tracker {
                 false => EventKind::FilterOff,
             });
         }
-        match is_noisy {
-            true => frame.box_filtered(),
-            false => *frame,
-        }
-    }
-
-    fn advance_clock(&mut self, timestamp_us: i64) -> Result<(), StepError> {
-        if self
-            .last_timestamp_us
-            .is_some_and(|last| timestamp_us <= last)
-        {
-            return Err(StepError::Time);
-        }
-        self.last_timestamp_us = Some(timestamp_us);
-        Ok(())
+        shared.filtered(is_noisy)
     }
 
     /// Searching: nothing but the timestamp, and why the last target was lost.

@@ -418,6 +418,7 @@ static void test_codes(void) {
     CODE(c.min_face_px = 1, POSEWISE_E_MIN_FACE);
     CODE(c.scan_budget = 1, POSEWISE_E_SCAN_BUDGET);
     CODE(c.smoothing_hz = -1, POSEWISE_E_SMOOTHING);
+    CODE(c.network_period = 9, POSEWISE_E_NETWORK_PERIOD);
 #undef CODE
     guarded_free(memory);
 }
@@ -620,8 +621,8 @@ static void size_refused(posewise_tracker *t, uint32_t size) {
     posewise_result r = POSEWISE_RESULT_INIT;
     void *start = any.start;
     memcpy(start, &size, sizeof size);
-    /* 40 and 64: those of the first headers. */
-    if (size != sizeof(posewise_config) && size != 40 && size != 64 && size != 68) {
+    /* The others: those of earlier headers. */
+    if (size != sizeof(posewise_config) && size != 40 && size != 64 && size != 68 && size != 84) {
         CHECK_STATUS(posewise_config_default(start), POSEWISE_E_ARG);
         CHECK(posewise_memory_size(start) == 0);
     }
@@ -1194,6 +1195,68 @@ static void test_same_results(void) {
     guarded_free(moved);
 }
 
+/* A refused step of a group writes nothing, and its trackers are as before. */
+static void group_refused(posewise_group *g, posewise_tracker *const *t, size_t count,
+                          const posewise_frame *f, posewise_result *out, posewise_status expected) {
+    posewise_result before[2];
+    memcpy(before, out, sizeof before);
+    CHECK_STATUS(posewise_group_step(g, t, count, f, out), expected);
+    CHECK(memcmp(out, before, sizeof before) == 0);
+}
+
+static void test_group(void) {
+    posewise_frame f = clip_frame(&frames, 0);
+    guarded first = tracker_memory(0), second = tracker_memory(0);
+    guarded memory = guarded_new(posewise_group_memory_size(), 0x77);
+    posewise_tracker *t[POSEWISE_GROUP_TRACKERS + 1] = {NULL}, *same[2], *none[2];
+    posewise_result out[2] = {POSEWISE_RESULT_INIT, POSEWISE_RESULT_INIT};
+    posewise_group *g = NULL;
+    CHECK(memory.len <= POSEWISE_GROUP_SIZE);
+    t[0] = init(first, NULL);
+    t[1] = init(second, NULL);
+    same[0] = same[1] = t[0];
+    none[0] = t[0];
+    none[1] = NULL;
+    CHECK_STATUS(posewise_group_init(NULL, memory.start, memory.len), POSEWISE_E_NULL);
+    CHECK_STATUS(posewise_group_init(&g, NULL, memory.len), POSEWISE_E_NULL);
+    CHECK_STATUS(posewise_group_init(&g, memory.start, memory.len - 1), POSEWISE_E_MEMORY);
+    CHECK_STATUS(posewise_group_init(&g, memory.start + 8, memory.len), POSEWISE_E_MEMORY);
+    CHECK_STATUS(posewise_group_init((posewise_group **)(void *)memory.start, memory.start,
+                                     memory.len),
+                 POSEWISE_E_OVERLAP);
+    CHECK(g == NULL && filled(memory.start, memory.len, 0x77));
+    group_refused((posewise_group *)(void *)memory.start, t, 2, &f, out, POSEWISE_E_GROUP);
+    CHECK_STATUS(posewise_group_init(&g, memory.start, memory.len), POSEWISE_OK);
+    CHECK((void *)g == (void *)memory.start);
+    group_refused(NULL, t, 2, &f, out, POSEWISE_E_NULL);
+    group_refused(g, NULL, 2, &f, out, POSEWISE_E_NULL);
+    group_refused(g, t, 0, &f, out, POSEWISE_E_GROUP_TRACKERS);
+    group_refused(g, t, POSEWISE_GROUP_TRACKERS + 1, &f, out, POSEWISE_E_GROUP_TRACKERS);
+    group_refused(g, t, SIZE_MAX, &f, out, POSEWISE_E_GROUP_TRACKERS);
+    group_refused(g, none, 2, &f, out, POSEWISE_E_NULL);
+    group_refused(g, same, 2, &f, out, POSEWISE_E_OVERLAP);
+    group_refused(g, t, 2, NULL, out, POSEWISE_E_NULL);
+    CHECK_STATUS(posewise_group_step(g, t, 2, &f, NULL), POSEWISE_E_NULL);
+    CHECK_STATUS(posewise_group_step(g, t, 1, &f, (posewise_result *)(void *)first.start),
+                 POSEWISE_E_STRUCT_SIZE);
+    out[1].struct_size = 128;
+    group_refused(g, t, 2, &f, out, POSEWISE_E_STRUCT_SIZE);
+    out[1].struct_size = sizeof out[1];
+    f.height = 0;
+    group_refused(g, t, 2, &f, out, POSEWISE_E_FRAME);
+    f = clip_frame(&frames, 0);
+    CHECK_STATUS(posewise_group_step(g, t, 2, &f, out), POSEWISE_OK);
+    CHECK(out[0].timestamp_us == f.timestamp_us && out[1].timestamp_us == f.timestamp_us);
+    group_refused(g, t, 2, &f, out, POSEWISE_E_TIME);
+    /* One face: the second tracker has none. */
+    f = clip_frame(&frames, 1);
+    CHECK_STATUS(posewise_group_step(g, t, 2, &f, out), POSEWISE_OK);
+    CHECK(out[0].state == POSEWISE_TRACKING && out[1].state == POSEWISE_SEARCHING);
+    guarded_free(memory);
+    guarded_free(second);
+    guarded_free(first);
+}
+
 int main(int argc, char **argv) {
     guarded before, frames_before;
     if (argc != 5)
@@ -1228,6 +1291,7 @@ int main(int argc, char **argv) {
     test_zoom();
     test_events();
     test_forget_person();
+    test_group();
     test_same_results();
     CHECK(memcmp(model.start, before.start, model.len) == 0);
     CHECK(memcmp(frames.bytes.start, frames_before.start, frames.bytes.len) == 0);

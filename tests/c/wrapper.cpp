@@ -2,6 +2,7 @@
 #include "check.h"
 #include "posewise.hpp"
 
+#include <array>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
@@ -79,6 +80,14 @@ int main(int argc, char **argv) {
     std::size_t seen_events, lost_events;
     CHECK(monitor.events(driver_events, seen_events, lost_events) == POSEWISE_OK);
     CHECK(seen_events <= driver_events.size() && lost_events == 0);
+    posewise::Group group;
+    std::array<posewise::Tracker, 2> members{second.copy(), posewise::Tracker(model)};
+    std::array<posewise_result, 2> grouped;
+    CHECK(group.status() == POSEWISE_OK);
+    const auto next = posewise::grey(frames, width, height, a.timestamp_us + 33333);
+    CHECK(group.step(members, next, grouped) == POSEWISE_OK);
+    CHECK(grouped[0].timestamp_us == next.timestamp_us && grouped[1].state != POSEWISE_TRACKING);
+    CHECK(group.step(members, next, grouped) == POSEWISE_E_TIME);
     posewise::Tracker moved(std::move(first));
     CHECK(moved && !first && moved.reset() == POSEWISE_OK);
     CHECK(moved.forget_identity() == POSEWISE_OK && none.forget_identity() == POSEWISE_E_NULL);

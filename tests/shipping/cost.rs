@@ -11,7 +11,7 @@ use crate::common::skip::skipped;
 use crate::common::{demo, grey, model, scratch, tracker};
 use posewise::ffi::types::POSEWISE_CPU_DOTPROD;
 use posewise::network::{KernelName, select_kernel};
-use posewise::{Config, Frame, Model, State, Tracker};
+use posewise::{Config, Frame, Group, Model, State, Tracker};
 use std::process::Command;
 use xtask::{COUNTING_EMULATOR, Library};
 
@@ -38,6 +38,9 @@ const KERNELS: [(KernelName, &str); 3] = [
 
 const KINDS: [&str; 2] = ["tracking", "searching"];
 
+/// Faces of a group, in the quarters of a picture.
+const FACES: usize = 4;
+
 /// With the kernel of most machines.
 #[test]
 fn steps_take_as_many_instructions_as_documented() {
@@ -63,7 +66,7 @@ fn check(is_wanted: impl Fn(KernelName) -> bool) {
             skipped(&format!("{name} here"));
             continue;
         }
-        for kind in KINDS {
+        for kind in KINDS.into_iter().chain(["four-face"]) {
             let instructions = instructions(kernel, kind) / STEPS;
             println!("{name}: a {kind} step takes {instructions} instructions");
             let row = format!("a {kind} step, {name}");
@@ -141,6 +144,7 @@ fn steps_for_valgrind() {
     let clip = demo();
     match kind {
         "tracking" => take_steps(clip, State::Tracking, |n| clip.luma[n].clone()),
+        "four-face" => take_group_steps(clip),
         _ => take_steps(clip, State::Searching, |n| shuffled(clip, n)),
     }
 }
@@ -167,6 +171,57 @@ fn take_steps(clip: &crate::common::Clip, state: State, picture: impl Fn(usize) 
         }
     }
     panic!("{counted} of {STEPS} steps in the state {state:?}");
+}
+
+/// Steps of a group whose trackers all have a face, before and after.
+fn take_group_steps(clip: &crate::common::Clip) {
+    let (model, mut group) = (model(), Group::new());
+    let mut trackers: Vec<_> = (0..FACES).map(|_| tracker(&Config::default())).collect();
+    let mut counted = 0;
+    for n in 0..clip.luma.len() {
+        let luma = quarters(clip, n);
+        let frame = grey(2 * clip.width, 2 * clip.height, &luma);
+        let all = |trackers: &[Box<Tracker>]| {
+            (trackers.iter()).all(|tracker| tracker.result().state == State::Tracking)
+        };
+        let was_tracking = all(&trackers);
+        counted_group_step(was_tracking, || {
+            let stepped = group.step(&model, &mut trackers, &frame, clip.time_us(n));
+            stepped.expect("in order");
+        });
+        if was_tracking {
+            assert!(all(&trackers), "step {n}");
+            counted += 1;
+        }
+        if counted == STEPS {
+            return;
+        }
+    }
+    panic!("{counted} of {STEPS} steps with all faces");
+}
+
+/// A step, which valgrind counts if it is wanted.
+fn counted_group_step(is_wanted: bool, step: impl FnOnce()) {
+    #[inline(never)]
+    fn counted_step(step: impl FnOnce()) {
+        step();
+    }
+    match is_wanted {
+        true => counted_step(step),
+        false => step(),
+    }
+}
+
+/// Four frames of the clip side by side, ten apart.
+fn quarters(clip: &crate::common::Clip, first: usize) -> Vec<u8> {
+    let (width, height) = (clip.width, clip.height);
+    let pixel = |i: usize| {
+        let (x, y) = (i % (2 * width), i / (2 * width));
+        let quarter = x / width + 2 * (y / height);
+        let luma = &clip.luma[(first + 10 * quarter) % clip.luma.len()];
+        luma[y % height * width + x % width]
+    };
+    (0..4 * width * height).map(pixel).collect()
 }
 
 /// Valgrind counts what is called from here.

@@ -102,6 +102,7 @@ fn every_call_is_in_an_example() {
     let shown = text("python/examples", ".py")
         + &fs::read_to_string(root().join("python/README.md")).expect("a page");
     let python = text("python/posewise", "_tracker.py")
+        + &text("python/posewise", "_group.py")
         + &text("python/posewise", "_monitor.py")
         + &text("python/posewise", "_handle.py")
         + &text("python/posewise", "_model.py")
@@ -117,7 +118,8 @@ fn every_call_is_in_an_example() {
     let shown = text("web/examples", ".mjs")
         + &text("web/test/app", ".js")
         + &fs::read_to_string(root().join("web/README.md")).expect("a page");
-    let javascript = ["posewise.js", "tracker.js", "monitor.js"].map(|name| text("web", name));
+    let javascript = ["posewise.js", "tracker.js", "group.js", "monitor.js"];
+    let javascript = javascript.map(|name| text("web", name));
     let starts = ["  async ", "  static async ", "  get ", "  "];
     let mut calls = methods(&javascript.concat(), &starts, '(');
     calls.retain(|name| !["constructor", "if", "for"].contains(&&**name));

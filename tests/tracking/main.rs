@@ -5,6 +5,7 @@ mod common;
 mod detect;
 mod events;
 mod gaze;
+mod group;
 mod keyframe;
 mod lens;
 mod mesh;

@@ -1,6 +1,4 @@
-// faces.mjs VIDEO.y4m - tracks each face of the first frame with a tracker of its own. A tracker
-// that has no face leaves those alone that the others have. ffi-examples/faces.c also says who has
-// the face where two come to the same one.
+// faces.mjs VIDEO.y4m - tracks each face of the first frame with a tracker of its own.
 
 import { load } from 'posewise';
 import { framesOf } from './frames.mjs';
@@ -23,35 +21,22 @@ function found(frame) {
   return faces.sort((a, b) => area(b) - area(a));
 }
 
-/** Each has a tracker, and the result of its last step. */
-let all = [];
-
-const hasFace = ({ result }) => result?.state === 'tracking';
-
-/** Steps one of them, away from the faces of the others. */
-function step(own, frame, timestampUs, hint) {
-  const others = all.filter((other) => other !== own && hasFace(other));
-  own.tracker.setExcluded(hasFace(own) ? [] : others.map(({ result }) => result.faceBox));
-  own.result = hint
-    ? own.tracker.stepAt(frame, timestampUs, hint)
-    : own.tracker.step(frame, timestampUs);
-}
+const group = engine.createGroup();
+let trackers = [];
+let results = [];
 
 for (const { frame, timestampUs } of framesOf(process.argv[2])) {
-  if (all.length === 0) {
-    const faces = found(frame);
-    console.log(`${faces.length} faces`);
-    all = faces.map(() => ({ tracker: engine.createTracker() }));
-    faces.forEach(({ faceBox, yawDeg, rollDeg }, i) => {
-      step(all[i], frame, timestampUs, { faceBox, yawDeg, rollDeg });
-    });
-  } else {
-    // Those that have a face go first.
-    for (const own of [...all].sort((a, b) => hasFace(b) - hasFace(a))) {
-      step(own, frame, timestampUs);
-    }
+  if (trackers.length > 0) {
+    results = group.step(trackers, frame, timestampUs);
+    continue;
   }
+  trackers = found(frame).map(({ faceBox, yawDeg, rollDeg }) => {
+    const tracker = engine.createTracker();
+    results.push(tracker.stepAt(frame, timestampUs, { faceBox, yawDeg, rollDeg }));
+    return tracker;
+  });
+  console.log(`${trackers.length} faces`);
 }
-for (const { result: { state, faceBox, yawDeg } } of all) {
+for (const { state, faceBox, yawDeg } of results) {
   console.log(`${state} at ${faceBox.map((number) => number.toFixed())}, yaw ${yawDeg.toFixed()}`);
 }

@@ -126,6 +126,23 @@ test('excluded boxes have four numbers', async () => {
   tracker.setExcluded([]);
 });
 
+test('a group steps trackers of its engine', async () => {
+  const { engine } = await bounded();
+  const group = engine.createGroup();
+  const two = [engine.createTracker(), engine.createTracker()];
+  const foreign = await newTracker();
+  const results = group.step(two, grey(64, 48), 0);
+  assert.deepEqual(results.map(({ state }) => state), ['searching', 'searching']);
+  assert.deepEqual(two[1].smoothed().timestampUs, 0);
+  assert.throws(() => group.step(two, grey(64, 48), 0), /timestamp/);
+  assert.throws(() => group.step([], grey(64, 48), 1), /1\.\.16/);
+  assert.throws(() => group.step(new Array(400).fill(two[0]), grey(64, 48), 1), /1\.\.16/);
+  assert.throws(() => group.step([two[0], two[0]], grey(64, 48), 1), /memory/);
+  assert.throws(() => group.step([foreign], grey(64, 48), 1), TypeError);
+  two[0].free();
+  assert.throws(() => group.step(two, grey(64, 48), 1), /free/);
+});
+
 test('a lens has a name', async () => {
   const tracker = await newTracker();
   const coefficients = [0, 0, 0, 0, 0];

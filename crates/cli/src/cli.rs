@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use anyhow::{Result, bail};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use posewise::monitor::Preset;
-use posewise::{MAX_EXCLUDED, Roi, Rotation};
+use posewise::{MAX_GROUP, Roi, Rotation};
 
 use crate::parse::{host_port, preset, rate, roi, whole, within};
 
@@ -40,9 +40,6 @@ pub enum Command {
         folder: PathBuf,
     },
 }
-
-/// Most faces of `track --faces`: each tracker excludes all others.
-const MAX_FACES: usize = MAX_EXCLUDED + 1;
 
 /// Settings of the tracker and the camera.
 #[derive(Args, Clone, Default)]
@@ -196,7 +193,7 @@ pub struct TrackArgs {
     /// tracked or coasted, and none for a frame without any
     #[arg(long, value_name = "N", default_value_t = 1,
         value_parser = clap::builder::RangedU64ValueParser::<usize>::new()
-            .range(1..=MAX_FACES as u64))]
+            .range(1..=MAX_GROUP as u64))]
     pub faces: usize,
     /// Stop after this many frames [default: all]
     #[arg(long, value_name = "N")]

@@ -4,10 +4,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Result, anyhow};
 use posewise::mesh::{MAX_VERTICES, MeshError, MeshShape, MeshSpace, MeshVertex};
-use posewise::{
-    Config, Detected, EventLog, FoundFace, Frame, Intrinsics, Model, Roi, StepError, TrackResult,
-    Tracker,
-};
+use posewise::{Config, EventLog, Frame, Intrinsics, Model, Roi, StepError, TrackResult, Tracker};
 
 use crate::cli::TrackerArgs;
 use crate::lens::Lens;
@@ -75,56 +72,28 @@ impl<'m> Session<'m> {
 
     /// One frame.
     pub fn step(&mut self, picture: &Picture) -> Result<&TrackResult> {
-        self.call(picture, |tracker, model, frame| {
-            let stepped = tracker.step(model, frame, picture.timestamp_us);
-            stepped.map(drop)
-        })?;
+        let (frame, model) = (picture.frame()?, self.model);
+        let tracker = self.ready(&frame, picture.focal_px)?;
+        let start = Instant::now();
+        let stepped = tracker.step(model, &frame, picture.timestamp_us).map(drop);
+        self.busy += start.elapsed();
+        stepped.map_err(|e| in_words(e, &frame))?;
         Ok(self.shown())
     }
 
-    /// One frame, on which a face is expected.
-    pub fn step_at(&mut self, picture: &Picture, face: &FoundFace) -> Result<()> {
-        self.call(picture, |tracker, model, frame| {
-            let stepped = tracker.step_at(model, frame, picture.timestamp_us, &face.hint());
-            stepped.map(drop)
-        })
-    }
-
-    /// Looks for faces, whatever the tracker does.
-    pub fn detect(&mut self, picture: &Picture, found: &mut [FoundFace]) -> Result<Detected> {
-        self.call(picture, |tracker, model, frame| {
-            tracker.detect(model, frame, found)
-        })
-    }
-
-    /// Calls the tracker with a frame, and measures the time that it takes.
-    fn call<T>(
-        &mut self,
-        picture: &Picture,
-        call: impl FnOnce(&mut Tracker, &Model<'m>, &Frame<'_>) -> Result<T, StepError>,
-    ) -> Result<T> {
-        let frame = picture.frame()?;
+    /// The tracker, with the camera of this frame.
+    pub fn ready(&mut self, frame: &Frame<'_>, focal_px: Option<f32>) -> Result<&mut Tracker> {
         let size = (frame.width(), frame.height());
-        if (size, picture.focal_px) != self.frame {
-            let camera = self.lens.camera(size, picture.focal_px)?;
+        if (size, focal_px) != self.frame {
+            let camera = self.lens.camera(size, focal_px)?;
             self.tracker
                 .set_intrinsics(camera)
                 .map_err(|e| anyhow!("{e}"))?;
             // Where nothing is known of it, the tracker has the same default.
             self.camera = camera.unwrap_or_else(|| Intrinsics::of_frame(size.0, size.1));
-            self.frame = (size, picture.focal_px);
+            self.frame = (size, focal_px);
         }
-        let start = Instant::now();
-        let called = call(&mut self.tracker, self.model, &frame);
-        self.busy += start.elapsed();
-        called.map_err(|e| match e {
-            StepError::Roi => anyhow!(
-                "--roi: does not lie in the frame of {}×{} px",
-                size.0,
-                size.1
-            ),
-            e => anyhow!("{e}"),
-        })
+        Ok(&mut self.tracker)
     }
 
     /// Width and height of the current frame \[px\].
@@ -159,10 +128,17 @@ impl<'m> Session<'m> {
             true => self.smoothed(),
         }
     }
+}
 
-    /// Leaves the faces with these boxes to others.
-    pub fn exclude(&mut self, boxes: &[[f32; 4]]) -> Result<()> {
-        self.tracker.set_excluded(boxes).map_err(|e| anyhow!("{e}"))
+/// Why a frame was refused.
+pub fn in_words(error: StepError, frame: &Frame<'_>) -> anyhow::Error {
+    match error {
+        StepError::Roi => anyhow!(
+            "--roi: does not lie in the frame of {}×{} px",
+            frame.width(),
+            frame.height()
+        ),
+        e => anyhow!("{e}"),
     }
 }
 

@@ -14,7 +14,7 @@ use super::output::Loss;
 use super::policy::{CUT_SHARE, IN_PLACE_SHARES, UNTRUSTED_KEEP_CONFIDENCE};
 use super::search::Excluded;
 use super::step::Step;
-use crate::align::{Shape, Workspace};
+use crate::align::{Networks, Shape, Workspace};
 
 /// Sees the target at its predicted place. Where its confidence is low there, the place where it
 /// was last trusted is tried too, because whatever covers a face draws the landmarks along.
@@ -25,6 +25,10 @@ pub fn see_target(
     excluded: &Excluded,
     work: &mut Workspace,
 ) -> Candidate {
+    let step = &match target.is_fast() {
+        true => step.with(Networks::All),
+        false => *step,
+    };
     let predicted = target.predict(step.now_us);
     let mut first = see_at(step, predicted, target, excluded, work);
     let is_low = first.is_finite && first.confidence.face < UNTRUSTED_KEEP_CONFIDENCE;

@@ -11,11 +11,12 @@ use crate::shape::{FRAME_WEIGHT, FaceState, IdentityEstimator, LANDMARKS, MAX_ID
 use crate::track::align::Origin;
 use crate::track::eyes::PersonsEyes;
 use crate::track::fit::{Fitted, Prior};
-use crate::track::geometry::detection_of;
+use crate::track::geometry::{detection_of, face_width};
 use crate::track::policy::{
-    ACCEPT_CONFIDENCE, ANCHOR_MIN_FACING, COVERED_US, CUT_SURROUNDINGS, IDENTITY_FRAMES,
-    IDENTITY_PERIOD, LOW_CONFIDENCE_US, RECOGNISED_KEEP_CONFIDENCE, RECOGNISED_LANDMARKS,
-    SURROUNDINGS, TRUST_CONFIDENCE, TRUSTED_KEEP_CONFIDENCE, UNTRUSTED_KEEP_CONFIDENCE,
+    ACCEPT_CONFIDENCE, ANCHOR_MIN_FACING, COVERED_US, CUT_SURROUNDINGS, FAST_MOTION,
+    IDENTITY_FRAMES, IDENTITY_PERIOD, LOW_CONFIDENCE_US, RECOGNISED_KEEP_CONFIDENCE,
+    RECOGNISED_LANDMARKS, SURROUNDINGS, TRUST_CONFIDENCE, TRUSTED_KEEP_CONFIDENCE,
+    UNTRUSTED_KEEP_CONFIDENCE,
 };
 use crate::track::step::Step;
 
@@ -86,6 +87,11 @@ impl Target {
     /// How far the face moves while a frame is exposed, at most \[px\].
     pub fn blur_px(&self) -> f32 {
         self.motion.blur_px()
+    }
+
+    /// Whether it moves too fast for what a network has changed on an earlier frame.
+    pub fn is_fast(&self) -> bool {
+        self.blur_px() > FAST_MOTION * face_width(&self.shape)
     }
 
     /// Initial shape of the next alignment.

@@ -1,9 +1,10 @@
 //! Faces by their boxes: what a caller expects, and all faces of a frame, listed in calls of
 //! bounded work without tracking.
 
-use super::{Excluded, Search};
+use super::Excluded;
+use super::scan::next_of_all;
 use crate::align::Workspace;
-use crate::detect::{Detection, ScanOutcome, TILE_UNITS};
+use crate::detect::{Detection, Scan, ScanOutcome, TILE_UNITS};
 use crate::track::align::{Candidate, Needed, Origin, Start};
 use crate::track::config::Config;
 use crate::track::geometry::{bounds, detection_of, is_same_face};
@@ -105,10 +106,11 @@ pub struct Detected {
 }
 
 /// Lists faces as [`crate::Tracker::detect`] says, within a step's work.
+#[inline(never)]
 pub fn list(
     step: &Step<'_>,
     config: &Config,
-    search: &mut Search,
+    scan: &mut Scan,
     excluded: &Excluded,
     work: &mut Workspace,
     found: &mut [FoundFace],
@@ -116,7 +118,7 @@ pub fn list(
     let mut budget = WorkBudget::new(config.scan_budget, 0);
     let mut detected = Detected::default();
     while detected.count < found.len() && budget.left() >= TILE_UNITS {
-        match (search.scanner).next_of_all(config, step, &mut budget, work) {
+        match next_of_all(scan, config, step, &mut budget, work) {
             ScanOutcome::Candidate(face) => {
                 let (face, units) = evaluate(step, &face, excluded, work);
                 budget.spend(units);

@@ -17,7 +17,7 @@ use super::policy::{
 };
 use super::step::{Step, WorkBudget};
 use crate::align::Workspace;
-use crate::detect::{Detection, TILE_UNITS};
+use crate::detect::{Detection, Scan, TILE_UNITS};
 use keyframes::Keyframes;
 use rejected::PendingRetry;
 use scan::{LastSeen, ScanPlan, Scanner, nearest};
@@ -47,6 +47,11 @@ impl Search {
     /// The target is gone from this place, and expected back.
     pub fn expect(&mut self, place: &Detection, now_us: i64) {
         self.scanner.expect(LastSeen::at(place, now_us));
+    }
+
+    /// The scan of all sizes.
+    pub fn scan(&mut self) -> &mut Scan {
+        &mut self.scanner.all
     }
 
     /// Keeps a rejected candidate for a retry, if none is kept that is better.

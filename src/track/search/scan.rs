@@ -103,7 +103,7 @@ impl ScanPlan {
 /// The scans of the frame, which go on over many steps.
 #[derive(Clone)]
 pub struct Scanner {
-    all: Scan,
+    pub all: Scan,
     first: Scan,
     pub last_seen: LastSeen,
     /// Counts steps without a face.
@@ -176,23 +176,6 @@ impl Scanner {
         self.is_one_in(affordable.max(wanted))
     }
 
-    /// The next outcome of the scan of all sizes.
-    pub fn next_of_all(
-        &mut self,
-        config: &Config,
-        step: &Step<'_>,
-        budget: &mut WorkBudget,
-        work: &mut Workspace,
-    ) -> ScanOutcome {
-        let (roi, sizes) = (step.scanned(), all_sizes(config));
-        let memory = &mut tile_memory(work);
-        let (detector, given) = (&step.model.detector, budget.left());
-        let tiles = ScanBudget::of_tiles(given);
-        let outcome = (self.all).advance_in(detector, step.frame, roi, sizes, tiles, memory);
-        budget.spend(given.saturating_sub(self.all.units_left()));
-        outcome
-    }
-
     /// The next detection of the plan; `None` when the budget is spent or the scan is
     /// finished. A detection whose first iteration is more than what is left waits for a later
     /// step; tiles are evaluated meanwhile.
@@ -230,6 +213,23 @@ impl Scanner {
         }
         None
     }
+}
+
+/// The next outcome of a scan of all sizes.
+pub fn next_of_all(
+    scan: &mut Scan,
+    config: &Config,
+    step: &Step<'_>,
+    budget: &mut WorkBudget,
+    work: &mut Workspace,
+) -> ScanOutcome {
+    let (roi, sizes) = (step.scanned(), all_sizes(config));
+    let memory = &mut tile_memory(work);
+    let (detector, given) = (&step.model.detector, budget.left());
+    let tiles = ScanBudget::of_tiles(given);
+    let outcome = scan.advance_in(detector, step.frame, roi, sizes, tiles, memory);
+    budget.spend(given.saturating_sub(scan.units_left()));
+    outcome
 }
 
 fn large_sizes(config: &Config, frame: &Frame<'_>) -> Sizes {

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, anyhow};
 use image::GrayImage;
-use posewise::align::{Shape, Workspace};
+use posewise::align::{Networks, Shape, Workspace};
 use posewise::detect::{Scan, ScanBudget, Sizes, TILE_UNITS, TileMemory};
 use posewise::image::Frame;
 use posewise::mesh::{MAX_VERTICES, MeshSpace, MeshVertex};
@@ -42,14 +42,14 @@ pub fn time(model: &Model<'_>, frames: &[GrayImage]) -> Result<Vec<Stage>> {
     };
     let global = median(|| {
         let mut shape = shape;
-        black_box(align.iterate(&frame, &mut shape, &mut work));
+        black_box(align.iterate(&frame, &mut shape, Networks::All, &mut work));
     });
     let verifier = median(|| {
         black_box(model.verifier().evaluate(work.features(), work.view()));
     });
     let refiners = median(|| {
         let mut shape = shape;
-        black_box(align.refine(&frame, &mut shape, &mut work));
+        black_box(align.refine(&frame, &mut shape, Networks::All, &mut work));
     });
     let tile = time_tile(model, &frame, &mut work);
     let fit = time_fit(model, &frame, &shape)?;

@@ -8,7 +8,7 @@ mod stills;
 use anyhow::Result;
 use clap::Subcommand;
 use clips::{deviations, eyes, jitter, monitor, pose};
-use shown::{drift, faceless, latency, mesh, recovery};
+use shown::{drift, faceless, latency, mesh, recovery, turns};
 use stills::{angles, landmarks, profiles};
 
 /// What is measured.
@@ -40,6 +40,8 @@ pub enum Command {
     Faceless(faceless::Args),
     /// Angle errors over many minutes
     Drift(drift::Args),
+    /// What faces of a group lose by taking turns with some networks
+    Turns(turns::Args),
 }
 
 /// Runs the command.
@@ -58,5 +60,6 @@ pub fn run(command: &Command) -> Result<()> {
         Command::Latency(args) => latency::run(args),
         Command::Faceless(args) => faceless::run(args),
         Command::Drift(args) => drift::run(args),
+        Command::Turns(args) => turns::run(args),
     }
 }

@@ -7,12 +7,13 @@ use anyhow::{Context, Result, bail, ensure};
 use syn::{Attribute, Expr, Item, Lit, Type, UnOp};
 
 /// The files that describe the interface, in the order of the header.
-pub const SOURCES: [&str; 7] = [
+pub const SOURCES: [&str; 8] = [
     "src/ffi/types.rs",
     "src/ffi/weights.rs",
     "src/ffi/monitor_types.rs",
     "src/ffi/api.rs",
     "src/ffi/names.rs",
+    "src/ffi/group.rs",
     "src/ffi/mesh.rs",
     "src/ffi/monitor.rs",
 ];

@@ -11,7 +11,7 @@ use std::process::Command;
 pub use serve::Site;
 
 /// Files of the package and of the page that are served as they are in the repository, from web/.
-const FILES: [&str; 35] = [
+const FILES: [&str; 36] = [
     "README.md",
     "package.json",
     "index.html",
@@ -19,6 +19,7 @@ const FILES: [&str; 35] = [
     "struct.js",
     "handle.js",
     "tracker.js",
+    "group.js",
     "monitor.js",
     "engine.js",
     "posewise.js",

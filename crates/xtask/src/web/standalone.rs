@@ -9,11 +9,12 @@ use std::io::Write as _;
 use std::path::Path;
 
 /// Modules of the worker, each after those that it imports.
-const WORKER: [&str; 8] = [
+const WORKER: [&str; 9] = [
     "layout.js",
     "struct.js",
     "handle.js",
     "tracker.js",
+    "group.js",
     "monitor.js",
     "engine.js",
     "luma.js",
@@ -21,11 +22,12 @@ const WORKER: [&str; 8] = [
 ];
 
 /// Modules of the page, likewise.
-const PAGE: [&str; 29] = [
+const PAGE: [&str; 30] = [
     "layout.js",
     "struct.js",
     "handle.js",
     "tracker.js",
+    "group.js",
     "monitor.js",
     "engine.js",
     "luma.js",

@@ -9,6 +9,7 @@
 
 mod arguments;
 mod detect;
+mod group;
 mod monitor;
 mod settings;
 mod step;
@@ -17,7 +18,7 @@ use super::input::Input;
 use super::memory::{Exact, Guarded};
 use super::outputs::Outputs;
 use super::tiny;
-use crate::ffi::{api::*, names::*, types::*};
+use crate::ffi::{api::*, group::posewise_group_memory_size, names::*, types::*};
 use arguments::{CONFIG, config, is_good, spoilt, stated};
 use monitor::Watched;
 use std::ffi::{CStr, c_char};
@@ -45,6 +46,8 @@ fn play(data: &[u8], fill: u8) -> Vec<u8> {
             live: None,
         }),
         monitors: std::array::from_fn(|_| Watched::new(fill)),
+        group: Guarded::new(posewise_group_memory_size(), fill),
+        has_group: false,
         log: Vec::new(),
     };
     for _ in 0..MOST_CALLS {
@@ -54,6 +57,7 @@ fn play(data: &[u8], fill: u8) -> Vec<u8> {
         world.call(&mut input, fill);
         world.slots.iter().for_each(|slot| slot.memory.check());
         world.monitors.iter().for_each(|of| of.memory.check());
+        world.group.check();
     }
     world.log
 }
@@ -81,6 +85,9 @@ struct World {
     slots: [Slot; SLOTS],
     /// One beside each tracker.
     monitors: [Watched; SLOTS],
+    /// One for all trackers, and whether it was made.
+    group: Guarded,
+    has_group: bool,
     log: Vec<u8>,
 }
 
@@ -89,7 +96,7 @@ impl World {
         // The last bytes are functions of the monitor.
         let function = match input.u8() {
             monitor @ FIRST_OF_MONITOR.. => monitor,
-            other => other % 20,
+            other => other % 22,
         };
         let head = input.u8();
         let slot = (head >> 3) as usize % SLOTS;
@@ -117,6 +124,8 @@ impl World {
             15 => self.set_lens(input, slot, pointer),
             16 => self.detect(input, slot, pointer),
             17 => self.step_at(input, slot, pointer),
+            20 => self.init_group(input, pointer),
+            21 => self.step_group(input, pointer),
             FIRST_OF_MONITOR.. => self.monitor(function, input, slot, pointer),
             _ => self.step(input, slot, pointer),
         }

@@ -11,3 +11,4 @@ pub mod mesh;
 mod mesh_picture;
 pub mod recovery;
 mod show;
+pub mod turns;
