@@ -164,7 +164,6 @@ impl Convolution {
         let row_bytes = STAGING / self.kernel.max(1) / 16 * 16;
         let windows = row_bytes.saturating_sub(self.columns * K::WIDTH) / step.max(1) + 1;
         let tiles = (windows / K::TILE * K::TILE).max(windows.min(K::TILE));
-        let radius = self.kernel / 2;
         let direct = self.run_directly(kernel, input, weights, &scale, output);
         for first in (direct..width).step_by(tiles.max(1)) {
             let pixels = tiles.min(width - first);
@@ -175,7 +174,6 @@ impl Convolution {
                 for row in next.max(top)..top + self.kernel {
                     let slot = row % self.kernel.max(1) * row_bytes;
                     if let Some(staged) = staged.get_mut(slot..slot + row_bytes) {
-                        let row = row.wrapping_sub(radius);
                         self.stage_row(kernel, input, row, [first, pixels], staged);
                     }
                 }
@@ -242,8 +240,8 @@ impl Convolution {
         }
     }
 
-    /// Stages what the windows of some output pixels read of an input row; `row` is beyond the map
-    /// where it is outside.
+    /// Stages what the windows of some output pixels read of an input row, which is counted from
+    /// the first one of the padding.
     #[inline]
     fn stage_row<K: Kernel>(
         &self,
@@ -255,14 +253,20 @@ impl Convolution {
     ) {
         let [height, width] = self.from;
         let radius = self.kernel / 2;
-        let padding = kernel.padding(self.zero_point);
         let from = first * self.stride;
         let to = from + (pixels - 1) * self.stride + self.kernel;
         // In pixels, counted from the first one of the padding.
         let (left, right) = (from.max(radius), to.min(width + radius));
         let pixel_bytes = self.channels * K::WIDTH;
-        if row >= height || from < left || right < to || self.channels == 1 {
-            staged.fill(padding);
+        // Beside the map there is padding, which stays there for later rows.
+        let has_sides = from < left || right < to || self.channels == 1;
+        let (is_first, row) = (row < self.kernel, row.wrapping_sub(radius));
+        if row >= height || (is_first && has_sides) {
+            // Behind the last window there are weights of 0.
+            let windows = staged.get_mut(..(to - from) * pixel_bytes);
+            windows
+                .unwrap_or(&mut [])
+                .fill(kernel.padding(self.zero_point));
         }
         if row < height && left < right {
             let at = row * width;
