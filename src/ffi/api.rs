@@ -12,6 +12,7 @@ use super::convert::{
     hint_from, landmarks_of, load, model_bytes, model_info_to, result_to, roi_from, step_error,
 };
 use super::events::Places;
+use super::memory::written;
 use super::types::*;
 use super::{float_env, memory};
 use crate::PARTS;
@@ -303,10 +304,7 @@ pub unsafe extern "C" fn posewise_init(
         memory::check_pointer(memory.cast::<u8>())?;
         // SAFETY: the caller's contract.
         let config = unsafe { config_from(config)? };
-        let start = memory as usize;
-        if !start.is_multiple_of(POSEWISE_ALIGN as usize) || memory_len < BLOCK_SIZE {
-            return Err(POSEWISE_E_MEMORY);
-        }
+        memory::check_room(memory, memory_len, BLOCK_SIZE)?;
         // SAFETY: the caller's contract.
         let model = unsafe { model_bytes(model, model_len)? };
         // The tracker would overwrite its model, or `out` the tracker.
@@ -397,7 +395,8 @@ pub unsafe extern "C" fn posewise_detect(
         memory::check_pointer(finished)?;
         let mut found = [FoundFace::default(); MAX_FOUND];
         let most = capacity.min(found.len());
-        memory::require_disjoint(tracker, BLOCK_SIZE, out, size_of::<posewise_face>() * most)?;
+        let bytes = written::<posewise_face>(capacity, MAX_FOUND);
+        memory::require_disjoint(tracker, BLOCK_SIZE, out, bytes)?;
         memory::require_disjoint(tracker, BLOCK_SIZE, count, size_of::<usize>())?;
         memory::require_disjoint(tracker, BLOCK_SIZE, finished, size_of::<u32>())?;
         let frame = unsafe { frame_from(&given)? };
@@ -453,7 +452,7 @@ pub unsafe extern "C" fn posewise_landmarks(
     status(|| {
         // SAFETY: the caller's contract.
         let result = unsafe { block::get(tracker)? }.tracker.result();
-        let most = size_of::<posewise_landmark>() * capacity.min(LANDMARKS);
+        let most = written::<posewise_landmark>(capacity, LANDMARKS);
         memory::require_disjoint(tracker, BLOCK_SIZE, out, most)?;
         // SAFETY: the caller's contract.
         unsafe { memory::write_first(out, capacity, landmarks_of(result)) }
@@ -471,7 +470,8 @@ pub unsafe extern "C" fn posewise_animation(
     status(|| {
         // SAFETY: the caller's contract.
         let result = unsafe { block::get(tracker)? }.tracker.result();
-        memory::require_disjoint(tracker, BLOCK_SIZE, out, 4 * capacity.min(ANIMATIONS))?;
+        let most = written::<f32>(capacity, ANIMATIONS);
+        memory::require_disjoint(tracker, BLOCK_SIZE, out, most)?;
         // SAFETY: the caller's contract.
         unsafe { memory::write_first(out, capacity, result.animation.into_iter()) }
     })
@@ -504,7 +504,7 @@ pub unsafe extern "C" fn posewise_smoothed_landmarks(
     status(|| {
         // SAFETY: the caller's contract.
         let result = unsafe { block::get(tracker)? }.tracker.smoothed();
-        let most = size_of::<posewise_landmark>() * capacity.min(LANDMARKS);
+        let most = written::<posewise_landmark>(capacity, LANDMARKS);
         memory::require_disjoint(tracker, BLOCK_SIZE, out, most)?;
         // SAFETY: the caller's contract.
         unsafe { memory::write_first(out, capacity, landmarks_of(result)) }
@@ -521,7 +521,8 @@ pub unsafe extern "C" fn posewise_smoothed_animation(
     status(|| {
         // SAFETY: the caller's contract.
         let result = unsafe { block::get(tracker)? }.tracker.smoothed();
-        memory::require_disjoint(tracker, BLOCK_SIZE, out, 4 * capacity.min(ANIMATIONS))?;
+        let most = written::<f32>(capacity, ANIMATIONS);
+        memory::require_disjoint(tracker, BLOCK_SIZE, out, most)?;
         // SAFETY: the caller's contract.
         unsafe { memory::write_first(out, capacity, result.animation.into_iter()) }
     })

@@ -67,7 +67,7 @@ impl<T> Places<T> {
         memory::check_pointer(self.out)?;
         memory::check_pointer(self.count)?;
         memory::check_pointer(self.overwritten)?;
-        let most = size_of::<T>() * self.capacity.min(L::CAPACITY);
+        let most = memory::written::<T>(self.capacity, L::CAPACITY);
         memory::require_disjoint(block, size, self.out, most)?;
         memory::require_disjoint(block, size, self.count, size_of::<usize>())?;
         memory::require_disjoint(block, size, self.overwritten, size_of::<usize>())?;

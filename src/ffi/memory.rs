@@ -4,10 +4,12 @@
 //! points to as many readable (outputs: writable) bytes as its `struct_size` or length states, no
 //! other thread writes them during the call, and the model outlives its trackers.
 
+use super::gates;
 use super::monitor_types::{
     posewise_monitor_config, posewise_monitor_observation, posewise_monitor_state,
 };
 use super::types::*;
+use core::ffi::c_void;
 use core::mem::{MaybeUninit, align_of, size_of};
 
 /// A struct that starts with `struct_size` and may grow at its end.
@@ -66,10 +68,27 @@ pub(super) fn check_pointer<T>(pointer: *const T) -> Result<(), posewise_status>
     if pointer.is_null() {
         return Err(POSEWISE_E_NULL);
     }
-    if !(pointer as usize).is_multiple_of(align_of::<T>()) {
+    if !gates::is_aligned(pointer as usize, align_of::<T>()) {
         return Err(POSEWISE_E_POINTER_ALIGN);
     }
     Ok(())
+}
+
+/// `POSEWISE_E_MEMORY` unless a block of `need` bytes can be placed at the start of a memory.
+pub(super) fn check_room(
+    memory: *mut c_void,
+    len: usize,
+    need: usize,
+) -> Result<(), posewise_status> {
+    match gates::holds(memory as usize, len, need, POSEWISE_ALIGN as usize) {
+        true => Ok(()),
+        false => Err(POSEWISE_E_MEMORY),
+    }
+}
+
+/// Bytes of the first `capacity` items of at most `most` \[bytes\].
+pub(super) const fn written<T>(capacity: usize, most: usize) -> usize {
+    gates::written(capacity, most, size_of::<T>())
 }
 
 /// `POSEWISE_E_OVERLAP` if two blocks of memory share a byte; lengths are in bytes.
@@ -79,11 +98,10 @@ pub(super) fn require_disjoint<A, B>(
     b: *const B,
     b_len: usize,
 ) -> Result<(), posewise_status> {
-    let (a, b) = (a as usize, b as usize);
-    if a < b.saturating_add(b_len) && b < a.saturating_add(a_len) {
-        return Err(POSEWISE_E_OVERLAP);
+    match gates::share_a_byte(a as usize, a_len, b as usize, b_len) {
+        true => Err(POSEWISE_E_OVERLAP),
+        false => Ok(()),
     }
-    Ok(())
 }
 
 /// Checks the pointer, reads the `struct_size` that it points to, and checks that a header had it.
@@ -159,7 +177,7 @@ pub(super) unsafe fn bytes<'a>(
     too_long: posewise_status,
 ) -> Result<&'a [u8], posewise_status> {
     check_pointer(data)?;
-    if len > isize::MAX as usize || (data as usize).checked_add(len).is_none() {
+    if !gates::can_be(data as usize, len) {
         return Err(too_long);
     }
     // SAFETY: non-NULL, `len` readable bytes by the caller's contract, not wrapping around.
@@ -169,6 +187,8 @@ pub(super) unsafe fn bytes<'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    extern crate std;
 
     /// `posewise_config` of a hypothetical later header.
     #[repr(C)]
@@ -208,6 +228,79 @@ mod tests {
         let mut out = later(NOW, 9);
         unsafe { write_struct(&mut out, NOW, &later(NOW + 8, 1)) };
         assert_eq!((out.config.struct_size as usize, out.more), (NOW, 9));
+    }
+
+    /// What a struct of each size reads and writes, in memory of just that size: Miri sees a byte
+    /// too many.
+    fn check_copies<T: Growing>() {
+        let now = size_of::<T>();
+        for &size in T::EARLIER_SIZES.iter().chain([&now]) {
+            assert!(size.is_multiple_of(4) && (8..=now).contains(&size));
+            let layout = core::alloc::Layout::from_size_align(size, align_of::<T>()).unwrap();
+            // SAFETY: a block of `size` bytes, which is given back below; both structs are read
+            // as the bytes that they are.
+            unsafe {
+                let block = std::alloc::alloc(layout);
+                for i in 4..size {
+                    block.add(i).write(i as u8 | 1);
+                }
+                block.cast::<u32>().write(size as u32);
+                let read = read_struct(block.cast_const().cast::<T>()).unwrap();
+                let read = core::slice::from_raw_parts((&raw const read).cast::<u8>(), now);
+                let given = core::slice::from_raw_parts(block, size);
+                assert_eq!(read[..size], *given);
+                assert!(read[size..].iter().all(|byte| *byte == 0));
+
+                let zero = MaybeUninit::<T>::zeroed().assume_init();
+                assert_eq!(checked_size(block.cast_const().cast::<T>()), Ok(size));
+                write_struct(block.cast::<T>(), size, &zero);
+                assert_eq!(block.cast::<u32>().read() as usize, size);
+                assert!((4..size).all(|i| block.add(i).read() == 0));
+                std::alloc::dealloc(block, layout);
+            }
+        }
+    }
+
+    /// Calls a function for each struct that grows.
+    macro_rules! for_each_struct {
+        ($check:ident) => {
+            $check::<posewise_config>();
+            $check::<posewise_frame>();
+            $check::<posewise_hint>();
+            $check::<posewise_model_details>();
+            $check::<posewise_result>();
+            $check::<posewise_mesh_topology>();
+            $check::<posewise_monitor_config>();
+            $check::<posewise_monitor_observation>();
+            $check::<posewise_monitor_state>();
+        };
+    }
+
+    #[test]
+    fn structs_of_every_size_are_copied_whole() {
+        for_each_struct!(check_copies);
+    }
+
+    /// The sizes that are believed, of all that a caller can state.
+    fn check_sizes<T: Growing>() {
+        // Only `struct_size` is read where it is refused, and here nothing else where it is not.
+        let mut given = MaybeUninit::<T>::zeroed();
+        for size in 0..=u32::MAX {
+            // SAFETY: the struct starts with this number.
+            let known = unsafe {
+                given.as_mut_ptr().cast::<u32>().write(size);
+                checked_size(given.as_ptr()).is_ok()
+            };
+            let size = size as usize;
+            let is_known = size == size_of::<T>() || T::EARLIER_SIZES.contains(&size);
+            assert_eq!(known, is_known, "{size}");
+        }
+    }
+
+    #[test]
+    #[ignore = "tries four billion sizes of each struct: .ci/nightly"]
+    fn no_other_size_is_believed() {
+        for_each_struct!(check_sizes);
     }
 
     #[test]

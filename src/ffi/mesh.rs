@@ -77,7 +77,7 @@ fn checked_capacity(
     memory::check_pointer(out)?;
     memory::check_pointer(count)?;
     let capacity = capacity.min(POSEWISE_MESH_VERTICES as usize);
-    let bytes = size_of::<posewise_mesh_vertex>() * capacity;
+    let bytes = memory::written::<posewise_mesh_vertex>(capacity, capacity);
     memory::require_disjoint(tracker, BLOCK_SIZE, out, bytes)?;
     memory::require_disjoint(tracker, BLOCK_SIZE, count, size_of::<usize>())?;
     memory::require_disjoint(out, bytes, count, size_of::<usize>())?;

@@ -2,8 +2,8 @@
 //! [`names`], [`group`], [`mesh`] and their likes for driver monitoring.
 //!
 //! `convert` checks the caller's structs and converts them to the crate's types, and results back.
-//! `memory` does all pointer work, `block` holds the tracker in the caller's memory, `events`
-//! writes unread events.
+//! `gates` has what is asked of addresses and lengths, `memory` does all pointer work, `block` holds
+//! the tracker in the caller's memory, `events` writes unread events.
 //! `layout` holds the structs to their sizes.
 //! `group` has the functions for several trackers, `mesh` those of the dense mesh.
 //! `monitor`, `monitor_types` and `monitor_convert` are the same for driver monitoring.
@@ -12,11 +12,15 @@
 // C names; raw pointers need `unsafe`.
 #![allow(non_camel_case_types, unsafe_code)]
 
+/// An address, a length or a size.
+type Word = usize;
+
 pub mod api;
 mod block;
 mod convert;
 mod events;
 mod float_env;
+mod gates;
 pub mod group;
 mod layout;
 mod memory;

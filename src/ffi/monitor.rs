@@ -79,10 +79,7 @@ pub unsafe extern "C" fn posewise_monitor_init(
         memory::check_pointer(memory.cast::<u8>())?;
         // SAFETY: the caller's contract.
         let (config, preset) = unsafe { monitor_config_from(config)? };
-        let start = memory as usize;
-        if !start.is_multiple_of(POSEWISE_ALIGN as usize) || memory_len < BLOCK_SIZE {
-            return Err(POSEWISE_E_MEMORY);
-        }
+        memory::check_room(memory, memory_len, BLOCK_SIZE)?;
         let out_len = size_of::<*mut posewise_monitor>();
         memory::require_disjoint(memory, BLOCK_SIZE, out, out_len)?;
         // SAFETY: aligned and long enough, as just checked.

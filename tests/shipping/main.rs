@@ -8,6 +8,7 @@ mod camera;
 mod common;
 mod cost;
 mod examples;
+mod gates;
 mod link;
 mod mobile;
 mod npm;
