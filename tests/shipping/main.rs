@@ -1,6 +1,7 @@
 //! What is shipped, as its users meet it: libraries and header, packages, programs for other
 //! machines and languages, and what a step costs. Tests without their programs are skipped.
 
+mod abi;
 mod bindings;
 mod c;
 mod camera;
