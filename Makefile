@@ -11,6 +11,7 @@
 #   make wasm       builds the modules of web/: target/wasm/posewise.wasm and posewise-simd128.wasm
 #
 #   PREFIX=…        where to install (/usr/local)
+#   LIBDIR=…        the libraries' folder in PREFIX (lib)
 #   DESTDIR=…       a folder before PREFIX, for packagers
 #   TARGET=…        another machine, by its name in Rust; what it needs is in docs/integrating.md
 #   MODEL=none      builds no model in
@@ -25,6 +26,7 @@
 
 TARGET_DIR ?= $(or $(CARGO_TARGET_DIR),target)
 PREFIX ?= /usr/local
+LIBDIR ?= lib
 CARGO ?= cargo
 override ROOT := $(abspath $(dir $(lastword $(MAKEFILE_LIST))))
 override MANIFEST := $(ROOT)/Cargo.toml
@@ -115,21 +117,26 @@ $(NOTICES): $(ROOT)/Cargo.lock
 	cd $(ROOT) && env -u RUSTC -u RUSTC_BOOTSTRAP -u RUSTFLAGS cargo xtask notices
 
 override TO := $(DESTDIR)$(PREFIX)
-override CMAKE := $(TO)/lib/cmake/posewise
+override TO_LIB := $(TO)/$(LIBDIR)
+override CMAKE := $(TO_LIB)/cmake/posewise
+# From a folder in LIBDIR to PREFIX.
+override EMPTY :=
+override UP := $(subst $(EMPTY) $(EMPTY),/,$(patsubst %,..,$(subst /, ,$(LIBDIR)/folder)))
+override FILL = sed 's|@VERSION@|$(VERSION)|; s|@LIBDIR@|$(LIBDIR)|; s|@UP@|$(UP)|'
 install: lib notices $(if $(TARGET)$(filter none,$(COMMAND)),,install-command)
-	install -d $(TO)/include $(TO)/share/posewise $(TO)/lib/pkgconfig $(CMAKE)
-	install -m 644 $(LIB) $(TO)/lib/
-	$(if $(CAN_SHARE),install -m 755 $(DIST)/lib/$(SONAME) $(TO)/lib/)
-	$(if $(CAN_SHARE),ln -sf $(SONAME) $(TO)/lib/libposewise.so)
+	install -d $(TO)/include $(TO)/share/posewise $(TO_LIB)/pkgconfig $(CMAKE)
+	install -m 644 $(LIB) $(TO_LIB)/
+	$(if $(CAN_SHARE),install -m 755 $(DIST)/lib/$(SONAME) $(TO_LIB)/)
+	$(if $(CAN_SHARE),ln -sf $(SONAME) $(TO_LIB)/libposewise.so)
 	install -m 644 $(ROOT)/include/posewise.h $(ROOT)/include/posewise.hpp $(TO)/include/
 	install -m 644 $(ROOT)/models/posewise.posewise $(ROOT)/models/posewise.md $(ROOT)/LICENSE \
 		$(NOTICES) $(TO)/share/posewise/
-	install -m 644 $(ROOT)/packaging/posewise-config.cmake $(CMAKE)/
-	sed 's/@VERSION@/$(VERSION)/' $(ROOT)/packaging/posewise-config-version.cmake.in \
+	$(FILL) $(ROOT)/packaging/posewise-config.cmake.in > $(CMAKE)/posewise-config.cmake
+	$(FILL) $(ROOT)/packaging/posewise-config-version.cmake.in \
 		> $(CMAKE)/posewise-config-version.cmake
-	sed 's/@VERSION@/$(VERSION)/' $(ROOT)/packaging/posewise.pc.in > $(TO)/lib/pkgconfig/posewise.pc
-	$(if $(CAN_SHARE),sed 's/@VERSION@/$(VERSION)/' $(ROOT)/packaging/posewise-shared.pc.in \
-		> $(TO)/lib/pkgconfig/posewise-shared.pc)
+	$(FILL) $(ROOT)/packaging/posewise.pc.in > $(TO_LIB)/pkgconfig/posewise.pc
+	$(if $(CAN_SHARE),$(FILL) $(ROOT)/packaging/posewise-shared.pc.in \
+		> $(TO_LIB)/pkgconfig/posewise-shared.pc)
 
 install-command: notices
 	$(if $(COMMAND),,cd $(ROOT) && $(CARGO) build --quiet --release --bin posewise \
@@ -143,8 +150,8 @@ uninstall:
 	rm -f $(TO)/bin/posewise $(TO)/share/man/man1/posewise.1 $(TO)/share/man/man1/posewise-*.1
 	rm -f $(TO)/share/zsh/site-functions/_posewise $(addprefix $(TO)/share/,\
 		bash-completion/completions/posewise.bash fish/vendor_completions.d/posewise.fish)
-	rm -f $(TO)/lib/libposewise.a $(TO)/lib/libposewise.so $(TO)/lib/$(SONAME)
-	rm -f $(TO)/lib/pkgconfig/posewise.pc $(TO)/lib/pkgconfig/posewise-shared.pc
+	rm -f $(TO_LIB)/libposewise.a $(TO_LIB)/libposewise.so $(TO_LIB)/$(SONAME)
+	rm -f $(TO_LIB)/pkgconfig/posewise.pc $(TO_LIB)/pkgconfig/posewise-shared.pc
 	rm -f $(TO)/include/posewise.h $(TO)/include/posewise.hpp
 	rm -rf $(TO)/share/posewise $(CMAKE)
 

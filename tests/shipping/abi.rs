@@ -107,6 +107,21 @@ fn the_abi_is_the_recorded_one() {
     }
 }
 
+/// Debian's list of symbols, by which packages know from which version on they work.
+#[test]
+fn debian_lists_every_function() {
+    let list = root().join("packaging/debian/libposewise1.symbols");
+    let list = std::fs::read_to_string(list).expect("the list");
+    let (soname, list) = list.split_once(" libposewise1 #MINVER#\n").expect("a head");
+    assert_eq!(soname, format!("libposewise.so.{}", number(&header())));
+    let names = list
+        .lines()
+        .filter_map(|line| line.strip_prefix(' ')?.split('@').next());
+    let mut functions = xtask::functions_of_the_header().expect("posewise.h");
+    functions.sort_unstable();
+    assert_eq!(names.collect::<Vec<_>>(), functions);
+}
+
 /// The names of types differ between Rust and C, which is not counted; sizes, places, the number and
 /// order of arguments do.
 #[test]

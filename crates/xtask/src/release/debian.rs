@@ -21,6 +21,9 @@ impl Packer {
         copy(&root().join("packaging/debian"), &build.join("debian"))?;
         let mut make = self.make("install", None)?;
         make.arg(format!("DESTDIR={}", build.join("installed").display()));
+        let mut architecture = self.program("dpkg-architecture");
+        let triplet = output_of(architecture.arg("-qDEB_HOST_MULTIARCH"))?.stdout;
+        make.arg(format!("LIBDIR=lib/{}", String::from_utf8(triplet)?.trim()));
         output_of(make.arg("PREFIX=/usr"))?;
         let mut build_package = self.program("dpkg-buildpackage");
         build_package.args(["--build=binary", "--no-pre-clean"]);
@@ -41,6 +44,9 @@ fn copy(from: &Path, to: &Path) -> Result<()> {
     std::fs::create_dir_all(to)?;
     for entry in std::fs::read_dir(from).with_context(|| format!("{from:?}"))? {
         let path = entry?.path();
+        if path.is_dir() {
+            continue;
+        }
         std::fs::copy(&path, to.join(path.file_name().context("no name")?))?;
     }
     Ok(())
