@@ -48,10 +48,7 @@ pub unsafe extern "C" fn posewise_group_init(
     status(|| {
         memory::check_pointer(out)?;
         memory::check_pointer(memory.cast::<u8>())?;
-        let start = memory as usize;
-        if !start.is_multiple_of(POSEWISE_ALIGN as usize) || memory_len < GROUP_SIZE {
-            return Err(POSEWISE_E_MEMORY);
-        }
+        memory::check_room(memory, memory_len, GROUP_SIZE)?;
         memory::require_disjoint(memory, GROUP_SIZE, out, size_of::<*mut posewise_group>())?;
         let block = memory.cast::<GroupBlock>();
         // SAFETY: aligned and long enough, as just checked; the magic comes last.

@@ -2,8 +2,8 @@
 //! [`names`], [`group`], [`mesh`] and their likes for driver monitoring.
 //!
 //! `convert` checks the caller's structs and converts them to the crate's types, and results back.
-//! `gates` has what is asked of addresses and lengths, `memory` does all pointer work, `block` holds
-//! the tracker in the caller's memory, `events` writes unread events.
+//! `gates` has what is asked of addresses and lengths, `memory` does all pointer work, `block`
+//! holds the tracker in the caller's memory, `events` writes unread events.
 //! `layout` holds the structs to their sizes.
 //! `group` has the functions for several trackers, `mesh` those of the dense mesh.
 //! `monitor`, `monitor_types` and `monitor_convert` are the same for driver monitoring.

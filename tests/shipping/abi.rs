@@ -122,8 +122,8 @@ fn debian_lists_every_function() {
     assert_eq!(names.collect::<Vec<_>>(), functions);
 }
 
-/// The names of types differ between Rust and C, which is not counted; sizes, places, the number and
-/// order of arguments do.
+/// The names of types differ between Rust and C, which is not counted; sizes, places, the number
+/// and order of arguments do.
 #[test]
 #[ignore = "builds the library with debugging information: .ci/nightly"]
 fn the_library_has_the_recorded_abi() {
