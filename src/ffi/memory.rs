@@ -188,8 +188,6 @@ pub(super) unsafe fn bytes<'a>(
 mod tests {
     use super::*;
 
-    extern crate std;
-
     /// `posewise_config` of a hypothetical later header.
     #[repr(C)]
     #[derive(Clone, Copy)]
@@ -230,17 +228,19 @@ mod tests {
         assert_eq!((out.config.struct_size as usize, out.more), (NOW, 9));
     }
 
-    /// What a struct of each size reads and writes, in memory of just that size: Miri sees a byte
-    /// too many.
+    /// What a struct of each size reads and writes, through a pointer to just that many bytes: Miri
+    /// sees a byte too many.
     fn check_copies<T: Growing>() {
         let now = size_of::<T>();
         for &size in T::EARLIER_SIZES.iter().chain([&now]) {
             assert!(size.is_multiple_of(4) && (8..=now).contains(&size));
-            let layout = core::alloc::Layout::from_size_align(size, align_of::<T>()).unwrap();
-            // SAFETY: a block of `size` bytes, which is given back below; both structs are read
-            // as the bytes that they are.
+            // Aligned as the structs are, and large enough for each.
+            let mut memory = [0u64; 128];
+            // SAFETY: numbers are bytes.
+            let (_, bytes, _) = unsafe { memory.align_to_mut::<u8>() };
+            let block = bytes[..size].as_mut_ptr();
+            // SAFETY: a block of `size` bytes; both structs are read as the bytes that they are.
             unsafe {
-                let block = std::alloc::alloc(layout);
                 for i in 4..size {
                     block.add(i).write(i as u8 | 1);
                 }
@@ -256,7 +256,6 @@ mod tests {
                 write_struct(block.cast::<T>(), size, &zero);
                 assert_eq!(block.cast::<u32>().read() as usize, size);
                 assert!((4..size).all(|i| block.add(i).read() == 0));
-                std::alloc::dealloc(block, layout);
             }
         }
     }
