@@ -8,7 +8,7 @@
 #   make dist       packs what is installed: target/posewise-VERSION-TARGET.tar.gz
 #   make release    makes every package that this machine has the tools for, with checksums, in
 #                   target/packages
-#   make wasm       builds the modules of web/: target/wasm/posewise.wasm and posewise-simd128.wasm
+#   make wasm       builds the modules of web/: target/wasm/posewise*.wasm
 #
 #   PREFIX=…        where to install (/usr/local)
 #   LIBDIR=…        the libraries' folder in PREFIX (lib)
@@ -164,14 +164,17 @@ dist:
 		--mtime=@$(or $(SOURCE_DATE_EPOCH),0) -czf $(TARGET_DIR)/$(PACKAGE).tar.gz $(PACKAGE)
 	@echo $(TARGET_DIR)/$(PACKAGE).tar.gz
 
-# The library in WebAssembly, once with SIMD and once without it, and no model built in. RUSTFLAGS
-# reach all crates; each set of flags has its own build folder, so that both stay up to date.
+# The library in WebAssembly, without SIMD, with it and with relaxed SIMD, and no model built in.
+# RUSTFLAGS reach all crates; each set of flags has its own build folder, so that all stay up to
+# date.
 override WASM := $(abspath $(TARGET_DIR))/wasm
 override WASM_MAKE := $(MAKE) --no-print-directory -f $(ROOT)/Makefile wasm-module MODEL=none \
 	TARGET=wasm32-unknown-unknown
 wasm:
 	+$(WASM_MAKE) TARGET_DIR=$(WASM)/plain NAME=posewise
 	+$(WASM_MAKE) TARGET_DIR=$(WASM)/simd128 NAME=posewise-simd128 FLAGS=-Ctarget-feature=+simd128
+	+$(WASM_MAKE) TARGET_DIR=$(WASM)/relaxed NAME=posewise-relaxed \
+		FLAGS=-Ctarget-feature=+simd128,+relaxed-simd
 
 # Debian's Rust has no linker for WebAssembly of its own; package lld has one.
 wasm-module:

@@ -73,13 +73,28 @@ const SIMD_PROBE = [
   253, 98, 11,
 ];
 
+// A module with a dot product of relaxed SIMD.
+const RELAXED_PROBE = [
+  0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 19, 1, 17, 0, 65, 0, 253, 15,
+  65, 0, 253, 15, 65, 0, 253, 15, 253, 147, 2, 11,
+];
+
 /** Whether this browser has SIMD in WebAssembly. */
 export function hasSimd() {
   return WebAssembly.validate(new Uint8Array(SIMD_PROBE));
 }
 
+/**
+ * Whether this browser has relaxed SIMD in WebAssembly. What its dot products are on this machine,
+ * the module finds out.
+ */
+export function hasRelaxedSimd() {
+  return WebAssembly.validate(new Uint8Array(RELAXED_PROBE));
+}
+
 /** The name of the module that suits this browser. */
 export function moduleName() {
+  if (hasRelaxedSimd()) return 'posewise-relaxed.wasm';
   return hasSimd() ? 'posewise-simd128.wasm' : 'posewise.wasm';
 }
 
@@ -114,6 +129,7 @@ async function file(url) {
 
 /** The address of the module that suits this browser. Bundlers look for whole addresses. */
 function moduleUrl() {
+  if (hasRelaxedSimd()) return new URL('./posewise-relaxed.wasm', import.meta.url);
   return hasSimd()
     ? new URL('./posewise-simd128.wasm', import.meta.url)
     : new URL('./posewise.wasm', import.meta.url);

@@ -2,7 +2,7 @@
 
 import { PosewiseError } from './engine.js';
 
-export { Engine, PosewiseError, hasSimd, load, moduleName } from './engine.js';
+export { Engine, PosewiseError, hasRelaxedSimd, hasSimd, load, moduleName } from './engine.js';
 export { Group } from './group.js';
 export { frameOf } from './luma.js';
 export { Monitor } from './monitor.js';

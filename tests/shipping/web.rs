@@ -68,6 +68,20 @@ fn types_fit() {
     succeed(&mut web::typescript("test/tsconfig.json").expect("TypeScript"));
 }
 
+/// Node, with relaxed SIMD, which versions before 22 have behind an option.
+fn node() -> Command {
+    let mut ask = Command::new("node");
+    let engine = root().join("web/engine.js");
+    ask.arg("-e").arg(format!(
+        "import({engine:?}).then((of) => process.exit(of.hasRelaxedSimd() ? 0 : 1))"
+    ));
+    let mut node = Command::new("node");
+    if !ask.status().is_ok_and(|status| status.success()) {
+        node.arg("--experimental-wasm-relaxed-simd");
+    }
+    node
+}
+
 #[test]
 fn node_gives_the_same_bits() {
     let (Some(site), true) = (site(), require("node")) else {
@@ -75,8 +89,12 @@ fn node_gives_the_same_bits() {
     };
     let clip = xtask::demo_clip(&scratch("web")).expect("the demo clip");
     let expected = std::fs::read_to_string(root().join("tests/data/demo.hash")).expect("a hash");
-    for module in ["posewise.wasm", "posewise-simd128.wasm"] {
-        let mut node = Command::new("node");
+    for module in [
+        "posewise.wasm",
+        "posewise-simd128.wasm",
+        "posewise-relaxed.wasm",
+    ] {
+        let mut node = node();
         node.arg(root().join("web/test/replay.mjs"));
         node.arg(site.join(module))
             .arg(site.join("posewise.posewise"));
@@ -116,7 +134,7 @@ fn unit_tests_pass_in_node() {
     cargo.args(["--crate-type=cdylib", "--target=wasm32-unknown-unknown"]);
     cargo.arg("--target-dir").arg(&target);
     cargo.args(["--", "--test", "-o"]).arg(&module);
-    cargo.env("RUSTFLAGS", "-Ctarget-feature=+simd128");
+    cargo.env("RUSTFLAGS", "-Ctarget-feature=+simd128,+relaxed-simd");
     match cargo.output() {
         Ok(output) if output.status.success() => {}
         // Debian's Rust for WebAssembly has no std, which tests need, and not every machine can
@@ -126,7 +144,7 @@ fn unit_tests_pass_in_node() {
             return;
         }
     }
-    let mut node = Command::new("node");
+    let mut node = node();
     node.arg(root().join("web/test/unit.mjs")).arg(&module);
     succeed(&mut node);
 }
@@ -226,6 +244,63 @@ fn the_page_works_in_chromium() {
     println!("{}", succeed(&mut node));
     check_frames(&out.join("frames.bin"));
     check_table(&out.join("page.csv"));
+}
+
+/// How long a step takes in Chromium with each module, and here with AVX2: in the quickest eight
+/// steps in a row, in turns.
+#[test]
+#[ignore = "measures times, of which other programs make others: .ci/nightly"]
+fn steps_in_chromium_beside_avx2() {
+    let Some((_, url)) = served() else { return };
+    let modules = [
+        "posewise-relaxed.wasm",
+        "posewise-simd128.wasm",
+        "posewise.wasm",
+    ];
+    let mut least = [f64::INFINITY; 4];
+    for _ in 0..3 {
+        let mut node = Command::new("node");
+        node.arg(root().join("web/test/steps.mjs")).arg(&url);
+        let said = succeed(node.args(modules));
+        let ms = said
+            .lines()
+            .map(|line| line.rsplit(' ').next().expect("a time"));
+        let ms = ms.map(|ms| ms.parse().expect("a number")).chain(avx2_ms());
+        for (least, ms) in least.iter_mut().zip(ms) {
+            *least = least.min(ms);
+        }
+    }
+    let [modules_ms @ .., avx2] = least;
+    println!("AVX2: {avx2:.3} ms");
+    for (module, ms) in modules.iter().zip(modules_ms) {
+        println!("{module}: {ms:.3} ms, {:.2} times AVX2", ms / avx2);
+    }
+}
+
+/// The same steps here with AVX2 \[ms\], where this machine has it.
+fn avx2_ms() -> Option<f64> {
+    use posewise::network::{KernelName, chosen_kernel, select_kernel};
+    const STEPS: usize = 8;
+    let before = chosen_kernel();
+    if !select_kernel(KernelName::Avx2) {
+        return None;
+    }
+    let (model, mut tracker) = (model(), tracker(&Config::default()));
+    let mut least = f64::INFINITY;
+    for first in (0..800).step_by(STEPS) {
+        let start = std::time::Instant::now();
+        for i in first..first + STEPS {
+            let frame = demo().frame(39 - 39usize.abs_diff(i % 78));
+            let step = tracker.step(&model, &frame, 50_000 * i as i64);
+            step.expect("in order");
+        }
+        let ms = start.elapsed().as_secs_f64() * 1e3 / STEPS as f64;
+        if first >= 100 {
+            least = least.min(ms);
+        }
+    }
+    select_kernel(before);
+    Some(least)
 }
 
 /// Wire, mask and make-up lie on the face; textures of the visitor's.

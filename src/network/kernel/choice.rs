@@ -20,11 +20,13 @@ pub enum KernelName {
     Dotprod,
     /// WebAssembly with 128-bit SIMD.
     Simd128,
+    /// WebAssembly with relaxed SIMD whose dot products are exact.
+    Relaxed,
 }
 
 impl KernelName {
     /// All kernels, the fastest of each machine last.
-    pub const ALL: [KernelName; 7] = [
+    pub const ALL: [KernelName; 8] = [
         Self::Scalar,
         Self::Sse2,
         Self::Avx2,
@@ -32,6 +34,7 @@ impl KernelName {
         Self::Neon,
         Self::Dotprod,
         Self::Simd128,
+        Self::Relaxed,
     ];
 
     /// Name on the command line.
@@ -45,6 +48,7 @@ impl KernelName {
             Self::Neon => "neon",
             Self::Dotprod => "dotprod",
             Self::Simd128 => "simd128",
+            Self::Relaxed => "relaxed",
         }
     }
 
@@ -60,6 +64,8 @@ impl KernelName {
             Self::Neon => cfg!(target_arch = "aarch64"),
             Self::Dotprod => cfg!(target_arch = "aarch64") && has_dotprod(),
             Self::Simd128 => cfg!(all(target_arch = "wasm32", simd_kernel)),
+            #[cfg(all(target_arch = "wasm32", target_feature = "relaxed-simd"))]
+            Self::Relaxed => super::relaxed::is_exact(),
             #[allow(unreachable_patterns, reason = "kernels of other machines")]
             _ => false,
         }
@@ -139,6 +145,8 @@ pub(in crate::network) enum Chosen {
     Dotprod(super::dotprod::Dotprod),
     #[cfg(target_arch = "aarch64")]
     Neon(super::neon::Neon),
+    #[cfg(all(target_arch = "wasm32", target_feature = "relaxed-simd"))]
+    Relaxed(super::relaxed::Relaxed),
     #[cfg(all(target_arch = "wasm32", simd_kernel))]
     Simd128(super::simd128::Simd128),
     #[cfg(any(test, feature = "unstable-internals", not(simd_kernel)))]
@@ -174,6 +182,9 @@ pub(super) unsafe fn of_name(name: KernelName) -> Chosen {
         KernelName::Dotprod => Chosen::Dotprod(unsafe { super::dotprod::Dotprod::new() }),
         #[cfg(target_arch = "aarch64")]
         _ => Chosen::Neon(super::neon::Neon),
+        #[cfg(all(target_arch = "wasm32", target_feature = "relaxed-simd"))]
+        // SAFETY: the caller promises that it is available.
+        KernelName::Relaxed => Chosen::Relaxed(unsafe { super::relaxed::Relaxed::new() }),
         #[cfg(all(target_arch = "wasm32", simd_kernel))]
         _ => Chosen::Simd128(super::simd128::Simd128),
         #[cfg(not(simd_kernel))]
@@ -196,6 +207,8 @@ macro_rules! dispatch {
             Chosen::Dotprod($kernel) => $call,
             #[cfg(target_arch = "aarch64")]
             Chosen::Neon($kernel) => $call,
+            #[cfg(all(target_arch = "wasm32", target_feature = "relaxed-simd"))]
+            Chosen::Relaxed($kernel) => $call,
             #[cfg(all(target_arch = "wasm32", simd_kernel))]
             Chosen::Simd128($kernel) => $call,
             #[cfg(any(test, feature = "unstable-internals", not(simd_kernel)))]

@@ -22,6 +22,8 @@ mod dotprod;
 #[cfg(target_arch = "aarch64")]
 mod neon;
 mod operands;
+#[cfg(all(target_arch = "wasm32", target_feature = "relaxed-simd"))]
+mod relaxed;
 #[cfg(any(test, feature = "unstable-internals", not(simd_kernel)))]
 mod scalar;
 #[cfg(simd_kernel)]

@@ -20,7 +20,11 @@ pub(in crate::network) type TapWeights = [[i16; 2 * BLOCK]; TAP_PAIRS];
 pub(in crate::network) struct DepthwiseWeights<'a> {
     /// As the model has them: `[9][channels]`.
     #[cfg_attr(
-        not(any(target_arch = "x86_64", target_arch = "aarch64")),
+        not(any(
+            target_arch = "x86_64",
+            target_arch = "aarch64",
+            target_feature = "relaxed-simd"
+        )),
         expect(dead_code, reason = "for kernels of other machines")
     )]
     pub raw: &'a [i8],

@@ -76,7 +76,7 @@ unsafe fn sums(strip: &Strip<'_>, tile: Tile, block: usize) -> [[v128; 2]; TILE]
 
 /// A [`Scale`] in registers; bias and multiplier are those of one block.
 #[derive(Clone, Copy)]
-struct Requantization {
+pub(super) struct Requantization {
     bias: [v128; 2],
     multiplier: [v128; 2],
     pre_shift: u32,
@@ -90,7 +90,7 @@ struct Requantization {
 impl Requantization {
     #[target_feature(enable = "simd128")]
     #[inline]
-    fn new(scale: &Scale<'_>) -> Self {
+    pub(super) fn new(scale: &Scale<'_>) -> Self {
         let (pre_shift, post_shift, half) = scale.shifts();
         let lateral = if scale.lateral { -256 } else { 0 };
         Requantization {
@@ -106,7 +106,7 @@ impl Requantization {
 
     #[target_feature(enable = "simd128")]
     #[inline]
-    fn of_block(&self, scale: &Scale<'_>, block: usize) -> Self {
+    pub(super) fn of_block(&self, scale: &Scale<'_>, block: usize) -> Self {
         let [bias, multiplier] = [scale.bias, scale.multiplier].map(|of| {
             let [a, b, c, d, e, f, g, h] = of.get(block).copied().unwrap_or_default();
             [i32x4(a, b, c, d), i32x4(e, f, g, h)]
@@ -125,7 +125,7 @@ impl Requantization {
     /// `out` is valid for eight bytes.
     #[target_feature(enable = "simd128")]
     #[inline]
-    unsafe fn store<const PLAIN: bool>(&self, mut sums: [v128; 2], out: *mut u8) {
+    pub(super) unsafe fn store<const PLAIN: bool>(&self, mut sums: [v128; 2], out: *mut u8) {
         unrolled!(half < 2 => {
             let kept = i32x4_shr(i32x4_add(sums[half], self.bias[half]), self.pre_shift);
             let scaled = i32x4_dot_i16x8(kept, self.multiplier[half]);
@@ -215,7 +215,7 @@ fn unsigned(bytes: v128) -> [v128; 2] {
 }
 
 #[target_feature(enable = "simd128")]
-fn add(sum: &Sum, other: &[u8], out: &mut [u8]) {
+pub(super) fn add(sum: &Sum, other: &[u8], out: &mut [u8]) {
     let (pre_shift, post_shift, half) = sum.shifts();
     let [own, second] = sum.factors;
     let factors = i16x8(own, second, own, second, own, second, own, second);
@@ -253,12 +253,18 @@ fn dot(features: &[u8], weights: &[i8]) -> i32 {
         };
         sums = i32x4_add(sums, i32x4_dot_i16x8(features, weights));
     }
-    let sums = [
-        i32x4_extract_lane::<0>(sums),
-        i32x4_extract_lane::<1>(sums),
-        i32x4_extract_lane::<2>(sums),
-        i32x4_extract_lane::<3>(sums),
+    sum_of(sums).wrapping_add(tail::dot(rest, rest_of_row))
+}
+
+/// The sum of four numbers.
+#[target_feature(enable = "simd128")]
+#[inline]
+pub(super) fn sum_of(numbers: v128) -> i32 {
+    let numbers = [
+        i32x4_extract_lane::<0>(numbers),
+        i32x4_extract_lane::<1>(numbers),
+        i32x4_extract_lane::<2>(numbers),
+        i32x4_extract_lane::<3>(numbers),
     ];
-    sums.iter()
-        .fold(tail::dot(rest, rest_of_row), |a, b| a.wrapping_add(*b))
+    numbers.iter().fold(0, |a, b| a.wrapping_add(*b))
 }

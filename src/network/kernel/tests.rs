@@ -30,6 +30,8 @@ macro_rules! each_kernel {
                 Chosen::Dotprod($kernel) => $test,
                 #[cfg(all(target_arch = "wasm32", simd_kernel))]
                 Chosen::Simd128($kernel) => $test,
+                #[cfg(all(target_arch = "wasm32", target_feature = "relaxed-simd"))]
+                Chosen::Relaxed($kernel) => $test,
                 Chosen::Scalar(_) => {}
             }
         }

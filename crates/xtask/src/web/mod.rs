@@ -53,8 +53,12 @@ const FILES: [&str; 36] = [
 /// Models that the page can load.
 const MODELS: [&str; 2] = ["posewise.posewise", "research.posewise"];
 
-/// The modules that `make wasm` builds: for browsers with SIMD, and for those without it.
-const MODULES: [&str; 2] = ["posewise-simd128.wasm", "posewise.wasm"];
+/// The modules that `make wasm` builds: for browsers with relaxed SIMD, with SIMD, and without it.
+const MODULES: [&str; 3] = [
+    "posewise-relaxed.wasm",
+    "posewise-simd128.wasm",
+    "posewise.wasm",
+];
 
 /// Builds everything in the subfolder `web` of cargo's build folder, and gives its path.
 pub fn build(target_dir: &Path) -> Result<PathBuf> {

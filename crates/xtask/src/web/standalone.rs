@@ -56,11 +56,12 @@ const PAGE: [&str; 30] = [
 ];
 
 /// What the page fetches otherwise.
-const DATA: [&str; 5] = [
+const DATA: [&str; 6] = [
     "posewise.posewise",
     "research.posewise",
     "posewise.wasm",
     "posewise-simd128.wasm",
+    "posewise-relaxed.wasm",
     "demo/clip.webm",
 ];
 
