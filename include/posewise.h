@@ -81,7 +81,7 @@
 #define POSEWISE_ALIGN          64u          ///< Alignment of memory and model [bytes]
 #define POSEWISE_MEMORY_SIZE    (192 * 1024) ///< Upper bound of posewise_memory_size() [bytes]
 #define POSEWISE_LANDMARKS      68u          ///< Landmarks, iBUG 68 scheme
-#define POSEWISE_ANIMATIONS     24u          ///< Weights, POSEWISE_ANIMATION_*
+#define POSEWISE_ANIMATIONS     33u          ///< Weights, POSEWISE_ANIMATION_*
 #define POSEWISE_EYE_LOOKS      8u           ///< Weights of a gaze, POSEWISE_EYE_LOOK_*
 #define POSEWISE_EXCLUDED       16u          ///< Most boxes of posewise_set_excluded()
 #define POSEWISE_GROUP_TRACKERS 16u          ///< Most trackers of posewise_group_step()
@@ -241,6 +241,15 @@
 #define POSEWISE_ANIMATION_MOUTH_UPPER_UP_RIGHT   21u ///< The right of the upper lip goes up
 #define POSEWISE_ANIMATION_MOUTH_LOWER_DOWN_LEFT  22u ///< The left of the lower lip goes down
 #define POSEWISE_ANIMATION_MOUTH_LOWER_DOWN_RIGHT 23u ///< The right of the lower lip goes down
+#define POSEWISE_ANIMATION_CHEEK_PUFF             24u ///< The cheeks are puffed out
+#define POSEWISE_ANIMATION_MOUTH_CLOSE            25u ///< The lips close over an open jaw
+#define POSEWISE_ANIMATION_MOUTH_LEFT             26u ///< The lips go to the left
+#define POSEWISE_ANIMATION_MOUTH_RIGHT            27u ///< The lips go to the right
+#define POSEWISE_ANIMATION_MOUTH_ROLL_LOWER       28u ///< The lower lip is rolled inwards
+#define POSEWISE_ANIMATION_MOUTH_SHRUG_LOWER      29u ///< The lower lip goes up and outwards
+#define POSEWISE_ANIMATION_MOUTH_SHRUG_UPPER      30u ///< The upper lip goes up and outwards
+#define POSEWISE_ANIMATION_NOSE_SNEER_LEFT        31u ///< The left side of the nose is raised
+#define POSEWISE_ANIMATION_NOSE_SNEER_RIGHT       32u ///< The right side of the nose is raised
 
 #define POSEWISE_EYE_LOOK_UP_LEFT    0u ///< The left eye looks up
 #define POSEWISE_EYE_LOOK_UP_RIGHT   1u ///< The right eye looks up
@@ -1023,7 +1032,8 @@ posewise_status posewise_landmarks(const posewise_tracker *tracker,
                                    size_t capacity);
 
 /// Writes the first min(capacity, POSEWISE_ANIMATIONS) animation weights of the last step, 0..1;
-/// all zero while searching.
+/// all zero while searching. From POSEWISE_ANIMATION_CHEEK_PUFF on they are those that the 3D face
+/// has no modes for; with a model without section `WGHT` they are 0.
 POSEWISE_API
 posewise_status posewise_animation(const posewise_tracker *tracker,
                                    float *out,

@@ -8,6 +8,7 @@ use super::refiners::Refiners;
 use super::regressor::Regressor;
 use super::shape::{Shape, is_finite, shapes_of};
 use super::views::Views;
+use super::weights::WeightModel;
 use super::workspace::Workspace;
 use crate::image::{Frame, warp};
 use crate::math::Similarity;
@@ -73,6 +74,11 @@ impl<'m> AlignModel<'m> {
         Ok(model)
     }
 
+    /// What makes weights of what the refiners see.
+    pub fn weights(&self) -> &WeightModel<'m> {
+        self.refiners.weights()
+    }
+
     /// The mean shape, in the canonical frame.
     pub fn mean(&self) -> &Shape {
         self.mean
@@ -135,8 +141,28 @@ impl<'m> AlignModel<'m> {
         work: &mut Workspace,
     ) -> bool {
         if cfg!(feature = "refiners") {
-            self.refiners.run(frame, self.mean, shape, networks, work);
+            let (views, seen) = (self.weights().views(), &mut work.seen);
+            let look = &mut |refiner, mirror, read: &[u8]| views.take(refiner, mirror, read, seen);
+            let corrections = &mut work.corrections.refiners;
+            let memory = (&mut work.crop, &mut work.memory, corrections);
+            (self.refiners).run(frame, self.mean, shape, networks, memory, look);
         }
+        is_finite(shape)
+    }
+
+    /// As [`AlignModel::refine`], and shows what the last heads of the refiners have read: the
+    /// number of the refiner, whether the run was mirrored, and the numbers.
+    #[cfg(feature = "unstable-internals")]
+    pub fn refine_with(
+        &self,
+        frame: &Frame<'_>,
+        shape: &mut Shape,
+        work: &mut Workspace,
+        look: &mut dyn FnMut(usize, bool, &[u8]),
+    ) -> bool {
+        let corrections = &mut work.corrections.refiners;
+        let memory = (&mut work.crop, &mut work.memory, corrections);
+        (self.refiners).run(frame, self.mean, shape, Networks::All, memory, look);
         is_finite(shape)
     }
 

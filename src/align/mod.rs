@@ -28,6 +28,7 @@ mod rotation_regression;
 mod shape;
 mod shape_regression;
 mod views;
+mod weights;
 mod workspace;
 
 pub use cascade::AlignModel;
@@ -37,6 +38,7 @@ pub use eyes::{EyeModel, EyePlace, SeenEye};
 pub use refiners::Refiners;
 pub use rotation_regression::RotationRegression;
 pub use shape::Shape;
+pub use weights::{FaceGeometry, MIDDLE_WEIGHTS, WEIGHT_OUTPUTS};
 pub use workspace::Workspace;
 
 #[cfg(feature = "unstable-internals")]
@@ -55,3 +57,7 @@ pub use rotation_regression::{crop_to_camera, input_of};
 pub use shape_regression::{ShapeRegression, deviation};
 #[cfg(feature = "unstable-internals")]
 pub use views::{View, Views};
+#[cfg(feature = "unstable-internals")]
+pub use weights::{
+    GEOMETRY, Inputs, MAX_SEEN, MAX_WEIGHT_INPUTS, SIDE_WEIGHTS, Seen, WEIGHTS_TAG, WeightModel,
+};

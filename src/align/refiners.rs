@@ -7,11 +7,11 @@
 //! network, which sees the person's left eye mirrored. The mouth is its own mirror image: the
 //! predictions for the crop and for its mirror image are averaged.
 
-use super::correction::Networks;
+use super::correction::{Correction, Networks};
 use super::regressor::{Memory, Regressor};
 use super::shape::Shape;
 use super::shape_regression::ShapeRegression;
-use super::workspace::Workspace;
+use super::weights::WeightModel;
 use crate::image::{Crop, Frame, warp};
 use crate::math::Similarity;
 use crate::shape::{LANDMARKS, MIRROR};
@@ -22,8 +22,8 @@ pub const MAX_REFINERS: usize = 3;
 /// Capacity: landmarks of a refiner.
 pub const MAX_POINTS: usize = 24;
 
-/// A checked view of section `RFIN` and of `SREG`, which follows the refiners; empty where the
-/// model lacks `RFIN` or the build lacks feature `refiners`.
+/// A checked view of section `RFIN` and of `SREG` and `WGHT`, which follow the refiners; empty
+/// where the model lacks `RFIN` or the build lacks feature `refiners`.
 ///
 /// A refiner is parsed again for each run, which takes a microsecond: the tables of all networks
 /// would make a model too large for small stacks.
@@ -35,6 +35,8 @@ pub struct Refiners<'m> {
     content: Option<Section<'m>>,
     /// The shape regression that runs after the last refiner.
     shape_regression: Option<ShapeRegression<'m>>,
+    /// What makes weights of what the refiners see.
+    weights: WeightModel<'m>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -54,7 +56,12 @@ struct Run<'a> {
     face: Similarity,
     crop: &'a mut Crop,
     memory: &'a mut Memory,
+    look: Look<'a>,
 }
+
+/// Is shown what the last head of a refiner has read: the number of the refiner, whether the run
+/// was mirrored, and the numbers.
+pub(super) type Look<'a> = &'a mut dyn FnMut(usize, bool, &[u8]);
 
 impl<'m> Refiners<'m> {
     /// Name of the section.
@@ -74,15 +81,23 @@ impl<'m> Refiners<'m> {
             Err(ModelError::Missing(_)) => return Ok(Refiners::default()),
             other => other?,
         };
-        let refiners = Refiners {
-            count: s.count(1, MAX_REFINERS, "number of refiners")?,
-            content: Some(s.clone()),
-            shape_regression: ShapeRegression::open(blob)?,
-        };
-        for _ in 0..refiners.count {
-            Refiner::check(&mut s)?;
+        let count = s.count(1, MAX_REFINERS, "number of refiners")?;
+        let content = Some(s.clone());
+        let mut heads = [0; MAX_REFINERS];
+        for inputs in heads.iter_mut().take(count) {
+            *inputs = Refiner::check(&mut s)?;
         }
-        Ok(refiners)
+        Ok(Refiners {
+            count,
+            content,
+            shape_regression: ShapeRegression::open(blob)?,
+            weights: WeightModel::open(blob, &heads)?,
+        })
+    }
+
+    /// What makes weights of what the refiners see.
+    pub(super) fn weights(&self) -> &WeightModel<'m> {
+        &self.weights
     }
 
     /// Multiply-adds of one run: each refiner runs twice.
@@ -104,7 +119,8 @@ impl<'m> Refiners<'m> {
         mean: &Shape,
         shape: &mut Shape,
         networks: Networks,
-        work: &mut Workspace,
+        (crop, memory, correction): (&mut Crop, &mut Memory, &mut Correction),
+        look: Look<'_>,
     ) {
         let Some(face) = Similarity::fit(mean, shape) else {
             return;
@@ -113,36 +129,30 @@ impl<'m> Refiners<'m> {
         let Some(mut content) = self.content.clone() else {
             return;
         };
-        let Workspace {
-            crop,
-            memory,
-            corrections,
-            ..
-        } = work;
         let run = &mut Run {
             frame,
             face,
             crop,
             memory,
+            look,
         };
-        let correction = &mut corrections.refiners;
         let is_held = correction.holds(networks);
-        for _ in 0..self.count {
+        for number in 0..self.count {
             // Reading cannot fail: `open` checked the section.
             let Ok(refiner) = Refiner::read(&mut content) else {
                 return;
             };
             let mut other = *shape;
-            refiner.run(run, false, shape);
+            refiner.run(run, number, false, shape);
             if refiner.mirrored {
-                refiner.run(run, true, shape);
+                refiner.run(run, number, true, shape);
                 continue;
             }
             if is_held {
                 correction.add_to(shape, &face);
                 continue;
             }
-            refiner.run(run, true, &mut other);
+            refiner.run(run, number, true, &mut other);
             let once = *shape;
             for (p, q) in shape.iter_mut().zip(&other) {
                 *p = [0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])];
@@ -157,11 +167,12 @@ impl<'m> Refiners<'m> {
 }
 
 impl<'m> Refiner<'m> {
-    /// As [`Refiner::read`], without the refiner on the caller's stack.
+    /// As [`Refiner::read`], without the refiner on the caller's stack: how many numbers its last
+    /// head reads.
     #[inline(never)]
-    fn check(s: &mut Section<'m>) -> Result<(), ModelError> {
+    fn check(s: &mut Section<'m>) -> Result<usize, ModelError> {
         let (landmarks, _) = Self::read_landmarks(s)?;
-        Regressor::open(s, landmarks.len()).map(|_| ())
+        Regressor::open(s, landmarks.len()).map(|regressor| regressor.last_inputs())
     }
 
     fn read(s: &mut Section<'m>) -> Result<Self, ModelError> {
@@ -186,8 +197,9 @@ impl<'m> Refiner<'m> {
         Ok((landmarks, mirrored))
     }
 
-    /// Moves the refiner's landmarks of `shape` (frame px), or with `mirror` their mirror images.
-    fn run(&self, run: &mut Run<'_>, mirror: bool, shape: &mut Shape) {
+    /// Moves the landmarks of `shape` (frame px) of the refiner of this number, or with `mirror`
+    /// their mirror images.
+    fn run(&self, run: &mut Run<'_>, number: usize, mirror: bool, shape: &mut Shape) {
         let index = |k: u32| match mirror {
             false => k as usize,
             true => MIRROR.get(k as usize).copied().unwrap_or(0),
@@ -220,6 +232,8 @@ impl<'m> Refiner<'m> {
             *p = [sign * x, y];
         }
         regressor.run(run.crop, points, run.memory);
+        let read = regressor.last_read(run.memory);
+        (run.look)(number, mirror, read);
         for (p, k) in points.iter().zip(self.landmarks) {
             if let Some(to) = shape.get_mut(index(*k)) {
                 *to = to_frame.apply([sign * p[0], p[1]]);

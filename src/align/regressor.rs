@@ -184,6 +184,20 @@ impl<'m> Regressor<'m> {
         }
     }
 
+    /// How many numbers the last head reads.
+    pub fn last_inputs(&self) -> usize {
+        let last = self.heads.iter().flatten().last();
+        last.map_or(0, |head| head.inputs)
+    }
+
+    /// What the last head has read in the last run; nothing where it reads the coarse map alone.
+    pub fn last_read<'w>(&self, work: &'w Memory) -> &'w [u8] {
+        let last = self.heads.iter().flatten().last();
+        let read = last.filter(|head| head.sources != GLOBAL);
+        let inputs = read.map_or(0, |head| head.inputs);
+        work.features.get(..inputs).unwrap_or(&[])
+    }
+
     /// Features of the last run's crop at these points, `[points][features]`, 0..127.
     pub fn describe(&self, points: &[[f32; 2]], work: &mut Memory, out: &mut [i8]) {
         let count = points.len() * self.features();

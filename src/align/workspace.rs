@@ -2,6 +2,7 @@
 
 use super::correction::Corrections;
 use super::regressor::Memory;
+use super::weights::Seen;
 use crate::image::Crop;
 use crate::network::{Activations, MAX_FEATURES};
 use crate::shape::LANDMARKS;
@@ -20,6 +21,7 @@ pub struct Workspace {
     kept_features: [i8; VERIFIER_FEATURES],
     pub(super) view: usize,
     pub(super) corrections: Corrections,
+    pub(super) seen: Seen,
 }
 
 impl Default for Workspace {
@@ -39,7 +41,14 @@ impl Workspace {
             kept_features: [0; VERIFIER_FEATURES],
             view: 0,
             corrections: Corrections::NONE,
+            seen: Seen::NOTHING,
         }
+    }
+
+    /// What the refiners have seen in their last run, for weights. What a run that was not made
+    /// would have seen is that of the run before it.
+    pub fn seen(&mut self) -> &mut Seen {
+        &mut self.seen
     }
 
     /// Features of the last iteration for the verifier, `[68][features]`, 0..127: the fine map at

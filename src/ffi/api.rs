@@ -460,7 +460,8 @@ pub unsafe extern "C" fn posewise_landmarks(
 }
 
 /// Writes the first min(capacity, POSEWISE_ANIMATIONS) animation weights of the last step, 0..1;
-/// all zero while searching.
+/// all zero while searching. From POSEWISE_ANIMATION_CHEEK_PUFF on they are those that the 3D face
+/// has no modes for; with a model without section `WGHT` they are 0.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn posewise_animation(
     tracker: *const posewise_tracker,

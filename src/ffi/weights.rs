@@ -49,6 +49,24 @@ pub const POSEWISE_ANIMATION_MOUTH_UPPER_UP_RIGHT: u32 = 21;
 pub const POSEWISE_ANIMATION_MOUTH_LOWER_DOWN_LEFT: u32 = 22;
 /// The right of the lower lip goes down.
 pub const POSEWISE_ANIMATION_MOUTH_LOWER_DOWN_RIGHT: u32 = 23;
+/// The cheeks are puffed out.
+pub const POSEWISE_ANIMATION_CHEEK_PUFF: u32 = 24;
+/// The lips close over an open jaw.
+pub const POSEWISE_ANIMATION_MOUTH_CLOSE: u32 = 25;
+/// The lips go to the left.
+pub const POSEWISE_ANIMATION_MOUTH_LEFT: u32 = 26;
+/// The lips go to the right.
+pub const POSEWISE_ANIMATION_MOUTH_RIGHT: u32 = 27;
+/// The lower lip is rolled inwards.
+pub const POSEWISE_ANIMATION_MOUTH_ROLL_LOWER: u32 = 28;
+/// The lower lip goes up and outwards.
+pub const POSEWISE_ANIMATION_MOUTH_SHRUG_LOWER: u32 = 29;
+/// The upper lip goes up and outwards.
+pub const POSEWISE_ANIMATION_MOUTH_SHRUG_UPPER: u32 = 30;
+/// The left side of the nose is raised.
+pub const POSEWISE_ANIMATION_NOSE_SNEER_LEFT: u32 = 31;
+/// The right side of the nose is raised.
+pub const POSEWISE_ANIMATION_NOSE_SNEER_RIGHT: u32 = 32;
 
 /// The left eye looks up.
 pub const POSEWISE_EYE_LOOK_UP_LEFT: u32 = 0;

@@ -2,7 +2,7 @@
 //! (thesis 5.2), and points evaluated from it. The head frame is that of `include/posewise.h`.
 
 use super::modes::{Factors, scaled};
-use super::{ANIMATIONS, Animation, Identity, LANDMARKS, MAX_IDENTITIES, Pose};
+use super::{Animation, FITTED, Identity, LANDMARKS, MAX_IDENTITIES, Pose};
 use crate::math::head_angles;
 use glam::Vec3;
 use posewise_format::{ModelError, Section, Tag};
@@ -92,8 +92,8 @@ impl<'m> FaceModel<'m> {
         )?;
         let identity_scale = s.f32s(identities)?;
         let identity = s.i8s(points * identities * 3)?;
-        let animation_scale = s.f32s(ANIMATIONS)?;
-        let animation = s.i8s(points * ANIMATIONS * 3)?;
+        let animation_scale = s.f32s(FITTED)?;
+        let animation = s.i8s(points * FITTED * 3)?;
         s.require(
             within(identity_scale, 0.0, 10.0) && within(animation_scale, 0.0, 10.0),
             "a mode's scale is out of range",
@@ -104,7 +104,7 @@ impl<'m> FaceModel<'m> {
             "an outward direction is too long",
         )?;
         let noise_mm = s.f32s(LANDMARKS)?;
-        let animation_sigma = s.f32s(ANIMATIONS)?;
+        let animation_sigma = s.f32s(FITTED)?;
         s.require(
             within(noise_mm, 0.1, 100.0) && within(animation_sigma, 0.01, 10.0),
             "a standard deviation is out of range",
@@ -168,7 +168,7 @@ impl<'m> FaceModel<'m> {
         &self,
         point: usize,
     ) -> impl Iterator<Item = Option<[Vec3; 4]>> + '_ {
-        let modes = self.animation.as_chunks::<ANIMATIONS>().0.get(point);
+        let modes = self.animation.as_chunks::<FITTED>().0.get(point);
         let fours = modes.map_or(&[][..], |modes| modes.as_chunks::<4>().0);
         let scales = self.animation_scale.as_chunks::<4>().0;
         fours.iter().zip(scales).map(|(deltas, scales)| {
@@ -179,7 +179,7 @@ impl<'m> FaceModel<'m> {
 
     /// An animation mode at one point \[mm at weight 1\]; nothing where there is none.
     pub(super) fn animation_mode(&self, point: usize, mode: usize) -> Vec3 {
-        let deltas = self.animation.as_chunks::<ANIMATIONS>().0.get(point);
+        let deltas = self.animation.as_chunks::<FITTED>().0.get(point);
         let delta = deltas.and_then(|deltas| deltas.get(mode));
         let scale = self.animation_scale.get(mode);
         let both = delta.zip(scale);
@@ -220,9 +220,9 @@ impl<'m> FaceModel<'m> {
 
     /// Applies animation weights to a neutral face, in place.
     pub(crate) fn animate(&self, shape: &mut Shape, animation: &Animation) {
-        let factors = Factors::<{ ANIMATIONS / 4 }>::new(self.animation_scale, animation);
+        let factors = Factors::<{ FITTED / 4 }>::new(self.animation_scale, animation);
         let points = shape.points_mm.iter_mut().take(self.mean.len());
-        for (point, modes) in points.zip(self.animation.as_chunks::<ANIMATIONS>().0) {
+        for (point, modes) in points.zip(self.animation.as_chunks::<FITTED>().0) {
             *point += factors.sum(modes.as_flattened());
         }
     }

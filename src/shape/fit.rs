@@ -5,7 +5,7 @@ use super::linear::{Matrix, Residuals, Sums, System, UNKNOWNS};
 use super::posit::{mirrored, posit};
 use super::state::FaceState;
 use super::step::stepped;
-use super::{ANIMATIONS, Contour, FaceModel, Identity, Intrinsics, LANDMARKS};
+use super::{Contour, FITTED, FaceModel, Identity, Intrinsics, LANDMARKS};
 use super::{Observed, Pose, Project, RotationPrior, Shape};
 use crate::math::solve_spd;
 use glam::Vec3;
@@ -175,7 +175,7 @@ impl Fit<'_> {
         let [first, second] = [pose, mirrored(&pose)].map(|pose| {
             let start = FaceState {
                 pose,
-                animation: [0.0; ANIMATIONS],
+                animation: [0.0; FITTED],
                 identity: *identity,
             };
             let fitted = self.descend(&start, at);
@@ -342,9 +342,9 @@ fn pose_covariance(matrix: &mut Matrix, variance: f32) -> Option<[[f32; 6]; 6]> 
         return None;
     }
     let mut factor = Matrix6::zeros();
-    let rows = matrix.iter().skip(ANIMATIONS);
+    let rows = matrix.iter().skip(FITTED);
     for (mut to, from) in factor.row_iter_mut().zip(rows) {
-        let entries = to.iter_mut().zip(from.iter().skip(ANIMATIONS));
+        let entries = to.iter_mut().zip(from.iter().skip(FITTED));
         entries.for_each(|(t, f)| *t = *f);
     }
     Some((Cholesky::pack_dirty(factor).inverse() * variance).into())

@@ -2,13 +2,13 @@
 
 use super::face::contour_directions;
 use super::{
-    ANIMATIONS, Contour, FaceModel, FaceState, Intrinsics, LANDMARKS, Project, RotationPrior, Shape,
+    Contour, FITTED, FaceModel, FaceState, Intrinsics, LANDMARKS, Project, RotationPrior, Shape,
 };
 use glam::{Mat3, Vec3, Vec4};
 
 /// Unknowns of the fit: animation weights, then a rotation vector \[rad\], then a translation
 /// \[mm\].
-pub(super) const UNKNOWNS: usize = ANIMATIONS + 6;
+pub(super) const UNKNOWNS: usize = FITTED + 6;
 
 /// Factor on the inverse deviation of a jaw landmark along the contour: its position along the
 /// contour is less certain than across it.
@@ -18,7 +18,7 @@ const ALONG_CONTOUR: f32 = 0.35;
 const FOURS: usize = UNKNOWNS.div_ceil(4);
 /// Length of a row of the normal equations.
 pub(super) const ROW: usize = 4 * FOURS;
-const _: () = assert!(ANIMATIONS.is_multiple_of(4));
+const _: () = assert!(FITTED.is_multiple_of(4));
 
 /// Scale of the Cauchy loss \[standard deviations\]: a residual of this size has half the weight.
 const CAUCHY: f32 = 3.0;
@@ -153,10 +153,8 @@ impl Gradients {
             moving: [0; FOURS],
             count: 0,
         };
-        let [(first, first_pose), (second, second_pose)] = out
-            .by_residual
-            .each_mut()
-            .map(|o| o.split_at_mut(ANIMATIONS));
+        let [(first, first_pose), (second, second_pose)] =
+            out.by_residual.each_mut().map(|o| o.split_at_mut(FITTED));
         let outputs = first.as_chunks_mut::<4>().0.iter_mut();
         let outputs = outputs.zip(second.as_chunks_mut::<4>().0).zip(0..);
         let mut fours = out.moving.iter_mut();
@@ -177,7 +175,7 @@ impl Gradients {
             let both = by_rotation.into_iter().chain(by_camera.to_array());
             pose.iter_mut().zip(both).for_each(|(o, v)| *o = v);
         }
-        for (moving, four) in fours.zip(ANIMATIONS as u8 / 4..FOURS as u8) {
+        for (moving, four) in fours.zip(FITTED as u8 / 4..FOURS as u8) {
             *moving = four;
             out.count += 1;
         }
@@ -354,9 +352,9 @@ impl System {
         let term = RotationTerm::new(prior, &state.pose.rotation);
         let information = (term.weight * prior.information).to_cols_array_2d();
         let slope = (term.weight * term.slope).to_array();
-        let rows = self.matrix.iter_mut().zip(&mut self.rhs).skip(ANIMATIONS);
+        let rows = self.matrix.iter_mut().zip(&mut self.rhs).skip(FITTED);
         for ((row, rhs), (sums, slope)) in rows.zip(information.iter().zip(slope)) {
-            let entries = row.iter_mut().skip(ANIMATIONS).zip(sums);
+            let entries = row.iter_mut().skip(FITTED).zip(sums);
             entries.for_each(|(entry, value)| *entry += value);
             *rhs += slope;
         }

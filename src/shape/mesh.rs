@@ -4,7 +4,7 @@
 //! The first 68 vertices are those of the landmarks. Of the jaw these are fixed points of the head,
 //! as `points_mm` of a result.
 
-use super::{ANIMATIONS, FaceState, LANDMARKS, MAX_IDENTITIES};
+use super::{ANIMATIONS, Identity, LANDMARKS, MAX_IDENTITIES, Pose};
 use glam::Vec3;
 use posewise_format::{Blob, ModelError, Section, Tag};
 
@@ -18,10 +18,19 @@ const MAX_TRIANGLES: usize = 2 * MAX_VERTICES;
 /// Capacity: indices of all loops and lines together.
 const MAX_LISTED: usize = 1024;
 
-/// Vertices whose modes stand together, so that a mode of them is one run of bytes.
-pub const MESH_BLOCK: usize = 16;
+/// Vertices whose modes stand together: a mode has one run of bytes of those that it moves, and
+/// none of others.
+pub const MESH_BLOCK: usize = 8;
 /// Coordinates of these.
 const BLOCK_NUMBERS: usize = 3 * MESH_BLOCK;
+
+/// Capacity: runs of all modes together.
+const MAX_RUNS: usize = MAX_VERTICES.div_ceil(MESH_BLOCK) * 8 * bytes_of(MAX_IDENTITIES);
+
+/// Bytes with a bit for each mode.
+const fn bytes_of(identities: usize) -> usize {
+    (identities + ANIMATIONS).div_ceil(8)
+}
 
 /// Landmarks that draw a vertex.
 pub const MESH_PULLS: usize = 6;
@@ -129,9 +138,11 @@ impl<'m> MeshTopology<'m> {
 
 /// A checked view of section `MESH`; empty where the model lacks it.
 ///
-/// Content, in this order: `vertices, identities, triangles, listed: u32`;
-/// `mean: f32[vertices·3]` \[mm\]; `identity_scale: f32[identities]`; `animation_scale: f32[24]`;
-/// `modes: i8[blocks][identities + 24][48]`, of 16 vertices each, the last block filled up;
+/// Content, in this order: `vertices, identities, triangles, listed, runs: u32`;
+/// `mean: f32[vertices·3]` \[mm\]; `identity_scale: f32[identities]`; `animation_scale: f32[33]`;
+/// `moved: u8[blocks][(identities + 33) / 8]`, rounded up: whether each mode moves a block of 8
+/// vertices, least significant bit first, the last block filled up; `modes: i8[runs][24]`, block by
+/// block, of the modes that move it;
 /// `pulled_by: u8[vertices·6]`; `pulls: i8[vertices·6]`; `rings: u16[vertices·4]`;
 /// `triangles: u16[triangles·3]`; `uvs: f32[vertices·2]`; `lengths: u16[8]` of the lines of
 /// [`MeshLine::ALL`]; `listed: u16[listed]`, the lines one after the other.
@@ -175,7 +186,9 @@ pub struct Mesh<'m> {
     mean: &'m [[f32; 3]],
     identity_scale: &'m [f32],
     animation_scale: &'m [f32],
-    /// `[block][mode]`.
+    /// By block which modes move it, a bit each.
+    moved: &'m [u8],
+    /// Of each block those.
     modes: &'m [[i8; BLOCK_NUMBERS]],
     pulled_by: &'m [[u8; MESH_PULLS]],
     pulls: &'m [[i8; MESH_PULLS]],
@@ -188,10 +201,12 @@ impl<'m> Mesh<'m> {
     fn read(s: &mut Section<'m>) -> Option<Self> {
         let mut count = || Some(s.u32().ok()? as usize);
         let (vertices, identities, triangles, listed) = (count()?, count()?, count()?, count()?);
+        let runs = count()?;
         let is_valid = (LANDMARKS..=MAX_VERTICES).contains(&vertices)
             && identities <= MAX_IDENTITIES
             && triangles <= MAX_TRIANGLES
-            && listed <= MAX_LISTED;
+            && listed <= MAX_LISTED
+            && runs <= MAX_RUNS;
         if !is_valid {
             return None;
         }
@@ -200,9 +215,8 @@ impl<'m> Mesh<'m> {
         let identity_scale = s.f32s(identities).ok()?;
         let animation_scale = s.f32s(ANIMATIONS).ok()?;
         let blocks = vertices.div_ceil(MESH_BLOCK);
-        let modes = s
-            .i8s(blocks * (identities + ANIMATIONS) * BLOCK_NUMBERS)
-            .ok()?;
+        let moved = s.u8s(blocks * bytes_of(identities)).ok()?;
+        let modes = s.i8s(runs * BLOCK_NUMBERS).ok()?;
         let pulled_by = s.u8s(MESH_PULLS * vertices).ok()?;
         let pulls = s.i8s(MESH_PULLS * vertices).ok()?;
         let rings = s.u16s(MESH_RING * vertices).ok()?;
@@ -220,6 +234,7 @@ impl<'m> Mesh<'m> {
             mean: mean.as_chunks().0,
             identity_scale,
             animation_scale,
+            moved,
             modes: modes.as_chunks().0,
             pulled_by: pulled_by.as_chunks().0,
             pulls: pulls.as_chunks().0,
@@ -227,8 +242,8 @@ impl<'m> Mesh<'m> {
         })
     }
 
-    /// Whether every index is that of a vertex or a landmark, the landmarks come first, and texture
-    /// coordinates are in 0..1.
+    /// Whether every index is that of a vertex or a landmark, the landmarks come first, texture
+    /// coordinates are in 0..1, and there is a run for each block that a mode moves.
     fn is_consistent(&self) -> bool {
         let MeshTopology {
             vertices,
@@ -242,39 +257,58 @@ impl<'m> Mesh<'m> {
         let total: usize = lengths.iter().map(|length| usize::from(*length)).sum();
         let landmarks = self.topology.line(MeshLine::Landmarks);
         let come_first = landmarks.iter().copied().eq(0..LANDMARKS as u16);
+        let moved = self.moved.iter().map(|bits| bits.count_ones() as usize);
         let indices = [self.rings.as_flattened(), triangles.as_flattened(), listed];
         indices.iter().all(|list| list.iter().all(is_vertex))
             && self.pulled_by.as_flattened().iter().all(is_landmark)
             && uvs.as_flattened().iter().all(|uv| (0.0..=1.0).contains(uv))
             && total == listed.len()
+            && moved.sum::<usize>() == self.modes.len()
             && come_first
     }
 
-    /// Writes the vertices of a face, camera frame \[mm\].
-    pub(crate) fn place(&self, face: &FaceState, out: &mut [MeshVertex]) {
-        let (identity, animation) = (
-            self.identity_scale.iter().zip(&face.identity),
-            self.animation_scale.iter().zip(&face.animation),
-        );
-        let weights = identity.chain(animation);
+    /// Writes the vertices of a face of these weights of [`ANIMATION_NAMES`](super::ANIMATION_NAMES),
+    /// or of its first ones, in the frame of the pose \[mm\].
+    pub(crate) fn place(
+        &self,
+        pose: &Pose,
+        identity: &Identity,
+        animation: &[f32],
+        out: &mut [MeshVertex],
+    ) {
+        let identity = self.identity_scale.iter().zip(identity);
+        // Each of the modes has a factor, also where there is no weight for it.
+        let animation = animation.iter().copied().chain(core::iter::repeat(0.0));
+        let mut factors = [0.0; MAX_IDENTITIES + ANIMATIONS];
         let modes = self.identity_scale.len() + ANIMATIONS;
-        let blocks = (self.mean.chunks(MESH_BLOCK)).zip(self.modes.chunks_exact(modes.max(1)));
-        for (out, (mean, modes)) in out.chunks_mut(MESH_BLOCK).zip(blocks) {
+        let scaled = (self.animation_scale.iter().zip(animation)).map(|(scale, w)| scale * w);
+        let scaled = identity.map(|(scale, w)| scale * w).chain(scaled);
+        factors.iter_mut().zip(scaled).for_each(|(f, v)| *f = v);
+        let factors = factors.get(..modes).unwrap_or(&[]);
+        let moved = self.moved.chunks_exact(bytes_of(self.identity_scale.len()));
+        let mut runs = self.modes.iter();
+        let blocks = self.mean.chunks(MESH_BLOCK).zip(moved);
+        for (out, (mean, moved)) in out.chunks_mut(MESH_BLOCK).zip(blocks) {
             let mut numbers = [0.0; BLOCK_NUMBERS];
             for (number, mean) in numbers.iter_mut().zip(mean.as_flattened()) {
                 *number = *mean;
             }
-            for (mode, (scale, weight)) in modes.iter().zip(weights.clone()) {
-                let factor = scale * weight;
+            let bits = (moved.iter()).flat_map(|byte| (0..8).map(move |bit| byte >> bit & 1 == 1));
+            // A bit without a mode has a run, too.
+            let factors = factors.iter().copied().chain(core::iter::repeat(0.0));
+            for (_, factor) in bits.zip(factors).filter(|(is_moved, _)| *is_moved) {
+                let Some(run) = runs.next() else {
+                    break;
+                };
                 // Most animation modes are at rest.
                 if factor != 0.0 {
-                    for (number, delta) in numbers.iter_mut().zip(mode) {
+                    for (number, delta) in numbers.iter_mut().zip(run) {
                         *number += f32::from(*delta) * factor;
                     }
                 }
             }
             for (vertex, point) in out.iter_mut().zip(numbers.as_chunks().0) {
-                vertex.set_position(face.pose.apply(Vec3::from_array(*point)));
+                vertex.set_position(pose.apply(Vec3::from_array(*point)));
             }
         }
     }

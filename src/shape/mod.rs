@@ -53,7 +53,8 @@ pub const MIRROR: [usize; LANDMARKS] = [
     52, 51, 50, 49, 48, 59, 58, 57, 56, 55, 64, 63, 62, 61, 60, 67, 66, 65,
 ];
 
-/// Names of the animation modes, in the order of every weight array: ARKit's blendshape names.
+/// Names of the animation weights, in the order of every weight array: ARKit's blendshape names.
+/// The first [`FITTED`] are those of the fit, the others those that are seen.
 pub const ANIMATION_NAMES: [&str; ANIMATIONS] = [
     "browDownLeft",
     "browDownRight",
@@ -79,16 +80,40 @@ pub const ANIMATION_NAMES: [&str; ANIMATIONS] = [
     "mouthUpperUpRight",
     "mouthLowerDownLeft",
     "mouthLowerDownRight",
+    "cheekPuff",
+    "mouthClose",
+    "mouthLeft",
+    "mouthRight",
+    "mouthRollLower",
+    "mouthShrugLower",
+    "mouthShrugUpper",
+    "noseSneerLeft",
+    "noseSneerRight",
 ];
 
-/// Number of animation modes.
-pub const ANIMATIONS: usize = 24;
+/// Number of animation weights.
+pub const ANIMATIONS: usize = 33;
+
+/// Number of animation weights that the fit estimates with the pose: the modes of the 3D face.
+pub const FITTED: usize = 24;
+
+/// Names of the fitted weights.
+#[cfg(feature = "unstable-internals")]
+pub const FITTED_NAMES: [&str; FITTED] = match ANIMATION_NAMES.first_chunk() {
+    Some(names) => *names,
+    None => [""; FITTED],
+};
+
+/// For each fitted weight that of the other side of the face.
+pub(crate) const FITTED_MIRROR: [usize; FITTED] = [
+    1, 0, 2, 4, 3, 6, 5, 8, 7, 9, 11, 10, 12, 13, 15, 14, 17, 16, 19, 18, 21, 20, 23, 22,
+];
 
 /// Capacity: identity modes of a model.
 pub const MAX_IDENTITIES: usize = 32;
 
-/// Weights of [`ANIMATION_NAMES`], 0..1.
-pub type Animation = [f32; ANIMATIONS];
+/// The fitted weights of [`ANIMATION_NAMES`], 0..1.
+pub type Animation = [f32; FITTED];
 
 /// Identity weights \[standard deviations\]; those beyond the model's number of modes are unused.
 pub type Identity = [f32; MAX_IDENTITIES];

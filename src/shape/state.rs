@@ -1,6 +1,6 @@
 //! What the fit estimates of a face in one frame.
 
-use super::{ANIMATIONS, Animation, Identity, MAX_IDENTITIES, Pose};
+use super::{Animation, FITTED, Identity, MAX_IDENTITIES, Pose};
 use glam::{Mat3, Vec3};
 
 /// Pose, animation and identity of a face in one frame.
@@ -8,7 +8,7 @@ use glam::{Mat3, Vec3};
 pub struct FaceState {
     /// Pose of the head.
     pub pose: Pose,
-    /// Weights of [`super::ANIMATION_NAMES`], 0..1.
+    /// The fitted weights of [`super::ANIMATION_NAMES`], 0..1.
     pub animation: Animation,
     /// Identity weights \[standard deviations\].
     pub identity: Identity,
@@ -21,7 +21,7 @@ impl FaceState {
             rotation: Mat3::ZERO,
             translation_mm: Vec3::ZERO,
         },
-        animation: [0.0; ANIMATIONS],
+        animation: [0.0; FITTED],
         identity: [0.0; MAX_IDENTITIES],
     };
 

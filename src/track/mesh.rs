@@ -99,15 +99,11 @@ pub(super) fn write_shape(
     let vertices = mesh.topology.vertices;
     let too_small = MeshError::Capacity { vertices };
     let out = out.get_mut(..vertices).ok_or(too_small)?;
-    let head = FaceState {
-        pose: Pose {
-            rotation: Mat3::IDENTITY,
-            translation_mm: Vec3::ZERO,
-        },
-        animation,
-        identity: face.identity,
+    let upright = Pose {
+        rotation: Mat3::IDENTITY,
+        translation_mm: Vec3::ZERO,
     };
-    mesh.place(&head, out);
+    mesh.place(&upright, &face.identity, &animation, out);
     for vertex in out {
         vertex.visibility = 1.0;
     }
@@ -136,7 +132,7 @@ pub(super) fn write(
     let vertices = mesh.topology.vertices;
     let too_small = MeshError::Capacity { vertices };
     let out = out.get_mut(..vertices).ok_or(too_small)?;
-    mesh.place(face, out);
+    mesh.place(&face.pose, &face.identity, &face.animation, out);
     let moves = moves(&model.face, result, face, camera, out);
     mesh.pull(&moves, out);
     mesh.face(out);

@@ -15,6 +15,7 @@
 //! - `fit`: the 3D face that explains them, which all that follows takes.
 //! - `eyes`: lids, glasses and gaze of a fitted face; `learnt` is what many frames say of them,
 //!   `result` what one result says.
+//! - `weights`: animation weights that are seen, less those of the face at rest.
 //! - `mesh`: the dense mesh of a fitted face, when it is asked for.
 //! - `output`: what the caller gets. `result` is written of a fitted face, `one_euro` smooths it,
 //!   `event` logs what happens to the face.
@@ -40,6 +41,7 @@ mod search;
 mod step;
 mod tracker;
 mod verify;
+mod weights;
 
 pub use config::{Config, ConfigError, MAX_EXCLUDED, Smoothing};
 pub use eyes::{EYE_LOOK_NAMES, EYE_LOOKS, Eye, EyeUnknown, Eyes, Gaze};

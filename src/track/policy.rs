@@ -531,3 +531,47 @@ pub(super) const FACE_WIDTH_MM: f32 = 150.0;
 /// Source: chosen: more likely right and seen than not.
 #[cfg(feature = "mesh")]
 pub(super) const MESH_SURE: f32 = 0.5;
+
+// --- Weights that are seen -----------------------------------------------------------------------
+
+/// What a weight's rest follows of the difference to it, at most.
+///
+/// Source: chosen.
+pub(super) const REST_CUT: f32 = 0.2;
+
+/// How much slower a rest rises than it falls.
+///
+/// Source: chosen.
+pub(super) const REST_RISE: f32 = 0.25;
+
+/// Largest rest.
+///
+/// Source: chosen.
+pub(super) const REST_MAX: f32 = 0.4;
+
+/// For how long nothing seen counts as much as what is seen \[s\].
+///
+/// Source: chosen.
+pub(super) const REST_PRIOR_S: f32 = 0.5;
+
+/// What is seen of a face counts for so long \[s\].
+///
+/// Source: chosen.
+pub(super) const REST_S: f32 = 20.0;
+
+/// Longest time that a frame counts for \[s\].
+///
+/// Source: chosen.
+pub(super) const REST_STEP_S: f32 = 0.2;
+
+/// The rest is learnt of faces that look at the camera at least so much: within 30°.
+///
+/// Source: chosen.
+pub(super) const REST_FACING_COSINE: f32 = 0.866;
+
+/// Mean visibility of a part's landmarks up to which nothing is said of its weights, and that from
+/// which they are given as they are seen.
+///
+/// Source: chosen.
+pub(super) const WEIGHT_HIDDEN: f32 = 0.3;
+pub(super) const WEIGHT_SHOWN: f32 = 0.6;

@@ -38,6 +38,7 @@ use super::search::{Detected, Excluded, FaceHint, FoundFace};
 use super::search::{Proposals, Search, Suppressed, Wanted, list};
 use super::step::{SharedFrame, Step};
 use super::verify::{Verdict, verify};
+use super::weights;
 use super::{Config, ConfigError, Loss, Model, Smoothing, State, StepError, TrackResult};
 use crate::align::{Networks, Workspace};
 use crate::detect::Scan;
@@ -226,6 +227,28 @@ impl Tracker {
         face: &crate::detect::Detection,
     ) -> Result<&TrackResult, StepError> {
         self.step_with(model, frame, timestamp_us, &Wanted::At(*face))
+    }
+
+    /// As [`Tracker::fit_at`], of the face that is tracked, which has jumped there: what is known
+    /// of the person stays.
+    ///
+    /// # Errors
+    /// [`StepError`]; the tracker is then unchanged.
+    #[cfg(feature = "unstable-internals")]
+    pub fn fit_again_at(
+        &mut self,
+        model: &Model<'_>,
+        frame: &Frame<'_>,
+        timestamp_us: i64,
+        face: &crate::detect::Detection,
+    ) -> Result<&TrackResult, StepError> {
+        self.step_with(model, frame, timestamp_us, &Wanted::Again(*face))
+    }
+
+    /// What the last fit has given the network of weights.
+    #[cfg(feature = "unstable-internals")]
+    pub fn weight_inputs(&mut self) -> &crate::align::Inputs {
+        self.work.seen().inputs()
     }
 
     /// Looks for faces and writes them to `found`, the largest first. The tracker's own face stays
@@ -629,12 +652,13 @@ impl Tracker {
             target.place.size,
             work.scratch(),
         );
+        let weights = weights::see(step, fitted, &mut target.rest, work);
         let (blur_px, natural) = (target.blur_px(), self.config.natural_gaze);
         let eyes = match self.config.gaze {
             true => see(step, fitted, blur_px, natural, &mut target.eyes, work),
             false => Eyes::EMPTY,
         };
-        write(&mut self.result, step, fitted, &eyes, blur_px);
+        write(&mut self.result, step, fitted, &weights, &eyes, blur_px);
         match origin {
             Origin::NewFace => self.record(EventKind::Acquired),
             Origin::Reacquired => self.record(EventKind::Reacquired),
@@ -647,7 +671,9 @@ impl Tracker {
     #[inline(never)]
     fn find_nothing(&mut self, step: &Step<'_>, wanted: &Wanted, loss: Option<Loss>) {
         match (self.result.state, wanted) {
-            (State::Searching, _) | (_, Wanted::At(_)) => self.clear_result(step.now_us),
+            (State::Searching, _) | (_, Wanted::At(_) | Wanted::Again(_)) => {
+                self.clear_result(step.now_us);
+            }
             (State::Tracking, _) => self.lose(step, loss),
             (State::Coasting, _) => self.coast(step),
         }

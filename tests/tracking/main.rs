@@ -14,4 +14,5 @@ mod monitor;
 mod serde;
 mod several;
 mod tracker;
+mod weights;
 mod work;

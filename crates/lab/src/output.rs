@@ -20,7 +20,8 @@ pub fn show(figures: &Value, json: Option<&Path>) -> Result<()> {
     json.map_or(Ok(()), |path| write_json(path, figures))
 }
 
-fn write_json(path: &Path, value: &Value) -> Result<()> {
+/// Writes figures.
+pub fn write_json(path: &Path, value: &Value) -> Result<()> {
     let mut out = create(path)?;
     serde_json::to_writer_pretty(&mut out, value)
         .map_err(std::io::Error::from)

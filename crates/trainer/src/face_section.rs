@@ -4,7 +4,7 @@ use crate::head::{Head, outward};
 use anyhow::{Result, ensure};
 use nalgebra::{DMatrix, SymmetricEigen};
 use posewise::shape::{
-    ANIMATION_NAMES, FACE_TAG, FaceModel, Identity, JAW, LANDMARKS, MAX_EXTRA, MAX_IDENTITIES,
+    FACE_TAG, FITTED_NAMES, FaceModel, Identity, JAW, LANDMARKS, MAX_EXTRA, MAX_IDENTITIES,
 };
 use posewise_format::{Blob, SectionWriter};
 
@@ -94,7 +94,7 @@ pub fn face_section(head: &Head, offsets_mm: Option<&[[f32; 3]]>) -> Result<Sect
     section
         .array(outward(&landmarks).as_flattened())
         .array(&noise_mm())
-        .array(&ANIMATION_NAMES.map(animation_sigma))
+        .array(&FITTED_NAMES.map(animation_sigma))
         .array(&visibility::table(head));
     Ok(section)
 }

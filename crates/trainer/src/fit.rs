@@ -60,7 +60,7 @@ pub struct PhotoFit {
     pub translation_mm: [f32; 3],
     /// Weights for [`Head::vertices`].
     pub identity: Vec<f32>,
-    /// Weights for [`Head::vertices`], by `ANIMATION_NAMES`.
+    /// Weights for [`Head::vertices`], by `FITTED_NAMES`.
     pub animation: Vec<f32>,
     /// The labels \[px\].
     pub labels: Vec<[f32; 2]>,

@@ -21,3 +21,4 @@ pub mod ridge;
 pub mod single_eyes;
 pub mod sources;
 pub mod verifier;
+pub mod weights;

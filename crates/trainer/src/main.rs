@@ -24,6 +24,9 @@ enum Command {
     /// Write a model with the dense mesh of its head: one that is finished, with all other sections
     /// as they are.
     AddMesh(pipeline::mesh::AddArgs),
+    /// Train animation weights that are seen and write a model with them: one that is finished, with
+    /// all other sections as they are.
+    AddWeights(pipeline::weights::AddArgs),
     /// Render faces and print the path of their file.
     Render(render::Args),
     /// Draw rendered samples with their landmarks, to be looked at.
@@ -35,8 +38,8 @@ enum Command {
     /// Measure where people mark landmarks against where a model puts them.
     Marks(pipeline::marks::Args),
     /// Leave sections out of a model: ENSM (the global stage's ensemble member), RFIN (refiners,
-    /// and with them what SREG holds), SREG (shape regression), MESH (the dense mesh) or INFO (the
-    /// data sheet).
+    /// and with them what SREG holds), SREG (shape regression), WGHT (weights that are seen), MESH
+    /// (the dense mesh) or INFO (the data sheet).
     Trim {
         /// The model.
         model: PathBuf,
@@ -58,6 +61,7 @@ fn main() -> Result<()> {
         Command::Model(args) => pipeline::run(&args),
         Command::AddEyes(args) => pipeline::eyes::add(&args),
         Command::AddMesh(args) => pipeline::mesh::add(&args),
+        Command::AddWeights(args) => pipeline::weights::add(&args),
         Command::Render(args) => {
             pipeline::renders::run(&args).map(|path| println!("{}", path.display()))
         }

@@ -2,15 +2,15 @@
 //! a hundred times as often as with a trained model.
 
 use super::memory::Exact;
-use posewise::align::{GLOBAL, SHAPE_INDEXED};
+use posewise::align::{GEOMETRY, GLOBAL, SHAPE_INDEXED, WEIGHT_OUTPUTS};
 use posewise::detect::TILE;
 use posewise::network::{OP_CONV, OP_INPUT, OP_LINEAR};
-use posewise::shape::{ANIMATIONS, JAW, LANDMARKS, VIEW_BYTES};
+use posewise::shape::{ANIMATIONS, FITTED, JAW, LANDMARKS, VIEW_BYTES};
 use posewise_format::{ALIGN, HEADER_LEN, SectionWriter, Tag, Value, blob, reseal};
 use std::sync::OnceLock;
 
 /// Number of sections of the model.
-pub const SECTIONS: usize = 7;
+pub const SECTIONS: usize = 8;
 
 const SIDE: usize = 16;
 const CHANNELS: usize = 8;
@@ -40,6 +40,7 @@ fn build() -> Vec<u8> {
         ensemble_member(),
         refiners(),
         shape_regression(),
+        weights(),
         verifier(),
     ];
     assert_eq!(sections.len(), SECTIONS);
@@ -108,7 +109,11 @@ pub fn mesh() -> SectionWriter {
     const VERTICES: usize = 84;
     let mut w = Writer::new(b"MESH");
     let listed = LANDMARKS + 7 * 3;
-    for value in [VERTICES, 1, VERTICES - 2, listed] {
+    let blocks = VERTICES.div_ceil(8);
+    // Every other mode moves each block.
+    let moved = vec![0x55u8; blocks * (1 + ANIMATIONS).div_ceil(8)];
+    let runs = 4 * moved.len();
+    for value in [VERTICES, 1, VERTICES - 2, listed, runs] {
         w.u32(value);
     }
     let mut mean = points().to_vec();
@@ -116,9 +121,8 @@ pub fn mesh() -> SectionWriter {
     w.array(mean.as_flattened());
     w.array(&[0.02f32]);
     w.array(&[0.1f32; ANIMATIONS]);
-    w.i8s(VERTICES.next_multiple_of(16) * (1 + ANIMATIONS) * 3, |i| {
-        noise(i, 60)
-    });
+    w.array(&moved);
+    w.i8s(runs * 24, |i| noise(i, 60));
     w.array(
         &(0..6 * VERTICES)
             .map(|i| (i % LANDMARKS) as u8)
@@ -149,15 +153,15 @@ fn face() -> Writer {
     w.array(points().as_flattened());
     w.array(&[0.02]);
     w.i8s(LANDMARKS * 3, |i| noise(i, 100));
-    w.array(&[0.1; ANIMATIONS]);
-    w.i8s(LANDMARKS * ANIMATIONS * 3, |i| noise(i, 60));
+    w.array(&[0.1; FITTED]);
+    w.i8s(LANDMARKS * FITTED * 3, |i| noise(i, 60));
     let outward: [[f32; 2]; JAW] = std::array::from_fn(|i| {
         let angle = std::f32::consts::PI * i as f32 / (JAW - 1) as f32;
         [-angle.cos(), angle.sin()]
     });
     w.array(outward.as_flattened());
     w.array(&[2.0; LANDMARKS]);
-    w.array(&[0.5; ANIMATIONS]);
+    w.array(&[0.5; FITTED]);
     w.array(&[0x55u8; LANDMARKS * VIEW_BYTES]);
     w
 }
@@ -235,6 +239,34 @@ fn shape_regression() -> Writer {
     w.i8s((2 * LANDMARKS).pow(2), |i| noise(i, 20));
     w.array(&[1e-4; 2 * LANDMARKS]);
     w.array(&[0.1; 2 * LANDMARKS]);
+    w
+}
+
+/// What is taken of both refiners, and a network with three hidden values.
+fn weights() -> Writer {
+    const TAKEN: [usize; 3] = [2, 3, 0];
+    const HIDDEN: usize = 3;
+    let mut w = Writer::new(b"WGHT");
+    let coarse = (SIDE / 4) * (SIDE / 4) * CHANNELS;
+    for (taken, points) in TAKEN.into_iter().zip([6, 20, 0]) {
+        w.u32(taken);
+        w.u32(coarse + points * CHANNELS);
+        if taken > 0 {
+            w.i8s(taken * (coarse + points * CHANNELS), |i| noise(i, 30));
+            w.array(&vec![1e-4f32; taken]);
+        }
+    }
+    let inputs = GEOMETRY + 2 * TAKEN.iter().sum::<usize>();
+    w.u32(HIDDEN);
+    w.array(&vec![0.1f32; inputs]);
+    w.array(&vec![0.5f32; inputs]);
+    w.i8s(HIDDEN * inputs, |i| noise(i, 50));
+    w.array(&[1e-2f32; HIDDEN]);
+    w.array(&[0.1f32; HIDDEN]);
+    w.array(&[0.2f32; HIDDEN * WEIGHT_OUTPUTS]);
+    w.i8s(WEIGHT_OUTPUTS * inputs, |i| noise(i + 3, 50));
+    w.array(&[1e-3f32; WEIGHT_OUTPUTS]);
+    w.array(&[0.2f32; WEIGHT_OUTPUTS]);
     w
 }
 

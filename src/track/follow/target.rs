@@ -19,6 +19,7 @@ use crate::track::policy::{
     UNTRUSTED_KEEP_CONFIDENCE,
 };
 use crate::track::step::Step;
+use crate::track::weights::PersonsRest;
 
 /// The tracked face. Edited in place, because it would take much of a small stack.
 #[derive(Clone)]
@@ -52,6 +53,8 @@ pub struct Target {
     confirmed_us: i64,
     /// What is learnt of this person's eyes.
     pub eyes: PersonsEyes,
+    /// The weights of this person's face at rest.
+    pub rest: PersonsRest,
 }
 
 impl Target {
@@ -73,6 +76,7 @@ impl Target {
         trusted_frames: 0,
         confirmed_us: 0,
         eyes: PersonsEyes::UNKNOWN,
+        rest: PersonsRest::UNKNOWN,
     };
 
     pub fn is_trusted(&self) -> bool {
@@ -122,6 +126,7 @@ impl Target {
         self.identity = IdentityEstimator::new();
         self.appearance = Appearance::EMPTY;
         self.eyes = PersonsEyes::UNKNOWN;
+        self.rest = PersonsRest::UNKNOWN;
         self.anchor.clear();
         self.trusted_frames = 0;
         self.is_trusted = false;
@@ -132,6 +137,7 @@ impl Target {
         self.identity = IdentityEstimator::new();
         self.appearance = Appearance::EMPTY;
         self.eyes = PersonsEyes::UNKNOWN;
+        self.rest = PersonsRest::UNKNOWN;
         self.face.identity = [0.0; MAX_IDENTITIES];
     }
 

@@ -13,7 +13,7 @@ use super::fit::Fitted;
 use super::geometry::{bounds, length};
 use super::policy::{EYE_MAX_BLUR, EYE_MIN_FACING, EYE_MIN_VISIBILITY};
 use super::step::Step;
-use crate::shape::{FARTHEST_MM, LANDMARKS, NEAREST_MM, Seen, Variances, eye_open};
+use crate::shape::{ANIMATIONS, FARTHEST_MM, LANDMARKS, NEAREST_MM, Seen, Variances, eye_open};
 use crate::verifier::Confidence;
 
 /// Writes all of a result: of a face that moves by `blur_px` while the frame is exposed, at most.
@@ -21,6 +21,7 @@ pub fn write(
     to: &mut TrackResult,
     step: &Step<'_>,
     fitted: &Fitted<'_>,
+    weights: &[f32; ANIMATIONS],
     seen_eyes: &Eyes,
     blur_px: f32,
 ) {
@@ -75,7 +76,7 @@ pub fn write(
     for (out, p) in points_mm.iter_mut().zip(fitted.fit.points_mm.iter()) {
         *out = p.to_array();
     }
-    *animation = fitted.fit.state.animation;
+    *animation = *weights;
     (*facing_yaw_deg, *facing_pitch_deg, *facing_roll_deg) =
         (facing.yaw_deg, facing.pitch_deg, facing.roll_deg);
     *facing_sigma_deg = variances

@@ -93,6 +93,12 @@ pub enum Wanted {
         expect(dead_code, reason = "only programs that measure know that")
     )]
     At(Detection),
+    /// The face that was tracked is exactly here, and nowhere else.
+    #[cfg_attr(
+        not(feature = "unstable-internals"),
+        expect(dead_code, reason = "only programs that measure know that")
+    )]
+    Again(Detection),
 }
 
 /// Work of a search with keyframes and of the attempt at what it finds \[units\].
@@ -102,7 +108,7 @@ const KEYFRAME_ATTEMPT_UNITS: u32 = KEYFRAME_UNITS + ITERATION_UNITS + REFINE_UN
 #[derive(Clone, Copy)]
 enum Stage {
     /// The caller's place, and nothing else.
-    Exactly(Detection),
+    Exactly(Detection, Origin),
     /// The caller's place …
     Expected(Detection),
     /// … and what the detector finds near it.
@@ -152,7 +158,8 @@ impl Proposals {
     ) -> Proposals {
         let last_seen = LastSeen::at(place, now_us);
         let stage = match (wanted, state) {
-            (Wanted::At(face), _) => Stage::Exactly(*face),
+            (Wanted::At(face), _) => Stage::Exactly(*face, Origin::NewFace),
+            (Wanted::Again(face), _) => Stage::Exactly(*face, Origin::Reacquired),
             (Wanted::Near(face), State::Searching) => Stage::Expected(*face),
             (_, State::Searching) => Stage::Begin,
             (_, State::Tracking) => Stage::Lost(last_seen),
@@ -189,7 +196,7 @@ impl Proposals {
         self.entry = None;
         loop {
             let (start, next) = match self.stage {
-                Stage::Exactly(face) => (first(step, &face, Origin::NewFace), Stage::End),
+                Stage::Exactly(face, origin) => (first(step, &face, origin), Stage::End),
                 Stage::Expected(face) => {
                     let start = first(step, &face, Origin::NewFace);
                     (start, Stage::NearExpected(face))

@@ -40,7 +40,7 @@ impl Encoder {
         let (result, smoothed) = (session.result(), session.smoothed());
         let [step_ms, pixels_ms] = times.map(|t| t.as_secs_f64() * 1e3);
         let text = json!({
-            "animationNames": ANIMATION_NAMES,
+            "animationNames": ANIMATION_NAMES.as_slice(),
             "width": frame.width(),
             "height": frame.height(),
             "camera": camera(&session.intrinsics()),

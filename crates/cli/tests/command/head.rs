@@ -151,7 +151,7 @@ fn the_camera_of_the_file_sees_the_head_where_it_was() {
     assert_eq!(times.len(), rows.len());
     assert_eq!(
         glb.json["meshes"][0]["extras"]["targetNames"],
-        serde_json::json!(ANIMATION_NAMES)
+        serde_json::json!(ANIMATION_NAMES.as_slice())
     );
     let (mut off_px, mut count) = (0.0, 0);
     for (key, row) in rows.iter().enumerate() {

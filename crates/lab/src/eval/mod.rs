@@ -8,7 +8,7 @@ mod stills;
 use anyhow::Result;
 use clap::Subcommand;
 use clips::{deviations, eyes, jitter, monitor, pose};
-use shown::{drift, faceless, latency, mesh, recovery, turns};
+use shown::{drift, faceless, latency, mesh, recovery, turns, weights};
 use stills::{angles, landmarks, profiles};
 
 /// What is measured.
@@ -32,6 +32,8 @@ pub enum Command {
     Jitter(jitter::Args),
     /// The dense mesh on rendered heads, whose vertices are known
     Mesh(mesh::Args),
+    /// Animation weights on rendered people, whose weights are known
+    Weights(weights::Args),
     /// Frames until a face that disappeared is tracked again elsewhere
     Recovery(recovery::Args),
     /// Frames until a small face anywhere in a photograph is tracked
@@ -56,6 +58,7 @@ pub fn run(command: &Command) -> Result<()> {
         Command::Monitor(args) => monitor::run(args),
         Command::Jitter(args) => jitter::run(args),
         Command::Mesh(args) => mesh::run(args),
+        Command::Weights(args) => weights::run(args),
         Command::Recovery(args) => recovery::run(args),
         Command::Latency(args) => latency::run(args),
         Command::Faceless(args) => faceless::run(args),

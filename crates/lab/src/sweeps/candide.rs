@@ -8,7 +8,7 @@ use super::paint::Painter;
 use crate::rigid::rotation_onto;
 use anyhow::{Result, ensure};
 use glam::{Mat3, Vec3};
-use posewise::shape::ANIMATIONS;
+use posewise::shape::FITTED;
 use posewise_train::head::{Head, Wfm};
 use posewise_train::render::draw::Prop;
 use posewise_train::render::expression::Expression;
@@ -170,7 +170,7 @@ impl Candide {
 
     /// The landmarks' vertices of [`Candide::mesh`] (head axes), and everything to be drawn.
     pub fn draw(&self, face: &Face, expression: &Expression) -> (Vec<Vec3>, Vec<Prop>) {
-        let animation: [f32; ANIMATIONS] = expression.animation();
+        let animation: [f32; FITTED] = expression.animation();
         let shaped = self.head.vertices(&face.identity, &animation);
         let vertices: Vec<Vec3> = shaped.iter().map(|v| Vec3::from(*v)).collect();
         let mut surface = Prop::opaque(0.05);

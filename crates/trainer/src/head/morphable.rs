@@ -1,7 +1,7 @@
 //! The morphable head: read from the face kit, and moved by identity and expression.
 
 use anyhow::{Context, Result, ensure};
-use posewise::shape::{ANIMATION_NAMES, ANIMATIONS, JAW, LANDMARKS};
+use posewise::shape::{FITTED, FITTED_NAMES, JAW, LANDMARKS};
 use std::path::Path;
 
 use super::contour::{contour_paths, jaw_edge, normals};
@@ -39,7 +39,7 @@ pub struct Head {
     /// `face`, `head_neck`, `sclera_L` …
     pub part_names: Vec<String>,
     /// Index into `expressions` of each animation mode; `None` where the head has no such mode.
-    pub animation: [Option<usize>; ANIMATIONS],
+    pub animation: [Option<usize>; FITTED],
 }
 
 /// One expression of a head.
@@ -124,8 +124,8 @@ fn expressions(names: &[String], deltas: Vec<Vec<[f32; 3]>>) -> Result<Vec<Expre
     Ok(all)
 }
 
-pub(super) fn animation_index(expressions: &[Expression]) -> [Option<usize>; ANIMATIONS] {
-    ANIMATION_NAMES.map(|name| expressions.iter().position(|e| e.name == name))
+pub(super) fn animation_index(expressions: &[Expression]) -> [Option<usize>; FITTED] {
+    FITTED_NAMES.map(|name| expressions.iter().position(|e| e.name == name))
 }
 
 fn add_scaled(sum: &mut [[f32; 3]], delta: &[[f32; 3]], weight: f32) {
@@ -221,8 +221,8 @@ impl Head {
     }
 
     /// All vertices \[mm\] of a person (leading identity weights in standard deviations) with an
-    /// expression (weights of `posewise::shape::ANIMATION_NAMES`).
-    pub fn vertices(&self, identity: &[f32], animation: &[f32; ANIMATIONS]) -> Vec<[f32; 3]> {
+    /// expression (weights of `posewise::shape::FITTED_NAMES`).
+    pub fn vertices(&self, identity: &[f32], animation: &[f32; FITTED]) -> Vec<[f32; 3]> {
         let mut out = self.mean.clone();
         for (mode, w) in self.identity.iter().zip(identity) {
             add_scaled(&mut out, mode, *w);

@@ -17,7 +17,8 @@ use anyhow::{Context, Result, ensure};
 use glam::Vec3;
 pub use other::{Place, nearest, places_on};
 use posewise::shape::{
-    FaceModel, Identity, LANDMARKS, MAX_IDENTITIES, MESH_BLOCK, MESH_RING, MESH_TAG, MeshLine,
+    ANIMATION_NAMES, FaceModel, Identity, LANDMARKS, MAX_IDENTITIES, MESH_BLOCK, MESH_RING,
+    MESH_TAG, MeshLine,
 };
 use posewise_format::SectionWriter;
 use std::collections::{BTreeMap, BTreeSet};
@@ -117,7 +118,8 @@ pub fn thinned(head: &Head, landmarks_mm: &[Vec3]) -> Result<Thinned> {
     thin(&mut surface, wanted)?;
     let left: BTreeSet<u32> = surface.vertices().collect();
     ensure!(fixed.is_subset(&left), "a landmark is outside of the mesh");
-    let others = left.iter().copied().filter(|v| !fixed.contains(v));
+    let mut others: Vec<u32> = left.difference(&fixed).copied().collect();
+    others.sort_by_key(|v| along_curve(surface.point(*v)));
     let vertices: Vec<u32> = landmarks.iter().copied().chain(others).collect();
     let mut lines: Vec<(MeshLine, Vec<u32>)> = drawn
         .into_iter()
@@ -187,9 +189,12 @@ pub fn mesh_section(head: &Head, face: &FaceModel<'_>) -> Result<SectionWriter> 
         .map(|direction| combined(&modes, direction))
         .collect();
     ensure!(identity.len() <= MAX_IDENTITIES, "too many identity modes");
-    let animation = head.animation.iter().map(|index| match index {
-        Some(index) => pick(&head.expressions[*index].delta),
-        None => vec![[0.0; 3]; vertices.len()],
+    let animation = ANIMATION_NAMES.iter().map(|name| {
+        let found = head.expressions.iter().find(|e| e.name == *name);
+        match found {
+            Some(expression) => pick(&expression.delta),
+            None => vec![[0.0; 3]; vertices.len()],
+        }
     });
     let animation: Vec<Mode> = animation.collect();
     let triangles: Vec<u16> = (thinned.surface.triangles().flatten())
@@ -208,15 +213,20 @@ pub fn mesh_section(head: &Head, face: &FaceModel<'_>) -> Result<SectionWriter> 
     let rings: Vec<u16> = (vertices.iter())
         .flat_map(|v| ring(&thinned.surface, *v).map(|v| place[&v]))
         .collect();
+    let kinds = [&identity, &animation].map(|modes| quantised(modes));
+    let (moved, runs) = runs(&kinds);
     let mut section = SectionWriter::new(MESH_TAG);
     section
         .scalar(vertices.len() as u32)
         .scalar(identity.len() as u32)
         .scalar(triangles.len() as u32 / 3)
         .scalar(lists.iter().map(Vec::len).sum::<usize>() as u32)
-        .array(pick(&head.mean).as_flattened());
-    write_blocks(&mut section, &[&identity, &animation]);
-    section
+        .scalar(runs.len() as u32)
+        .array(pick(&head.mean).as_flattened())
+        .array(&kinds[0].0)
+        .array(&kinds[1].0)
+        .array(&moved)
+        .array(runs.as_flattened())
         .array(
             pulls
                 .iter()
@@ -244,22 +254,57 @@ pub fn mesh_section(head: &Head, face: &FaceModel<'_>) -> Result<SectionWriter> 
     Ok(section)
 }
 
-/// The scales of all modes, then what each has of a block of vertices, block by block.
-fn write_blocks(section: &mut SectionWriter, kinds: &[&[Mode]; 2]) {
-    let kinds = kinds.map(quantised);
-    for (scales, _) in &kinds {
-        section.array(scales);
+/// Scales of modes, and the modes.
+type Quantised = (Vec<f32>, Vec<Vec<[i8; 3]>>);
+
+/// For each block of vertices which modes move it, a bit each, and block by block what these do.
+fn runs(kinds: &[Quantised; 2]) -> (Vec<u8>, Vec<[i8; 3 * MESH_BLOCK]>) {
+    let modes = kinds
+        .iter()
+        .zip(STILL_MM)
+        .flat_map(|((scales, modes), still)| {
+            let still = scales.iter().map(move |scale| still / scale);
+            modes.iter().zip(still)
+        });
+    let modes: Vec<(&Vec<[i8; 3]>, f32)> = modes.collect();
+    let (mut moved, mut runs) = (Vec::new(), Vec::new());
+    for first in (0..modes[0].0.len()).step_by(MESH_BLOCK) {
+        let first_byte = moved.len();
+        moved.resize(first_byte + modes.len().div_ceil(8), 0);
+        for (k, (mode, still)) in modes.iter().enumerate() {
+            let numbers = mode[first..first + MESH_BLOCK].as_flattened();
+            if numbers.iter().any(|v| f32::from(*v).abs() > *still) {
+                moved[first_byte + k / 8] |= 1 << (k % 8);
+                runs.push(*numbers.first_chunk().expect("a whole block"));
+            }
+        }
     }
-    let modes: Vec<&Vec<[i8; 3]>> = kinds.iter().flat_map(|(_, modes)| modes).collect();
-    let blocks = modes[0].len() / MESH_BLOCK;
-    let by_block = (0..blocks).flat_map(|block| {
-        let of_block = move |mode: &&Vec<[i8; 3]>| {
-            let first = block * MESH_BLOCK;
-            mode[first..first + MESH_BLOCK].as_flattened().to_vec()
-        };
-        modes.iter().flat_map(of_block)
-    });
-    section.array(&by_block.collect::<Vec<i8>>());
+    (moved, runs)
+}
+
+/// A block that a mode moves by no more along any axis stays: an identity mode at a standard
+/// deviation, an animation mode at weight 1 \[mm\].
+const STILL_MM: [f32; 2] = [0.03, 0.15];
+
+/// Where a point of the face \[mm\] is on a curve that fills the plane (Hilbert), so that vertices
+/// of a block are neighbours and few modes move only a part of it.
+fn along_curve(p: Vec3) -> u32 {
+    const BITS: u32 = 6;
+    const MM: f32 = 4.0;
+    let most = (1 << BITS) - 1;
+    let [mut x, mut y] = [p.x / MM + 32.0, p.y / MM + 24.0].map(|v| (v.max(0.0) as u32).min(most));
+    let mut at = 0;
+    for bit in (0..BITS).rev() {
+        let (right, down) = (x >> bit & 1, y >> bit & 1);
+        at = at << 2 | ((3 * right) ^ down);
+        if down == 0 {
+            if right == 1 {
+                (x, y) = (most - x, most - y);
+            }
+            (x, y) = (y, x);
+        }
+    }
+    at
 }
 
 /// Four of the vertices around one, evenly.

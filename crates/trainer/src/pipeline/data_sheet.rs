@@ -5,7 +5,7 @@ use super::args::Args;
 use super::context::Context;
 use super::stage::Stage;
 use super::store::Output;
-use super::{global_network, sections};
+use super::{eyes, global_network, mesh, sections, weights};
 use crate::align::{self, Accuracy, Trained};
 use crate::faces::{self, Face};
 use crate::photographs::DEV;
@@ -126,6 +126,29 @@ inter-ocular distance, median {median:.2} %, above 10 %: {failure:.2} %.
         median = dev.nme68_median,
         failure = 100.0 * dev.failure,
     )
+}
+
+/// Headings of the parts on sections that are added to a finished model, in the order in which they
+/// stand.
+const PARTS: [&str; 3] = [mesh::HEADING, weights::HEADING, eyes::HEADING];
+
+/// A data sheet in which the part below a heading is new.
+pub fn with_part(sheet: &str, heading: &str, text: &str) -> String {
+    let sheet = sheet.trim_end_matches(PADDING);
+    let starts: Vec<usize> = PARTS.iter().filter_map(|part| sheet.find(part)).collect();
+    let first = starts.iter().copied().min().unwrap_or(sheet.len());
+    let parts = PARTS.iter().map(|part| {
+        if *part == heading {
+            return format!("{heading}{text}");
+        }
+        let Some(start) = sheet.find(part) else {
+            return String::new();
+        };
+        let later = starts.iter().copied().filter(|at| *at > start);
+        sheet[start..later.min().unwrap_or(sheet.len())].to_owned()
+    });
+    let parts: String = parts.collect();
+    format!("{}{parts}", sheet[..first].trim_end())
 }
 
 /// What may stand at the end of a data sheet and says nothing.

@@ -117,10 +117,8 @@ pub fn add(add: &AddArgs) -> Result<()> {
     all.push(section);
     let sheet = others.sections().find(|(tag, _)| *tag == SHEET_TAG);
     let sheet = String::from_utf8_lossy(sheet.map_or(&[], |(_, bytes)| bytes)).into_owned();
-    let before = sheet.split(HEADING).next().unwrap_or_default();
-    let before = data_sheet::titled(before, &args.out);
-    let about = about(args, &figures);
-    let sheet = format!("{before}{HEADING}{about}");
+    let sheet = data_sheet::titled(&sheet, &args.out);
+    let sheet = data_sheet::with_part(&sheet, HEADING, &about(args, &figures));
     let size = super::pack::write(&args.out, all, &sheet)?;
     println!("{}: {size} bytes", args.out.display());
     Ok(())

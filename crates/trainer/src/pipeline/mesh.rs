@@ -1,11 +1,11 @@
 //! Stage `mesh`: the dense mesh of the morphable head (section `MESH`). It depends on the head and
 //! the 3D face alone, so that it can be added to a finished model.
 
-use super::data_sheet::{self, PADDING};
+use super::data_sheet;
 use super::hash::Hash;
+use super::sections;
 use super::stage::Stage;
 use super::store::{Output, Store};
-use super::{eyes, sections};
 use crate::face_section;
 use crate::head::Head;
 use crate::mesh::{VERTICES, mesh_section};
@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 /// Makes the section that belongs to this section `FACE`.
 pub fn make(store: &Store, data: &Path, face: &[u8]) -> Result<Output> {
     let kit = data.join("facekit.npz");
-    let stage = Stage::new("mesh", 1)
+    let stage = Stage::new("mesh", 2)
         .options(&VERTICES)?
         .input("face", Hash::of(face))
         .input("facekit.npz", store.data(&kit)?);
@@ -69,27 +69,20 @@ pub fn add(args: &AddArgs) -> Result<()> {
         .collect();
     all.push(sections::read(&(&output, MESH_TAG))?);
     let sheet = std::str::from_utf8(part(SHEET_TAG).unwrap_or_default())?;
-    // The part on the network of eyes comes last.
-    let (before, eyes) = match sheet.split_once(eyes::HEADING) {
-        Some((before, eyes)) => (
-            before,
-            format!("{}{}", eyes::HEADING, eyes.trim_end_matches(PADDING)),
-        ),
-        None => (sheet, String::new()),
-    };
-    let before = before.split(HEADING).next().unwrap_or_default();
-    let before = data_sheet::titled(before, &args.out);
-    let sheet = format!("{before}{ABOUT}{eyes}\n");
-    let size = super::pack::write(&args.out, all, &sheet)?;
+    let sheet = data_sheet::with_part(&data_sheet::titled(sheet, &args.out), HEADING, ABOUT);
+    let size = super::pack::write(&args.out, all, &format!("{sheet}\n"))?;
     println!("{}: {size} bytes", args.out.display());
     Ok(())
 }
 
 /// Where the part of a data sheet begins that is about the section.
-const HEADING: &str = "\n\nMesh (section MESH):\n";
+pub(super) const HEADING: &str = "\n\nMesh (section MESH):\n";
 /// What it says.
-pub const ABOUT: &str = "
-
-Mesh (section MESH):
+const ABOUT: &str = "\
 528 vertices of the head facekit above, with its modes, as `posewise-train add-mesh` adds them to a
 finished model; nothing was trained for it.";
+
+/// The same for a whole model.
+pub fn about() -> String {
+    format!("{HEADING}{ABOUT}")
+}

@@ -19,8 +19,8 @@
 //! | `mesh` | [`mesh`] | section `MESH` |
 //! | `data-sheet` | [`data_sheet`] | errors on the dev photographs, for section `INFO` |
 //!
-//! [`pack`] writes the model of these, and [`run()`] calls them in order. [`eyes`] makes a section
-//! that no model has yet.
+//! [`pack`] writes the model of these, and [`run()`] calls them in order. [`eyes`] and [`weights`]
+//! make sections for a model that is finished.
 
 pub mod args;
 pub mod context;
@@ -44,6 +44,7 @@ pub mod shape_regression;
 pub mod stage;
 pub mod store;
 pub mod verifier;
+pub mod weights;
 
 pub use args::Args;
 pub use run::run;

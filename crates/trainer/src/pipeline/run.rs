@@ -64,7 +64,7 @@ pub fn run(args: &Args) -> Result<()> {
     if args.wireframe.is_none() {
         let mesh = mesh::make(&store, &args.data, &face.read(sections::FILE)?)?;
         all.push(sections::read(&(&mesh, MESH_TAG))?);
-        sheet += mesh::ABOUT;
+        sheet += &mesh::about();
     }
     if let Some((section, about)) = eyes::finished(&context)? {
         all.push(section);

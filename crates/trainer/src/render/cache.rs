@@ -10,7 +10,7 @@ use anyhow::{Context, Result, ensure};
 use glam::{Vec2, Vec3};
 use indicatif::{ProgressBar, ProgressStyle};
 use posewise::math::HeadAngles;
-use posewise::shape::{ANIMATIONS, Intrinsics, LANDMARKS};
+use posewise::shape::{FITTED, Intrinsics, LANDMARKS};
 use rayon::prelude::*;
 use std::fs::{File, OpenOptions};
 use std::io::{BufReader, BufWriter, ErrorKind, Read, Seek, SeekFrom, Write};
@@ -20,7 +20,7 @@ const MAGIC: &[u8; 8] = b"PWRENDR1";
 const HEADER: u64 = 24;
 
 /// Floats of a record before the visibility flags.
-const FLOATS: usize = 2 * LANDMARKS + 3 * LANDMARKS + 3 + 3 + 4 + ANIMATIONS;
+const FLOATS: usize = 2 * LANDMARKS + 3 * LANDMARKS + 3 + 3 + 4 + FITTED;
 
 /// Samples drawn between writes.
 const BATCH: u64 = 256;

@@ -2,7 +2,7 @@
 
 use super::mesh::Mesh;
 use glam::Vec3;
-use posewise::shape::{ANIMATION_NAMES, ANIMATIONS};
+use posewise::shape::{FITTED, FITTED_NAMES};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 
@@ -11,6 +11,51 @@ use rand_chacha::ChaCha8Rng;
 const LOWERED: f32 = 1.4;
 /// How far eyes look down \[rad\].
 const LOWEST: f32 = 0.7;
+
+/// What [`Expression::mixed`] mixes: weights of two sides, and of none, which stand twice. Those
+/// that are hard to see are there more often.
+const MIXED: [[&str; 2]; 40] = [
+    ["browDownLeft", "browDownRight"],
+    ["browInnerUp", "browInnerUp"],
+    ["browOuterUpLeft", "browOuterUpRight"],
+    ["eyeBlinkLeft", "eyeBlinkRight"],
+    ["eyeWideLeft", "eyeWideRight"],
+    ["jawOpen", "jawOpen"],
+    ["jawLeft", "jawRight"],
+    ["mouthFunnel", "mouthFunnel"],
+    ["mouthPucker", "mouthPucker"],
+    ["mouthSmileLeft", "mouthSmileRight"],
+    ["mouthFrownLeft", "mouthFrownRight"],
+    ["mouthStretchLeft", "mouthStretchRight"],
+    ["mouthUpperUpLeft", "mouthUpperUpRight"],
+    ["mouthLowerDownLeft", "mouthLowerDownRight"],
+    ["cheekSquintLeft", "cheekSquintRight"],
+    ["jawOpen", "jawOpen"],
+    ["mouthSmileLeft", "mouthSmileRight"],
+    ["cheekPuff", "cheekPuff"],
+    ["cheekPuff", "cheekPuff"],
+    ["eyeSquintLeft", "eyeSquintRight"],
+    ["eyeSquintLeft", "eyeSquintRight"],
+    ["eyeSquintLeft", "eyeSquintRight"],
+    ["jawForward", "jawForward"],
+    ["jawForward", "jawForward"],
+    ["mouthClose", "mouthClose"],
+    ["mouthClose", "mouthClose"],
+    ["mouthDimpleLeft", "mouthDimpleRight"],
+    ["mouthDimpleLeft", "mouthDimpleRight"],
+    ["mouthLeft", "mouthRight"],
+    ["mouthLeft", "mouthRight"],
+    ["mouthPressLeft", "mouthPressRight"],
+    ["mouthPressLeft", "mouthPressRight"],
+    ["mouthRollLower", "mouthRollLower"],
+    ["mouthRollLower", "mouthRollLower"],
+    ["mouthRollUpper", "mouthRollUpper"],
+    ["mouthShrugLower", "mouthShrugLower"],
+    ["mouthShrugLower", "mouthShrugLower"],
+    ["mouthShrugUpper", "mouthShrugUpper"],
+    ["noseSneerLeft", "noseSneerRight"],
+    ["noseSneerLeft", "noseSneerRight"],
+];
 
 /// Named weights of a face.
 #[derive(Clone, Debug, Default)]
@@ -202,6 +247,74 @@ impl Expression {
         self.pair(side, x.abs().min(1.0), 0.0);
     }
 
+    /// A random mixture of weights, mostly of a few, of one side or of both; one in six is neutral,
+    /// and one in five is as [`Expression::random`] with one more weight. For training weights that
+    /// are seen: any two of them occur together and apart.
+    pub fn mixed(rng: &mut ChaCha8Rng) -> Expression {
+        let mut face = Expression::default();
+        let count = match rng.random_range(0..30) {
+            0..5 => 0,
+            5..11 => {
+                face = Expression::random(rng);
+                1
+            }
+            11..18 => 1,
+            18..25 => rng.random_range(2..4),
+            _ => rng.random_range(4..7),
+        };
+        for _ in 0..count {
+            let names = MIXED[rng.random_range(0..MIXED.len())];
+            let weight = rng.random_range(0.15..1.0f32);
+            face.mix(rng, names, weight);
+        }
+        if face.gaze == (0.0, 0.0) {
+            face.gaze = (rng.random_range(-0.3..0.3), rng.random_range(-0.2..0.25));
+            face.follow_gaze(1.0);
+        }
+        face
+    }
+
+    /// Adds a weight, or that of one side or of both, where the face has none yet.
+    fn mix(&mut self, rng: &mut ChaCha8Rng, names: [&'static str; 2], weight: f32) {
+        if names.iter().any(|name| self.weight(name) > 0.0) {
+            return;
+        }
+        let shut = 0.5 * (self.weight("eyeBlinkLeft") + self.weight("eyeBlinkRight"));
+        let weight = match names[0] {
+            "eyeSquintLeft" => weight * (1.0 - shut),
+            "mouthClose" => {
+                // Lips that meet although the jaw is open.
+                if self.weight("jawOpen") == 0.0 {
+                    self.add("jawOpen", weight);
+                }
+                self.weight("jawOpen") * rng.random_range(0.2..1.0f32)
+            }
+            _ => weight,
+        };
+        if names[0] == names[1] {
+            return self.add(names[0], weight);
+        }
+        let is_opposed = ["jawLeft", "mouthLeft"].contains(&names[0]);
+        match rng.random_range(0..5) {
+            0 => self.add(names[0], weight),
+            1 => self.add(names[1], weight),
+            _ if is_opposed => self.add(names[rng.random_range(0..2)], weight),
+            2 => self.pair(names, weight, rng.random_range(-0.6..0.6)),
+            _ => self.pair(names, weight, 0.0),
+        }
+    }
+
+    /// The weight of a name.
+    pub fn weight(&self, name: &str) -> f32 {
+        let of_name = self.named.iter().filter(|(n, _)| *n == name);
+        of_name.map(|(_, w)| w).sum()
+    }
+
+    /// Leaves out weights.
+    pub fn leave_out(&mut self, names: &[&str]) {
+        self.named.retain(|(name, _)| !names.contains(name));
+    }
+
     /// Leaves out what a head cannot do.
     pub fn keep(&mut self, mesh: &Mesh) {
         self.named.retain(|(name, _)| mesh.shape(name).is_some());
@@ -214,15 +327,9 @@ impl Expression {
             .collect()
     }
 
-    /// Weights in the order of `posewise::shape::ANIMATION_NAMES`.
-    pub fn animation(&self) -> [f32; ANIMATIONS] {
-        ANIMATION_NAMES.map(|name| {
-            self.named
-                .iter()
-                .filter(|(n, _)| *n == name)
-                .map(|(_, w)| w)
-                .sum()
-        })
+    /// Weights in the order of `posewise::shape::FITTED_NAMES`.
+    pub fn animation(&self) -> [f32; FITTED] {
+        FITTED_NAMES.map(|name| self.weight(name))
     }
 }
 

@@ -20,7 +20,7 @@ use super::{accessories, background, props};
 use glam::{Mat3, Vec2, Vec3};
 use image::GrayImage;
 use posewise::math::{HeadAngles, head_rotation};
-use posewise::shape::{ANIMATIONS, Intrinsics, LANDMARKS};
+use posewise::shape::{FITTED, Intrinsics, LANDMARKS};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::sync::Arc;
@@ -46,8 +46,8 @@ pub struct Sample {
     pub position: Vec3,
     /// The camera.
     pub camera: Intrinsics,
-    /// Weights of `posewise::shape::ANIMATION_NAMES`.
-    pub animation: [f32; ANIMATIONS],
+    /// Weights of `posewise::shape::FITTED_NAMES`.
+    pub animation: [f32; FITTED],
     /// Who it is; procedural people count down from `u32::MAX`.
     pub person: u32,
 }
@@ -60,6 +60,8 @@ pub struct Rendered {
     pub eyes: [EyeTruth; 2],
     /// Whether the head is one of MakeHuman's.
     pub is_makehuman: bool,
+    /// Its expression.
+    pub expression: Expression,
     /// Its skin, without hair that stands off it.
     pub skin: Posed,
     view: View,
@@ -73,6 +75,9 @@ impl Rendered {
         normal.dot(point) < 0.0 && is_drawn(point, &self.view, &self.depths)
     }
 }
+
+/// Changes the seed of a person's pictures from that of the person.
+const PICTURES: u64 = 0x9c_70e5;
 
 /// Draws samples; one for all threads.
 pub struct Renderer {
@@ -134,14 +139,30 @@ impl Renderer {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(index);
         let rng = &mut rng;
-        let spec = &match some(rng, spec.everyday) {
-            true => spec.everyday(),
-            false => SampleSpec {
-                everyday: 0.0,
-                ..spec.clone()
-            },
-        };
-        let subject = &self.subject(rng, spec);
+        let spec = &spec.drawn(rng);
+        let subject = &self.subject(rng, spec, None);
+        self.picture(rng, spec, subject)
+    }
+
+    /// Picture `index` of a person of a seed with an expression; the same person for every index.
+    /// Of the expression, what the person's head cannot do is left out.
+    pub fn portray(
+        &self,
+        [seed, person, index]: [u64; 3],
+        spec: &SampleSpec,
+        expression: &Expression,
+    ) -> Rendered {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        rng.set_stream(person);
+        let spec = &spec.drawn(&mut rng);
+        let subject = &self.subject(&mut rng, spec, Some(expression));
+        let mut rng = ChaCha8Rng::seed_from_u64(seed ^ PICTURES);
+        rng.set_stream((person << 16) + index);
+        self.picture(&mut rng, spec, subject)
+    }
+
+    /// A picture of someone.
+    fn picture(&self, rng: &mut ChaCha8Rng, spec: &SampleSpec, subject: &Subject<'_>) -> Rendered {
         let (mesh, person, head) = (subject.mesh, subject.person(), &subject.head);
         let angles = random_angles(rng, spec);
         let pose = Pose::random(rng, angles);
@@ -195,6 +216,7 @@ impl Renderer {
             sample,
             eyes: truth,
             is_makehuman: matches!(subject.who, Who::MakeHuman(_)),
+            expression: subject.expression.clone(),
             skin,
             view,
             depths: drawn.target,
@@ -202,13 +224,18 @@ impl Renderer {
     }
 
     /// Someone with an expression.
-    fn subject(&self, rng: &mut ChaCha8Rng, spec: &SampleSpec) -> Subject<'_> {
+    fn subject(
+        &self,
+        rng: &mut ChaCha8Rng,
+        spec: &SampleSpec,
+        expression: Option<&Expression>,
+    ) -> Subject<'_> {
         let family = (self.makehuman.as_ref()).filter(|_| some(rng, spec.makehuman));
         if let Some(family) = family {
-            return self.makehuman(rng, family, spec);
+            return self.makehuman(rng, family, spec, expression);
         }
         let person = self.people.pick(rng, &self.mesh, spec.persons);
-        let (head, expression) = self.head(rng, &person, spec);
+        let (head, expression) = self.head(rng, &person, spec, expression);
         Subject {
             mesh: &self.mesh,
             landmarker: &self.landmarker,
@@ -226,12 +253,13 @@ impl Renderer {
         rng: &mut ChaCha8Rng,
         family: &'a Family,
         spec: &SampleSpec,
+        expression: Option<&Expression>,
     ) -> Subject<'a> {
         let member = family.pick(rng);
         let mesh = &family.mesh;
         let calm = if spec.everyday > 0.0 { 0.75 } else { 1.0 };
         let neutral = family.neutral(rng, &member, calm);
-        let mut expression = random_expression(rng, spec);
+        let mut expression = expression.map_or_else(|| random_expression(rng, spec), Clone::clone);
         expression.keep(mesh);
         let deformation = Deformation::random(rng, mesh, 0.5 * calm);
         let vertices = |weights: &[(usize, f32)]| {
@@ -264,9 +292,10 @@ impl Renderer {
         rng: &mut ChaCha8Rng,
         person: &Person,
         spec: &SampleSpec,
+        expression: Option<&Expression>,
     ) -> (Vec<Vec3>, Expression) {
         let identity = self.identity(rng, person);
-        let expression = random_expression(rng, spec);
+        let expression = expression.map_or_else(|| random_expression(rng, spec), Clone::clone);
         let mut weights = expression.weights(&self.mesh);
         let strength = deformation_of(person, spec);
         let deformation = Deformation::random(rng, &self.mesh, strength);

@@ -1,6 +1,8 @@
 //! What rendered samples show, in shares and ranges.
 
 use super::people::Persons;
+use rand::Rng;
+use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
 /// What samples are drawn.
@@ -112,6 +114,17 @@ impl SampleSpec {
             infrared: 0.03,
             everyday: 1.0,
             ..self.clone()
+        }
+    }
+
+    /// That of a sample: an everyday one, or a harder one.
+    pub(super) fn drawn(&self, rng: &mut ChaCha8Rng) -> SampleSpec {
+        match self.everyday > 0.0 && rng.random_bool(self.everyday) {
+            true => self.everyday(),
+            false => SampleSpec {
+                everyday: 0.0,
+                ..self.clone()
+            },
         }
     }
 

@@ -3,7 +3,7 @@
 use glam::{Mat3, Vec3};
 use posewise::math::HeadAngles;
 use posewise::shape::{
-    ANIMATIONS, Animation, FaceFit, FaceModel, FaceState, FitOptions, Identity, IdentityEstimator,
+    Animation, FITTED, FaceFit, FaceModel, FaceState, FitOptions, Identity, IdentityEstimator,
     Intrinsics, LANDMARKS, MAX_IDENTITIES, Observed, Pose, Project, RotationPrior, fit,
 };
 use posewise_format::{AlignedBytes, Blob, blob, reseal};
@@ -150,7 +150,7 @@ fn a_prior_of_the_rotation_counts_by_its_weight() {
 fn expressions_do_not_turn_the_head() {
     let face = &face();
     let mut rng = ChaCha8Rng::seed_from_u64(8);
-    let mut animation: Animation = [0.0; ANIMATIONS];
+    let mut animation: Animation = [0.0; FITTED];
     (animation[9], animation[5], animation[2]) = (0.6, 0.9, 0.5);
     for yaw in [0.0, 40.0, -80.0] {
         let truth = FaceState {

@@ -12,3 +12,4 @@ mod mesh_picture;
 pub mod recovery;
 mod show;
 pub mod turns;
+pub mod weights;

@@ -9,7 +9,7 @@ use crate::render::noise::smoothstep;
 use anyhow::{Context, Result, ensure};
 use glam::{Mat3, Vec2, Vec3};
 use image::GrayImage;
-use posewise::shape::{ANIMATION_NAMES, JAW, LANDMARKS};
+use posewise::shape::{FITTED_NAMES, JAW, LANDMARKS};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -227,7 +227,7 @@ pub fn mesh(data: &MakeHuman, folder: &Path) -> Result<Mesh> {
     };
     ensure!(skin > 0, "no skin");
     let place = |name: &&str| mesh.shapes.iter().position(|s| s.name == *name);
-    mesh.animation = ANIMATION_NAMES.iter().map(place).collect();
+    mesh.animation = FITTED_NAMES.iter().map(place).collect();
     let mut mean = std::mem::take(&mut mesh.mean);
     mesh.settle(&mut mean);
     mesh.mean = mean;

@@ -1,6 +1,6 @@
 //! A head of no one: an ellipsoid with a nose, for tests that need no data.
 
-use posewise::shape::{ANIMATION_NAMES, JAW, LANDMARKS};
+use posewise::shape::{FITTED_NAMES, JAW, LANDMARKS};
 use posewise_train::head::{Expression, Head, contour_paths};
 
 const COLUMNS: usize = 121;
@@ -134,7 +134,7 @@ pub fn head() -> Head {
         jaw_edge,
         uv: vec![[0.0; 2]],
         triangle_uv: vec![[0; 3]; triangles.len()],
-        animation: ANIMATION_NAMES.map(|n| expressions.iter().position(|e| e.name == n)),
+        animation: FITTED_NAMES.map(|n| expressions.iter().position(|e| e.name == n)),
         vertex_part: vec![0; mean.len()],
         triangle_part: vec![0; triangles.len()],
         part_names: vec!["face".to_owned()],
