@@ -48,9 +48,9 @@ pub use eyes::{EYE_OUTPUTS, EYES_TAG};
 #[cfg(feature = "unstable-internals")]
 pub use placement::{Placement, mirror, place};
 #[cfg(feature = "unstable-internals")]
-pub use refiners::{MAX_POINTS, MAX_REFINERS, place_refiner};
+pub use refiners::{MAX_POINTS, place_refiner};
 #[cfg(feature = "unstable-internals")]
-pub use regressor::{GLOBAL, MAX_HEADS, MAX_INPUTS, MAX_RANK, SHAPE_INDEXED};
+pub use regressor::{GLOBAL, MAX_HEADS, MAX_INPUTS, MAX_RANK, MAX_REFINERS, SHAPE_INDEXED};
 #[cfg(feature = "unstable-internals")]
 pub use rotation_regression::{crop_to_camera, input_of};
 #[cfg(feature = "unstable-internals")]

@@ -8,7 +8,7 @@
 //! predictions for the crop and for its mirror image are averaged.
 
 use super::correction::{Correction, Networks};
-use super::regressor::{Memory, Regressor};
+use super::regressor::{MAX_REFINERS, Memory, Regressor};
 use super::shape::Shape;
 use super::shape_regression::ShapeRegression;
 use super::weights::WeightModel;
@@ -17,8 +17,6 @@ use crate::math::Similarity;
 use crate::shape::{LANDMARKS, MIRROR};
 use posewise_format::{Blob, ModelError, Section};
 
-/// Capacity: refiners of a model.
-pub const MAX_REFINERS: usize = 3;
 /// Capacity: landmarks of a refiner.
 pub const MAX_POINTS: usize = 24;
 

@@ -7,8 +7,7 @@
 //! landmarks differ by from the fitted face, of the fitted weights and of the turn of the head. It
 //! knows one side of the face, as the refiners do: the person's left side is seen mirrored.
 
-use super::refiners::MAX_REFINERS;
-use super::regressor::MAX_INPUTS;
+use super::regressor::{MAX_INPUTS, MAX_REFINERS};
 use crate::math::dot;
 use crate::shape::{FITTED, FITTED_MIRROR, LANDMARKS, MIRROR};
 use posewise_format::{Blob, ModelError, Section, Tag};

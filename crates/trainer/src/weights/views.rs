@@ -64,7 +64,9 @@ fn reads(model: &Model<'_>, shot: &Shot, work: &mut Workspace) -> Option<Reads> 
     let mut reads = Reads::default();
     let align = model.align();
     for _ in 0..2 {
-        align.iterate(&frame, &mut shape, work).then_some(())?;
+        align
+            .iterate(&frame, &mut shape, posewise::align::Networks::All, work)
+            .then_some(())?;
     }
     let look = &mut |refiner: usize, mirror: bool, read: &[u8]| {
         reads[refiner][usize::from(mirror)] = read.to_vec();
