@@ -183,9 +183,10 @@ impl<'m> AlignModel<'m> {
         work.crop.standardise();
         // The first member runs last: the verifier reads its maps.
         let is_held = work.corrections.global.holds(networks);
-        let second = match is_held {
-            true => None,
-            false => self.second.run(&mut work.crop, &mut work.memory),
+        let second = match networks {
+            Networks::First => None,
+            Networks::Few if is_held => None,
+            _ => self.second.run(&mut work.crop, &mut work.memory),
         };
         let mut points = [[0.0f32; 2]; LANDMARKS];
         global.run(&work.crop, &mut points, &mut work.memory);

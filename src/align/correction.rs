@@ -16,6 +16,9 @@ const MOST_FRAMES: u8 = 7;
 pub enum Networks {
     /// Every one of the model.
     All,
+    /// Of the global stage the first only, for landmarks that another iteration follows, or that
+    /// must not take long.
+    First,
     /// Those without which no landmark is seen. What the others changed when they last ran, a few
     /// frames ago on the same face, is held.
     Few,

@@ -152,6 +152,15 @@ impl<'a> Frame<'a> {
         }
     }
 
+    /// The luma of an upright row, the nearest one outside of the frame; `None` where its pixels
+    /// are not bytes side by side.
+    pub(crate) fn luma_row(&self, y: i32) -> Option<&'a [u8]> {
+        let bytes = self.luma_bytes().filter(|_| self.at.step_x == 1)?;
+        let y = y.min(self.at.height - 1).max(0);
+        let start = self.byte_offset(0, y) as usize;
+        bytes.get(start..)?.get(..self.at.width as usize)
+    }
+
     #[inline]
     fn raw_luma_at(&self, offset: isize) -> u8 {
         let at = offset as usize;

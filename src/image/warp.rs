@@ -51,6 +51,7 @@ pub fn warp(frame: &Frame<'_>, to_frame: &Similarity, side: usize, crop: &mut Cr
         coarse,
     };
     let inside = Inside::of(frame);
+    let edges = inside.as_ref().and_then(|inside| Edges::of(inside, frame));
     // Crop (u, v) → frame (a·u − b·v + tx, b·u + a·v + ty).
     let start = |v: usize| {
         let x = tx - b * v as i64 + first(a) - first(b);
@@ -79,7 +80,16 @@ pub fn warp(frame: &Frame<'_>, to_frame: &Similarity, side: usize, crop: &mut Cr
                         _ => inside.fill_fine::<2>(&samples, x, y, row),
                     }
                 }
-                _ => samples.fill(frame, x, y, row),
+                _ => match &edges {
+                    Some(edges) if samples.fit_32_bits(x, y, row.len()) => {
+                        match (samples.coarse, taps) {
+                            (true, _) => edges.fill_coarse(&samples, x, y, row),
+                            (_, 1) => edges.fill_fine::<1>(&samples, x, y, row),
+                            _ => edges.fill_fine::<2>(&samples, x, y, row),
+                        }
+                    }
+                    _ => samples.fill(frame, x, y, row),
+                },
             }
         }
     }
@@ -112,6 +122,20 @@ impl Samples {
     /// Whether all samples of a row of `side` pixels, the first one at (x, y), have their four
     /// neighbours in the frame.
     fn are_inside(&self, frame: &Frame<'_>, x: i64, y: i64, side: usize) -> bool {
+        let within = |v: i64, size: i32| v >= 0 && v >> FRACTION < i64::from(size) - 1;
+        self.are_all(x, y, side, |x, y| {
+            within(x, frame.width()) && within(y, frame.height())
+        })
+    }
+
+    /// Whether the coordinates of all samples of such a row fit 32 bits.
+    fn fit_32_bits(&self, x: i64, y: i64, side: usize) -> bool {
+        let fits = |v: i64| v.abs() <= 1 << 30;
+        self.are_all(x, y, side, |x, y| fits(x) && fits(y))
+    }
+
+    /// Whether something is true of all samples of such a row if it is of the outermost ones.
+    fn are_all(&self, x: i64, y: i64, side: usize, holds: impl Fn(i64, i64) -> bool) -> bool {
         let [(a, b), (sub_a, sub_b)] = self.steps;
         let (last, tap) = (side as i64 - 1, self.taps as i64 - 1);
         // The samples lie in a parallelogram between these corners.
@@ -119,8 +143,7 @@ impl Samples {
             let [u, i, j] = [corner & 1, corner >> 1 & 1, corner >> 2];
             let x = x + a * last * u + (sub_a * i - sub_b * j) * tap;
             let y = y + b * last * u + (sub_b * i + sub_a * j) * tap;
-            let within = |v: i64, size: i32| v >= 0 && v >> FRACTION < i64::from(size) - 1;
-            within(x, frame.width()) && within(y, frame.height())
+            holds(x, y)
         })
     }
 
@@ -199,24 +222,9 @@ impl<'a> Inside<'a> {
     /// As [`Samples::fill`], for `T`×`T` interpolated samples that are inside.
     #[inline(always)]
     fn fill_fine<const T: usize>(&self, samples: &Samples, x: i64, y: i64, row: &mut [u8]) {
-        let [step, (sub_a, sub_b)] = samples.steps_32();
-        let mut sums = [0; CROP_MAX];
-        let sums = sums.get_mut(..row.len()).unwrap_or(&mut []);
-        let (mut line_x, mut line_y) = (x as i32, y as i32);
-        for _ in 0..T {
-            let (mut sx, mut sy) = (line_x, line_y);
-            for _ in 0..T {
-                self.add_samples((sx, sy), step, sums);
-                sx = sx.wrapping_add(sub_a);
-                sy = sy.wrapping_add(sub_b);
-            }
-            line_x = line_x.wrapping_sub(sub_b);
-            line_y = line_y.wrapping_add(sub_a);
-        }
-        let area = (T * T).max(1) as u16;
-        for (pixel, sum) in row.iter_mut().zip(sums) {
-            *pixel = ((*sum + area / 2) / area) as u8;
-        }
+        fill_fine::<T>(samples, x, y, row, |at, step, sums| {
+            self.add_samples(at, step, sums)
+        });
     }
 
     /// Adds a row of interpolated samples, from (x, y) on, to the sums. All pixels are read first,
@@ -292,6 +300,107 @@ impl<'a> Inside<'a> {
             x = x.wrapping_add(a);
             y = y.wrapping_add(b);
         }
+    }
+}
+
+/// The same bytes, for samples that may be outside of the frame: such a one shows the nearest
+/// pixel, as one whose coordinates are moved to the edge does.
+struct Edges<'a> {
+    inside: &'a Inside<'a>,
+    rows: (i32, i32),
+    /// Width and height \[px\], at least 2.
+    size: [i32; 2],
+}
+
+impl<'a> Edges<'a> {
+    fn of(inside: &'a Inside<'a>, frame: &Frame<'_>) -> Option<Self> {
+        let size = [frame.width(), frame.height()];
+        let rows = inside.near_rows()?;
+        (size.iter().min() >= Some(&2)).then_some(Edges { inside, rows, size })
+    }
+
+    /// As [`Inside::fill_coarse`].
+    fn fill_coarse(&self, samples: &Samples, x: i64, y: i64, row: &mut [u8]) {
+        let (origin, below) = self.rows;
+        fill_coarse(samples, x, y, row, |x, y| {
+            let [x, y] = self.moved([x, y]);
+            let [x, y] = [x, y].map(|v| (v + (1 << (FRACTION - 1))) >> FRACTION);
+            let at = origin.wrapping_add(x).wrapping_add(y.wrapping_mul(below));
+            self.inside.read(at as u32 as isize).into()
+        });
+    }
+
+    /// As [`Inside::fill_fine`].
+    fn fill_fine<const T: usize>(&self, samples: &Samples, x: i64, y: i64, row: &mut [u8]) {
+        fill_fine::<T>(samples, x, y, row, |at, step, sums| {
+            self.add_samples(at, step, sums)
+        });
+    }
+
+    /// Coordinates, not beyond the centres of the outermost pixels.
+    #[inline(always)]
+    fn moved(&self, at: [i32; 2]) -> [i32; 2] {
+        let [x, y] = at;
+        let [width, height] = self.size;
+        let within = |v: i32, size: i32| v.max(0).min(size.wrapping_sub(1) << FRACTION);
+        [within(x, width), within(y, height)]
+    }
+
+    /// As [`Inside::add_samples`]. Of the last pixel of a row or column, the neighbour before it
+    /// has no weight.
+    fn add_samples(&self, (mut x, mut y): (i32, i32), (a, b): (i32, i32), sums: &mut [u16]) {
+        let (origin, below) = self.rows;
+        for sum in sums {
+            let at = self.moved([x, y]);
+            let [(column, fx), (row, fy)] = [0, 1].map(|axis| {
+                let first = (at[axis] >> FRACTION).min(self.size[axis].wrapping_sub(2));
+                (
+                    first,
+                    ((at[axis] - (first << FRACTION)) >> (FRACTION - 8)) as u32,
+                )
+            });
+            let at = origin
+                .wrapping_add(column)
+                .wrapping_add(row.wrapping_mul(below));
+            let [top, bottom] = [at, at.wrapping_add(below)].map(|at| {
+                let pair = self.inside.bytes.get(at as u32 as usize..);
+                let [left, right] = *pair.and_then(|pair| pair.first_chunk()).unwrap_or(&[0; 2]);
+                u32::from(left) * (256 - fx) + u32::from(right) * fx
+            });
+            *sum += ((top * (256 - fy) + bottom * fy + (1 << 15)) >> 16) as u16;
+            x = x.wrapping_add(a);
+            y = y.wrapping_add(b);
+        }
+    }
+}
+
+/// Fills a row of crop pixels with means of `T`×`T` samples each, of which `add` adds a row of so
+/// many to sums.
+#[inline(always)]
+fn fill_fine<const T: usize>(
+    samples: &Samples,
+    x: i64,
+    y: i64,
+    row: &mut [u8],
+    add: impl Fn((i32, i32), (i32, i32), &mut [u16]),
+) {
+    let [step, (sub_a, sub_b)] = samples.steps_32();
+    let mut sums = [0; CROP_MAX];
+    let sums = sums.get_mut(..row.len()).unwrap_or(&mut []);
+    let (mut line_x, mut line_y) = (x as i32, y as i32);
+    for _ in 0..T {
+        let (mut sx, mut sy) = (line_x, line_y);
+        for _ in 0..T {
+            add((sx, sy), step, sums);
+            sx = sx.wrapping_add(sub_a);
+            sy = sy.wrapping_add(sub_b);
+        }
+        line_x = line_x.wrapping_sub(sub_b);
+        line_y = line_y.wrapping_add(sub_a);
+    }
+    let area = (T * T).max(1) as u16;
+    for (pixel, sum) in row.iter_mut().zip(sums) {
+        *pixel = ((*sum + area / 2) / area) as u8;
     }
 }
 
@@ -415,6 +524,37 @@ mod tests {
         };
         warp(&frame, &half, 2, &mut crop);
         assert_eq!(crop.luma(), &[100; 4]);
+    }
+
+    /// Rows that are partly outside have the bytes that one sample after the other gives.
+    #[test]
+    fn edges_are_as_sampled_one_by_one() {
+        let bytes: [u8; 24 * 20] = core::array::from_fn(|i| (i * 37 % 251) as u8);
+        let frame = Frame::new(&FrameLayout::grey(24, 20), &bytes).unwrap();
+        for (a, b) in [
+            (0.7, 0.2),
+            (1.0, 0.0),
+            (1.3, -0.6),
+            (2.1, 1.2),
+            (3.0, 0.4),
+            (9.0, 2.0),
+        ] {
+            for (tx, ty) in [(-7.3, -5.1), (10.0, 9.5), (23.0, 19.0), (60.0, -80.0)] {
+                let to_frame = Similarity { a, b, tx, ty };
+                let (mut crop, mut expected) = (Crop::new(), Crop::new());
+                warp(&frame, &to_frame, 16, &mut crop);
+                // A frame whose pixels are not side by side has no other way.
+                let wide: [u8; 2 * 24 * 20] = core::array::from_fn(|i| bytes[i / 2]);
+                let layout = FrameLayout {
+                    format: crate::image::PixelFormat::Yuyv,
+                    stride: 48,
+                    ..FrameLayout::grey(24, 20)
+                };
+                let other = Frame::new(&layout, &wide).unwrap();
+                warp(&other, &to_frame, 16, &mut expected);
+                assert_eq!(crop.luma(), expected.luma(), "{a} {b} {tx} {ty}");
+            }
+        }
     }
 
     #[test]

@@ -137,6 +137,22 @@ fn extremes(rows: &[Row; 2 * REACH + 1], width: usize, y: usize, cells: &mut Cel
 /// Whether no response in the neighbourhood of column `x` of the middle row is stronger. Of equal
 /// responses the first, row by row, is the extreme.
 fn is_extreme(rows: &[Row; 2 * REACH + 1], x: usize, response: i16) -> bool {
+    // Nearly all have a stronger one beside them.
+    let [above, here, below] = [REACH - 1, REACH, REACH + 1].map(|row| rows.get(row));
+    let is_stronger = |row: Option<&Row>, x: usize| {
+        let other = row.and_then(|row| row.get(x)).copied().unwrap_or(0);
+        match response > 0 {
+            true => other > response,
+            false => other < response,
+        }
+    };
+    if is_stronger(here, x - 1)
+        || is_stronger(here, x + 1)
+        || is_stronger(above, x)
+        || is_stronger(below, x)
+    {
+        return false;
+    }
     !rows.iter().enumerate().any(|(j, row)| {
         let near = row.get(x - REACH..x + REACH + 1).unwrap_or(&[]);
         near.iter().enumerate().any(|(i, other)| {

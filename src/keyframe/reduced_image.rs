@@ -207,19 +207,45 @@ impl<'s> ReducedImage<'s> {
     }
 }
 
+/// Means of two samples on the diagonal of each reduced pixel of a row.
+#[inline(always)]
+fn average<'p>(
+    grid: &SamplingGrid,
+    pixels: impl Iterator<Item = &'p mut u16>,
+    upper: impl Fn(i32) -> u8,
+    lower: impl Fn(i32) -> u8,
+) {
+    let quarter = grid.step / 4;
+    let mut x = grid.x + 128;
+    for pixel in pixels {
+        let a = u16::from(upper((x - quarter) >> 8));
+        let b = u16::from(lower((x + quarter) >> 8));
+        *pixel = (a + b + 1) >> 1;
+        x += grid.step;
+    }
+}
+
 /// Row `v` of the grid, blurred along x by the weights 1 2 1 (their sum, not their mean).
 fn sample(frame: &Frame<'_>, grid: &SamplingGrid, v: i32, width: usize, out: &mut [u16; WIDTH]) {
-    // Two samples, on the diagonal of the reduced pixel.
     let quarter = grid.step / 4;
     let y = grid.y + grid.step * v;
     let (y0, y1) = ((y - quarter + 128) >> 8, (y + quarter + 128) >> 8);
     let mut raw = [0u16; WIDTH + 2];
-    let mut x = grid.x + 128;
-    for pixel in raw.iter_mut().skip(1).take(width) {
-        let a = frame.raw_luma((x - quarter) >> 8, y0) as u16;
-        let b = frame.raw_luma((x + quarter) >> 8, y1) as u16;
-        *pixel = (a + b + 1) >> 1;
-        x += grid.step;
+    let pixels = raw.iter_mut().skip(1).take(width);
+    match (frame.luma_row(y0), frame.luma_row(y1)) {
+        (Some(upper), Some(lower)) => {
+            let at = |row: &[u8], x: i32| {
+                let x = x.min(row.len() as i32 - 1).max(0);
+                row.get(x as usize).copied().unwrap_or(0)
+            };
+            average(grid, pixels, |x| at(upper, x), |x| at(lower, x));
+        }
+        _ => average(
+            grid,
+            pixels,
+            |x| frame.raw_luma(x, y0),
+            |x| frame.raw_luma(x, y1),
+        ),
     }
     // The edge pixels repeat.
     let first = raw.get(1).copied().unwrap_or(0);

@@ -3,8 +3,8 @@
 use super::follow::Appearance;
 use super::geometry::{centre, initial_shape};
 use super::policy::{
-    ACCEPT_CONFIDENCE, DISCARD_CONFIDENCE, FIT_WEIGHT_HIDDEN, FIT_WEIGHT_MIN, ITERATION_UNITS,
-    ROTATION_PRIOR_WEIGHT, TRUST_CONFIDENCE,
+    ACCEPT_CONFIDENCE, DISCARD_CONFIDENCE, FIRST_UNITS, FIT_WEIGHT_HIDDEN, FIT_WEIGHT_MIN,
+    ITERATION_UNITS, ROTATION_PRIOR_WEIGHT, TRUST_CONFIDENCE,
 };
 use super::search::Excluded;
 use super::step::Step;
@@ -52,6 +52,8 @@ pub(super) struct Start {
     pub(super) origin: Origin,
     /// Whether a rejected candidate is worth another attempt.
     pub(super) may_retry: bool,
+    /// Those of the last iteration; all before have the first only.
+    pub(super) networks: Networks,
 }
 
 impl Start {
@@ -63,7 +65,13 @@ impl Start {
             needed: Needed::to_refine(ACCEPT_CONFIDENCE),
             origin,
             may_retry: false,
+            networks: Networks::All,
         }
+    }
+
+    /// The last iteration with these networks.
+    pub(super) fn with(self, networks: Networks) -> Start {
+        Start { networks, ..self }
     }
 
     /// The start at a detection; `None` where no shape fits into its box.
@@ -82,6 +90,7 @@ impl Start {
             needed,
             origin,
             may_retry: true,
+            networks: Networks::All,
         })
     }
 }
@@ -105,6 +114,7 @@ pub(super) struct Candidate {
     pub(super) iterations_left: usize,
     /// What it has cost \[units of the detector\].
     pub(super) units: u32,
+    /// As of its start.
     networks: Networks,
 }
 
@@ -152,11 +162,7 @@ impl Candidate {
             recognised: 0,
             iterations_left: start.iterations,
             units: 0,
-            // Only of the target that was on the frame before is anything held.
-            networks: match start.origin {
-                Origin::Tracked => step.networks,
-                Origin::NewFace | Origin::Reacquired => Networks::All,
-            },
+            networks: start.networks,
         };
         while candidate.iterations_left > 0 {
             let is_next = candidate.iterate(step, work);
@@ -170,8 +176,15 @@ impl Candidate {
     /// One iteration; false where a landmark is not finite.
     fn iterate(&mut self, step: &Step<'_>, work: &mut Workspace) -> bool {
         let (cascade, verifier) = (&step.model.align, &step.model.verifier);
-        self.units += ITERATION_UNITS;
-        self.is_finite = cascade.iterate(step.frame, &mut self.shape, self.networks, work);
+        let networks = match self.iterations_left {
+            1 => self.networks,
+            _ => Networks::First,
+        };
+        self.units += match networks {
+            Networks::First => FIRST_UNITS,
+            _ => ITERATION_UNITS,
+        };
+        self.is_finite = cascade.iterate(step.frame, &mut self.shape, networks, work);
         self.confidence = match self.is_finite {
             true => verifier.evaluate(work.features(), work.view()),
             false => Confidence::NONE,

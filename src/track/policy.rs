@@ -236,27 +236,36 @@ pub(super) const MOST_TURN_COSINE: f32 = 0.5;
 
 // --- Work costs ----------------------------------------------------------------------------------
 
-/// Work of an iteration of the global stage and its verification \[units: a tracking step has about
-/// 3,000\].
+/// Work of an iteration of the global stage and its verification \[units: a tracking step has
+/// 2,600\].
 ///
-/// Source: `posewise-lab bench`, rounded up: 1,550 on x86-64 with AVX2.
-pub(super) const ITERATION_UNITS: u32 = 1900;
+/// Source: `posewise-lab bench` on x86-64 with AVX2, as all of these.
+pub(super) const ITERATION_UNITS: u32 = 1550;
+
+/// Work of an iteration with the first network only \[units\].
+pub(super) const FIRST_UNITS: u32 = 850;
 
 /// Work of the refiners and the 3D fit \[units\].
-///
-/// Source: `posewise-lab bench`, likewise.
-pub(super) const REFINE_UNITS: u32 = 700;
+pub(super) const REFINE_UNITS: u32 = 1050;
+
+/// Work of a local search \[units\]: a tile whose pixels may be means of many.
+pub(super) const LOCAL_UNITS: u32 = 1200;
+
+/// Work of comparing one window of a frame with all keyframes \[units\].
+pub(super) const KEYFRAME_UNITS: u32 = 1700;
 
 /// Work beyond which a step begins nothing more, but for a tile of the scan: the next one does
 /// \[units\].
 ///
-/// Source: chosen; the longest step takes what `posewise-lab bench` says.
-pub(super) const STEP_UNITS: u32 = 6700;
+/// Source: chosen, one and a half tracking steps; the longest step takes what `posewise-lab bench`
+/// says.
+pub(super) const STEP_UNITS: u32 = 4000;
 
-/// Work of comparing one window of a frame with all keyframes \[units\].
+/// Iterations at what a local search finds: the target's face is known, and tracking goes on from
+/// there.
 ///
-/// Source: `posewise-lab bench`, likewise.
-pub(super) const KEYFRAME_UNITS: u32 = 2200;
+/// Source: chosen, for [`STEP_UNITS`].
+pub(super) const LOCAL_ITERATIONS: usize = 2;
 
 // --- Noise ---------------------------------------------------------------------------------------
 

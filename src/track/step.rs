@@ -112,7 +112,7 @@ impl fmt::Display for StepError {
 
 impl core::error::Error for StepError {}
 
-/// Work of one step, in units of which a tracking step has 3,000: a tile of the detector has
+/// Work of one step, in units of which a tracking step has 2,600: a tile of the detector has
 /// [`TILE_UNITS`], costs of everything else are in `policy.rs`.
 pub(super) struct WorkBudget {
     limit: u32,

@@ -529,7 +529,7 @@ impl Tracker {
         };
         self.rested = match networks {
             Networks::All => 0,
-            Networks::Few => self.rested.saturating_add(1),
+            Networks::First | Networks::Few => self.rested.saturating_add(1),
         };
         networks
     }

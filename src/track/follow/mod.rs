@@ -14,7 +14,7 @@ use super::output::Loss;
 use super::policy::{CUT_SHARE, IN_PLACE_SHARES, UNTRUSTED_KEEP_CONFIDENCE};
 use super::search::Excluded;
 use super::step::Step;
-use crate::align::{Networks, Shape, Workspace};
+use crate::align::{Networks, Workspace};
 
 /// Sees the target at its predicted place. Where its confidence is low there, the place where it
 /// was last trusted is tried too, because whatever covers a face draws the landmarks along.
@@ -25,18 +25,20 @@ pub fn see_target(
     excluded: &Excluded,
     work: &mut Workspace,
 ) -> Candidate {
-    let step = &match target.is_fast() {
-        true => step.with(Networks::All),
-        false => *step,
+    let networks = match target.is_fast() {
+        true => Networks::All,
+        false => step.networks,
     };
-    let predicted = target.predict(step.now_us);
-    let mut first = see_at(step, predicted, target, excluded, work);
+    let predicted = Start::near(target.predict(step.now_us), Origin::Tracked).with(networks);
+    let mut first = see_at(step, &predicted, target, excluded, work);
     let is_low = first.is_finite && first.confidence.face < UNTRUSTED_KEEP_CONFIDENCE;
     let Some(anchor) = target.anchor().filter(|_| is_low).copied() else {
         return first;
     };
     work.exchange_features();
-    let mut second = see_at(step, anchor, target, excluded, work);
+    // Of a face of which so little is seen, an average makes nothing better.
+    let anchor = Start::near(anchor, Origin::Tracked).with(Networks::First);
+    let mut second = see_at(step, &anchor, target, excluded, work);
     first.units += second.units;
     let is_free = !excluded.contains(centre(&second.shape));
     let is_better = second.confidence.face > first.confidence.face;
@@ -50,13 +52,12 @@ pub fn see_target(
 
 fn see_at(
     step: &Step<'_>,
-    shape: Shape,
+    start: &Start,
     target: &mut Target,
     excluded: &Excluded,
     work: &mut Workspace,
 ) -> Candidate {
-    let start = Start::near(shape, Origin::Tracked);
-    let mut candidate = Candidate::new(step, &start, work);
+    let mut candidate = Candidate::new(step, start, work);
     candidate.recognise(&mut target.appearance, excluded, work);
     candidate
 }

@@ -12,11 +12,12 @@ use super::align::{Candidate, Needed, Origin, Start};
 use super::config::Config;
 use super::output::State;
 use super::policy::{
-    ACCEPT_CONFIDENCE, DISCARD_CONFIDENCE, FIRST_ATTEMPT_CONFIDENCE, ITERATION_UNITS,
-    KEYFRAME_UNITS, LOCAL_SEARCH_PERIOD, REFINE_UNITS, RETRY_CONFIDENCE,
+    ACCEPT_CONFIDENCE, DISCARD_CONFIDENCE, FIRST_ATTEMPT_CONFIDENCE, FIRST_UNITS, ITERATION_UNITS,
+    KEYFRAME_UNITS, LOCAL_ITERATIONS, LOCAL_SEARCH_PERIOD, LOCAL_UNITS, REFINE_UNITS,
+    RETRY_CONFIDENCE,
 };
 use super::step::{Step, WorkBudget};
-use crate::align::Workspace;
+use crate::align::{Networks, Workspace};
 use crate::detect::{Detection, Scan, TILE_UNITS};
 use keyframes::Keyframes;
 use rejected::PendingRetry;
@@ -102,7 +103,7 @@ pub enum Wanted {
 }
 
 /// Work of a search with keyframes and of the attempt at what it finds \[units\].
-const KEYFRAME_ATTEMPT_UNITS: u32 = KEYFRAME_UNITS + ITERATION_UNITS + REFINE_UNITS;
+const KEYFRAME_ATTEMPT_UNITS: u32 = KEYFRAME_UNITS + FIRST_UNITS + REFINE_UNITS;
 
 /// What is proposed next.
 #[derive(Clone, Copy)]
@@ -202,15 +203,20 @@ impl Proposals {
                     (start, Stage::NearExpected(face))
                 }
                 Stage::NearExpected(face) => {
-                    self.budget.spend(TILE_UNITS);
+                    self.budget.spend(LOCAL_UNITS);
                     let found = nearest(step, &face, work);
                     let start = found.and_then(|face| first(step, &face, Origin::NewFace));
                     (start, Stage::Begin)
                 }
                 Stage::NearTarget(face) => {
-                    self.budget.spend(TILE_UNITS);
+                    self.budget.spend(LOCAL_UNITS);
                     let found = nearest(step, &face, work);
                     let start = found.and_then(|face| first(step, &face, Origin::Reacquired));
+                    let start = start.map(|start| Start {
+                        iterations: LOCAL_ITERATIONS.min(start.iterations),
+                        networks: Networks::First,
+                        ..start
+                    });
                     (start, Stage::End)
                 }
                 Stage::Begin => (None, self.begin(step, config, search)),
@@ -296,7 +302,7 @@ impl Proposals {
         let found = (search.keyframes).find(step.frame, &last.place, work.scratch());
         self.entry = found.as_ref().map(|found| found.entry);
         (
-            found.map(|found| Start::near(found.shape, found.origin)),
+            found.map(|found| Start::near(found.shape, found.origin).with(Networks::First)),
             next,
         )
     }
@@ -311,7 +317,8 @@ impl Proposals {
         let Some(face) = (search.scanner).next(step, &mut self.plan, &mut self.budget, work) else {
             return (None, Stage::Retries);
         };
-        let attempt = step.model.align.iterations() as u32 * ITERATION_UNITS + REFINE_UNITS;
+        let before = step.model.align.iterations().saturating_sub(1) as u32 * FIRST_UNITS;
+        let attempt = before + ITERATION_UNITS + REFINE_UNITS;
         let needed = Needed {
             to_iterate: match self.budget.left() >= attempt {
                 true => DISCARD_CONFIDENCE,

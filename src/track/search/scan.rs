@@ -10,7 +10,7 @@ use crate::detect::{
 use crate::image::Frame;
 use crate::track::config::Config;
 use crate::track::policy::{
-    EXPECT_PERIOD, EXPECT_US, EXPECTED_SIZES, ITERATION_UNITS, KEYFRAME_UNITS, LARGE_FACE,
+    EXPECT_PERIOD, EXPECT_US, EXPECTED_SIZES, FIRST_UNITS, KEYFRAME_UNITS, LARGE_FACE,
     LARGE_FACE_PERIOD, UNCLEAR_PERIOD,
 };
 use crate::track::step::{Step, WorkBudget};
@@ -195,7 +195,7 @@ impl Scanner {
             };
             let given = ScanBudget {
                 units: budget.left(),
-                candidate: ITERATION_UNITS.min(budget.limit()),
+                candidate: FIRST_UNITS.min(budget.limit()),
                 clear: !steps.is_multiple_of(UNCLEAR_PERIOD),
             };
             let detector = &step.model.detector;
