@@ -81,7 +81,7 @@
 #define POSEWISE_ALIGN          64u          ///< Alignment of memory and model [bytes]
 #define POSEWISE_MEMORY_SIZE    (192 * 1024) ///< Upper bound of posewise_memory_size() [bytes]
 #define POSEWISE_LANDMARKS      68u          ///< Landmarks, iBUG 68 scheme
-#define POSEWISE_ANIMATIONS     33u          ///< Weights, POSEWISE_ANIMATION_*
+#define POSEWISE_ANIMATIONS     29u          ///< Weights, POSEWISE_ANIMATION_*
 #define POSEWISE_EYE_LOOKS      8u           ///< Weights of a gaze, POSEWISE_EYE_LOOK_*
 #define POSEWISE_EXCLUDED       16u          ///< Most boxes of posewise_set_excluded()
 #define POSEWISE_GROUP_TRACKERS 16u          ///< Most trackers of posewise_group_step()
@@ -246,10 +246,6 @@
 #define POSEWISE_ANIMATION_MOUTH_LEFT             26u ///< The lips go to the left
 #define POSEWISE_ANIMATION_MOUTH_RIGHT            27u ///< The lips go to the right
 #define POSEWISE_ANIMATION_MOUTH_ROLL_LOWER       28u ///< The lower lip is rolled inwards
-#define POSEWISE_ANIMATION_MOUTH_SHRUG_LOWER      29u ///< The lower lip goes up and outwards
-#define POSEWISE_ANIMATION_MOUTH_SHRUG_UPPER      30u ///< The upper lip goes up and outwards
-#define POSEWISE_ANIMATION_NOSE_SNEER_LEFT        31u ///< The left side of the nose is raised
-#define POSEWISE_ANIMATION_NOSE_SNEER_RIGHT       32u ///< The right side of the nose is raised
 
 #define POSEWISE_EYE_LOOK_UP_LEFT    0u ///< The left eye looks up
 #define POSEWISE_EYE_LOOK_UP_RIGHT   1u ///< The right eye looks up

@@ -5,7 +5,7 @@ export const ABI = 1;
 
 export const LANDMARKS = 68;
 
-export const ANIMATIONS = 33;
+export const ANIMATIONS = 29;
 
 export const EYE_LOOKS = 8;
 

@@ -10,7 +10,7 @@ from typing import Literal, Union, get_args
 
 ABI = 1
 LANDMARKS = 68
-ANIMATIONS = 33
+ANIMATIONS = 29
 EYE_LOOKS = 8
 MESH_VERTICES = 800
 MESH_NEUTRAL = 4294967295

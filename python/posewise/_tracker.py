@@ -44,7 +44,7 @@ class Result(Fields):
     visibility: Floats
     #: (68, 3): points of the 3D face in the camera frame [mm].
     points_mm: Floats
-    #: (33,): animation weights, named by ANIMATION_NAMES.
+    #: (29,): animation weights, named by ANIMATION_NAMES.
     animation: Floats
 
 

@@ -50,7 +50,7 @@ def test_results_have_their_shapes(clip):
         before, result = result, tracker.step(frame, i * clip[1])
     assert result.state == "tracking" and result.loss == "none"
     assert result.landmarks.shape == (68, 2) and result.points_mm.shape == (68, 3)
-    assert result.animation.shape == (33,) and len(posewise.ANIMATION_NAMES) == 33
+    assert result.animation.shape == (29,) and len(posewise.ANIMATION_NAMES) == 29
     # An earlier result stays as it was.
     assert before.timestamp_us == 8 * clip[1]
     assert not np.shares_memory(before.landmarks, result.landmarks)

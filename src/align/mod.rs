@@ -59,5 +59,6 @@ pub use shape_regression::{ShapeRegression, deviation};
 pub use views::{View, Views};
 #[cfg(feature = "unstable-internals")]
 pub use weights::{
-    GEOMETRY, Inputs, MAX_SEEN, MAX_WEIGHT_INPUTS, SIDE_WEIGHTS, Seen, WEIGHTS_TAG, WeightModel,
+    GEOMETRY, Inputs, MAX_REFINERS, MAX_SEEN, MAX_WEIGHT_INPUTS, SIDE_WEIGHTS, Seen, WEIGHTS_TAG,
+    WeightModel,
 };

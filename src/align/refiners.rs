@@ -11,7 +11,7 @@ use super::correction::{Correction, Networks};
 use super::regressor::{MAX_REFINERS, Memory, Regressor};
 use super::shape::Shape;
 use super::shape_regression::ShapeRegression;
-use super::weights::WeightModel;
+use super::weights::{MAX_REFINERS, WeightModel};
 use crate::image::{Crop, Frame, warp};
 use crate::math::Similarity;
 use crate::shape::{LANDMARKS, MIRROR};

@@ -1,5 +1,5 @@
-//! Animation weights that the 3D face has no modes for (section `WGHT`): rolled lips, a sneer,
-//! puffed cheeks.
+//! Animation weights that the 3D face has no modes for (section `WGHT`): a rolled lip, a mouth moved
+//! aside, puffed cheeks.
 //!
 //! Landmarks alone hardly show them. What the refiners' networks see around eyes and mouth does,
 //! and they have run already: a few linear combinations of what their last heads read are taken
@@ -15,6 +15,8 @@ use posewise_format::{Blob, ModelError, Section, Tag};
 /// Name of the section.
 pub const WEIGHTS_TAG: Tag = *b"WGHT";
 
+/// Capacity: refiners of a model.
+pub const MAX_REFINERS: usize = 3;
 /// Capacity: combinations of what a refiner's run sees.
 pub const MAX_SEEN: usize = 12;
 /// Capacity: hidden values.

@@ -21,7 +21,7 @@ pub const POSEWISE_MEMORY_SIZE: u32 = 192 * 1024;
 /// Landmarks, iBUG 68 scheme.
 pub const POSEWISE_LANDMARKS: u32 = 68;
 /// Weights, POSEWISE_ANIMATION_*.
-pub const POSEWISE_ANIMATIONS: u32 = 33;
+pub const POSEWISE_ANIMATIONS: u32 = 29;
 /// Weights of a gaze, POSEWISE_EYE_LOOK_*.
 pub const POSEWISE_EYE_LOOKS: u32 = 8;
 /// Most boxes of posewise_set_excluded().

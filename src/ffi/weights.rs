@@ -59,14 +59,6 @@ pub const POSEWISE_ANIMATION_MOUTH_LEFT: u32 = 26;
 pub const POSEWISE_ANIMATION_MOUTH_RIGHT: u32 = 27;
 /// The lower lip is rolled inwards.
 pub const POSEWISE_ANIMATION_MOUTH_ROLL_LOWER: u32 = 28;
-/// The lower lip goes up and outwards.
-pub const POSEWISE_ANIMATION_MOUTH_SHRUG_LOWER: u32 = 29;
-/// The upper lip goes up and outwards.
-pub const POSEWISE_ANIMATION_MOUTH_SHRUG_UPPER: u32 = 30;
-/// The left side of the nose is raised.
-pub const POSEWISE_ANIMATION_NOSE_SNEER_LEFT: u32 = 31;
-/// The right side of the nose is raised.
-pub const POSEWISE_ANIMATION_NOSE_SNEER_RIGHT: u32 = 32;
 
 /// The left eye looks up.
 pub const POSEWISE_EYE_LOOK_UP_LEFT: u32 = 0;

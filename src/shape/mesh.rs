@@ -139,8 +139,8 @@ impl<'m> MeshTopology<'m> {
 /// A checked view of section `MESH`; empty where the model lacks it.
 ///
 /// Content, in this order: `vertices, identities, triangles, listed, runs: u32`;
-/// `mean: f32[vertices·3]` \[mm\]; `identity_scale: f32[identities]`; `animation_scale: f32[33]`;
-/// `moved: u8[blocks][(identities + 33) / 8]`, rounded up: whether each mode moves a block of 8
+/// `mean: f32[vertices·3]` \[mm\]; `identity_scale: f32[identities]`; `animation_scale: f32[29]`;
+/// `moved: u8[blocks][(identities + 29) / 8]`, rounded up: whether each mode moves a block of 8
 /// vertices, least significant bit first, the last block filled up; `modes: i8[runs][24]`, block by
 /// block, of the modes that move it;
 /// `pulled_by: u8[vertices·6]`; `pulls: i8[vertices·6]`; `rings: u16[vertices·4]`;
@@ -267,8 +267,8 @@ impl<'m> Mesh<'m> {
             && come_first
     }
 
-    /// Writes the vertices of a face of these weights of [`ANIMATION_NAMES`](super::ANIMATION_NAMES),
-    /// or of its first ones, in the frame of the pose \[mm\].
+    /// Writes the vertices of a face with these animation weights, or only the first ones, in the
+    /// frame of the pose \[mm\].
     pub(crate) fn place(
         &self,
         pose: &Pose,

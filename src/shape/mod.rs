@@ -85,14 +85,10 @@ pub const ANIMATION_NAMES: [&str; ANIMATIONS] = [
     "mouthLeft",
     "mouthRight",
     "mouthRollLower",
-    "mouthShrugLower",
-    "mouthShrugUpper",
-    "noseSneerLeft",
-    "noseSneerRight",
 ];
 
 /// Number of animation weights.
-pub const ANIMATIONS: usize = 33;
+pub const ANIMATIONS: usize = 29;
 
 /// Number of animation weights that the fit estimates with the pose: the modes of the 3D face.
 pub const FITTED: usize = 24;

@@ -578,8 +578,8 @@ pub(super) const REST_STEP_S: f32 = 0.2;
 /// Source: chosen.
 pub(super) const REST_FACING_COSINE: f32 = 0.866;
 
-/// Mean visibility of a part's landmarks up to which nothing is said of its weights, and that from
-/// which they are given as they are seen.
+/// Mean visibility of the mouth's landmarks up to which nothing is said of its weights, and that
+/// from which they are given as they are seen.
 ///
 /// Source: chosen.
 pub(super) const WEIGHT_HIDDEN: f32 = 0.3;

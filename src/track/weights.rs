@@ -23,18 +23,13 @@ const SEEN: usize = ANIMATIONS - FITTED;
 /// fitted ones.
 type SeenWeights = [f32; SEEN];
 
-/// For each weight that is seen the output that it is, and what of the face shows it. Other outputs
-/// of the network say too little.
-const OUTPUTS: [(Output, Part); SEEN] = [
-    (Output::Middle(0), Part::Mouth),
-    (Output::Middle(2), Part::Mouth),
-    (Output::Left(2), Part::Mouth),
-    (Output::Right(2), Part::Mouth),
-    (Output::Middle(3), Part::Mouth),
-    (Output::Middle(5), Part::Mouth),
-    (Output::Middle(6), Part::Mouth),
-    (Output::Left(4), Part::Nose),
-    (Output::Right(4), Part::Nose),
+/// For each weight that is seen the output that it is. Other outputs of the network say too little.
+const OUTPUTS: [Output; SEEN] = [
+    Output::Middle(0),
+    Output::Middle(2),
+    Output::Left(2),
+    Output::Right(2),
+    Output::Middle(3),
 ];
 
 /// An output of the network: of the middle, or of a side.
@@ -45,22 +40,8 @@ enum Output {
     Right(usize),
 }
 
-/// A part of the face, by its landmarks.
-#[derive(Clone, Copy)]
-enum Part {
-    Nose,
-    Mouth,
-}
-
-impl Part {
-    /// Its first landmark, and how many it has.
-    fn landmarks(self) -> (usize, usize) {
-        match self {
-            Part::Nose => (27, 9),
-            Part::Mouth => (48, 20),
-        }
-    }
-}
+/// First landmark of the mouth, which shows all of them, and how many it has.
+const MOUTH: (usize, usize) = (48, 20);
 
 /// What the weights of a person's face at rest are.
 #[derive(Clone)]
@@ -104,24 +85,24 @@ pub fn see(
     person: &mut PersonsRest,
     work: &mut Workspace,
 ) -> [f32; ANIMATIONS] {
+    let fitted_weights = &fitted.fit.state.animation;
     let mut all = [0.0; ANIMATIONS];
-    let (of_fit, of_seen) = all.split_at_mut(FITTED);
-    of_fit.copy_from_slice(&fitted.fit.state.animation);
+    for (out, weight) in all.iter_mut().zip(fitted_weights) {
+        *out = *weight;
+    }
     let model = step.model.align.weights();
     let Some(outputs) = model.run(&geometry(fitted), work.seen()) else {
         return all;
     };
-    let weights = OUTPUTS.map(|(output, _)| value(&outputs, output));
+    let weights = OUTPUTS.map(|output| value(&outputs, output));
     let is_trusted = fitted.confidence().face >= TRUST_CONFIDENCE;
     if is_trusted && fitted.fit.state.pose.facing_cosine() >= REST_FACING_COSINE {
         person.see(&weights, step.now_us);
     }
-    let above = weights
-        .iter()
-        .zip(&person.rest)
-        .map(|(weight, rest)| weight - rest);
-    for ((out, weight), (_, part)) in of_seen.iter_mut().zip(above).zip(OUTPUTS) {
-        *out = (weight * shown(fitted, part)).clamp(0.0, 1.0);
+    let shown = mouth_shown(fitted);
+    let seen = weights.iter().zip(&person.rest);
+    for (out, (weight, rest)) in all.iter_mut().skip(FITTED).zip(seen) {
+        *out = ((weight - rest) * shown).clamp(0.0, 1.0);
     }
     all
 }
@@ -137,9 +118,9 @@ fn value([right, left]: &[[f32; WEIGHT_OUTPUTS]; 2], output: Output) -> f32 {
     value.unwrap_or_default()
 }
 
-/// How much of a part is shown, 0..1: nothing is said of what something hides.
-fn shown(fitted: &Fitted<'_>, part: Part) -> f32 {
-    let (first, count) = part.landmarks();
+/// How much of the mouth is shown, 0..1: nothing is said of what something hides.
+fn mouth_shown(fitted: &Fitted<'_>) -> f32 {
+    let (first, count) = MOUTH;
     let visibility = fitted.confidence().visibility.iter().skip(first);
     let mean = visibility.take(count).sum::<f32>() / count as f32;
     ((mean - WEIGHT_HIDDEN) / (WEIGHT_SHOWN - WEIGHT_HIDDEN)).clamp(0.0, 1.0)
@@ -174,7 +155,7 @@ mod tests {
     #[test]
     fn every_weight_has_its_own_output_of_its_side() {
         let name = |k: usize| ANIMATION_NAMES[FITTED + k];
-        for (k, (output, _)) in OUTPUTS.iter().enumerate() {
+        for (k, output) in OUTPUTS.iter().enumerate() {
             let side = match output {
                 Output::Middle(_) => "",
                 Output::Left(_) => "Left",
@@ -184,7 +165,7 @@ mod tests {
             let outputs: [[f32; WEIGHT_OUTPUTS]; 2] =
                 core::array::from_fn(|side| core::array::from_fn(|at| (100 * side + at) as f32));
             let place = value(&outputs, *output);
-            let others = OUTPUTS.iter().filter(|(o, _)| value(&outputs, *o) == place);
+            let others = OUTPUTS.iter().filter(|o| value(&outputs, **o) == place);
             assert_eq!(others.count(), 1, "{}", name(k));
         }
     }

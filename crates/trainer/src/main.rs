@@ -24,8 +24,8 @@ enum Command {
     /// Write a model with the dense mesh of its head: one that is finished, with all other sections
     /// as they are.
     AddMesh(pipeline::mesh::AddArgs),
-    /// Train animation weights that are seen and write a model with them: one that is finished, with
-    /// all other sections as they are.
+    /// Train animation weights that are seen and write a model with them: one that is finished,
+    /// with all other sections as they are.
     AddWeights(pipeline::weights::AddArgs),
     /// Render faces and print the path of their file.
     Render(render::Args),

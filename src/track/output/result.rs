@@ -148,7 +148,7 @@ pub struct TrackResult {
     /// The landmarks as points of the 3D face, camera frame \[mm\].
     #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
     pub points_mm: [[f32; 3]; LANDMARKS],
-    /// Weights of [`crate::ANIMATION_NAMES`], 0..1. With a model without section `WGHT`, those after
+    /// Weights of [`crate::ANIMATION_NAMES`], 0..1. With a model without section `WGHT` those after
     /// `mouthLowerDownRight` are 0.
     #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
     pub animation: [f32; ANIMATIONS],

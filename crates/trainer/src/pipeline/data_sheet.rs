@@ -5,7 +5,7 @@ use super::args::Args;
 use super::context::Context;
 use super::stage::Stage;
 use super::store::Output;
-use super::{eyes, global_network, mesh, sections, weights};
+use super::{global_network, sections};
 use crate::align::{self, Accuracy, Trained};
 use crate::faces::{self, Face};
 use crate::photographs::DEV;
@@ -130,7 +130,13 @@ inter-ocular distance, median {median:.2} %, above 10 %: {failure:.2} %.
 
 /// Headings of the parts on sections that are added to a finished model, in the order in which they
 /// stand.
-const PARTS: [&str; 3] = [mesh::HEADING, weights::HEADING, eyes::HEADING];
+const PARTS: [&str; 3] = [MESH_HEADING, WEIGHTS_HEADING, EYES_HEADING];
+/// Those of sections `MESH`, `WGHT` and `EYES`.
+pub const MESH_HEADING: &str = "\n\nMesh (section MESH):\n";
+/// See [`MESH_HEADING`].
+pub const WEIGHTS_HEADING: &str = "\n\nWeights (section WGHT):\n";
+/// See [`MESH_HEADING`].
+pub const EYES_HEADING: &str = "\n\nEyes (section EYES):\n";
 
 /// A data sheet in which the part below a heading is new.
 pub fn with_part(sheet: &str, heading: &str, text: &str) -> String {

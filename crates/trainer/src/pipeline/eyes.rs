@@ -3,7 +3,7 @@
 
 use super::args::Args;
 use super::context::Context;
-use super::data_sheet;
+use super::data_sheet::{self, EYES_HEADING};
 use super::renders;
 use super::sections;
 use super::stage::Stage;
@@ -118,14 +118,11 @@ pub fn add(add: &AddArgs) -> Result<()> {
     let sheet = others.sections().find(|(tag, _)| *tag == SHEET_TAG);
     let sheet = String::from_utf8_lossy(sheet.map_or(&[], |(_, bytes)| bytes)).into_owned();
     let sheet = data_sheet::titled(&sheet, &args.out);
-    let sheet = data_sheet::with_part(&sheet, HEADING, &about(args, &figures));
+    let sheet = data_sheet::with_part(&sheet, EYES_HEADING, &about(args, &figures));
     let size = super::pack::write(&args.out, all, &sheet)?;
     println!("{}: {size} bytes", args.out.display());
     Ok(())
 }
-
-/// Where the part of a data sheet begins that is about the section.
-pub(super) const HEADING: &str = "\n\nEyes (section EYES):\n";
 
 /// The section of the finished model that a training goes on from, and what its data sheet says of
 /// it: no stage of a whole model makes it.
@@ -140,9 +137,11 @@ pub fn finished(context: &Context<'_>) -> Result<Option<(SectionWriter, String)>
     let sheet = all.sections().find(|(tag, _)| *tag == SHEET_TAG);
     let sheet = sheet.map_or(&[][..], |(_, bytes)| bytes);
     let sheet = String::from_utf8_lossy(sheet);
-    let about = sheet.split_once(HEADING).map_or("", |(_, about)| about);
+    let about = sheet
+        .split_once(EYES_HEADING)
+        .map_or("", |(_, about)| about);
     let about = about.trim_end_matches(['\0', '\n']);
-    Ok(Some((section, format!("{HEADING}{about}\n"))))
+    Ok(Some((section, format!("{EYES_HEADING}{about}\n"))))
 }
 
 /// What a data sheet says of the section.

@@ -1,7 +1,7 @@
 //! Stage `mesh`: the dense mesh of the morphable head (section `MESH`). It depends on the head and
 //! the 3D face alone, so that it can be added to a finished model.
 
-use super::data_sheet;
+use super::data_sheet::{self, MESH_HEADING};
 use super::hash::Hash;
 use super::sections;
 use super::stage::Stage;
@@ -69,20 +69,18 @@ pub fn add(args: &AddArgs) -> Result<()> {
         .collect();
     all.push(sections::read(&(&output, MESH_TAG))?);
     let sheet = std::str::from_utf8(part(SHEET_TAG).unwrap_or_default())?;
-    let sheet = data_sheet::with_part(&data_sheet::titled(sheet, &args.out), HEADING, ABOUT);
+    let sheet = data_sheet::with_part(&data_sheet::titled(sheet, &args.out), MESH_HEADING, ABOUT);
     let size = super::pack::write(&args.out, all, &format!("{sheet}\n"))?;
     println!("{}: {size} bytes", args.out.display());
     Ok(())
 }
 
-/// Where the part of a data sheet begins that is about the section.
-pub(super) const HEADING: &str = "\n\nMesh (section MESH):\n";
-/// What it says.
+/// What a data sheet says of the section.
 const ABOUT: &str = "\
 528 vertices of the head facekit above, with its modes, as `posewise-train add-mesh` adds them to a
 finished model; nothing was trained for it.";
 
 /// The same for a whole model.
 pub fn about() -> String {
-    format!("{HEADING}{ABOUT}")
+    format!("{MESH_HEADING}{ABOUT}")
 }

@@ -1,7 +1,7 @@
 //! Stage `weights`: animation weights that are seen (section `WGHT`). It depends on a finished
 //! model's networks, so it is added to one.
 
-use super::data_sheet;
+use super::data_sheet::{self, WEIGHTS_HEADING};
 use super::sections;
 use super::stage::Stage;
 use super::store::{Output, Store};
@@ -107,14 +107,11 @@ pub fn add(args: &AddArgs) -> Result<()> {
     let sheet = model.sections().find(|(tag, _)| *tag == SHEET_TAG);
     let sheet = std::str::from_utf8(sheet.map_or(&[], |(_, bytes)| bytes))?;
     let sheet = data_sheet::titled(sheet, &args.out);
-    let sheet = data_sheet::with_part(&sheet, HEADING, &about(args, &figures));
+    let sheet = data_sheet::with_part(&sheet, WEIGHTS_HEADING, &about(args, &figures));
     let size = super::pack::write(&args.out, all, &format!("{sheet}\n"))?;
     println!("{}: {size} bytes", args.out.display());
     Ok(())
 }
-
-/// Where the part of a data sheet begins that is about the section.
-pub(super) const HEADING: &str = "\n\nWeights (section WGHT):\n";
 
 /// What a data sheet says of the section.
 fn about(args: &AddArgs, figures: &Figures) -> String {

@@ -66,12 +66,7 @@ const FIRST: std::ops::Range<usize> = 150..450;
 const LAST: usize = 300;
 
 /// Weights of which MakeHuman's heads have a clear counterpart, beside the fitted ones.
-const CLEAR: [&str; 4] = [
-    "eyeSquintLeft",
-    "eyeSquintRight",
-    "noseSneerLeft",
-    "noseSneerRight",
-];
+const CLEAR: [&str; 2] = ["noseSneerLeft", "noseSneerRight"];
 
 /// What is found and what is true on a picture.
 struct Measured {
