@@ -50,7 +50,7 @@ pub use placement::{Placement, mirror, place};
 #[cfg(feature = "unstable-internals")]
 pub use refiners::{MAX_POINTS, place_refiner};
 #[cfg(feature = "unstable-internals")]
-pub use regressor::{GLOBAL, MAX_HEADS, MAX_INPUTS, MAX_RANK, MAX_REFINERS, SHAPE_INDEXED};
+pub use regressor::{GLOBAL, MAX_HEADS, MAX_INPUTS, MAX_RANK, SHAPE_INDEXED};
 #[cfg(feature = "unstable-internals")]
 pub use rotation_regression::{crop_to_camera, input_of};
 #[cfg(feature = "unstable-internals")]

@@ -8,7 +8,7 @@
 //! predictions for the crop and for its mirror image are averaged.
 
 use super::correction::{Correction, Networks};
-use super::regressor::{MAX_REFINERS, Memory, Regressor};
+use super::regressor::{Memory, Regressor};
 use super::shape::Shape;
 use super::shape_regression::ShapeRegression;
 use super::weights::{MAX_REFINERS, WeightModel};

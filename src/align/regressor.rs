@@ -9,8 +9,6 @@ use posewise_format::{ModelError, Section};
 pub const MAX_RANK: usize = 96;
 /// Capacity: heads of a regressor.
 pub const MAX_HEADS: usize = 4;
-/// Capacity: refiners of a model, regressors beside the global stage's.
-pub const MAX_REFINERS: usize = 3;
 /// Capacity: input features of a head.
 pub const MAX_INPUTS: usize = LANDMARKS * MAX_FEATURES;
 

@@ -1,5 +1,5 @@
-//! Animation weights that the 3D face has no modes for (section `WGHT`): a rolled lip, a mouth moved
-//! aside, puffed cheeks.
+//! Animation weights that the 3D face has no modes for (section `WGHT`): puffed cheeks, a rolled
+//! lip, a mouth moved aside.
 //!
 //! Landmarks alone hardly show them. What the refiners' networks see around eyes and mouth does,
 //! and they have run already: a few linear combinations of what their last heads read are taken
@@ -7,7 +7,7 @@
 //! landmarks differ by from the fitted face, of the fitted weights and of the turn of the head. It
 //! knows one side of the face, as the refiners do: the person's left side is seen mirrored.
 
-use super::regressor::{MAX_INPUTS, MAX_REFINERS};
+use super::regressor::MAX_INPUTS;
 use crate::math::dot;
 use crate::shape::{FITTED, FITTED_MIRROR, LANDMARKS, MIRROR};
 use posewise_format::{Blob, ModelError, Section, Tag};

@@ -1,6 +1,6 @@
 //! The network from what a tracker gives to weights, trained by gradients.
 
-use super::{Figures, NAMES, OF_PERSON, Options, Row, SEEN, places};
+use super::outputs::{Figures, NAMES, OF_PERSON, Options, Row, SEEN, places};
 use posewise::align::{Inputs, WEIGHT_OUTPUTS};
 use posewise_format::SectionWriter;
 use rand::seq::SliceRandom;

@@ -1,6 +1,6 @@
 //! Pictures of rendered people with mixtures of all weights, on disk.
 
-use super::{NAMES, SEEN};
+use super::outputs::{NAMES, SEEN};
 use crate::picture::Picture;
 use crate::render::expression::Expression;
 use crate::render::sample::Rendered;

@@ -1,6 +1,7 @@
 //! Persons' pictures shown to a tracker, one after the other.
 
-use super::{Row, Shot, targets};
+use super::outputs::{Row, targets};
+use super::shots::Shot;
 use anyhow::{Context, Result};
 use posewise::detect::Detection;
 use posewise::image::{Frame, FrameLayout};

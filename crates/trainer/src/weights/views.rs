@@ -1,7 +1,8 @@
 //! The few numbers that are taken of each refiner: those directions of what its last head reads in
 //! which weights are best predicted, by ridge regression.
 
-use super::{Shot, targets};
+use super::outputs::targets;
+use super::shots::Shot;
 use crate::ridge::accumulate;
 use anyhow::{Context, Result};
 use faer::linalg::solvers::Solve;
