@@ -92,6 +92,8 @@
 #define POSEWISE_MESH_LINES     8u           ///< Lines of a mesh, POSEWISE_MESH_LINE_*
 #define POSEWISE_CPU_DOTPROD    1u           ///< Dot products of AArch64, for posewise_set_cpu()
 
+#define POSEWISE_IDENTITY_RECORD_SIZE 288u ///< Bytes of what posewise_save_identity() writes
+
 #define POSEWISE_OK                0     ///< Success
 #define POSEWISE_E_ARG             (-1)  ///< A wrong argument that no other status names
 #define POSEWISE_E_MEMORY          (-2)  ///< Tracker memory too small or misaligned
@@ -125,12 +127,15 @@
 #define POSEWISE_E_NO_FACE         (-30) ///< There is no face, or there was none yet
 #define POSEWISE_E_MESH            (-31) ///< The model, or the library, has no mesh
 #define POSEWISE_E_MESH_SPACE      (-32) ///< Not a POSEWISE_MESH_SPACE_* value
-#define POSEWISE_E_RECORD          (-33) ///< A record is none, is cut or damaged
+#define POSEWISE_E_RECORD          (-33) ///< The bytes are no record of this kind
 #define POSEWISE_E_RECORD_VERSION  (-34) ///< A record of an unknown version
 #define POSEWISE_E_MESH_SHAPE      (-35) ///< Not a shape of posewise_mesh_shape()
-#define POSEWISE_E_GROUP           (-36) ///< No group of this library is there
-#define POSEWISE_E_NETWORK_PERIOD  (-38) ///< network_period out of range
-#define POSEWISE_E_GROUP_TRACKERS  (-37) ///< Trackers of a group: none, or too many
+#define POSEWISE_E_RECORD_SIZE     (-36) ///< A record is cut, or longer than it is
+#define POSEWISE_E_RECORD_CHECKSUM (-37) ///< Checksum mismatch: the record is damaged
+#define POSEWISE_E_RECORD_MODEL    (-38) ///< A record of a model with another 3D face
+#define POSEWISE_E_GROUP           (-39) ///< No group of this library is there
+#define POSEWISE_E_GROUP_TRACKERS  (-40) ///< Trackers of a group: none, or too many
+#define POSEWISE_E_NETWORK_PERIOD  (-41) ///< network_period out of range
 
 #define POSEWISE_PART_REFINERS      1u  ///< Part: networks that see closer crops
 #define POSEWISE_PART_KEYFRAMES     2u  ///< Part: a lost face is found by its looks
@@ -206,6 +211,10 @@
 #define POSEWISE_MESH_LINE_LEFT_BROW  5u ///< The left brow, outwards
 #define POSEWISE_MESH_LINE_RIGHT_BROW 6u ///< The right brow, towards the nose
 #define POSEWISE_MESH_LINE_EDGE       7u ///< Loop of the edge of the mesh
+
+#define POSEWISE_LIKENESS_UNKNOWN 0u ///< Too little was seen, or it fits both
+#define POSEWISE_LIKENESS_SAME    1u ///< A head of the same shape
+#define POSEWISE_LIKENESS_OTHER   2u ///< A head of another shape
 
 #define POSEWISE_EVENT_ACQUIRED   0u ///< A new face is tracked
 #define POSEWISE_EVENT_REACQUIRED 1u ///< A lost face is tracked again, with its identity
@@ -1088,6 +1097,36 @@ posewise_status posewise_set_lens(posewise_tracker *tracker,
 POSEWISE_API
 posewise_status posewise_set_roi(posewise_tracker *tracker,
                                  const posewise_roi *roi);
+
+/// Writes what was learnt of the person's head to POSEWISE_IDENTITY_RECORD_SIZE bytes, of which
+/// there must be as many: keep them while the power is off, for posewise_restore_identity() and
+/// posewise_compare_identity(). Fails with POSEWISE_E_NO_FACE before the first trusted frame since
+/// posewise_init() or posewise_reset(), and with POSEWISE_E_CAPACITY.
+POSEWISE_API
+posewise_status posewise_save_identity(const posewise_tracker *tracker,
+                                       uint8_t *out,
+                                       size_t capacity);
+
+/// Guesses that the tracked face, and every new one until posewise_forget_identity() or
+/// posewise_reset(), is that of a record, so that its head is there from the first frame on. What
+/// is seen replaces the guess: of the record of another person less than a tenth is left after 200
+/// trusted frames. A record of another program version is read, or is POSEWISE_E_RECORD_VERSION;
+/// one that was made with a model of another 3D face is POSEWISE_E_RECORD_MODEL. On an error
+/// nothing has changed.
+POSEWISE_API
+posewise_status posewise_restore_identity(posewise_tracker *tracker,
+                                          const uint8_t *record,
+                                          size_t record_len);
+
+/// Writes whether the head that was tracked last has the shape of that of a record
+/// (POSEWISE_LIKENESS_*), by what was seen of it: what was guessed by posewise_restore_identity()
+/// plays no part. It is unknown until twelve trusted frames were seen. It is no identification: two
+/// people may have heads of one shape. How often it is wrong is in docs/driver-monitor.md.
+POSEWISE_API
+posewise_status posewise_compare_identity(const posewise_tracker *tracker,
+                                          const uint8_t *record,
+                                          size_t record_len,
+                                          uint32_t *likeness);
 
 /// Name of a POSEWISE_SEARCHING, _TRACKING or _COASTING, as "tracking". Static; NULL for a state
 /// that the library lacks.

@@ -179,6 +179,21 @@ public:
 
     posewise_status forget_identity() { return posewise_forget_identity(tracker_); }
 
+    // What was learnt of the person's head, for the next time.
+    posewise_status
+    save_identity(std::array<uint8_t, POSEWISE_IDENTITY_RECORD_SIZE> &out) const {
+        return posewise_save_identity(tracker_, out.data(), out.size());
+    }
+    posewise_status restore_identity(const void *record, size_t size) {
+        return posewise_restore_identity(tracker_, static_cast<const uint8_t *>(record), size);
+    }
+
+    // Whether the head has the shape of that of a record: POSEWISE_LIKENESS_*.
+    posewise_status compare_identity(const void *record, size_t size, uint32_t &likeness) const {
+        return posewise_compare_identity(tracker_, static_cast<const uint8_t *>(record), size,
+                                         &likeness);
+    }
+
     // What a Monitor needs of the last step.
     posewise_status observe(posewise_monitor_observation &out) const {
         return posewise_monitor_observe(tracker_, &out);

@@ -46,6 +46,7 @@
 //! | layer | module | content |
 //! |---|---|---|
 //! | 0 | `math` | fixed-point helpers, similarity transforms, rotations, small solvers |
+//! | 0 | `record` | what was learnt as bytes, with version and checksum |
 //! | 1 | `image` | frame views over the caller's bytes, luma, warps into a small crop |
 //! | 2 | `network` | integer convolutional networks |
 //! | 2 | `shape` | the 3D face, projection, POSIT, the bounded pose fit |
@@ -90,6 +91,7 @@ pub mod monitor;
 pub mod network;
 #[cfg(not(feature = "unstable-internals"))]
 mod network;
+mod record;
 #[cfg(feature = "unstable-internals")]
 pub mod shape;
 #[cfg(not(feature = "unstable-internals"))]
@@ -109,7 +111,10 @@ pub mod ffi;
 pub use image::{Frame, FrameError, FrameLayout, MAX_SIDE, PixelFormat, Roi, Rotation};
 pub use network::set_dotprod;
 pub use posewise_format::{Aligned, ModelError, ModelInfo, ModelTerms};
-pub use shape::{ANIMATION_NAMES, ANIMATIONS, Distortion, Intrinsics, LANDMARKS};
+pub use record::RecordError;
+pub use shape::{
+    ANIMATION_NAMES, ANIMATIONS, Distortion, IDENTITY_RECORD_BYTES, Intrinsics, LANDMARKS, Likeness,
+};
 pub use track::{
     Config, ConfigError, Detected, EVENTS, Event, EventKind, EventLog, EventRing, FaceHint,
     FoundFace, Group, Landmark, Loss, MAX_EXCLUDED, MAX_GROUP, Model, Smoothing, State, StepError,

@@ -101,6 +101,33 @@ export class Handle {
     return { found, other: view.getUint32(out + 4, true) };
   }
 
+  /**
+   * The bytes of a record that a call writes.
+   * @protected
+   * @param {string} name
+   * @param {number} size
+   */
+  readRecord(name, size) {
+    const at = this.engine.scratch;
+    this.call(name, at, size);
+    return this.engine.bytes(at, size).slice();
+  }
+
+  /**
+   * Calls with the bytes of a record, of at most `size`; what is longer is no record.
+   * @protected
+   * @param {string} name
+   * @param {Uint8Array} record
+   * @param {number} size
+   * @param {...number} args
+   */
+  callWithRecord(name, record, size, ...args) {
+    const at = this.engine.scratch + 1024;
+    const given = record.subarray(0, 2 * size);
+    this.engine.bytes(at, given.length).set(given);
+    this.call(name, at, given.length, ...args);
+  }
+
   /** Gives its memory back to the engine. Later calls are errors. */
   free() {
     if (this.#at) this.#release();

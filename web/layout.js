@@ -17,6 +17,8 @@ export const UNREAD_EVENTS = 64;
 
 export const UNREAD_MONITOR_EVENTS = 24;
 
+export const IDENTITY_RECORD_SIZE = 288;
+
 export const MONITOR_RECORD_SIZE = 64;
 
 /** Status codes by name. */
@@ -57,9 +59,12 @@ export const STATUS = {
   E_RECORD: -33,
   E_RECORD_VERSION: -34,
   E_MESH_SHAPE: -35,
-  E_GROUP: -36,
-  E_NETWORK_PERIOD: -38,
-  E_GROUP_TRACKERS: -37,
+  E_RECORD_SIZE: -36,
+  E_RECORD_CHECKSUM: -37,
+  E_RECORD_MODEL: -38,
+  E_GROUP: -39,
+  E_GROUP_TRACKERS: -40,
+  E_NETWORK_PERIOD: -41,
 };
 
 /** Pixel formats by name. */
@@ -131,6 +136,11 @@ export const TERMS = /** @type {const} */ ([
 /** @typedef {(typeof GAZES)[number]} GazeSetting */
 export const GAZES = /** @type {const} */ ([
   'off', 'on', 'natural',
+]);
+
+/** @typedef {(typeof LIKENESSES)[number]} Likeness */
+export const LIKENESSES = /** @type {const} */ ([
+  'unknown', 'same', 'other',
 ]);
 
 /** @typedef {(typeof PRESETS)[number]} Preset */

@@ -116,9 +116,7 @@ export class Monitor extends Handle {
    * @returns {Uint8Array}
    */
   save() {
-    const at = this.engine.scratch;
-    this.call('monitor_save', at, MONITOR_RECORD_SIZE);
-    return new Uint8Array(this.engine.view.buffer, at, MONITOR_RECORD_SIZE).slice();
+    return this.readRecord('monitor_save', MONITOR_RECORD_SIZE);
   }
 
   /**
@@ -126,9 +124,6 @@ export class Monitor extends Handle {
    * @param {Uint8Array} record
    */
   restore(record) {
-    const at = this.engine.scratch;
-    const given = record.subarray(0, 2 * MONITOR_RECORD_SIZE);
-    new Uint8Array(this.engine.view.buffer, at, given.length).set(given);
-    this.call('monitor_restore', at, given.length);
+    this.callWithRecord('monitor_restore', record, MONITOR_RECORD_SIZE);
   }
 }

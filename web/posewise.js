@@ -17,6 +17,7 @@ export { Tracker } from './tracker.js';
 /** @typedef {import('./layout.js').Intrinsics} Intrinsics */
 /** @typedef {import('./layout.js').Landmark} Landmark */
 /** @typedef {import('./layout.js').Lens} Lens */
+/** @typedef {import('./layout.js').Likeness} Likeness */
 /** @typedef {import('./layout.js').MonitorConfig} MonitorConfig */
 /** @typedef {import('./layout.js').MonitorEvent} MonitorEvent */
 /** @typedef {import('./layout.js').MonitorState} MonitorState */
@@ -209,6 +210,32 @@ export class FaceTracker {
   /** Forgets the identity, as when somebody else sits down. */
   async forgetIdentity() {
     await this.#call('forgetIdentity', []);
+  }
+
+  /**
+   * What was learnt of the person's head, for {@link restoreIdentity} when the person is back.
+   * @returns {Promise<Uint8Array>}
+   */
+  saveIdentity() {
+    return this.#call('saveIdentity', []);
+  }
+
+  /**
+   * Guesses that this face, and every new one, is that of a record, until enough was seen.
+   * @param {Uint8Array} record
+   */
+  async restoreIdentity(record) {
+    await this.#call('restoreIdentity', [record]);
+  }
+
+  /**
+   * Whether the head has the shape of that of a record. It is no identification: two people may
+   * have heads of one shape.
+   * @param {Uint8Array} record
+   * @returns {Promise<Likeness>}
+   */
+  compareIdentity(record) {
+    return this.#call('compareIdentity', [record]);
   }
 
   /** @param {Roi | null} roi Where faces are looked for; null: the whole frame. */

@@ -2,9 +2,9 @@
 
 import { Handle } from './handle.js';
 import {
-  ANIMATIONS, EVENT, FACE, HINT, INTRINSICS, LANDMARK, LANDMARKS, LENS, MESH_LINES, MESH_NEUTRAL,
-  MESH_SPACES, MESH_TOPOLOGY, MESH_VERTEX, MESH_VERTICES, MONITOR_OBSERVATION, RESULT, ROI,
-  UNREAD_EVENTS,
+  ANIMATIONS, EVENT, FACE, HINT, IDENTITY_RECORD_SIZE, INTRINSICS, LANDMARK, LANDMARKS, LENS,
+  LIKENESSES, MESH_LINES, MESH_NEUTRAL, MESH_SPACES, MESH_TOPOLOGY, MESH_VERTEX, MESH_VERTICES,
+  MONITOR_OBSERVATION, RESULT, ROI, UNREAD_EVENTS,
 } from './layout.js';
 
 /** @typedef {import('./engine.js').Frame} Frame */
@@ -14,6 +14,7 @@ import {
 /** @typedef {import('./layout.js').Intrinsics} Intrinsics */
 /** @typedef {import('./layout.js').Landmark} Landmark */
 /** @typedef {import('./layout.js').Lens} Lens */
+/** @typedef {import('./layout.js').Likeness} Likeness */
 /** @typedef {import('./layout.js').Observation} Observation */
 /** @typedef {import('./layout.js').Result} Result */
 /** @typedef {import('./layout.js').Roi} Roi */
@@ -222,5 +223,34 @@ export class Tracker extends Handle {
   /** Forgets the identity, as when somebody else sits down. */
   forgetIdentity() {
     this.call('forget_identity');
+  }
+
+  /**
+   * What was learnt of the person's head, for {@link restoreIdentity} when the person is back.
+   * Before the first trusted frame it is an error.
+   * @returns {Uint8Array}
+   */
+  saveIdentity() {
+    return this.readRecord('save_identity', IDENTITY_RECORD_SIZE);
+  }
+
+  /**
+   * Guesses that this face, and every new one, is that of a record, until enough was seen.
+   * @param {Uint8Array} record
+   */
+  restoreIdentity(record) {
+    this.callWithRecord('restore_identity', record, IDENTITY_RECORD_SIZE);
+  }
+
+  /**
+   * Whether the head has the shape of that of a record. It is no identification: two people may
+   * have heads of one shape.
+   * @param {Uint8Array} record
+   * @returns {Likeness}
+   */
+  compareIdentity(record) {
+    const out = this.engine.scratch;
+    this.callWithRecord('compare_identity', record, IDENTITY_RECORD_SIZE, out);
+    return LIKENESSES[this.engine.view.getUint32(out, true)];
   }
 }

@@ -26,9 +26,13 @@ def main():
             tracker.set_lens(None)
             tracker.set_intrinsics(None)
             tracker.set_roi(None)
+            person = tracker.save_identity()
             tracker.forget_identity()
+            # Somebody else looks like the person before, until more is seen.
+            tracker.restore_identity(person)
         for event in tracker.events()[0]:
             print(f"{event.timestamp_us} us: {event.kind}, {event.loss}")
+    print(f"a head of the same shape as before: {tracker.compare_identity(person)}")
     smooth = tracker.smoothed()
     print(f"yaw {result.yaw_deg:.1f}, smoothed {smooth.yaw_deg:.1f}")
     x, y, z = result.gaze[2]

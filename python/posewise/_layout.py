@@ -16,6 +16,7 @@ MESH_VERTICES = 800
 MESH_NEUTRAL = 4294967295
 UNREAD_EVENTS = 64
 UNREAD_MONITOR_EVENTS = 24
+IDENTITY_RECORD_SIZE = 288
 MONITOR_RECORD_SIZE = 64
 FIXED_POSE = 1
 ROAD = 1
@@ -83,6 +84,13 @@ GazeSetting = Literal[
     "natural",
 ]
 GAZES: tuple[GazeSetting, ...] = get_args(GazeSetting)
+
+Likeness = Literal[
+    "unknown",
+    "same",
+    "other",
+]
+LIKENESSES: tuple[Likeness, ...] = get_args(Likeness)
 
 Preset = Literal[
     "general",
@@ -213,9 +221,12 @@ STATUS = {
     -33: "E_RECORD",
     -34: "E_RECORD_VERSION",
     -35: "E_MESH_SHAPE",
-    -36: "E_GROUP",
-    -38: "E_NETWORK_PERIOD",
-    -37: "E_GROUP_TRACKERS",
+    -36: "E_RECORD_SIZE",
+    -37: "E_RECORD_CHECKSUM",
+    -38: "E_RECORD_MODEL",
+    -39: "E_GROUP",
+    -40: "E_GROUP_TRACKERS",
+    -41: "E_NETWORK_PERIOD",
 }
 
 # Pixel formats by name.

@@ -289,3 +289,25 @@ class Tracker(Handle):
     def forget_identity(self) -> None:
         """Forgets the identity, as when somebody else sits down."""
         self._call("forget_identity")
+
+    def save_identity(self) -> bytes:
+        """What was learnt of the person's head, for ``restore_identity`` when the person is back.
+
+        Before the first trusted frame it is an error.
+        """
+        out = ctypes.create_string_buffer(layout.IDENTITY_RECORD_SIZE)
+        self._call("save_identity", out, len(out))
+        return out.raw
+
+    def restore_identity(self, record: bytes) -> None:
+        """Guesses that this face, and every new one, is that of a record."""
+        self._call("restore_identity", bytes(record), len(record))
+
+    def compare_identity(self, record: bytes) -> layout.Likeness:
+        """Whether the head has the shape of that of a record: "same", "other" or "unknown".
+
+        It is no identification: two people may have heads of one shape.
+        """
+        found = ctypes.c_uint32()
+        self._call("compare_identity", bytes(record), len(record), ctypes.byref(found))
+        return layout.LIKENESSES[found.value]

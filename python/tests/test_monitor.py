@@ -115,7 +115,8 @@ def test_a_driver_is_remembered():
     for damaged in (b"", record[:-1], record + b"0", wrong):
         with pytest.raises(posewise.PosewiseError) as fault:
             second.restore(damaged)
-        assert fault.value.name == "E_RECORD"
+        expected = "E_RECORD_CHECKSUM" if damaged == wrong else "E_RECORD_SIZE"
+        assert fault.value.name == expected
 
 
 def test_another_driver_and_another_clock():

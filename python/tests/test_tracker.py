@@ -43,6 +43,37 @@ def test_the_clip_gives_the_same_bits(clip, root):
     assert found == (root / "tests/data/demo.hash").read_text()
 
 
+def test_a_person_is_remembered(clip):
+    frames, frame_us = clip
+    first, second = posewise.Tracker(), posewise.Tracker()
+    with pytest.raises(posewise.PosewiseError) as fault:
+        first.save_identity()
+    assert fault.value.name == "E_NO_FACE"
+    for i, frame in enumerate(frames[:60]):
+        first.step(frame, i * frame_us)
+    record = first.save_identity()
+    assert len(record) == layout.IDENTITY_RECORD_SIZE <= 512
+    second.restore_identity(record)
+    assert second.compare_identity(record) == "unknown"
+    for i, frame in enumerate(frames[60:]):
+        second.step(frame, i * frame_us)
+    assert second.compare_identity(record) in ("same", "unknown")
+    wrong = bytes([*record[:-1], 1])
+    damaged = {
+        "E_RECORD_SIZE": record[:-1],
+        "E_RECORD": record[1:],
+        "E_RECORD_CHECKSUM": wrong,
+    }
+    for name, given in damaged.items():
+        for call in (second.restore_identity, second.compare_identity):
+            with pytest.raises(posewise.PosewiseError) as fault:
+                call(given)
+            assert fault.value.name == name
+    with pytest.raises(posewise.PosewiseError) as fault:
+        posewise.Tracker("research").restore_identity(record)
+    assert fault.value.name == "E_RECORD_MODEL"
+
+
 def test_results_have_their_shapes(clip):
     tracker = posewise.Tracker("research")
     result = None

@@ -67,7 +67,7 @@ pub unsafe extern "C" fn posewise_set_cpu(features: u32) -> posewise_status {
 }
 
 /// Descriptions of all statuses.
-static TEXTS: [(posewise_status, &CStr); 39] = [
+static TEXTS: [(posewise_status, &CStr); 44] = [
     (POSEWISE_OK, c"success"),
     (POSEWISE_E_ARG, c"an argument is invalid"),
     (
@@ -153,7 +153,7 @@ static TEXTS: [(posewise_status, &CStr); 39] = [
         POSEWISE_E_MONITOR_ZONES,
         c"more than 8 zones, or one whose kind or numbers are no zone",
     ),
-    (POSEWISE_E_RECORD, c"the record is none, is cut or damaged"),
+    (POSEWISE_E_RECORD, c"the bytes are no record of this kind"),
     (
         POSEWISE_E_RECORD_VERSION,
         c"the record has a version that this library does not read",
@@ -187,6 +187,18 @@ static TEXTS: [(posewise_status, &CStr); 39] = [
     (
         POSEWISE_E_SMOOTHING,
         c"smoothing_hz must be 0.01..100 and smoothing_beta 0..1000",
+    ),
+    (
+        POSEWISE_E_RECORD_SIZE,
+        c"the record is cut, or has bytes behind its end",
+    ),
+    (
+        POSEWISE_E_RECORD_CHECKSUM,
+        c"the checksum of the record does not match: the record is damaged",
+    ),
+    (
+        POSEWISE_E_RECORD_MODEL,
+        c"the record was made with another 3D face than the model's",
     ),
 ];
 

@@ -5,7 +5,8 @@
 //! `gates` has what is asked of addresses and lengths, `memory` does all pointer work, `block`
 //! holds the tracker in the caller's memory, `events` writes unread events.
 //! `layout` holds the structs to their sizes.
-//! `group` has the functions for several trackers, `mesh` those of the dense mesh.
+//! `group` has the functions for several trackers, `mesh` those of the dense mesh, `identity` those
+//! that remember a person's head.
 //! `monitor`, `monitor_types` and `monitor_convert` are the same for driver monitoring.
 //! `float_env` sets the floating-point environment for the time of a call.
 
@@ -22,6 +23,7 @@ mod events;
 mod float_env;
 mod gates;
 pub mod group;
+pub mod identity;
 mod layout;
 mod memory;
 pub mod mesh;

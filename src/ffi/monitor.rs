@@ -7,14 +7,13 @@
 use super::api::status;
 use super::block;
 use super::events::Places;
+use super::identity::record_error;
 use super::memory;
 use super::monitor_convert::*;
 use super::monitor_types::*;
 use super::names::{CName, name_at, names_of};
 use super::types::*;
-use crate::monitor::{
-    MAX_ZONES, Monitor, MonitorConfig, MonitorEventKind, Observation, RecordError, Zone,
-};
+use crate::monitor::{MAX_ZONES, Monitor, MonitorConfig, MonitorEventKind, Observation, Zone};
 use core::ffi::{c_char, c_void};
 use core::mem::{MaybeUninit, align_of, size_of};
 
@@ -244,12 +243,8 @@ pub unsafe extern "C" fn posewise_monitor_restore(
     status(|| {
         // SAFETY: the caller's contract, here and below.
         let monitor = unsafe { get_mut(monitor)? };
-        memory::check_pointer(record)?;
-        let record = unsafe { memory::bytes(record, record_len, POSEWISE_E_RECORD)? };
-        monitor.restore(record).map_err(|error| match error {
-            RecordError::Version => POSEWISE_E_RECORD_VERSION,
-            RecordError::Damaged => POSEWISE_E_RECORD,
-        })
+        let record = unsafe { memory::bytes(record, record_len, POSEWISE_E_RECORD_SIZE)? };
+        monitor.restore(record).map_err(record_error)
     })
 }
 

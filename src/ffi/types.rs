@@ -41,6 +41,9 @@ pub const POSEWISE_MESH_LINES: u32 = 8;
 /// Dot products of AArch64, for posewise_set_cpu().
 pub const POSEWISE_CPU_DOTPROD: u32 = 1;
 
+/// Bytes of what posewise_save_identity() writes.
+pub const POSEWISE_IDENTITY_RECORD_SIZE: u32 = 288;
+
 /// Return value of a function: POSEWISE_OK, or a negative error code POSEWISE_E_*.
 /// Not an enum, because the width of an enum is a compiler option on ARM.
 pub type posewise_status = i32;
@@ -111,18 +114,24 @@ pub const POSEWISE_E_NO_FACE: i32 = -30;
 pub const POSEWISE_E_MESH: i32 = -31;
 /// Not a POSEWISE_MESH_SPACE_* value.
 pub const POSEWISE_E_MESH_SPACE: i32 = -32;
-/// A record is none, is cut or damaged.
+/// The bytes are no record of this kind.
 pub const POSEWISE_E_RECORD: i32 = -33;
 /// A record of an unknown version.
 pub const POSEWISE_E_RECORD_VERSION: i32 = -34;
 /// Not a shape of posewise_mesh_shape().
 pub const POSEWISE_E_MESH_SHAPE: i32 = -35;
+/// A record is cut, or longer than it is.
+pub const POSEWISE_E_RECORD_SIZE: i32 = -36;
+/// Checksum mismatch: the record is damaged.
+pub const POSEWISE_E_RECORD_CHECKSUM: i32 = -37;
+/// A record of a model with another 3D face.
+pub const POSEWISE_E_RECORD_MODEL: i32 = -38;
 /// No group of this library is there.
-pub const POSEWISE_E_GROUP: i32 = -36;
-/// network_period out of range.
-pub const POSEWISE_E_NETWORK_PERIOD: i32 = -38;
+pub const POSEWISE_E_GROUP: i32 = -39;
 /// Trackers of a group: none, or too many.
-pub const POSEWISE_E_GROUP_TRACKERS: i32 = -37;
+pub const POSEWISE_E_GROUP_TRACKERS: i32 = -40;
+/// network_period out of range.
+pub const POSEWISE_E_NETWORK_PERIOD: i32 = -41;
 
 /// Part: networks that see closer crops.
 pub const POSEWISE_PART_REFINERS: u32 = 1;
@@ -261,6 +270,13 @@ pub const POSEWISE_MESH_LINE_LEFT_BROW: u32 = 5;
 pub const POSEWISE_MESH_LINE_RIGHT_BROW: u32 = 6;
 /// Loop of the edge of the mesh.
 pub const POSEWISE_MESH_LINE_EDGE: u32 = 7;
+
+/// Too little was seen, or it fits both.
+pub const POSEWISE_LIKENESS_UNKNOWN: u32 = 0;
+/// A head of the same shape.
+pub const POSEWISE_LIKENESS_SAME: u32 = 1;
+/// A head of another shape.
+pub const POSEWISE_LIKENESS_OTHER: u32 = 2;
 
 /// A new face is tracked.
 pub const POSEWISE_EVENT_ACQUIRED: u32 = 0;

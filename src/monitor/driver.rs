@@ -14,10 +14,11 @@ use super::observation::Observation;
 use super::perclos::Windows;
 use super::preset::Preset;
 use super::reading::Reading;
-use super::record::{Learnt, MONITOR_RECORD_BYTES, RecordError};
+use super::record::{Learnt, MONITOR_RECORD_BYTES};
 use super::state::{Drowsiness, EyeState, MonitorState};
 use super::yawn::Yawns;
 use super::zone::{Direction, Zone, ZoneState, Zones};
+use crate::record::RecordError;
 use core::fmt;
 
 /// Watches one driver. Plain data of fixed size: a copy is a second, independent monitor.

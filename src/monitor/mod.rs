@@ -51,6 +51,6 @@ pub use observation::Observation;
 #[cfg(feature = "unstable-internals")]
 pub use openness::openness;
 pub use preset::Preset;
-pub use record::{MONITOR_RECORD_BYTES, RecordError};
+pub use record::MONITOR_RECORD_BYTES;
 pub use state::{Drowsiness, EyeState, MonitorState, Perclos, UnknownReason};
 pub use zone::{MAX_ZONES, Zone, ZoneShape, ZoneState};

@@ -149,6 +149,16 @@ impl<'m> FaceModel<'m> {
         })
     }
 
+    /// A number by which 3D faces with another mean or other identity modes are told apart: FNV-1a,
+    /// 32 bits.
+    pub(crate) fn checksum(&self) -> u32 {
+        let hashed = |hash: u32, byte: u8| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193);
+        let modes = self.identity.iter().map(|mode| *mode as u8);
+        let numbers = self.mean.as_flattened().iter().chain(self.identity_scale);
+        let numbers = numbers.flat_map(|number| number.to_bits().to_le_bytes());
+        modes.chain(numbers).fold(0x811c_9dc5, hashed)
+    }
+
     /// Identity modes of one point \[mm per standard deviation\].
     pub(super) fn identity_modes(&self, point: usize) -> impl Iterator<Item = Vec3> + '_ {
         let size = self.identities * 3;

@@ -1,7 +1,8 @@
 //! Estimation of identity weights from many frames: normal equations that are summed over time.
 
+use super::identity_record::{MAX_PRECISION, MAX_WEIGHT};
 use super::linear::{Gradients, Observed, ROW, Residuals, Row, System};
-use super::{FaceFit, FaceModel, Identity, Intrinsics, MAX_IDENTITIES};
+use super::{FaceFit, FaceModel, Guess, Identity, Intrinsics, MAX_IDENTITIES};
 use crate::math::{dot, solve_spd};
 use glam::Vec4;
 
@@ -10,9 +11,6 @@ pub const FRAME_WEIGHT: f32 = 0.2;
 
 /// Bound on the sum of weights; beyond it, older frames decay exponentially.
 const MEMORY: f32 = 2.4;
-
-/// Largest identity weight \[standard deviations\].
-const MAX_WEIGHT: f32 = 3.0;
 
 /// Running normal equations of the identity weights, under the prior N(0, 1). Plain data.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,6 +23,10 @@ pub struct IdentityEstimator {
     information: f32,
     /// Bound on `information`.
     memory: f32,
+    /// What a record says.
+    guess: Guess,
+    /// How much of that counts.
+    guess_weight: f32,
 }
 
 impl Default for IdentityEstimator {
@@ -47,7 +49,16 @@ impl IdentityEstimator {
             frames: 0,
             information: 0.0,
             memory,
+            guess: Guess::NONE,
+            guess_weight: 0.0,
         }
+    }
+
+    /// Guesses that the person is that of a record. Each frame that is added takes a part of the
+    /// guess away, as frames take away what was before them.
+    pub(crate) fn guess(&mut self, guess: &Guess) {
+        self.guess = *guess;
+        self.guess_weight = 1.0;
     }
 
     /// Number of frames that were added.
@@ -121,19 +132,18 @@ impl IdentityEstimator {
             .zip(&frame.rhs)
             .for_each(|(s, n)| mix(s, n));
         self.information = (self.information + weight) * keep;
+        self.guess_weight *= self.memory / (self.memory + weight);
         self.frames = self.frames.saturating_add(1);
     }
 
-    /// The most probable identity so far; zeros without frames.
+    /// The most probable identity so far; zeros without frames and guess.
     #[inline(never)]
     pub fn estimate(&self) -> Identity {
         let mut matrix = self.matrix;
         let mut weights = self.rhs;
-        for (i, row) in matrix.iter_mut().enumerate() {
-            if let Some(diagonal) = row.get_mut(i) {
-                *diagonal += 1.0;
-            }
-        }
+        let (add, towards) = self.prior();
+        add_to_diagonal(&mut matrix, &add);
+        weights.iter_mut().zip(towards).for_each(|(w, t)| *w += t);
         if !solve_spd(&mut matrix, &mut weights) {
             return [0.0; MAX_IDENTITIES];
         }
@@ -144,6 +154,94 @@ impl IdentityEstimator {
                 0.0
             }
         })
+    }
+
+    /// What is known without frames: what is added to the diagonal, and to the right-hand side.
+    fn prior(&self) -> (Identity, Identity) {
+        let Guess { mean, precision } = &self.guess;
+        let mut add = [1.0; MAX_IDENTITIES];
+        let mut towards = [0.0; MAX_IDENTITIES];
+        let both = add.iter_mut().zip(&mut towards);
+        for ((add, towards), (mean, precision)) in both.zip(mean.iter().zip(precision)) {
+            let weight = self.guess_weight * precision;
+            *add += weight;
+            *towards = *mean * (weight + self.guess_weight);
+        }
+        (add, towards)
+    }
+
+    /// What frames and guess say so far, for the next time.
+    #[inline(never)]
+    pub(crate) fn learnt(&self) -> Guess {
+        Guess {
+            mean: self.estimate(),
+            precision: self.precision(),
+        }
+    }
+
+    /// By mode, one over the variance of the estimate, beyond that of all people.
+    #[inline(never)]
+    fn precision(&self) -> Identity {
+        let mut matrix = self.matrix;
+        add_to_diagonal(&mut matrix, &self.prior().0);
+        let mut precisions = [0.0; MAX_IDENTITIES];
+        if !solve_spd(&mut matrix, &mut [0.0; MAX_IDENTITIES]) {
+            return precisions;
+        }
+        // The columns of L⁻¹, whose squares sum up to the diagonal of (L·Lᵀ)⁻¹.
+        for (k, precision) in precisions.iter_mut().enumerate() {
+            let mut column = [0.0; MAX_IDENTITIES];
+            for (i, row) in matrix.iter().enumerate().skip(k) {
+                let unit = if i == k { 1.0 } else { 0.0 };
+                let known = column.get(..i).unwrap_or_default();
+                let sum = unit - dot(row.get(..i).unwrap_or_default(), known);
+                if let (Some(to), Some(pivot)) = (column.get_mut(i), row.get(i)) {
+                    *to = sum / pivot;
+                }
+            }
+            let variance = dot(&column, &column);
+            *precision = (1.0 / variance.max(1e-6) - 1.0).clamp(0.0, MAX_PRECISION);
+        }
+        precisions
+    }
+
+    /// How much more likely the frames are for the person of a record than for anybody, as a
+    /// logarithm, without what was guessed.
+    #[inline(never)]
+    pub(crate) fn evidence(&self, of: &Guess) -> f32 {
+        let precision = of.precision.map(|p| p + 1.0);
+        self.likelihood(&of.mean, &precision)
+            - self.likelihood(&[0.0; MAX_IDENTITIES], &[1.0; MAX_IDENTITIES])
+    }
+
+    /// Logarithm of the likelihood of the frames, but for a constant, of people whose weights have
+    /// these means and precisions.
+    #[inline(never)]
+    fn likelihood(&self, mean: &Identity, precision: &Identity) -> f32 {
+        let mut matrix = self.matrix;
+        add_to_diagonal(&mut matrix, precision);
+        let mut towards = self.rhs;
+        let mut sum = 0.0;
+        for (towards, (mean, precision)) in towards.iter_mut().zip(mean.iter().zip(precision)) {
+            *towards += precision * mean;
+            sum += libm::logf(*precision) - precision * mean * mean;
+        }
+        let mut solved = towards;
+        if !solve_spd(&mut matrix, &mut solved) {
+            return 0.0;
+        }
+        for (i, row) in matrix.iter().enumerate() {
+            sum -= 2.0 * libm::logf(row.get(i).copied().unwrap_or(1.0));
+        }
+        0.5 * (sum + dot(&towards, &solved))
+    }
+}
+
+fn add_to_diagonal(matrix: &mut [[f32; MAX_IDENTITIES]; MAX_IDENTITIES], add: &Identity) {
+    for (i, (row, add)) in matrix.iter_mut().zip(add).enumerate() {
+        if let Some(diagonal) = row.get_mut(i) {
+            *diagonal += add;
+        }
     }
 }
 

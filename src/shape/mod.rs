@@ -7,6 +7,7 @@ mod face;
 mod facing;
 mod fit;
 mod identity;
+mod identity_record;
 mod lids;
 mod linear;
 #[cfg(feature = "mesh")]
@@ -28,6 +29,8 @@ pub use face::{FIXED_CONTOUR, JAW, MAX_EXTRA, MAX_POINTS};
 pub use face::{VIEW_AZIMUTHS, VIEW_BYTES, VIEW_ELEVATIONS, VIEW_STEP_DEG};
 pub use fit::{FaceFit, FitOptions, fit};
 pub use identity::{FRAME_WEIGHT, IdentityEstimator};
+pub(crate) use identity_record::Guess;
+pub use identity_record::{IDENTITY_RECORD_BYTES, Likeness};
 #[cfg(feature = "monitor")]
 pub(crate) use lids::SHUT;
 pub use lids::eye_open;

@@ -26,7 +26,6 @@ impl FaceState {
     };
 
     /// Whether it is of a face, not [`FaceState::EMPTY`].
-    #[cfg(feature = "mesh")]
     pub fn is_fitted(&self) -> bool {
         self.pose.rotation != Mat3::ZERO
     }

@@ -43,9 +43,10 @@ use super::{Config, ConfigError, Loss, Model, Smoothing, State, StepError, Track
 use crate::align::{Networks, Workspace};
 use crate::detect::Scan;
 use crate::image::{Frame, Roi};
+use crate::record::RecordError;
 #[cfg(feature = "mesh")]
 use crate::shape::MeshVertex;
-use crate::shape::{FaceState, Intrinsics};
+use crate::shape::{FaceState, Guess, IDENTITY_RECORD_BYTES, Intrinsics, Likeness};
 
 /// All state of one tracked face. Plain data: a copy of it is an independent tracker.
 #[derive(Clone)]
@@ -404,6 +405,7 @@ impl Tracker {
         self.record(EventKind::Reset);
         self.result = TrackResult::default();
         self.target.face = FaceState::EMPTY;
+        self.target.forget_guess();
         self.smoother = Smoother::EMPTY;
         self.last_timestamp_us = None;
         self.is_noisy = false;
@@ -417,6 +419,55 @@ impl Tracker {
         self.record(EventKind::Forgotten);
         self.target.forget_identity();
         self.search.keyframes.forget();
+    }
+
+    /// What was learnt of the person's head, for [`Tracker::restore_identity`] when the person is
+    /// back: a record with version and checksum. `None` before the first trusted frame of a face.
+    pub fn save_identity(&self, model: &Model<'_>) -> Option<[u8; IDENTITY_RECORD_BYTES]> {
+        let learnt = self.target.learnt()?;
+        Some(learnt.to_bytes(&model.face))
+    }
+
+    /// Guesses that the tracked face, and every new one until [`Tracker::forget_identity`] or
+    /// [`Tracker::reset`], is that of a record: its head is there from the first frame on. What is
+    /// seen replaces the guess: of the record of another person less than a tenth is left after 200
+    /// trusted frames.
+    ///
+    /// # Errors
+    /// [`RecordError`]; the tracker is then unchanged.
+    pub fn restore_identity(
+        &mut self,
+        model: &Model<'_>,
+        record: &[u8],
+    ) -> Result<(), RecordError> {
+        let guess = Guess::from_bytes(record, &model.face)?;
+        self.target.guess(&guess);
+        Ok(())
+    }
+
+    /// Whether the head that was tracked last has the shape of that of a record, by what was seen
+    /// of it: a guess of [`Tracker::restore_identity`] plays no part. It is no identification: two
+    /// people may have heads of one shape. docs/driver-monitor.md says how often it is wrong.
+    ///
+    /// # Errors
+    /// [`RecordError`].
+    pub fn compare_identity(
+        &self,
+        model: &Model<'_>,
+        record: &[u8],
+    ) -> Result<Likeness, RecordError> {
+        let guess = Guess::from_bytes(record, &model.face)?;
+        Ok(self.target.likeness(&guess))
+    }
+
+    /// What [`Tracker::compare_identity`] decides by.
+    ///
+    /// # Errors
+    /// [`RecordError`].
+    #[cfg(feature = "unstable-internals")]
+    pub fn identity_evidence(&self, model: &Model<'_>, record: &[u8]) -> Result<f32, RecordError> {
+        let guess = Guess::from_bytes(record, &model.face)?;
+        Ok(self.target.evidence(&guess))
     }
 
     /// Changes the camera from the next step on.

@@ -429,6 +429,7 @@ static void no_tracker(posewise_tracker *t) {
     outputs a, before;
     posewise_event event;
     posewise_face face;
+    uint8_t record[POSEWISE_IDENTITY_RECORD_SIZE] = {0};
     size_t count = 7, lost = 7;
     uint32_t finished = 7;
     memset(&a, 0x77, sizeof a);
@@ -442,6 +443,9 @@ static void no_tracker(posewise_tracker *t) {
     CHECK_STATUS(posewise_smoothed_animation(t, a.animation, POSEWISE_ANIMATIONS), POSEWISE_E_ARG);
     CHECK_STATUS(posewise_reset(t), POSEWISE_E_ARG);
     CHECK_STATUS(posewise_forget_identity(t), POSEWISE_E_ARG);
+    CHECK_STATUS(posewise_save_identity(t, record, sizeof record), POSEWISE_E_ARG);
+    CHECK_STATUS(posewise_restore_identity(t, record, sizeof record), POSEWISE_E_ARG);
+    CHECK_STATUS(posewise_compare_identity(t, record, sizeof record, &finished), POSEWISE_E_ARG);
     CHECK_STATUS(posewise_set_intrinsics(t, NULL), POSEWISE_E_ARG);
     CHECK_STATUS(posewise_set_lens(t, NULL), POSEWISE_E_ARG);
     CHECK_STATUS(posewise_set_roi(t, NULL), POSEWISE_E_ARG);
@@ -1157,6 +1161,60 @@ static void test_forget_person(void) {
     guarded_free(forgot);
 }
 
+/* What was learnt of a head outlives the tracker; a record that is none changes nothing. */
+static void test_person_record(void) {
+    guarded memory = tracker_memory(0), other = tracker_memory(0);
+    posewise_tracker *t = init(memory, NULL), *u = init(other, NULL);
+    uint8_t record[POSEWISE_IDENTITY_RECORD_SIZE], again[POSEWISE_IDENTITY_RECORD_SIZE];
+    posewise_result r = POSEWISE_RESULT_INIT;
+    uint32_t like = 7, *const inside = (uint32_t *)(void *)(memory.start + 4096);
+    size_t i;
+    CHECK_STATUS(posewise_save_identity(t, record, sizeof record), POSEWISE_E_NO_FACE);
+    for (i = 0; i < frames.count; i++) {
+        const posewise_frame f = clip_frame(&frames, i);
+        CHECK_STATUS(posewise_step(t, &f, &r), POSEWISE_OK);
+    }
+    CHECK_STATUS(posewise_save_identity(t, NULL, sizeof record), POSEWISE_E_NULL);
+    CHECK_STATUS(posewise_save_identity(t, record, sizeof record - 1), POSEWISE_E_CAPACITY);
+    CHECK_STATUS(posewise_save_identity(t, (uint8_t *)t, sizeof record), POSEWISE_E_OVERLAP);
+    if (r.state == POSEWISE_TRACKING) {
+        CHECK_STATUS(posewise_save_identity(t, record, sizeof record), POSEWISE_OK);
+        for (i = 0; i < sizeof record; i++) {
+            const posewise_status expected = i < 8    ? POSEWISE_E_RECORD
+                                             : i < 12 ? POSEWISE_E_RECORD_VERSION
+                                                      : POSEWISE_E_RECORD_CHECKSUM;
+            record[i] ^= 1;
+            CHECK_STATUS(posewise_restore_identity(u, record, sizeof record), expected);
+            CHECK_STATUS(posewise_compare_identity(t, record, sizeof record, &like), expected);
+            record[i] ^= 1;
+            CHECK_STATUS(posewise_restore_identity(u, record, i), POSEWISE_E_RECORD_SIZE);
+        }
+        CHECK_STATUS(posewise_restore_identity(u, NULL, sizeof record), POSEWISE_E_NULL);
+        CHECK_STATUS(posewise_restore_identity(u, other.start, sizeof record), POSEWISE_E_OVERLAP);
+        CHECK_STATUS(posewise_compare_identity(t, NULL, sizeof record, &like), POSEWISE_E_NULL);
+        CHECK_STATUS(posewise_compare_identity(t, record, sizeof record, NULL), POSEWISE_E_NULL);
+        CHECK_STATUS(posewise_compare_identity(t, record, sizeof record, inside),
+                     POSEWISE_E_OVERLAP);
+        CHECK(like == 7);
+        CHECK_STATUS(posewise_compare_identity(u, record, sizeof record, &like), POSEWISE_OK);
+        CHECK(like == POSEWISE_LIKENESS_UNKNOWN);
+        CHECK_STATUS(posewise_compare_identity(t, record, sizeof record, &like), POSEWISE_OK);
+        CHECK(like != POSEWISE_LIKENESS_OTHER);
+        CHECK_STATUS(posewise_restore_identity(u, record, sizeof record), POSEWISE_OK);
+        CHECK_STATUS(posewise_save_identity(u, again, sizeof again), POSEWISE_E_NO_FACE);
+        for (i = 0; i < frames.count; i++) {
+            const posewise_frame f = clip_frame(&frames, i);
+            CHECK_STATUS(posewise_step(u, &f, &r), POSEWISE_OK);
+        }
+        CHECK_STATUS(posewise_save_identity(u, again, sizeof again), POSEWISE_OK);
+        CHECK(memcmp(record, again, 16) != 0 && memcmp(record, again, 12) == 0);
+        CHECK_STATUS(posewise_reset(u), POSEWISE_OK);
+        CHECK_STATUS(posewise_save_identity(u, again, sizeof again), POSEWISE_E_NO_FACE);
+    }
+    guarded_free(other);
+    guarded_free(memory);
+}
+
 /* Memory full of zeros or ones, a reset, a copied tracker: the same results bit for bit. */
 static void test_same_results(void) {
     guarded zeros = tracker_memory(0x00), ones = tracker_memory(0xFF), moved = tracker_memory(0xA5);
@@ -1292,6 +1350,7 @@ int main(int argc, char **argv) {
     test_events();
     test_forget_person();
     test_group();
+    test_person_record();
     test_same_results();
     CHECK(memcmp(model.start, before.start, model.len) == 0);
     CHECK(memcmp(frames.bytes.start, frames_before.start, frames.bytes.len) == 0);

@@ -314,11 +314,13 @@ static void test_record(void) {
     CHECK_STATUS(posewise_monitor_forget_driver(m), POSEWISE_OK);
     CHECK_STATUS(posewise_monitor_save(m, before, sizeof before), POSEWISE_OK);
     for (i = 0; i < sizeof record; i++) {
-        posewise_status expected = i >= 8 && i < 12 ? POSEWISE_E_RECORD_VERSION : POSEWISE_E_RECORD;
+        const posewise_status expected = i < 8    ? POSEWISE_E_RECORD
+                                         : i < 12 ? POSEWISE_E_RECORD_VERSION
+                                                  : POSEWISE_E_RECORD_CHECKSUM;
         record[i] ^= 1;
         CHECK_STATUS(posewise_monitor_restore(m, record, sizeof record), expected);
         record[i] ^= 1;
-        CHECK_STATUS(posewise_monitor_restore(m, record, i), POSEWISE_E_RECORD);
+        CHECK_STATUS(posewise_monitor_restore(m, record, i), POSEWISE_E_RECORD_SIZE);
     }
     CHECK_STATUS(posewise_monitor_restore(m, NULL, sizeof record), POSEWISE_E_NULL);
     CHECK(state_of(m).natural_deg[0] == 0);

@@ -89,6 +89,14 @@ int main(int argc, char **argv) {
     CHECK(grouped[0].timestamp_us == next.timestamp_us && grouped[1].state != POSEWISE_TRACKING);
     CHECK(group.step(members, next, grouped) == POSEWISE_E_TIME);
     posewise::Tracker moved(std::move(first));
+    std::array<uint8_t, POSEWISE_IDENTITY_RECORD_SIZE> record;
+    uint32_t likeness = POSEWISE_LIKENESS_OTHER;
+    if (moved.save_identity(record) == POSEWISE_OK) {
+        CHECK(moved.compare_identity(record.data(), record.size(), likeness) == POSEWISE_OK);
+        CHECK(likeness != POSEWISE_LIKENESS_OTHER);
+        CHECK(moved.restore_identity(record.data(), record.size()) == POSEWISE_OK);
+    }
+    CHECK(none.save_identity(record) == POSEWISE_E_NULL);
     CHECK(moved && !first && moved.reset() == POSEWISE_OK);
     CHECK(moved.forget_identity() == POSEWISE_OK && none.forget_identity() == POSEWISE_E_NULL);
     posewise::Events events;

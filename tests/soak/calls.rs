@@ -3,7 +3,7 @@
 use super::checks::is_in;
 use super::session::{Session, new_slot};
 use super::video::Picture;
-use crate::ffi::{api::*, types::*};
+use crate::ffi::{api::*, identity::*, types::*};
 use posewise::Distortion;
 use std::ptr::null;
 
@@ -22,6 +22,7 @@ impl Session<'_> {
                 self.slots[index].watcher.forget();
                 self.tally.count("posewise_monitor_forget_driver");
             }
+            41..45 => self.remember(index),
             38..40 => self.slots[index] = new_slot(&mut self.random, self.model, self.fill),
             _ => return,
         }
@@ -124,6 +125,36 @@ impl Session<'_> {
         // SAFETY: a live tracker.
         let status = unsafe { posewise_forget_identity(self.slots[index].tracker.ptr()) };
         assert!(self.done(index, "posewise_forget_identity", status, &before));
+    }
+
+    /// Saves what was learnt of a head, compares it with that of any tracker, and has that one
+    /// guess it.
+    fn remember(&mut self, index: usize) {
+        let mut record = [0; POSEWISE_IDENTITY_RECORD_SIZE as usize];
+        let before = self.snapshot(index);
+        let tracker = self.slots[index].tracker.ptr();
+        // SAFETY: a live tracker, and a record's bytes.
+        let status = unsafe { posewise_save_identity(tracker, record.as_mut_ptr(), record.len()) };
+        assert!(self.slots[index].tracker.memory().get() == before);
+        if !self.done(index, "posewise_save_identity", status, &before) {
+            assert_eq!(status, POSEWISE_E_NO_FACE);
+            return;
+        }
+        self.mix(&record);
+        let other = self.random.below(self.slots.len());
+        let before = self.snapshot(other);
+        let tracker = self.slots[other].tracker.ptr();
+        let mut likeness = u32::MAX;
+        // SAFETY: as above.
+        let status = unsafe {
+            posewise_compare_identity(tracker, record.as_ptr(), record.len(), &mut likeness)
+        };
+        assert!(self.done(other, "posewise_compare_identity", status, &before));
+        assert!(likeness <= POSEWISE_LIKENESS_OTHER);
+        self.mix(&likeness.to_le_bytes());
+        // SAFETY: as above.
+        let status = unsafe { posewise_restore_identity(tracker, record.as_ptr(), record.len()) };
+        assert!(self.done(other, "posewise_restore_identity", status, &before));
     }
 
     pub(super) fn reset(&mut self, index: usize) {

@@ -6,6 +6,7 @@ mod detect;
 mod events;
 mod gaze;
 mod group;
+mod identity;
 mod keyframe;
 mod lens;
 mod mesh;

@@ -19,6 +19,8 @@ const tracker = engine.createTracker({
 tracker.setRoi({ x: 40, y: 20, width: 240, height: 200 });
 let result;
 let count = 0;
+/** @type {Uint8Array} */
+let person;
 for (const { frame, timestampUs } of framesOf(process.argv[2])) {
   result = tracker.step(frame, timestampUs);
   if (++count === 10) {
@@ -26,12 +28,16 @@ for (const { frame, timestampUs } of framesOf(process.argv[2])) {
     tracker.setLens(null);
     tracker.setIntrinsics(null);
     tracker.setRoi(null);
+    person = tracker.saveIdentity();
     tracker.forgetIdentity();
+    // Somebody else looks like the person before, until more is seen.
+    tracker.restoreIdentity(person);
   }
   for (const { timestampUs: time, kind, loss } of tracker.events().events) {
     console.log(`${time} us: ${kind}, ${loss}`);
   }
 }
+console.log(`a head of the same shape as before: ${tracker.compareIdentity(person)}`);
 console.log(`yaw ${result.yawDeg.toFixed(1)}, smoothed ${tracker.smoothed().yawDeg.toFixed(1)}`);
 const direction = result.gaze.map((number) => number.toFixed(2)).join(' ');
 console.log(`gaze ${result.gazeStatus[2]}: along ${direction}`);

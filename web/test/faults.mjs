@@ -187,6 +187,17 @@ test('integers do not wrap', async () => {
   assert.equal(tracker.step(frame, 33_333.6).timestampUs, 33_333);
 });
 
+test('a record needs a face, and is whole', async () => {
+  const tracker = await newTracker();
+  assert.throws(() => tracker.saveIdentity(), { code: 'E_NO_FACE' });
+  for (const bytes of [new Uint8Array(0), new Uint8Array(15)]) {
+    assert.throws(() => tracker.restoreIdentity(bytes), { code: 'E_RECORD_SIZE' });
+  }
+  for (const bytes of [new Uint8Array(288), new Uint8Array(9999)]) {
+    assert.throws(() => tracker.compareIdentity(bytes), { code: 'E_RECORD' });
+  }
+});
+
 test('a mesh needs a face and a space', async () => {
   const tracker = await newTracker();
   assert.throws(() => tracker.mesh(), { code: 'E_NO_FACE' });

@@ -92,8 +92,13 @@ test('a driver is remembered', () => {
   assert.equal(second.state().zone, first.state().zone);
   assert.ok(first.state().naturalIsFinal && !second.state().naturalIsFinal);
   const wrong = record.with(63, 1);
-  for (const damaged of [record.slice(1), new Uint8Array(0), new Uint8Array(9999), wrong]) {
-    assert.throws(() => second.restore(damaged), coded('E_RECORD'));
+  const damaged = [
+    [record.slice(1), 'E_RECORD'], [new Uint8Array(9999), 'E_RECORD'],
+    [record.slice(0, 63), 'E_RECORD_SIZE'], [new Uint8Array(0), 'E_RECORD_SIZE'],
+    [wrong, 'E_RECORD_CHECKSUM'],
+  ];
+  for (const [bytes, code] of damaged) {
+    assert.throws(() => second.restore(bytes), coded(code));
   }
 });
 

@@ -7,16 +7,18 @@ use crate::align::Shape;
 use crate::detect::Detection;
 #[cfg(feature = "mesh")]
 use crate::shape::Intrinsics;
-use crate::shape::{FRAME_WEIGHT, FaceState, IdentityEstimator, LANDMARKS, MAX_IDENTITIES};
+use crate::shape::{
+    FRAME_WEIGHT, FaceState, Guess, IdentityEstimator, LANDMARKS, Likeness, MAX_IDENTITIES,
+};
 use crate::track::align::Origin;
 use crate::track::eyes::PersonsEyes;
 use crate::track::fit::{Fitted, Prior};
 use crate::track::geometry::{detection_of, face_width};
 use crate::track::policy::{
     ACCEPT_CONFIDENCE, ANCHOR_MIN_FACING, COVERED_US, CUT_SURROUNDINGS, FAST_MOTION,
-    IDENTITY_FRAMES, IDENTITY_PERIOD, LOW_CONFIDENCE_US, RECOGNISED_KEEP_CONFIDENCE,
-    RECOGNISED_LANDMARKS, SURROUNDINGS, TRUST_CONFIDENCE, TRUSTED_KEEP_CONFIDENCE,
-    UNTRUSTED_KEEP_CONFIDENCE,
+    IDENTITY_FRAMES, IDENTITY_PERIOD, LOW_CONFIDENCE_US, OTHER_EVIDENCE,
+    RECOGNISED_KEEP_CONFIDENCE, RECOGNISED_LANDMARKS, SAME_EVIDENCE, SURROUNDINGS,
+    TRUST_CONFIDENCE, TRUSTED_KEEP_CONFIDENCE, UNTRUSTED_KEEP_CONFIDENCE,
 };
 use crate::track::step::Step;
 use crate::track::weights::PersonsRest;
@@ -37,6 +39,8 @@ pub struct Target {
     #[cfg(feature = "mesh")]
     pub camera: Intrinsics,
     identity: IdentityEstimator,
+    /// Whom every new face is guessed to be.
+    guess: Option<Guess>,
     pub(super) appearance: Appearance,
     /// Of the last trusted frame.
     pub(super) anchor: Anchor,
@@ -68,6 +72,7 @@ impl Target {
         camera: Intrinsics::new(0.0, 0.0, 0.0, 0.0),
         // Replaced with every new identity; zero until then, as all of `Tracker::EMPTY`.
         identity: IdentityEstimator::with_memory(0.0),
+        guess: None,
         appearance: Appearance::EMPTY,
         anchor: Anchor::EMPTY,
         last: Anchor::EMPTY,
@@ -124,6 +129,9 @@ impl Target {
     /// A new identity from here on.
     pub fn begin_identity(&mut self) {
         self.identity = IdentityEstimator::new();
+        if let Some(guess) = &self.guess {
+            self.identity.guess(guess);
+        }
         self.appearance = Appearance::EMPTY;
         self.eyes = PersonsEyes::UNKNOWN;
         self.rest = PersonsRest::UNKNOWN;
@@ -135,10 +143,46 @@ impl Target {
     /// Forgets identity and appearance; the face goes on being tracked.
     pub fn forget_identity(&mut self) {
         self.identity = IdentityEstimator::new();
+        self.guess = None;
         self.appearance = Appearance::EMPTY;
         self.eyes = PersonsEyes::UNKNOWN;
         self.rest = PersonsRest::UNKNOWN;
         self.face.identity = [0.0; MAX_IDENTITIES];
+    }
+
+    /// Guesses that this face, and every new one, is that of a record.
+    pub fn guess(&mut self, guess: &Guess) {
+        self.guess = Some(*guess);
+        self.identity.guess(guess);
+        self.face.identity = self.identity.estimate();
+    }
+
+    /// Forgets the guess; what of it counts for this face stays.
+    pub fn forget_guess(&mut self) {
+        self.guess = None;
+    }
+
+    /// What was learnt of the head; nothing before the first trusted frame.
+    pub fn learnt(&self) -> Option<Guess> {
+        let is_known = self.face.is_fitted() && self.identity.frames() > 0;
+        is_known.then(|| self.identity.learnt())
+    }
+
+    /// How much what was seen speaks for the person of a record.
+    pub fn evidence(&self, guess: &Guess) -> f32 {
+        self.identity.evidence(guess)
+    }
+
+    /// Whether the head has the shape of that of a record, by what was seen of it alone.
+    pub fn likeness(&self, guess: &Guess) -> Likeness {
+        let evidence = self.evidence(guess);
+        match self.identity.frames() {
+            0..IDENTITY_FRAMES => Likeness::Unknown,
+            _ if !self.face.is_fitted() => Likeness::Unknown,
+            _ if evidence >= SAME_EVIDENCE => Likeness::Same,
+            _ if evidence <= OTHER_EVIDENCE => Likeness::Other,
+            _ => Likeness::Unknown,
+        }
     }
 
     /// What is known of the face before it is fitted.
@@ -146,7 +190,7 @@ impl Target {
         Prior {
             start: (origin == Origin::Tracked).then_some(&self.face),
             identity: match origin {
-                Origin::NewFace => [0.0; MAX_IDENTITIES],
+                Origin::NewFace => self.guess.map_or([0.0; MAX_IDENTITIES], |guess| guess.mean),
                 Origin::Reacquired | Origin::Tracked => self.face.identity,
             },
         }

@@ -7,7 +7,7 @@ mod stills;
 
 use anyhow::Result;
 use clap::Subcommand;
-use clips::{deviations, eyes, jitter, monitor, pose};
+use clips::{deviations, eyes, identities, jitter, monitor, pose};
 use shown::{drift, faceless, latency, mesh, recovery, turns, weights};
 use stills::{angles, landmarks, profiles};
 
@@ -28,6 +28,8 @@ pub enum Command {
     Eyes(clips::ClipsArgs),
     /// Events and measures of the driver monitor against per-frame truth
     Monitor(monitor::Args),
+    /// Whether heads that were seen before are told from others
+    Identities(identities::Args),
     /// Jitter of the landmarks of a tracked clip
     Jitter(jitter::Args),
     /// The dense mesh on rendered heads, whose vertices are known
@@ -56,6 +58,7 @@ pub fn run(command: &Command) -> Result<()> {
         Command::Deviations(args) => deviations::run(args),
         Command::Eyes(args) => eyes::run(args),
         Command::Monitor(args) => monitor::run(args),
+        Command::Identities(args) => identities::run(args),
         Command::Jitter(args) => jitter::run(args),
         Command::Mesh(args) => mesh::run(args),
         Command::Weights(args) => weights::run(args),

@@ -23,6 +23,7 @@ pub fn words_type(kind: &str) -> (&'static str, &'static str) {
         "EYE" => ("EYES", "EyeStatus"),
         "TERMS" => ("TERMS", "Terms"),
         "GAZE" => ("GAZES", "GazeSetting"),
+        "LIKENESS" => ("LIKENESSES", "Likeness"),
         "MONITOR_PRESET" => ("PRESETS", "Preset"),
         "MONITOR_EYES" => ("EYE_STATES", "EyeState"),
         "MONITOR_REASON" => ("REASONS", "UnknownReason"),
@@ -36,7 +37,7 @@ pub fn words_type(kind: &str) -> (&'static str, &'static str) {
 }
 
 /// Numbers that both have, and their names in C.
-pub const NUMBERS: [(&str, &str); 9] = [
+pub const NUMBERS: [(&str, &str); 10] = [
     ("ABI", "ABI"),
     ("LANDMARKS", "LANDMARKS"),
     ("ANIMATIONS", "ANIMATIONS"),
@@ -45,6 +46,7 @@ pub const NUMBERS: [(&str, &str); 9] = [
     ("MESH_NEUTRAL", "MESH_NEUTRAL"),
     ("UNREAD_EVENTS", "EVENTS"),
     ("UNREAD_MONITOR_EVENTS", "MONITOR_EVENTS"),
+    ("IDENTITY_RECORD_SIZE", "IDENTITY_RECORD_SIZE"),
     ("MONITOR_RECORD_SIZE", "MONITOR_RECORD_SIZE"),
 ];
 

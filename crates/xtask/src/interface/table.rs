@@ -7,11 +7,12 @@ use anyhow::{Context, Result, bail, ensure};
 use syn::{Attribute, Expr, Item, Lit, Type, UnOp};
 
 /// The files that describe the interface, in the order of the header.
-pub const SOURCES: [&str; 8] = [
+pub const SOURCES: [&str; 9] = [
     "src/ffi/types.rs",
     "src/ffi/weights.rs",
     "src/ffi/monitor_types.rs",
     "src/ffi/api.rs",
+    "src/ffi/identity.rs",
     "src/ffi/names.rs",
     "src/ffi/group.rs",
     "src/ffi/mesh.rs",
@@ -99,7 +100,7 @@ pub struct Table {
 }
 
 /// What the constants of words begin with, of which each counts from 0.
-pub const WORDS: [&str; 15] = [
+pub const WORDS: [&str; 16] = [
     "STATE",
     "LOSS",
     "EVENT",
@@ -107,6 +108,7 @@ pub const WORDS: [&str; 15] = [
     "LENS",
     "TERMS",
     "GAZE",
+    "LIKENESS",
     "MONITOR_PRESET",
     "MONITOR_EYES",
     "MONITOR_REASON",

@@ -11,6 +11,7 @@ mod arguments;
 mod detect;
 mod group;
 mod monitor;
+mod records;
 mod settings;
 mod step;
 
@@ -126,6 +127,7 @@ impl World {
             17 => self.step_at(input, slot, pointer),
             20 => self.init_group(input, pointer),
             21 => self.step_group(input, pointer),
+            19 => self.records(input, slot, pointer),
             FIRST_OF_MONITOR.. => self.monitor(function, input, slot, pointer),
             _ => self.step(input, slot, pointer),
         }
@@ -134,7 +136,7 @@ impl World {
     /// Checks the status of a call on one tracker: a call that failed must have changed nothing.
     fn check_status(&mut self, slot: usize, status: posewise_status, good: bool, before: &[u8]) {
         assert_eq!(status == POSEWISE_OK, good, "status {status}");
-        assert!((-25..=0).contains(&status) && status != POSEWISE_E_ARG);
+        assert!((-38..=0).contains(&status) && status != POSEWISE_E_ARG);
         let same = good || self.is_as(slot, before);
         assert!(same, "a call that failed has changed the tracker");
         self.log.extend(status.to_le_bytes());
@@ -411,7 +413,7 @@ fn constants(input: &mut Input<'_>) {
     };
     let (status, index) = (input.u32() as i32, input.u32());
     text(posewise_strerror(status));
-    text(posewise_strerror(-(status & 15)));
+    text(posewise_strerror(-(status & 63)));
     let known = index < POSEWISE_ANIMATIONS;
     assert_eq!(posewise_animation_name(index).is_null(), !known);
     text(posewise_animation_name(index % POSEWISE_ANIMATIONS));

@@ -51,7 +51,7 @@ impl World {
         self.log.extend(status.to_le_bytes());
     }
 
-    fn watched(&self, slot: usize, pointer: u8) -> (*mut posewise_monitor, bool) {
+    pub(super) fn watched(&self, slot: usize, pointer: u8) -> (*mut posewise_monitor, bool) {
         let watched = &self.monitors[slot];
         let good = is_good(pointer) && watched.live.is_some();
         (spoilt(watched.memory.ptr(), pointer).cast(), good)
