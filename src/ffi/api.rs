@@ -67,7 +67,7 @@ pub unsafe extern "C" fn posewise_set_cpu(features: u32) -> posewise_status {
 }
 
 /// Descriptions of all statuses.
-static TEXTS: [(posewise_status, &CStr); 44] = [
+static TEXTS: [(posewise_status, &CStr); 42] = [
     (POSEWISE_OK, c"success"),
     (POSEWISE_E_ARG, c"an argument is invalid"),
     (

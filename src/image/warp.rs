@@ -74,19 +74,11 @@ pub fn warp(frame: &Frame<'_>, to_frame: &Similarity, side: usize, crop: &mut Cr
             let (x, y) = (x + a * first, y + b * first);
             match &inside {
                 Some(inside) if is_inside || samples.are_inside(frame, x, y, row.len()) => {
-                    match (samples.coarse, taps) {
-                        (true, _) => inside.fill_coarse(&samples, x, y, row),
-                        (_, 1) => inside.fill_fine::<1>(&samples, x, y, row),
-                        _ => inside.fill_fine::<2>(&samples, x, y, row),
-                    }
+                    inside.fill(&samples, x, y, row);
                 }
                 _ => match &edges {
                     Some(edges) if samples.fit_32_bits(x, y, row.len()) => {
-                        match (samples.coarse, taps) {
-                            (true, _) => edges.fill_coarse(&samples, x, y, row),
-                            (_, 1) => edges.fill_fine::<1>(&samples, x, y, row),
-                            _ => edges.fill_fine::<2>(&samples, x, y, row),
-                        }
+                        edges.fill(&samples, x, y, row);
                     }
                     _ => samples.fill(frame, x, y, row),
                 },
@@ -190,8 +182,17 @@ impl<'a> Inside<'a> {
         })
     }
 
-    /// As [`Samples::fill`], for samples that are inside, single pixels: their coordinates fit 32
-    /// bits.
+    /// As [`Samples::fill`], for samples that are inside: their coordinates fit 32 bits.
+    #[inline(always)]
+    fn fill(&self, samples: &Samples, x: i64, y: i64, row: &mut [u8]) {
+        match (samples.coarse, samples.taps) {
+            (true, _) => self.fill_coarse(samples, x, y, row),
+            (_, 1) => self.fill_fine::<1>(samples, x, y, row),
+            _ => self.fill_fine::<2>(samples, x, y, row),
+        }
+    }
+
+    /// The same, for samples that are single pixels.
     #[inline(always)]
     fn fill_coarse(&self, samples: &Samples, x: i64, y: i64, row: &mut [u8]) {
         match self.near_rows() {
@@ -219,7 +220,7 @@ impl<'a> Inside<'a> {
         self.read(at).into()
     }
 
-    /// As [`Samples::fill`], for `T`×`T` interpolated samples that are inside.
+    /// The same, for `T`×`T` interpolated samples.
     #[inline(always)]
     fn fill_fine<const T: usize>(&self, samples: &Samples, x: i64, y: i64, row: &mut [u8]) {
         fill_fine::<T>(samples, x, y, row, |at, step, sums| {
@@ -319,6 +320,15 @@ impl<'a> Edges<'a> {
         (size.iter().min() >= Some(&2)).then_some(Edges { inside, rows, size })
     }
 
+    /// As [`Samples::fill`], for samples whose coordinates fit 32 bits.
+    fn fill(&self, samples: &Samples, x: i64, y: i64, row: &mut [u8]) {
+        match (samples.coarse, samples.taps) {
+            (true, _) => self.fill_coarse(samples, x, y, row),
+            (_, 1) => self.fill_fine::<1>(samples, x, y, row),
+            _ => self.fill_fine::<2>(samples, x, y, row),
+        }
+    }
+
     /// As [`Inside::fill_coarse`].
     fn fill_coarse(&self, samples: &Samples, x: i64, y: i64, row: &mut [u8]) {
         let (origin, below) = self.rows;
@@ -350,15 +360,17 @@ impl<'a> Edges<'a> {
     /// has no weight.
     fn add_samples(&self, (mut x, mut y): (i32, i32), (a, b): (i32, i32), sums: &mut [u16]) {
         let (origin, below) = self.rows;
+        let [width, height] = self.size;
+        // The pixel before a coordinate, of which there is a next one, and the weight of that.
+        let before = |at: i32, size: i32| {
+            let first = (at >> FRACTION).min(size.wrapping_sub(2));
+            let rest = at.wrapping_sub(first << FRACTION);
+            (first, (rest >> (FRACTION - 8)) as u32)
+        };
         for sum in sums {
-            let at = self.moved([x, y]);
-            let [(column, fx), (row, fy)] = [0, 1].map(|axis| {
-                let first = (at[axis] >> FRACTION).min(self.size[axis].wrapping_sub(2));
-                (
-                    first,
-                    ((at[axis] - (first << FRACTION)) >> (FRACTION - 8)) as u32,
-                )
-            });
+            let [near_x, near_y] = self.moved([x, y]);
+            let (column, fx) = before(near_x, width);
+            let (row, fy) = before(near_y, height);
             let at = origin
                 .wrapping_add(column)
                 .wrapping_add(row.wrapping_mul(below));
@@ -367,7 +379,8 @@ impl<'a> Edges<'a> {
                 let [left, right] = *pair.and_then(|pair| pair.first_chunk()).unwrap_or(&[0; 2]);
                 u32::from(left) * (256 - fx) + u32::from(right) * fx
             });
-            *sum += ((top * (256 - fy) + bottom * fy + (1 << 15)) >> 16) as u16;
+            let value = top * (256 - fy) + bottom * fy;
+            *sum = sum.wrapping_add(((value + (1 << 15)) >> 16) as u16);
             x = x.wrapping_add(a);
             y = y.wrapping_add(b);
         }

@@ -285,7 +285,9 @@ impl<'m> Mesh<'m> {
         let scaled = identity.map(|(scale, w)| scale * w).chain(scaled);
         factors.iter_mut().zip(scaled).for_each(|(f, v)| *f = v);
         let factors = factors.get(..modes).unwrap_or(&[]);
-        let moved = self.moved.chunks_exact(bytes_of(self.identity_scale.len()));
+        let moved = self
+            .moved
+            .chunks_exact(bytes_of(self.identity_scale.len()).max(1));
         let mut runs = self.modes.iter();
         let blocks = self.mean.chunks(MESH_BLOCK).zip(moved);
         for (out, (mean, moved)) in out.chunks_mut(MESH_BLOCK).zip(blocks) {

@@ -15,7 +15,7 @@ static clip frames;
 typedef struct {
     posewise_result result;
     posewise_landmark landmarks[POSEWISE_LANDMARKS];
-    float animation[POSEWISE_ANIMATIONS];
+    float animation[(POSEWISE_ANIMATIONS + 1) / 2 * 2]; /* without padding behind it */
 } outputs;
 
 /* The smoothed result belongs to the same frame. */

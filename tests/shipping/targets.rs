@@ -221,13 +221,13 @@ fn stack_and_memory_are_bounded_here() {
 }
 
 /// Code and constants that a program gets at most, the model not counted \[bytes\].
-const CODE_LIMIT: usize = 304 * 1024;
+const CODE_LIMIT: usize = 336 * 1024;
 
 /// What the driver monitor and the mesh add at most, in programs that use them \[bytes\], by the
 /// rows of docs/memory.md.
 const ON_TOP: [(&str, usize); 2] = [
     ("… of the driver monitor on top, AArch64", 30 * 1024),
-    ("… of the mesh on top, AArch64", 10 * 1024),
+    ("… of the mesh on top, AArch64", 11 * 1024),
 ];
 
 #[test]

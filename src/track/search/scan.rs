@@ -10,7 +10,7 @@ use crate::detect::{
 use crate::image::Frame;
 use crate::track::config::Config;
 use crate::track::policy::{
-    EXPECT_PERIOD, EXPECT_US, EXPECTED_SIZES, FIRST_UNITS, KEYFRAME_UNITS, LARGE_FACE,
+    CANDIDATE_UNITS, EXPECT_PERIOD, EXPECT_US, EXPECTED_SIZES, KEYFRAME_UNITS, LARGE_FACE,
     LARGE_FACE_PERIOD, UNCLEAR_PERIOD,
 };
 use crate::track::step::{Step, WorkBudget};
@@ -177,8 +177,8 @@ impl Scanner {
     }
 
     /// The next detection of the plan; `None` when the budget is spent or the scan is
-    /// finished. A detection whose first iteration is more than what is left waits for a later
-    /// step; tiles are evaluated meanwhile.
+    /// finished. Where less than [`CANDIDATE_UNITS`] are left, a detection waits for a later step;
+    /// tiles are evaluated meanwhile.
     pub fn next(
         &mut self,
         step: &Step<'_>,
@@ -195,7 +195,7 @@ impl Scanner {
             };
             let given = ScanBudget {
                 units: budget.left(),
-                candidate: FIRST_UNITS.min(budget.limit()),
+                candidate: CANDIDATE_UNITS.min(budget.limit()),
                 clear: !steps.is_multiple_of(UNCLEAR_PERIOD),
             };
             let detector = &step.model.detector;
