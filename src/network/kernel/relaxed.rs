@@ -4,8 +4,8 @@
 //! What it makes of a byte above 127 is up to the machine: some take it as it is, with sums of all
 //! bits (x86-64 with AVX-VNNI), some may cut sums to 16 bits or take it as a signed number. A
 //! machine always does the same, so [`is_exact`] tries it, and only where bytes are taken as they
-//! are is this kernel chosen. Values x are multiplied as they are; the bias makes up for it, as with
-//! AVX-VNNI: Σ w·(x − z) = Σ w·x − z·Σ w.
+//! are is this kernel chosen. Values x are multiplied as they are; the bias makes up for it, as
+//! with AVX-VNNI: Σ w·(x − z) = Σ w·x − z·Σ w.
 //!
 //! A module that holds such instructions loads only where they exist, so they are chosen when
 //! compiling, by `-Ctarget-feature=+simd128,+relaxed-simd`.
