@@ -31,7 +31,8 @@ function framesOf(bytes) {
 
 /** What is saved of frames. */
 function saved(engine, frames) {
-  const tracker = engine.createTracker();
+  // Each frame is searched as a whole, as the command does with files.
+  const tracker = engine.createTracker({ scanBudget: 10_000_000 });
   const take = new Take();
   frames.forEach((frame, i) => {
     const result = tracker.step(frame, i * FRAME_US);
