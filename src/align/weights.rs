@@ -241,11 +241,6 @@ impl<'m> WeightModel<'m> {
         })
     }
 
-    /// Whether the model has the section.
-    pub fn is_present(&self) -> bool {
-        self.content.is_some()
-    }
-
     /// What is taken of the refiners.
     pub(super) fn views(&self) -> Views<'m> {
         // Reading cannot fail: `open` checked the section.

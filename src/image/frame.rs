@@ -154,6 +154,7 @@ impl<'a> Frame<'a> {
 
     /// The luma of an upright row, the nearest one outside of the frame; `None` where its pixels
     /// are not bytes side by side.
+    #[cfg(feature = "keyframes")]
     pub(crate) fn luma_row(&self, y: i32) -> Option<&'a [u8]> {
         let bytes = self.luma_bytes().filter(|_| self.at.step_x == 1)?;
         let y = y.min(self.at.height - 1).max(0);
