@@ -407,10 +407,10 @@ typedef struct posewise_config {
     uint32_t gaze;
     /// Where faces are searched for; see posewise_set_roi(). All four 0: the whole frame.
     posewise_roi roi;
-    /// All networks see the tracked face on one frame in so many [1..8, default 1]; on the
-    /// others, what the second network of the global stage and the mouth's mirrored run changed
-    /// when they last ran is taken. With 4 a step takes a fifth less on average, and landmarks
-    /// jitter a tenth more.
+    /// Number of frames of which one is seen with all networks [1..8, default 1]. On the others,
+    /// what the second network of the global stage and the mouth's mirrored run changed when they
+    /// last ran is taken. With 4 a step takes a fifth less on average, and landmarks jitter a tenth
+    /// more.
     uint32_t network_period;
 } posewise_config;
 /// Initialises a posewise_config: struct_size is set, all other fields are 0.

@@ -283,10 +283,10 @@ export const LENS = {
  *   straight ahead most of the time, as a driver does: part of the mean of the gaze in the head
  *   frame is taken off it, at most 8 degrees.
  * @property {Roi} [roi] Where faces are searched for; see set_roi(). All four 0: the whole frame.
- * @property {number} [networkPeriod] All networks see the tracked face on one frame in so many
- *   [1..8, default 1]; on the others, what the second network of the global stage and the mouth's
- *   mirrored run changed when they last ran is taken. With 4 a step takes a fifth less on average,
- *   and landmarks jitter a tenth more.
+ * @property {number} [networkPeriod] Number of frames of which one is seen with all networks [1..8,
+ *   default 1]. On the others, what the second network of the global stage and the mouth's mirrored
+ *   run changed when they last ran is taken. With 4 a step takes a fifth less on average, and
+ *   landmarks jitter a tenth more.
  */
 /** @type {import('./struct.js').Layout} */
 export const CONFIG = {

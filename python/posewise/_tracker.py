@@ -102,8 +102,8 @@ class Tracker(Handle):
     ``gaze`` looks at the eyes of the face, which takes more time; without it they are "not-seen".
     ``natural_gaze`` does so for a person who looks straight ahead most of the time, as a driver
     does: part of the mean of the gaze in the head frame is taken off it, at most 8 degrees.
-    ``roi`` is that of set_roi(). ``network_period`` saves time: all networks see the face on one
-    frame in so many.
+    ``roi`` is that of set_roi(). ``network_period`` saves time: the number of
+    frames of which one is seen with all networks.
     """
 
     def __init__(

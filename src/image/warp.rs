@@ -162,6 +162,27 @@ impl Samples {
     }
 }
 
+/// Where samples are read, whose coordinates fit 32 bits.
+trait Source {
+    /// As [`Source::fill`], for samples that are single pixels.
+    fn fill_coarse(&self, samples: &Samples, x: i64, y: i64, row: &mut [u8]);
+
+    /// Adds a row of interpolated samples, from (x, y) on and this far from each other, to the
+    /// sums.
+    fn add_samples(&self, at: (i32, i32), step: (i32, i32), sums: &mut [u16]);
+
+    /// As [`Samples::fill`].
+    #[inline(always)]
+    fn fill(&self, samples: &Samples, x: i64, y: i64, row: &mut [u8]) {
+        let add = |at, step, sums: &mut [u16]| self.add_samples(at, step, sums);
+        match (samples.coarse, samples.taps) {
+            (true, _) => self.fill_coarse(samples, x, y, row),
+            (_, 1) => fill_fine::<1>(samples, x, y, row, add),
+            _ => fill_fine::<2>(samples, x, y, row, add),
+        }
+    }
+}
+
 /// The bytes of a frame whose luma is one byte, for samples that are inside of it.
 struct Inside<'a> {
     bytes: &'a [u8],
@@ -182,29 +203,6 @@ impl<'a> Inside<'a> {
         })
     }
 
-    /// As [`Samples::fill`], for samples that are inside: their coordinates fit 32 bits.
-    #[inline(always)]
-    fn fill(&self, samples: &Samples, x: i64, y: i64, row: &mut [u8]) {
-        match (samples.coarse, samples.taps) {
-            (true, _) => self.fill_coarse(samples, x, y, row),
-            (_, 1) => self.fill_fine::<1>(samples, x, y, row),
-            _ => self.fill_fine::<2>(samples, x, y, row),
-        }
-    }
-
-    /// The same, for samples that are single pixels.
-    #[inline(always)]
-    fn fill_coarse(&self, samples: &Samples, x: i64, y: i64, row: &mut [u8]) {
-        match self.near_rows() {
-            Some((origin, below)) => fill_coarse(samples, x, y, row, |x, y| {
-                let [x, y] = [x, y].map(|v| (v + (1 << (FRACTION - 1))) >> FRACTION);
-                let at = origin.wrapping_add(x).wrapping_add(y.wrapping_mul(below));
-                self.read(at as u32 as isize).into()
-            }),
-            None => fill_coarse(samples, x, y, row, |x, y| self.nearest(x, y)),
-        }
-    }
-
     /// The byte at this index. One that is not there, which cannot be, reads as 0: no path
     /// panics.
     #[inline(always)]
@@ -220,34 +218,12 @@ impl<'a> Inside<'a> {
         self.read(at).into()
     }
 
-    /// The same, for `T`×`T` interpolated samples.
+    /// The same, of a frame with [`Self::near_rows`].
     #[inline(always)]
-    fn fill_fine<const T: usize>(&self, samples: &Samples, x: i64, y: i64, row: &mut [u8]) {
-        fill_fine::<T>(samples, x, y, row, |at, step, sums| {
-            self.add_samples(at, step, sums)
-        });
-    }
-
-    /// Adds a row of interpolated samples, from (x, y) on, to the sums. All pixels are read first,
-    /// so that the compiler computes the rest in vectors.
-    fn add_samples(&self, (x, y): (i32, i32), (a, b): (i32, i32), sums: &mut [u16]) {
-        let [mut tops, mut bottoms] = [[0u16; CROP_MAX]; 2];
-        let pairs = tops.iter_mut().zip(&mut bottoms).take(sums.len());
-        match self.near_rows() {
-            Some(rows) => self.read_near_pairs((x, y), (a, b), pairs, rows),
-            None => self.read_pairs((x, y), (a, b), pairs),
-        }
-        // As [`bilinear`]: nothing overflows 16 bits before the second interpolation.
-        let (mut x, mut y) = (x as u32, y as u32);
-        for ((top, bottom), sum) in tops.iter().zip(&bottoms).zip(sums) {
-            let [fx, fy] = [x, y].map(|v| (v >> (FRACTION - 8) & 255) as u16);
-            let [top, bottom] =
-                [top, bottom].map(|pair| (pair & 255) * (256 - fx) + (pair >> 8) * fx);
-            let value = u32::from(top) * u32::from(256 - fy) + u32::from(bottom) * u32::from(fy);
-            *sum += ((value + (1 << 15)) >> 16) as u16;
-            x = x.wrapping_add(a as u32);
-            y = y.wrapping_add(b as u32);
-        }
+    fn near(&self, (origin, below): (i32, i32), x: i32, y: i32) -> u32 {
+        let [x, y] = [x, y].map(|v| (v + (1 << (FRACTION - 1))) >> FRACTION);
+        let at = origin.wrapping_add(x).wrapping_add(y.wrapping_mul(below));
+        self.read(at as u32 as isize).into()
     }
 
     /// Reads the four neighbours of a row of samples: each pair has the left one in its lower byte.
@@ -304,6 +280,37 @@ impl<'a> Inside<'a> {
     }
 }
 
+impl Source for Inside<'_> {
+    #[inline(always)]
+    fn fill_coarse(&self, samples: &Samples, x: i64, y: i64, row: &mut [u8]) {
+        match self.near_rows() {
+            Some(rows) => fill_coarse(samples, x, y, row, |x, y| self.near(rows, x, y)),
+            None => fill_coarse(samples, x, y, row, |x, y| self.nearest(x, y)),
+        }
+    }
+
+    // All pixels are read first, so that the compiler computes the rest in vectors.
+    fn add_samples(&self, (x, y): (i32, i32), (a, b): (i32, i32), sums: &mut [u16]) {
+        let [mut tops, mut bottoms] = [[0u16; CROP_MAX]; 2];
+        let pairs = tops.iter_mut().zip(&mut bottoms).take(sums.len());
+        match self.near_rows() {
+            Some(rows) => self.read_near_pairs((x, y), (a, b), pairs, rows),
+            None => self.read_pairs((x, y), (a, b), pairs),
+        }
+        // As [`bilinear`]: nothing overflows 16 bits before the second interpolation.
+        let (mut x, mut y) = (x as u32, y as u32);
+        for ((top, bottom), sum) in tops.iter().zip(&bottoms).zip(sums) {
+            let [fx, fy] = [x, y].map(|v| (v >> (FRACTION - 8) & 255) as u16);
+            let [top, bottom] =
+                [top, bottom].map(|pair| (pair & 255) * (256 - fx) + (pair >> 8) * fx);
+            let value = u32::from(top) * u32::from(256 - fy) + u32::from(bottom) * u32::from(fy);
+            *sum += ((value + (1 << 15)) >> 16) as u16;
+            x = x.wrapping_add(a as u32);
+            y = y.wrapping_add(b as u32);
+        }
+    }
+}
+
 /// The same bytes, for samples that may be outside of the frame: such a one shows the nearest
 /// pixel, as one whose coordinates are moved to the edge does.
 struct Edges<'a> {
@@ -320,33 +327,6 @@ impl<'a> Edges<'a> {
         (size.iter().min() >= Some(&2)).then_some(Edges { inside, rows, size })
     }
 
-    /// As [`Samples::fill`], for samples whose coordinates fit 32 bits.
-    fn fill(&self, samples: &Samples, x: i64, y: i64, row: &mut [u8]) {
-        match (samples.coarse, samples.taps) {
-            (true, _) => self.fill_coarse(samples, x, y, row),
-            (_, 1) => self.fill_fine::<1>(samples, x, y, row),
-            _ => self.fill_fine::<2>(samples, x, y, row),
-        }
-    }
-
-    /// As [`Inside::fill_coarse`].
-    fn fill_coarse(&self, samples: &Samples, x: i64, y: i64, row: &mut [u8]) {
-        let (origin, below) = self.rows;
-        fill_coarse(samples, x, y, row, |x, y| {
-            let [x, y] = self.moved([x, y]);
-            let [x, y] = [x, y].map(|v| (v + (1 << (FRACTION - 1))) >> FRACTION);
-            let at = origin.wrapping_add(x).wrapping_add(y.wrapping_mul(below));
-            self.inside.read(at as u32 as isize).into()
-        });
-    }
-
-    /// As [`Inside::fill_fine`].
-    fn fill_fine<const T: usize>(&self, samples: &Samples, x: i64, y: i64, row: &mut [u8]) {
-        fill_fine::<T>(samples, x, y, row, |at, step, sums| {
-            self.add_samples(at, step, sums)
-        });
-    }
-
     /// Coordinates, not beyond the centres of the outermost pixels.
     #[inline(always)]
     fn moved(&self, at: [i32; 2]) -> [i32; 2] {
@@ -355,9 +335,17 @@ impl<'a> Edges<'a> {
         let within = |v: i32, size: i32| v.max(0).min(size.wrapping_sub(1) << FRACTION);
         [within(x, width), within(y, height)]
     }
+}
 
-    /// As [`Inside::add_samples`]. Of the last pixel of a row or column, the neighbour before it
-    /// has no weight.
+impl Source for Edges<'_> {
+    fn fill_coarse(&self, samples: &Samples, x: i64, y: i64, row: &mut [u8]) {
+        fill_coarse(samples, x, y, row, |x, y| {
+            let [x, y] = self.moved([x, y]);
+            self.inside.near(self.rows, x, y)
+        });
+    }
+
+    // Of the last pixel of a row or column, the neighbour before it has no weight.
     fn add_samples(&self, (mut x, mut y): (i32, i32), (a, b): (i32, i32), sums: &mut [u16]) {
         let (origin, below) = self.rows;
         let [width, height] = self.size;

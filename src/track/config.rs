@@ -54,7 +54,7 @@ pub struct Config {
     /// most of what is wrong with a gaze stays the same for a person. It is forgotten with the
     /// identity. Default: false.
     pub natural_gaze: bool,
-    /// All networks see the tracked face on one frame in so many, 1 to 8; on the others, what the
+    /// Number of frames of which one is seen with all networks, 1 to 8. On the others, what the
     /// second network of the global stage and the mouth's mirrored run changed when they last ran
     /// is taken. With 4 a step takes a fifth less on average, and landmarks jitter a tenth more
     /// (`posewise-lab eval turns`). Default: 1.

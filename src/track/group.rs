@@ -307,7 +307,7 @@ impl Group {
             };
             tracker.leave(&excluded);
             let mut found = [FoundFace::default(); MOST_FOUND];
-            let listed = tracker.list(model, shared, &mut self.scan, &mut found);
+            let listed = tracker.list(model, shared, Some(&mut self.scan), &mut found);
             for face in found.iter().take(listed.count) {
                 if let (Some(k), Some(at)) = (self.free(members.count()), face.hint().detection()) {
                     let wanted = &Wanted::Near(at);

@@ -274,12 +274,7 @@ impl Tracker {
         found: &mut [FoundFace],
     ) -> Result<Detected, StepError> {
         self.check_roi(frame)?;
-        let shared = &mut SharedFrame::new(frame);
-        let is_noisy = shared.noise() >= NOISY;
-        let frame = &shared.filtered(is_noisy);
-        let step = &Step::new(model, frame, 0, &self.config);
-        let (config, scan, work) = (&self.config, self.search.scan(), &mut self.work);
-        Ok(list(step, config, scan, &self.excluded, work, found))
+        Ok(self.list(model, &mut SharedFrame::new(frame), None, found))
     }
 
     /// Work of the last step, in units of which a tracking step has 2,600.
@@ -593,20 +588,27 @@ impl Tracker {
         self.smoother.follow(&self.result, &self.config.smoothing);
     }
 
-    /// Lists faces for its group, in the group's own scan.
+    /// Lists faces as [`Tracker::detect`], in this scan; without one, in that of the search.
     #[inline(never)]
     pub(super) fn list(
         &mut self,
         model: &Model<'_>,
         shared: &mut SharedFrame<'_>,
-        scan: &mut Scan,
+        scan: Option<&mut Scan>,
         found: &mut [FoundFace],
     ) -> Detected {
         let is_noisy = shared.noise() >= NOISY;
         let frame = &shared.filtered(is_noisy);
         let step = &Step::new(model, frame, 0, &self.config);
-        let (config, work) = (&self.config, &mut self.work);
-        list(step, config, scan, &self.excluded, work, found)
+        let scan = scan.unwrap_or_else(|| self.search.scan());
+        list(
+            step,
+            &self.config,
+            scan,
+            &self.excluded,
+            &mut self.work,
+            found,
+        )
     }
 
     /// Follows the target to this frame.

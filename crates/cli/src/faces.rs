@@ -27,7 +27,7 @@ pub struct Faces<'m> {
 }
 
 impl<'m> Faces<'m> {
-    /// So many trackers.
+    /// A group of `count` trackers.
     pub fn new(
         count: usize,
         model: &'m Model<'m>,

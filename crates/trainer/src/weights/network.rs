@@ -15,7 +15,7 @@ const BATCH: usize = 24;
 const RATE: f32 = 2e-3;
 /// Weight decay.
 const DECAY: f32 = 0.2;
-/// Inputs are so many standard deviations from their means at most, as in the library.
+/// Most standard deviations of an input from its mean, as in the library.
 const FARTHEST: f32 = 5.0;
 /// Noise of the inputs while training \[standard deviations\].
 const NOISE: f32 = 0.2;

@@ -145,7 +145,7 @@ impl Shot {
     }
 }
 
-/// Renders so many persons into a file.
+/// Renders a number of persons into a file.
 pub fn write(path: &Path, renderer: &Renderer, seed: u64, persons: u64) -> Result<()> {
     let style = ProgressStyle::with_template("weights {bar:40} {pos}/{len} {per_sec} eta {eta}")?;
     let bar = ProgressBar::new(persons * PICTURES).with_style(style);

@@ -72,7 +72,7 @@ pub fn run(args: &Args) -> Result<()> {
     )
 }
 
-/// Results of all frames, with all networks on one in so many.
+/// Results of all frames; one frame of every `of` has all networks.
 fn track(model: &Model<'_>, clip: &str, of: u32) -> Result<Vec<TrackResult>> {
     let mut tracker = Tracker::new(&Config::default()).map(Box::new)?;
     let mut source = source::open(clip, FPS)?;
