@@ -57,7 +57,7 @@ pub const MIRROR: [usize; LANDMARKS] = [
 ];
 
 /// Names of the animation weights, in the order of every weight array: ARKit's blendshape names.
-/// The first [`FITTED`] are those of the fit, the others those that are seen.
+/// The first 24 are those of the fit, the others those that are seen.
 pub const ANIMATION_NAMES: [&str; ANIMATIONS] = [
     "browDownLeft",
     "browDownRight",
