@@ -181,41 +181,55 @@ impl<'m> Network<'m> {
         })
     }
 
-    /// The outputs for these inputs.
+    /// The outputs for the inputs of both sides.
+    fn run(&self, [right, left]: [&[f32]; 2]) -> [[f32; WEIGHT_OUTPUTS]; 2] {
+        let sides = [self.scaled(right), self.scaled(left)];
+        let count = right.len().min(left.len());
+        let sides = (sides.each_ref()).map(|inputs| inputs.get(..count).unwrap_or(&[]));
+        let mut out = [[0.0; WEIGHT_OUTPUTS]; 2];
+        let constants = self.direct_scale.iter().zip(self.offset);
+        let rows = self.direct.chunks_exact(count.max(1));
+        for (k, (row, (scale, offset))) in rows.zip(constants).enumerate() {
+            for (out, sum) in out.iter_mut().zip(row_dots(row, sides)) {
+                if let Some(out) = out.get_mut(k) {
+                    *out = scale * sum + offset;
+                }
+            }
+        }
+        let constants = self.weight_scale.iter().zip(self.bias);
+        let rows = self.weights.chunks_exact(count.max(1));
+        let expand = self.expand.as_chunks::<WEIGHT_OUTPUTS>().0;
+        for ((row, (scale, bias)), expand) in rows.zip(constants).zip(expand) {
+            for (out, sum) in out.iter_mut().zip(row_dots(row, sides)) {
+                let value = (scale * sum + bias).max(0.0);
+                for (out, weight) in out.iter_mut().zip(expand) {
+                    *out += value * weight;
+                }
+            }
+        }
+        out
+    }
+
+    /// Inputs in standard deviations from their means.
     #[expect(clippy::manual_clamp, reason = "what is no number becomes one")]
-    fn run(&self, raw: &[f32]) -> [f32; WEIGHT_OUTPUTS] {
+    fn scaled(&self, raw: &[f32]) -> Inputs {
         let mut inputs = [0.0; MAX_WEIGHT_INPUTS];
         let scaled = raw.iter().zip(self.mean.iter().zip(self.scale));
         for (input, (raw, (mean, scale))) in inputs.iter_mut().zip(scaled) {
             *input = ((raw - mean) * scale).max(-FARTHEST).min(FARTHEST);
         }
-        let inputs = inputs.get(..raw.len()).unwrap_or(&[]);
-        let mut out = [0.0; WEIGHT_OUTPUTS];
-        let constants = self.direct_scale.iter().zip(self.offset);
-        let rows = self.direct.chunks_exact(inputs.len().max(1));
-        for (out, (row, (scale, offset))) in out.iter_mut().zip(rows.zip(constants)) {
-            *out = scale * row_dot(row, inputs) + offset;
-        }
-        let constants = self.weight_scale.iter().zip(self.bias);
-        let rows = self.weights.chunks_exact(inputs.len().max(1));
-        let expand = self.expand.as_chunks::<WEIGHT_OUTPUTS>().0;
-        for ((row, (scale, bias)), expand) in rows.zip(constants).zip(expand) {
-            let value = (scale * row_dot(row, inputs) + bias).max(0.0);
-            for (out, weight) in out.iter_mut().zip(expand) {
-                *out += value * weight;
-            }
-        }
-        out
+        inputs
     }
 }
 
-/// Σ weight·input.
-fn row_dot(row: &[i8], inputs: &[f32]) -> f32 {
+/// Σ weight·input of the inputs of both sides.
+fn row_dots(row: &[i8], sides: [&[f32]; 2]) -> [f32; 2] {
     let mut weights = [0.0; MAX_WEIGHT_INPUTS];
     for (weight, value) in weights.iter_mut().zip(row) {
         *weight = f32::from(*value);
     }
-    dot(weights.get(..row.len()).unwrap_or(&[]), inputs)
+    let weights = weights.get(..row.len()).unwrap_or(&[]);
+    sides.map(|inputs| dot(weights, inputs))
 }
 
 impl<'m> WeightModel<'m> {
@@ -273,8 +287,8 @@ impl<'m> WeightModel<'m> {
         seen.set_inputs(face, &views);
         let count = views.inputs();
         let [plain, mirrored] = [seen.inputs, views.mirrored(&seen.inputs)];
-        let run = |inputs: &Inputs| network.run(inputs.get(..count).unwrap_or(&[]));
-        Some([run(&plain), run(&mirrored)])
+        let sides = [&plain, &mirrored].map(|inputs| inputs.get(..count).unwrap_or(&[]));
+        Some(network.run(sides))
     }
 
     /// The inputs of the mirror image of a face with these.

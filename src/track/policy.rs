@@ -348,17 +348,24 @@ pub(super) const FIT_WEIGHT_HIDDEN: f32 = 0.2;
 /// Source: chosen.
 pub(super) const ROTATION_PRIOR_WEIGHT: f32 = 500.0;
 
-/// Trusted frames after the acquisition of which each updates the identity.
+/// One in how many trusted frames updates the identity after this number of updates. The first ones
+/// do, so that a face soon has its shape; then fewer, because an update takes a part of a step, and
+/// neighbouring frames have nearly the same errors.
+///
+/// Source: chosen.
+pub(super) const fn identity_period(updates: u32) -> u32 {
+    match updates {
+        0..4 => 1,
+        4..IDENTITY_FRAMES => 4,
+        _ => 8,
+    }
+}
+
+/// Updates after which an identity is settled.
 ///
 /// Source: from then on the estimator forgets (`MEMORY` of src/shape/identity.rs over
 /// `FRAME_WEIGHT`).
 pub(super) const IDENTITY_FRAMES: u32 = 12;
-
-/// Of the trusted frames after those one in this number updates it: an update takes a part of a
-/// step, and neighbouring frames have nearly the same errors.
-///
-/// Source: chosen.
-pub(super) const IDENTITY_PERIOD: u32 = 8;
 
 /// Evidence from which on a head has the shape of that of a record: how much more likely what is
 /// seen is for that head than for anybody's, as a natural logarithm.

@@ -16,9 +16,9 @@ use crate::track::fit::{Fitted, Prior};
 use crate::track::geometry::{detection_of, face_width};
 use crate::track::policy::{
     ACCEPT_CONFIDENCE, ANCHOR_MIN_FACING, COVERED_US, CUT_SURROUNDINGS, FAST_MOTION,
-    IDENTITY_FRAMES, IDENTITY_PERIOD, LOW_CONFIDENCE_US, OTHER_EVIDENCE,
-    RECOGNISED_KEEP_CONFIDENCE, RECOGNISED_LANDMARKS, SAME_EVIDENCE, SURROUNDINGS,
-    TRUST_CONFIDENCE, TRUSTED_KEEP_CONFIDENCE, UNTRUSTED_KEEP_CONFIDENCE,
+    IDENTITY_FRAMES, LOW_CONFIDENCE_US, OTHER_EVIDENCE, RECOGNISED_KEEP_CONFIDENCE,
+    RECOGNISED_LANDMARKS, SAME_EVIDENCE, SURROUNDINGS, TRUST_CONFIDENCE, TRUSTED_KEEP_CONFIDENCE,
+    UNTRUSTED_KEEP_CONFIDENCE, identity_period,
 };
 use crate::track::step::Step;
 use crate::track::weights::PersonsRest;
@@ -265,8 +265,8 @@ impl Target {
 
     /// Adds the fit that it has moved to to the identity, if the frame is trusted and due.
     fn update_identity(&mut self, fitted: &Fitted<'_>) {
-        let is_due = self.identity.frames() < IDENTITY_FRAMES
-            || self.trusted_frames.is_multiple_of(IDENTITY_PERIOD);
+        let period = identity_period(self.identity.frames());
+        let is_due = self.trusted_frames.is_multiple_of(period);
         if fitted.confidence().face >= TRUST_CONFIDENCE && is_due {
             let (face, camera, observed) = (fitted.face, fitted.camera, fitted.aligned.observed());
             (self.identity).add(face, camera, &observed, fitted.fit, FRAME_WEIGHT);
