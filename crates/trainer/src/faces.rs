@@ -110,6 +110,11 @@ impl Face {
         known.unwrap_or_else(|| self.scale())
     }
 
+    /// Pixels per millimetre; where they are not known, those of a head of the usual size.
+    pub fn usual_px_per_mm(&self) -> f32 {
+        self.frontal_inter_ocular() / INTER_OCULAR_MM
+    }
+
     /// Size that an error is measured against \[px\]: the inter-ocular distance of a face that
     /// looks into the camera, also where turning shortens it: never less than 0.42 of the root of
     /// the landmarks' box area.

@@ -5,6 +5,7 @@
 //! lids are not real. The refiners find the landmarks; where an eye is known to be shut, both lids
 //! get the same landmarks. Every fifth picture is not trained on but measured.
 
+use crate::eyes::{self, SingleEye};
 use crate::faces::{Face, Picture, ratio};
 use anyhow::{Context, Result, ensure};
 use posewise::align::{AlignModel, Shape, Workspace};
@@ -27,6 +28,12 @@ pub struct Args {
     /// The model.
     #[arg(long, default_value = "models/posewise.posewise")]
     pub model: PathBuf,
+    /// Measure all pictures, of which no training saw any, in place of each fifth.
+    #[arg(long)]
+    pub all: bool,
+    /// Width of an eye, in that of its picture.
+    #[arg(long, default_value_t = eyes::WIDTH)]
+    pub eye_width: f32,
     /// Write the numbers as JSON too.
     #[arg(long)]
     pub json: Option<PathBuf>,
@@ -49,9 +56,6 @@ const LIDS: [[usize; 2]; 2] = [[37, 41], [38, 40]];
 
 /// Where shut lids meet, from the upper (0) to the lower lid (1).
 const MEET: f32 = 0.75;
-/// One picture in this number is held out of training.
-const HELD_OUT: usize = 5;
-
 /// An eye to train on: a face of which only the person's right eye is seen, and the landmarks that
 /// the refiners found.
 pub struct Single {
@@ -65,7 +69,7 @@ pub struct Single {
 pub fn for_training(model: &AlignModel<'_>, folder: &Path) -> Result<Vec<Single>> {
     let mut all = vec![];
     for (name, shut) in [("open", false), ("closed", true)] {
-        let paths = pictures(&folder.join(name), false)?;
+        let paths = pictures(&folder.join(name), |index| !eyes::is_held_out(index))?;
         let found = find_all(model, &paths)?;
         println!("{name} eyes: {} of {} found", found.len(), 2 * paths.len());
         all.extend(found.into_iter().map(|(picture, found)| {
@@ -97,15 +101,20 @@ fn with_shut_lids(mut shape: Shape) -> Shape {
     shape
 }
 
-/// Prints how well the lids' gap separates shut eyes from open ones.
+/// Prints how well the lids' gap and the network of single eyes separate shut eyes from open ones.
 pub fn run(args: &Args) -> Result<()> {
     let bytes = std::fs::read(&args.model).with_context(|| args.model.display().to_string())?;
     let bytes = AlignedBytes::new(&bytes);
     let model = Model::load(&bytes)?;
-    let mut all = vec![];
+    let (mut all, mut single) = (vec![], vec![]);
     let mut value = json!({});
     for (name, open) in [("open", true), ("closed", false)] {
-        let paths = pictures(&args.eyes.join(name), true)?;
+        let measured = |index| args.all || eyes::is_held_out(index);
+        let paths = pictures(&args.eyes.join(name), measured)?;
+        for path in &paths {
+            let picture = Picture::read(path)?;
+            single.push(SingleEye { picture, open });
+        }
         let found = find_all(model.align(), &paths)?;
         let mut found: Vec<f32> = found.iter().map(|(_, eye)| gap(eye)).collect();
         ensure!(!found.is_empty(), "no eye was found in {name}");
@@ -124,16 +133,28 @@ pub fn run(args: &Args) -> Result<()> {
     let area = auc(&all).context("eyes of one kind only")?;
     println!("area under the ROC of the gap: {area:.3}");
     value["gap_auc"] = json!(area);
+    let looked = eyes::look_single(model.eyes(), &single, args.eye_width);
+    if let Some(area) = auc(&looked) {
+        let right = looked.iter().filter(|(p, open)| (*p > 0.5) == *open);
+        let right = right.count() as f32 / single.len() as f32;
+        println!(
+            "network of single eyes: {} of {} seen, {:.1} % right, area under the ROC {area:.4}",
+            looked.len(),
+            single.len(),
+            100.0 * right
+        );
+        value["network"] = json!({"right": right, "auc": area, "seen": looked.len()});
+    }
     if let Some(path) = &args.json {
         std::fs::write(path, value.to_string()).with_context(|| path.display().to_string())?;
     }
     Ok(())
 }
 
-/// Those held out of training, or the others.
-fn pictures(folder: &Path, held_out: bool) -> Result<Vec<PathBuf>> {
+/// Those of a folder whose numbers are wanted.
+fn pictures(folder: &Path, wanted: impl Fn(usize) -> bool) -> Result<Vec<PathBuf>> {
     let chosen = (Picture::list(folder)?.into_iter().enumerate())
-        .filter(|(index, _)| (index % HELD_OUT == HELD_OUT - 1) == held_out)
+        .filter(|(index, _)| wanted(*index))
         .map(|(_, path)| path);
     Ok(chosen.collect())
 }

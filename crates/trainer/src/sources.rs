@@ -21,6 +21,8 @@ pub enum What {
     Photographs(Set),
     /// Photographs of single eyes, open and shut.
     SingleEyes,
+    /// The same in near-infrared light.
+    InfraredEyes,
     /// Photographs without people.
     Backgrounds,
     /// The morphable head, which is rendered and fitted.
@@ -43,7 +45,7 @@ pub struct Source {
 }
 
 /// All of them.
-pub const ALL: [Source; 11] = [
+pub const ALL: [Source; 12] = [
     Source {
         name: "facekit",
         what: What::MorphableHead,
@@ -119,6 +121,14 @@ pub const ALL: [Source; 11] = [
   research)",
     },
     Source {
+        name: "infrared-eyes",
+        what: What::InfraredEyes,
+        terms: Terms::Research,
+        sheet:
+            "4,000 photographs of single eyes in near-infrared light, open and shut, of a handful
+  of people (MRL Eye Dataset, research)",
+    },
+    Source {
         name: "backgrounds",
         what: What::Backgrounds,
         terms: Terms::Research,
@@ -179,6 +189,16 @@ impl Sources {
     /// Whether photographs of single eyes are among them.
     pub fn has_single_eyes(&self) -> bool {
         self.has(|what| matches!(what, What::SingleEyes))
+    }
+
+    /// Folders of photographs of single eyes, those in infrared light too.
+    pub fn single_eyes(&self) -> Vec<&'static str> {
+        let folders = self.0.iter().filter_map(|source| match source.what {
+            What::SingleEyes => Some("eyes"),
+            What::InfraredEyes => Some("eyes-nir"),
+            _ => None,
+        });
+        folders.collect()
     }
 
     /// Whether photographs without people are among them.

@@ -20,7 +20,7 @@ pub mod refiners;
 pub mod rotation_regression;
 mod samples;
 pub mod shape_regression;
-mod shut;
+pub mod shut;
 mod source;
 mod starts;
 mod train;

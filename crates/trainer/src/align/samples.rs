@@ -68,6 +68,9 @@ pub struct Augment {
     pub blur: f32,
     /// Share of crops at half resolution.
     pub coarse: f32,
+    /// Share of crops of little contrast.
+    #[serde(skip_serializing_if = "is_none")]
+    pub faint: f32,
     /// Share of crops with a patch painted over.
     pub patch: f32,
     /// Share of crops that moved while they were exposed, and how far at most \[px\].
@@ -85,6 +88,7 @@ impl Default for Augment {
             slope: 40.0,
             blur: 0.15,
             coarse: 0.15,
+            faint: 0.0,
             patch: 0.2,
             motion_blur: 0.0,
             motion_blur_px: 0.0,
@@ -103,6 +107,8 @@ pub struct Sample {
 
 /// Most times that an unsharp crop is blurred by 3×3 means.
 const MOST_BLURS: usize = 8;
+/// Logarithm of what is left of the contrast of a crop that has little.
+const FAINT: std::ops::Range<f32> = -2.0..-0.4;
 /// Width of a mean face's box, in canonical units: what jitter's shifts are shares of.
 const BOX: f32 = 64.0;
 
@@ -201,7 +207,10 @@ pub fn disturb(crop: &mut [f32], side: usize, augment: &Augment, rng: &mut ChaCh
     }
     // Never more than the slope of the curve at its ends.
     let tone = (normal(rng) * augment.tone).clamp(-0.8, 0.8);
-    let gain = (normal(rng) * augment.contrast).exp();
+    let mut gain = (normal(rng) * augment.contrast).exp();
+    if augment.faint > 0.0 && chance(augment.faint, rng) {
+        gain *= rng.random_range(FAINT).exp();
+    }
     let offset = normal(rng) * augment.brightness;
     let slope = rng.random_range(-1.0f32..1.0) * augment.slope / side as f32;
     let [sx, sy] = [

@@ -44,17 +44,7 @@ fn shut(face: &Face, rng: &mut ChaCha8Rng) -> Face {
     };
     let mut out = face.clone();
     for side in (0..2).filter(|side| both || *side == only) {
-        let which = |k: usize| if side == 0 { k } else { MIRROR[k] };
-        let (eye, brow) = (EYE.map(which), BROW.map(which));
-        let is_seen = |k: &usize| face.known[*k] && face.visible[*k];
-        if !eye.iter().chain(&brow).all(is_seen) {
-            continue;
-        }
-        let [a, b, c, d, e, f] = eye;
-        if ratio(&face.landmarks, [a, d], &[[b, f], [c, e]]) < OPEN {
-            continue;
-        }
-        if let Some(eye) = Eye::new(&face.landmarks, eye, brow) {
+        if let Some(eye) = shutter(face, side) {
             let picture = eye.shut(&out.picture, by);
             out.picture = Arc::new(picture);
             eye.move_lids(&mut out.landmarks, by);
@@ -64,9 +54,22 @@ fn shut(face: &Face, rng: &mut ChaCha8Rng) -> Face {
     out
 }
 
+/// How to shut the image left's (0) or the image right's eye (1) of a face, where it is open and
+/// its lids are known.
+pub fn shutter(face: &Face, side: usize) -> Option<Eye> {
+    let which = |k: usize| if side == 0 { k } else { MIRROR[k] };
+    let (eye, brow) = (EYE.map(which), BROW.map(which));
+    let is_seen = |k: &usize| face.known[*k] && face.visible[*k];
+    let [a, b, c, d, e, f] = eye;
+    let is_open = ratio(&face.landmarks, [a, d], &[[b, f], [c, e]]) >= OPEN;
+    (is_open && eye.iter().chain(&brow).all(is_seen))
+        .then(|| Eye::new(&face.landmarks, eye, brow))
+        .flatten()
+}
+
 /// An eye in a frame of its own: x from corner to corner, 0 to 1, y across, in the same unit, down
 /// from the brow to the cheek.
-struct Eye {
+pub struct Eye {
     landmarks: [usize; 6],
     corner: [f32; 2],
     /// The x axis \[px\].
@@ -180,7 +183,8 @@ impl Eye {
         }
     }
 
-    fn move_lids(&self, shape: &mut Shape, by: f32) {
+    /// Moves its landmarks where they are when it is shut by this share.
+    pub fn move_lids(&self, shape: &mut Shape, by: f32) {
         let [_, b, c, _, e, f] = self.landmarks;
         for (landmarks, k) in [([b, c], 0), ([f, e], 1)] {
             for landmark in landmarks {
@@ -190,7 +194,22 @@ impl Eye {
         }
     }
 
-    fn shut(&self, picture: &Picture, by: f32) -> Picture {
+    /// The edge of the upper lid when it is shut by this share, from corner to corner, in as many
+    /// points \[px\], and the way down the cheek, as long as the eye is wide.
+    pub fn edge(&self, by: f32, points: usize) -> (Vec<[f32; 2]>, [f32; 2]) {
+        let at = |k: usize| {
+            let x = k as f32 / (points.max(2) - 1) as f32;
+            self.picture([x, self.lids(x, by)[1][0]])
+        };
+        let [ax, ay] = self.along;
+        (
+            (0..points).map(at).collect(),
+            [-self.turn * ay, self.turn * ax],
+        )
+    }
+
+    /// The picture with the eye shut by this share.
+    pub fn shut(&self, picture: &Picture, by: f32) -> Picture {
         let [w, h] = picture.size.map(|side| side as f32);
         let ends = [0.0, 1.0]
             .iter()

@@ -1,7 +1,7 @@
 //! Calibrates the outputs of a network of single eyes, and measures it.
 
 use super::samples::{DARK, GAZE_UNIT, is_looking, is_open, is_visible, place_of};
-use super::single::SingleEye;
+use super::single::{SingleEye, WIDTH};
 use crate::render::eye_cache::Eye;
 use crate::verifier::platt;
 use anyhow::{Context, Result};
@@ -250,7 +250,7 @@ pub fn figures(section: &SectionWriter, eyes: &[Eye], single: &[SingleEye]) -> R
             let [tx, ty] = l.eye.truth.iris.to_array();
             (x - tx).hypot(y - ty) / l.place.to_frame.scale()
         });
-        let opened = look_single(model, single);
+        let opened = look_single(model, single, WIDTH);
         let right = opened
             .iter()
             .filter(|(p, open)| (*p > 0.5) == *open)
@@ -276,13 +276,13 @@ pub fn figures(section: &SectionWriter, eyes: &[Eye], single: &[SingleEye]) -> R
     })?
 }
 
-/// Probability that each is open, and whether it is.
-fn look_single(model: &EyeModel<'_>, single: &[SingleEye]) -> Vec<(f64, bool)> {
+/// Probability that each is open, and whether it is; `width` of an eye in that of its picture.
+pub fn look_single(model: &EyeModel<'_>, single: &[SingleEye], width: f32) -> Vec<(f64, bool)> {
     let looked = single.par_iter().map_init(
         || Box::new(Workspace::new()),
         |work, eye| {
             let place = EyePlace {
-                to_frame: eye.place(),
+                to_frame: eye.place_of_width(width),
                 to_camera: Mat3::IDENTITY,
                 nose: -glam::Vec3::Z,
             };

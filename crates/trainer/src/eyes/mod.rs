@@ -1,16 +1,20 @@
-//! Trains the network of single eyes (section `EYES`) on rendered eyes and, unless the model is to
-//! be without photographs, on photographs of single eyes.
+//! Trains the network of single eyes (section `EYES`) on rendered eyes, on those of photographed
+//! faces, which are also shut by drawing, and, where there are some, on photographs of single eyes.
 
 mod calibration;
 mod cover;
 mod crop;
+mod glint;
+mod lashes;
 mod lens;
+mod photographed;
 mod samples;
 mod single;
 pub mod tracked;
 
-pub use calibration::{Figures, figures};
-pub use single::{SingleEye, read as read_single};
+pub use calibration::{Figures, figures, look_single};
+pub use photographed::PhotographedEye;
+pub use single::{SingleEye, WIDTH, is_held_out, read as read_single};
 
 use crate::align::{Augment, Options, Sizes, Source, Trained, parameters, train, write_regressor};
 use crate::render::eye_cache::Eye;
@@ -34,7 +38,9 @@ const SECOND: usize = 4;
 pub struct EyeOptions {
     /// Those of the network.
     pub network: Options,
-    /// Share of photographs among the samples of the second round.
+    /// Share of photographed faces' eyes among the samples, if there are any.
+    pub photographed_share: f32,
+    /// Share of photographs of single eyes among the samples of the second round.
     pub single_share: f32,
     /// By how much of the nose's direction the gaze's label is reduced. With 0.8, about how far
     /// behind the corners of the eye its centre is in radii of the eyeball, it is no better.
@@ -63,7 +69,7 @@ impl EyeOptions {
                     patch: 0.05,
                     motion_blur: 0.1,
                     motion_blur_px: 5.0,
-                    tone: 0.0,
+                    faint: 0.2,
                     ..Augment::default()
                 },
                 shake: 0.0,
@@ -71,15 +77,23 @@ impl EyeOptions {
                 shut: 0.0,
                 ..Options::default()
             },
+            photographed_share: 0.5,
             single_share: 0.25,
             by_nose: 0.0,
         }
     }
 }
 
-fn source<'a>(rendered: &'a [Eye], single: &'a [SingleEye], options: &'a EyeOptions) -> Eyes<'a> {
+fn source<'a>(
+    rendered: &'a [Eye],
+    photographed: &'a [PhotographedEye],
+    single: &'a [SingleEye],
+    options: &'a EyeOptions,
+) -> Eyes<'a> {
     Eyes {
         rendered,
+        photographed,
+        photographed_share: options.photographed_share,
         single,
         single_share: options.single_share,
         sizes: &options.network.sizes,
@@ -88,15 +102,19 @@ fn source<'a>(rendered: &'a [Eye], single: &'a [SingleEye], options: &'a EyeOpti
     }
 }
 
-/// The first round: trains the network on rendered eyes; goes on from the checkpoint if there is
+/// The first round: trains the network on rendered eyes and those of photographed faces; goes on from the checkpoint if there is
 /// one, else from the section `before`, and leaves the network there.
-pub fn train_rendered(
+pub fn train_first(
     rendered: &[Eye],
+    photographed: &[PhotographedEye],
     options: &EyeOptions,
     checkpoint: &Path,
     before: Option<Section<'_>>,
 ) -> Result<()> {
-    let (source, network) = (source(rendered, &[], options), &options.network);
+    let (source, network) = (
+        source(rendered, photographed, &[], options),
+        &options.network,
+    );
     let before = before.map(|mut section| {
         calibration::Numbers::skip(&mut section)?;
         parameters(&mut section, &network.sizes, network.seed)
@@ -111,12 +129,13 @@ pub fn section(
     first: &Path,
     rendered: &[Eye],
     calibration: &[Eye],
+    photographed: &[PhotographedEye],
     single: &[SingleEye],
     options: &EyeOptions,
     checkpoint: &Path,
 ) -> Result<SectionWriter> {
     let network = &options.network;
-    let source = source(rendered, single, options);
+    let source = source(rendered, photographed, single, options);
     let mut trained = Trained::read(first, &network.sizes).context("no network of eyes")?;
     if !single.is_empty() {
         println!("second round, with single eyes");

@@ -3,7 +3,9 @@
 
 use super::cover;
 use super::crop::{ROLL, turned};
+use super::glint;
 use super::lens;
+use super::photographed::{self, PhotographedEye};
 use super::single::SingleEye;
 use crate::align::{Augment, Sample, Sizes, Source, disturb, normal, standardise};
 use crate::head::{Labels, marks_px};
@@ -47,9 +49,12 @@ const UNSEEN_WEIGHT: f32 = 0.6;
 pub struct Eyes<'a> {
     /// Rendered eyes.
     pub rendered: &'a [Eye],
-    /// Photographs; none for a model without.
+    /// Those of photographed faces, and their share among the samples.
+    pub photographed: &'a [PhotographedEye],
+    pub photographed_share: f32,
+    /// Photographs of single eyes; none for a model without.
     pub single: &'a [SingleEye],
-    /// Share of photographs among the samples.
+    /// Share of these among the samples.
     pub single_share: f32,
     /// The network.
     pub sizes: &'a Sizes,
@@ -180,6 +185,33 @@ impl Eyes<'_> {
         }
     }
 
+    fn photographed(&self, rng: &mut ChaCha8Rng) -> Sample {
+        let eye = &self.photographed[rng.random_range(0..self.photographed.len())];
+        let (side, zoom) = (self.sizes.side, self.sizes.zoom);
+        let photographed::Seen { mut crop, shut } = eye.draw(side, zoom, rng);
+        let drawn = lens::draw(&mut crop, side, zoom, rng);
+        let covered = cover::draw(&mut crop, side, zoom, rng);
+        let seen = (1.0 - covered)
+            * match drawn {
+                Some(lens) if lens.dark => 0.0,
+                Some(lens) => 1.0 - lens.opacity,
+                None => 1.0,
+            };
+        let (lids, weight) = lids(CLASS_UNIT * (1.0 - 2.0 * shut), seen);
+        Sample {
+            crop,
+            start: vec![[0.0; 2]; EYE_OUTPUTS],
+            truth: vec![
+                [0.0; 2],
+                [0.0; 2],
+                [lids, CLASS_UNIT * (2.0 * seen - 1.0)],
+                [class(true), class(drawn.is_some_and(|lens| lens.dark))],
+            ],
+            // Whether there are glasses nobody says but where they are drawn.
+            weights: vec![0.0, 0.0, weight, if drawn.is_some() { 0.5 } else { 0.0 }],
+        }
+    }
+
     fn single(&self, rng: &mut ChaCha8Rng) -> Sample {
         let eye = &self.single[rng.random_range(0..self.single.len())];
         let mut crop = eye.crop(self.sizes, rng);
@@ -203,10 +235,14 @@ impl Eyes<'_> {
 impl Source for Eyes<'_> {
     fn draw(&self, rng: &mut ChaCha8Rng) -> Sample {
         let is_single = !self.single.is_empty() && rng.random_range(0.0..1.0) < self.single_share;
-        let mut sample = match is_single {
-            true => self.single(rng),
-            false => self.rendered(rng),
+        let is_photographed =
+            !self.photographed.is_empty() && rng.random_range(0.0..1.0) < self.photographed_share;
+        let mut sample = match (is_single, is_photographed) {
+            (true, _) => self.single(rng),
+            (false, true) => self.photographed(rng),
+            (false, false) => self.rendered(rng),
         };
+        glint::draw(&mut sample.crop, self.sizes.side, self.sizes.zoom, rng);
         disturb(&mut sample.crop, self.sizes.side, self.augment, rng);
         standardise(&mut sample.crop);
         sample

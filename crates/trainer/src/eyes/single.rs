@@ -13,7 +13,7 @@ use std::path::Path;
 const HELD_OUT: usize = 5;
 /// Width of the eye and height of its middle in a photograph, in its width and height, and width of
 /// an eye \[mm\].
-const WIDTH: f32 = 0.55;
+pub const WIDTH: f32 = 0.55;
 const MIDDLE: f32 = 0.54;
 const EYE_MM: f32 = 29.0;
 /// How much the logarithm of its size varies, and its place, in widths.
@@ -32,9 +32,14 @@ pub struct SingleEye {
 impl SingleEye {
     /// Millimetres from the middle of the eye → pixels.
     pub fn place(&self) -> Similarity {
+        self.place_of_width(WIDTH)
+    }
+
+    /// The same where the eye has another width, in that of the picture.
+    pub fn place_of_width(&self, width: f32) -> Similarity {
         let [w, h] = self.picture.size.map(|s| s as f32);
         Similarity {
-            a: WIDTH * w / EYE_MM,
+            a: width * w / EYE_MM,
             b: 0.0,
             tx: 0.5 * w,
             ty: MIDDLE * h,
@@ -53,13 +58,18 @@ impl SingleEye {
     }
 }
 
+/// Whether the photograph of this number, by name, is held out of training.
+pub fn is_held_out(index: usize) -> bool {
+    index % HELD_OUT == HELD_OUT - 1
+}
+
 /// The photographs to train on, or those held out.
 pub fn read(folder: &Path, held_out: bool) -> Result<Vec<SingleEye>> {
     let mut all = vec![];
     for (name, open) in [("open", true), ("closed", false)] {
         let paths = Picture::list(&folder.join(name))?;
         for (index, path) in paths.into_iter().enumerate() {
-            if (index % HELD_OUT == HELD_OUT - 1) == held_out {
+            if is_held_out(index) == held_out {
                 let picture = Picture::read(&path)?;
                 all.push(SingleEye { picture, open });
             }

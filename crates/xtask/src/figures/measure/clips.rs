@@ -102,10 +102,14 @@ pub fn stills(bench: &Bench) -> Result<Value> {
 }
 
 pub fn real_eyes(bench: &Bench) -> Result<Value> {
-    let eyes = text(&bench.at("eyes"));
-    bench
-        .programs
-        .json("posewise-train", &["eyes", "--eyes", &eyes], true)
+    let of = |folder: &str, options: &[&str]| {
+        let eyes = text(&bench.at(folder));
+        let args = [&["eyes", "--eyes", &eyes][..], options].concat();
+        bench.programs.json("posewise-train", &args, true)
+    };
+    let mut eyes = of("eyes", &[])?;
+    eyes["near_infrared"] = of("eyes-nir", &["--all"])?["network"].take();
+    Ok(eyes)
 }
 
 pub fn webcams(bench: &Bench) -> Result<Value> {

@@ -143,6 +143,18 @@ pub fn real_eyes(models: &[Model]) -> Result<String> {
             ("area under the ROC of the gap", &|m| {
                 Ok(m.at("/real_eyes/gap_auc")?.fixed(3))
             }),
+            ("network: area under the ROC", &|m| {
+                Ok(m.at("/real_eyes/network/auc")?.fixed(4))
+            }),
+            ("network: right", &|m| {
+                Ok(m.at("/real_eyes/network/right")?.percent(1))
+            }),
+            ("near-infrared: area under the ROC", &|m| {
+                Ok(m.at("/real_eyes/near_infrared/auc")?.fixed(4))
+            }),
+            ("near-infrared: right", &|m| {
+                Ok(m.at("/real_eyes/near_infrared/right")?.percent(1))
+            }),
         ],
     )
 }
