@@ -285,6 +285,10 @@
 #define POSEWISE_MONITOR_ZONE_UNKNOWN 255u ///< Of a state: the direction is unknown
 #define POSEWISE_MONITOR_ZONE_ROAD    1u   ///< Flag of a zone: it is the road
 
+#define POSEWISE_MONITOR_BY_GAZE 0u ///< By the gaze where it is known, else by the head
+#define POSEWISE_MONITOR_BY_HEAD 1u ///< By the head, and by a gaze that looks down
+#define POSEWISE_MONITOR_BY_NONE 2u ///< Of a state: the zone is unknown
+
 #define POSEWISE_MONITOR_EYES_UNKNOWN 0u ///< Neither open nor closed
 #define POSEWISE_MONITOR_EYES_OPEN    1u ///< The eyes are open
 #define POSEWISE_MONITOR_EYES_CLOSED  2u ///< The eyes are closed
@@ -294,6 +298,11 @@
 #define POSEWISE_MONITOR_REASON_LOW_CONFIDENCE 2u ///< Confidence or pose is too uncertain
 #define POSEWISE_MONITOR_REASON_TURNED         3u ///< The head is turned away from the camera
 #define POSEWISE_MONITOR_REASON_HIDDEN         4u ///< Both eyes are hidden, or move too fast
+#define POSEWISE_MONITOR_REASON_ELSEWHERE      5u ///< The face is not at the driver's place
+
+#define POSEWISE_MONITOR_PLACE_LEARNT 0u ///< That where most of the first minute is a face
+#define POSEWISE_MONITOR_PLACE_GIVEN  1u ///< That at place_mm
+#define POSEWISE_MONITOR_PLACE_ANY    2u ///< Every face is the driver's
 
 #define POSEWISE_MONITOR_DROWSINESS_UNKNOWN      0u ///< Too little is known
 #define POSEWISE_MONITOR_DROWSINESS_AWAKE        1u ///< P80 is below awake_share of its limits
@@ -749,8 +758,8 @@ typedef struct posewise_monitor_config {
     float natural_yaw_deg;
     /// The same in pitch [deg, 0..30, default 25].
     float natural_pitch_deg;
-    /// A zone is left this far outside of it [deg, 0..15, default 3], chosen: the error of a
-    /// pose.
+    /// A zone is left this far outside of it, and by a quarter of the standard deviation of a gaze
+    /// farther [deg, 0..15, default 3], chosen: the error of a pose.
     float zone_margin_deg;
     /// A glance away of this length is long [us, default 3000000]: Euro NCAP 2026, 3 to 4 s.
     uint32_t long_glance_us;
@@ -764,16 +773,31 @@ typedef struct posewise_monitor_config {
     /// Eyes that are unknown for this long are reported [us, default 10000000]: Euro NCAP 2026.
     uint32_t degraded_us;
     /// The eyes look down when their gaze is lowered by this much from the direction of the road
-    /// [deg, 10..60, default 18], chosen: below the windscreen. Zones are met by the gaze then,
-    /// by the head otherwise.
+    /// [deg, 10..60, default 18], chosen: below the windscreen.
     float look_down_deg;
     /// A look down of this length is reported [us, default 500000], chosen.
     uint32_t look_down_us;
+    /// What zones are met by [POSEWISE_MONITOR_BY_*]. _GAZE: the gaze where it is known, and the
+    /// head where it is not, whose turn from the road then counts 1.5 times. _HEAD: the head as it
+    /// is turned, and the gaze only while the eyes look down. _NONE is no setting.
+    uint32_t zones_by;
+    /// How much farther eyes have turned in the head than the gaze says, for zones [1..2, default
+    /// 1.3], chosen on rendered clips: what the networks find falls short. 1 for exact gazes.
+    float gaze_gain;
+    /// Whose face is the driver's [POSEWISE_MONITOR_PLACE_*]; another one is unknown, as no face
+    /// is.
+    uint32_t place;
+    /// The driver's place for POSEWISE_MONITOR_PLACE_GIVEN: midway between the eyes, camera frame
+    /// [mm, -20000..20000, default 0].
+    float place_mm[3];
+    /// How far from the place the driver's face may be [mm, 100..1000, default 300], chosen: half
+    /// way to the seat beside.
+    float place_radius_mm;
 } posewise_monitor_config;
 /// Initialises a posewise_monitor_config: struct_size is set, all other fields are 0.
 #define POSEWISE_MONITOR_CONFIG_INIT \
     {sizeof(posewise_monitor_config), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, \
-     0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}
+     0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, {0, 0, 0}, 0}
 
 /// What a driver monitor sees of one frame, from posewise_monitor_observe() or from elsewhere.
 /// Numbers that are not finite are unknown.
@@ -807,11 +831,14 @@ typedef struct posewise_monitor_observation {
     /// Whether lids that are as good as shut may follow a lowered gaze [0 or 1]: a closure of
     /// such time alone is no longer than a blink, and PERCLOS leaves it out.
     uint32_t may_look_down;
+    /// Standard deviation of the gaze about each axis that is perpendicular to it [deg]; 0: not
+    /// known. A gaze with more than 15 is unknown.
+    float gaze_sigma_deg;
 } posewise_monitor_observation;
 /// Initialises a posewise_monitor_observation: struct_size is set, all other fields are 0.
 #define POSEWISE_MONITOR_OBSERVATION_INIT \
     {sizeof(posewise_monitor_observation), 0, 0, 0, 0, {0, 0, 0}, {0, 0, 0}, {0, 0}, 0, 0, \
-     {0, 0, 0}, 0}
+     {0, 0, 0}, 0, 0}
 
 /// Measures of eye closure over a window of whole seconds. This struct never grows.
 typedef struct posewise_monitor_perclos {
@@ -848,8 +875,7 @@ typedef struct posewise_monitor_state {
     uint32_t nods;
     /// Known time for which the mouth is open as in a yawn [us].
     uint32_t mouth_open_us;
-    /// Index of the zone, by the gaze while the eyes look down, else by the head;
-    /// POSEWISE_MONITOR_ZONE_OUTSIDE or POSEWISE_MONITOR_ZONE_UNKNOWN.
+    /// Index of the zone; POSEWISE_MONITOR_ZONE_OUTSIDE or POSEWISE_MONITOR_ZONE_UNKNOWN.
     uint32_t zone;
     /// Time there [us].
     uint32_t zone_us;
@@ -860,7 +886,7 @@ typedef struct posewise_monitor_state {
     /// Whether natural_deg is final [0 or 1], after a minute of known pose. Before the first 10 s
     /// of it, the zone is unknown.
     uint32_t natural_is_final;
-    /// Yaw and pitch from the direction of the road [deg]; 0 for an unknown zone.
+    /// Yaw and pitch of the face from the direction of the road [deg]; 0 for an unknown zone.
     float from_road_deg[2];
     /// The natural pose: yaw and pitch from forward_yaw_deg and forward_pitch_deg [deg].
     float natural_deg[2];
@@ -881,11 +907,28 @@ typedef struct posewise_monitor_state {
     /// once a second.
     posewise_monitor_perclos perclos_60;
     posewise_monitor_perclos perclos_180;
+    /// What the zone is known by [POSEWISE_MONITOR_BY_*].
+    uint32_t zone_by;
+    /// Whether natural_gaze_deg is final [0 or 1], after a minute of known gaze. Before the first
+    /// 10 s of it, zones are met by the head.
+    uint32_t natural_gaze_is_final;
+    /// Yaw and pitch of the gaze from the direction of the road, with gaze_gain [deg]; 0 where it
+    /// is unknown.
+    float gaze_from_road_deg[2];
+    /// The gaze that is on the road: yaw and pitch from forward_yaw_deg and forward_pitch_deg
+    /// [deg].
+    float natural_gaze_deg[2];
+    /// The driver's place, midway between the eyes, camera frame [mm]; zeros where it is not
+    /// known.
+    float place_mm[3];
+    /// Whether it is held, whoever is seen elsewhere [0 or 1]: given, or learnt for a minute.
+    uint32_t place_is_final;
 } posewise_monitor_state;
 /// Initialises a posewise_monitor_state: struct_size is set, all other fields are 0.
 #define POSEWISE_MONITOR_STATE_INIT \
     {sizeof(posewise_monitor_state), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, {0, 0}, {0, 0}, \
-     {0, 0}, 0, 0, 0, 0, {0, 0, 0, 0, 0, 0, 0, 0}, {0, 0, 0, 0, 0, 0}, {0, 0, 0, 0, 0, 0}}
+     {0, 0}, 0, 0, 0, 0, {0, 0, 0, 0, 0, 0, 0, 0}, {0, 0, 0, 0, 0, 0}, {0, 0, 0, 0, 0, 0}, 0, 0, \
+     {0, 0}, {0, 0}, {0, 0, 0}, 0}
 
 /// An event of posewise_monitor_events(). This struct never grows, so the layout of arrays stays
 /// the same. Later libraries may have kinds that this header lacks.

@@ -157,7 +157,7 @@ export const EYE_STATES = /** @type {const} */ ([
 /** @typedef {(typeof REASONS)[number]} UnknownReason */
 export const REASONS = /** @type {const} */ ([
   'none', 'no-face', 'low-confidence', 'turned',
-  'hidden',
+  'hidden', 'elsewhere',
 ]);
 
 /** @typedef {(typeof DROWSINESS)[number]} Drowsiness */
@@ -173,6 +173,16 @@ export const MONITOR_EVENTS = /** @type {const} */ ([
   'drowsy', 'drowsy-end', 'degraded', 'restored',
   'open-eye-learnt', 'natural-learnt', 'clock-back', 'look-down',
   'look-down-end',
+]);
+
+/** @typedef {(typeof ZONES_BY)[number]} ZonesBy */
+export const ZONES_BY = /** @type {const} */ ([
+  'gaze', 'head', 'none',
+]);
+
+/** @typedef {(typeof PLACES)[number]} Place */
+export const PLACES = /** @type {const} */ ([
+  'learnt', 'given', 'any',
 ]);
 
 /** @typedef {(typeof ZONE_KINDS)[number]} ZoneKind */
@@ -650,8 +660,8 @@ export const MESH_TOPOLOGY = {
  * @property {number} [naturalYawDeg] How far the driver's natural pose may be from there in yaw
  *   [deg, 0..50, default 45], for cameras up to 40 degrees off the driver's axis.
  * @property {number} [naturalPitchDeg] The same in pitch [deg, 0..30, default 25].
- * @property {number} [zoneMarginDeg] A zone is left this far outside of it [deg, 0..15, default 3],
- *   chosen: the error of a pose.
+ * @property {number} [zoneMarginDeg] A zone is left this far outside of it, and by a quarter of the
+ *   standard deviation of a gaze farther [deg, 0..15, default 3], chosen: the error of a pose.
  * @property {number} [longGlanceUs] A glance away of this length is long [us, default 3000000]:
  *   Euro NCAP 2026, 3 to 4 s.
  * @property {number} [cumulativeUs] So much of the last 30 s away is too much [us, 0..30000000,
@@ -663,14 +673,26 @@ export const MESH_TOPOLOGY = {
  * @property {number} [degradedUs] Eyes that are unknown for this long are reported [us, default
  *   10000000]: Euro NCAP 2026.
  * @property {number} [lookDownDeg] The eyes look down when their gaze is lowered by this much from
- *   the direction of the road [deg, 10..60, default 18], chosen: below the windscreen. Zones are
- *   met by the gaze then, by the head otherwise.
+ *   the direction of the road [deg, 10..60, default 18], chosen: below the windscreen.
  * @property {number} [lookDownUs] A look down of this length is reported [us, default 500000],
  *   chosen.
+ * @property {ZonesBy} [zonesBy] What zones are met by ["gaze", "head", "none"]. "gaze": the gaze
+ *   where it is known, and the head where it is not, whose turn from the road then counts 1.5
+ *   times. "head": the head as it is turned, and the gaze only while the eyes look down. "none" is
+ *   no setting.
+ * @property {number} [gazeGain] How much farther eyes have turned in the head than the gaze says,
+ *   for zones [1..2, default 1.3], chosen on rendered clips: what the networks find falls short. 1
+ *   for exact gazes.
+ * @property {Place} [place] Whose face is the driver's ["learnt", "given", "any"]; another one is
+ *   unknown, as no face is.
+ * @property {[number, number, number]} [placeMm] The driver's place for "given": midway between the
+ *   eyes, camera frame [mm, -20000..20000, default 0].
+ * @property {number} [placeRadiusMm] How far from the place the driver's face may be [mm,
+ *   100..1000, default 300], chosen: half way to the seat beside.
  */
 /** @type {import('./struct.js').Layout} */
 export const MONITOR_CONFIG = {
-  size: 144,
+  size: 172,
   fields: {
     structSize: { at: 0, type: 'u32', optional: true },
     fixedPose: { at: 4, type: 'u32', optional: true, flag: 1 },
@@ -708,6 +730,11 @@ export const MONITOR_CONFIG = {
     degradedUs: { at: 132, type: 'u32', optional: true },
     lookDownDeg: { at: 136, type: 'f32', optional: true },
     lookDownUs: { at: 140, type: 'u32', optional: true },
+    zonesBy: { at: 144, type: 'u32', names: ZONES_BY, optional: true },
+    gazeGain: { at: 148, type: 'f32', optional: true },
+    place: { at: 152, type: 'u32', names: PLACES, optional: true },
+    placeMm: { at: 156, type: 'f32', count: 3, optional: true },
+    placeRadiusMm: { at: 168, type: 'f32', optional: true },
   },
 };
 /** @type {import('./struct.js').Layout} */
@@ -744,10 +771,12 @@ export const MONITOR_ZONE = {
  *   zeros where it is unknown.
  * @property {boolean} [mayLookDown] Whether lids that are as good as shut may follow a lowered gaze
  *   [0 or 1]: a closure of such time alone is no longer than a blink, and PERCLOS leaves it out.
+ * @property {number} [gazeSigmaDeg] Standard deviation of the gaze about each axis that is
+ *   perpendicular to it [deg]; 0: not known. A gaze with more than 15 is unknown.
  */
 /** @type {import('./struct.js').Layout} */
 export const MONITOR_OBSERVATION = {
-  size: 76,
+  size: 80,
   fields: {
     structSize: { at: 0, type: 'u32', optional: true },
     state: { at: 4, type: 'u32', names: STATES, optional: true },
@@ -761,6 +790,7 @@ export const MONITOR_OBSERVATION = {
     cameraAssumed: { at: 56, type: 'u32', optional: true, flag: 1 },
     gaze: { at: 60, type: 'f32', count: 3, optional: true },
     mayLookDown: { at: 72, type: 'u32', optional: true, flag: 1 },
+    gazeSigmaDeg: { at: 76, type: 'f32', optional: true },
   },
 };
 
@@ -793,7 +823,7 @@ export const MONITOR_PERCLOS = {
  * @property {EyeState} eyes What the eyes are ["unknown", "open", "closed"].
  * @property {number} timestampUs Timestamp of the last observation [us]; 0 before the first.
  * @property {UnknownReason} eyesReason Why the eyes are unknown, "none" where they are known
- *   ["none", "no-face", "low-confidence", "turned", "hidden"].
+ *   ["none", "no-face", "low-confidence", "turned", "hidden", "elsewhere"].
  * @property {number} openness Both eyes, relative to this person's open ones [0..1 or -1]: 0 shut,
  *   1 open, -1 unknown.
  * @property {number} closureUs Known closed time of the closure that goes on [us].
@@ -801,8 +831,7 @@ export const MONITOR_PERCLOS = {
  * @property {number} yawns Blinks, yawns and nods so far.
  * @property {number} nods Blinks, yawns and nods so far.
  * @property {number} mouthOpenUs Known time for which the mouth is open as in a yawn [us].
- * @property {ZoneIndex} zone Index of the zone, by the gaze while the eyes look down, else by the
- *   head; "outside" or "unknown".
+ * @property {ZoneIndex} zone Index of the zone; "outside" or "unknown".
  * @property {number} zoneUs Time there [us].
  * @property {number} awayUs Known time away from the road, less the grace of zones, in this glance
  *   [us].
@@ -810,8 +839,8 @@ export const MONITOR_PERCLOS = {
  *   the 119 before.
  * @property {boolean} naturalIsFinal Whether natural_deg is final [0 or 1], after a minute of known
  *   pose. Before the first 10 s of it, the zone is unknown.
- * @property {[number, number]} fromRoadDeg Yaw and pitch from the direction of the road [deg]; 0
- *   for an unknown zone.
+ * @property {[number, number]} fromRoadDeg Yaw and pitch of the face from the direction of the road
+ *   [deg]; 0 for an unknown zone.
  * @property {[number, number]} naturalDeg The natural pose: yaw and pitch from forward_yaw_deg and
  *   forward_pitch_deg [deg].
  * @property {[number, number]} openEye Observation.eye_open of this person's open left and right
@@ -829,10 +858,21 @@ export const MONITOR_PERCLOS = {
  *   observation. They change once a second.
  * @property {Perclos} perclos180 Measures over the last 60 and 180 whole seconds since the first
  *   observation. They change once a second.
+ * @property {ZonesBy} zoneBy What the zone is known by ["gaze", "head", "none"].
+ * @property {boolean} naturalGazeIsFinal Whether natural_gaze_deg is final [0 or 1], after a minute
+ *   of known gaze. Before the first 10 s of it, zones are met by the head.
+ * @property {[number, number]} gazeFromRoadDeg Yaw and pitch of the gaze from the direction of the
+ *   road, with gaze_gain [deg]; 0 where it is unknown.
+ * @property {[number, number]} naturalGazeDeg The gaze that is on the road: yaw and pitch from
+ *   forward_yaw_deg and forward_pitch_deg [deg].
+ * @property {[number, number, number]} placeMm The driver's place, midway between the eyes, camera
+ *   frame [mm]; zeros where it is not known.
+ * @property {boolean} placeIsFinal Whether it is held, whoever is seen elsewhere [0 or 1]: given,
+ *   or learnt for a minute.
  */
 /** @type {import('./struct.js').Layout} */
 export const MONITOR_STATE = {
-  size: 216,
+  size: 256,
   fields: {
     structSize: { at: 0, type: 'u32' },
     eyes: { at: 4, type: 'u32', names: EYE_STATES },
@@ -859,6 +899,12 @@ export const MONITOR_STATE = {
     zonesUs: { at: 104, type: 'i64', count: 8 },
     perclos60: { at: 168, struct: MONITOR_PERCLOS },
     perclos180: { at: 192, struct: MONITOR_PERCLOS },
+    zoneBy: { at: 216, type: 'u32', names: ZONES_BY },
+    naturalGazeIsFinal: { at: 220, type: 'u32', flag: 1 },
+    gazeFromRoadDeg: { at: 224, type: 'f32', count: 2 },
+    naturalGazeDeg: { at: 232, type: 'f32', count: 2 },
+    placeMm: { at: 240, type: 'f32', count: 3 },
+    placeIsFinal: { at: 252, type: 'u32', flag: 1 },
   },
 };
 

@@ -325,7 +325,8 @@ class MonitorConfig:
     natural_yaw_deg: float = UNSET
     #: The same in pitch [deg, 0..30, default 25].
     natural_pitch_deg: float = UNSET
-    #: A zone is left this far outside of it [deg, 0..15, default 3], chosen: the error of a pose.
+    #: A zone is left this far outside of it, and by a quarter of the standard deviation of a gaze
+    #: farther [deg, 0..15, default 3], chosen: the error of a pose.
     zone_margin_deg: float = UNSET
     #: A glance away of this length is long [us, default 3000000]: Euro NCAP 2026, 3 to 4 s.
     long_glance_us: int = UNSET
@@ -339,11 +340,25 @@ class MonitorConfig:
     #: Eyes that are unknown for this long are reported [us, default 10000000]: Euro NCAP 2026.
     degraded_us: int = UNSET
     #: The eyes look down when their gaze is lowered by this much from the direction of the road
-    #: [deg, 10..60, default 18], chosen: below the windscreen. Zones are met by the gaze then, by
-    #: the head otherwise.
+    #: [deg, 10..60, default 18], chosen: below the windscreen.
     look_down_deg: float = UNSET
     #: A look down of this length is reported [us, default 500000], chosen.
     look_down_us: int = UNSET
+    #: What zones are met by ["gaze", "head", "none"]. "gaze": the gaze where it is known, and the
+    #: head where it is not, whose turn from the road then counts 1.5 times. "head": the head as it
+    #: is turned, and the gaze only while the eyes look down. "none" is no setting.
+    zones_by: layout.ZonesBy = UNSET
+    #: How much farther eyes have turned in the head than the gaze says, for zones [1..2, default
+    #: 1.3], chosen on rendered clips: what the networks find falls short. 1 for exact gazes.
+    gaze_gain: float = UNSET
+    #: Whose face is the driver's ["learnt", "given", "any"]; another one is unknown, as no face is.
+    place: layout.Place = UNSET
+    #: The driver's place for "given": midway between the eyes, camera frame [mm, -20000..20000,
+    #: default 0].
+    place_mm: Sequence[float] = UNSET
+    #: How far from the place the driver's face may be [mm, 100..1000, default 300], chosen: half
+    #: way to the seat beside.
+    place_radius_mm: float = UNSET
     #: Whether forward_yaw_deg and forward_pitch_deg are the road, and no natural pose is learnt.
     fixed_pose: bool = False
 
@@ -384,6 +399,11 @@ class MonitorConfig:
             degraded_us=out.degraded_us,
             look_down_deg=out.look_down_deg,
             look_down_us=out.look_down_us,
+            zones_by=word(layout.ZONES_BY, out.zones_by),
+            gaze_gain=out.gaze_gain,
+            place=word(layout.PLACES, out.place),
+            place_mm=tuple(out.place_mm),
+            place_radius_mm=out.place_radius_mm,
             fixed_pose=out.flags & 1 != 0,
             **more,
         )
@@ -421,6 +441,9 @@ class Observation:
     #: Whether lids that are as good as shut may follow a lowered gaze [0 or 1]: a closure of such
     #: time alone is no longer than a blink, and PERCLOS leaves it out.
     may_look_down: bool = False
+    #: Standard deviation of the gaze about each axis that is perpendicular to it [deg]; 0: not
+    #: known. A gaze with more than 15 is unknown.
+    gaze_sigma_deg: float = 0.0
 
     @classmethod
     def _of(cls, out: layout.Observation, **more: Any) -> Any:
@@ -436,6 +459,7 @@ class Observation:
             camera_assumed=bool(out.camera_assumed),
             gaze=tuple(out.gaze),
             may_look_down=bool(out.may_look_down),
+            gaze_sigma_deg=out.gaze_sigma_deg,
             **more,
         )
 
@@ -479,7 +503,7 @@ class MonitorState:
     #: Timestamp of the last observation [us]; 0 before the first.
     timestamp_us: int
     #: Why the eyes are unknown, "none" where they are known ["none", "no-face", "low-confidence",
-    #: "turned", "hidden"].
+    #: "turned", "hidden", "elsewhere"].
     eyes_reason: layout.UnknownReason
     #: Both eyes, relative to this person's open ones [0..1 or -1]: 0 shut, 1 open, -1 unknown.
     openness: float
@@ -493,8 +517,7 @@ class MonitorState:
     nods: int
     #: Known time for which the mouth is open as in a yawn [us].
     mouth_open_us: int
-    #: Index of the zone, by the gaze while the eyes look down, else by the head; "outside" or
-    #: "unknown".
+    #: Index of the zone; "outside" or "unknown".
     zone: layout.ZoneIndex
     #: Time there [us].
     zone_us: int
@@ -505,7 +528,7 @@ class MonitorState:
     #: Whether natural_deg is final [0 or 1], after a minute of known pose. Before the first 10 s of
     #: it, the zone is unknown.
     natural_is_final: bool
-    #: Yaw and pitch from the direction of the road [deg]; 0 for an unknown zone.
+    #: Yaw and pitch of the face from the direction of the road [deg]; 0 for an unknown zone.
     from_road_deg: Floats
     #: The natural pose: yaw and pitch from forward_yaw_deg and forward_pitch_deg [deg].
     natural_deg: Floats
@@ -527,6 +550,20 @@ class MonitorState:
     #: Measures over the last 60 and 180 whole seconds since the first observation. They change once
     #: a second.
     perclos_180: Perclos
+    #: What the zone is known by ["gaze", "head", "none"].
+    zone_by: layout.ZonesBy
+    #: Whether natural_gaze_deg is final [0 or 1], after a minute of known gaze. Before the first 10
+    #: s of it, zones are met by the head.
+    natural_gaze_is_final: bool
+    #: Yaw and pitch of the gaze from the direction of the road, with gaze_gain [deg]; 0 where it is
+    #: unknown.
+    gaze_from_road_deg: Floats
+    #: The gaze that is on the road: yaw and pitch from forward_yaw_deg and forward_pitch_deg [deg].
+    natural_gaze_deg: Floats
+    #: The driver's place, midway between the eyes, camera frame [mm]; zeros where it is not known.
+    place_mm: Floats
+    #: Whether it is held, whoever is seen elsewhere [0 or 1]: given, or learnt for a minute.
+    place_is_final: bool
 
     @classmethod
     def _of(cls, out: layout.MonitorState, **more: Any) -> Any:
@@ -555,6 +592,12 @@ class MonitorState:
             zones_us=tuple(out.zones_us),
             perclos_60=Perclos._of(out.perclos_60),
             perclos_180=Perclos._of(out.perclos_180),
+            zone_by=word(layout.ZONES_BY, out.zone_by),
+            natural_gaze_is_final=bool(out.natural_gaze_is_final),
+            gaze_from_road_deg=floats(out.gaze_from_road_deg),
+            natural_gaze_deg=floats(out.natural_gaze_deg),
+            place_mm=floats(out.place_mm),
+            place_is_final=bool(out.place_is_final),
             **more,
         )
 

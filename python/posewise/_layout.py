@@ -114,6 +114,7 @@ UnknownReason = Literal[
     "low-confidence",
     "turned",
     "hidden",
+    "elsewhere",
 ]
 REASONS: tuple[UnknownReason, ...] = get_args(UnknownReason)
 
@@ -149,6 +150,20 @@ MonitorEventKind = Literal[
     "look-down-end",
 ]
 MONITOR_EVENTS: tuple[MonitorEventKind, ...] = get_args(MonitorEventKind)
+
+ZonesBy = Literal[
+    "gaze",
+    "head",
+    "none",
+]
+ZONES_BY: tuple[ZonesBy, ...] = get_args(ZonesBy)
+
+Place = Literal[
+    "learnt",
+    "given",
+    "any",
+]
+PLACES: tuple[Place, ...] = get_args(Place)
 
 ZoneKind = Literal[
     "angles",
@@ -486,8 +501,13 @@ class MonitorConfig(Structure):
         ("degraded_us", c_uint32),
         ("look_down_deg", c_float),
         ("look_down_us", c_uint32),
+        ("zones_by", c_uint32),
+        ("gaze_gain", c_float),
+        ("place", c_uint32),
+        ("place_mm", c_float * 3),
+        ("place_radius_mm", c_float),
     ]
-    _words_ = {"preset": PRESETS}
+    _words_ = {"preset": PRESETS, "zones_by": ZONES_BY, "place": PLACES}
 
 
 class Zone(Structure):
@@ -514,6 +534,7 @@ class Observation(Structure):
         ("camera_assumed", c_uint32),
         ("gaze", c_float * 3),
         ("may_look_down", c_uint32),
+        ("gaze_sigma_deg", c_float),
     ]
     _words_ = {"state": STATES}
 
@@ -556,8 +577,19 @@ class MonitorState(Structure):
         ("zones_us", c_int64 * 8),
         ("perclos_60", Perclos),
         ("perclos_180", Perclos),
+        ("zone_by", c_uint32),
+        ("natural_gaze_is_final", c_uint32),
+        ("gaze_from_road_deg", c_float * 2),
+        ("natural_gaze_deg", c_float * 2),
+        ("place_mm", c_float * 3),
+        ("place_is_final", c_uint32),
     ]
-    _words_ = {"eyes": EYE_STATES, "eyes_reason": REASONS, "drowsiness": DROWSINESS}
+    _words_ = {
+        "eyes": EYE_STATES,
+        "eyes_reason": REASONS,
+        "drowsiness": DROWSINESS,
+        "zone_by": ZONES_BY,
+    }
 
 
 class MonitorEvent(Structure):

@@ -70,7 +70,8 @@ def test_zones_are_met():
     aside = dataclasses.replace(OPEN, yaw_deg=40.0)
     now, kinds = drive(monitor, 0, (OPEN, 2), (aside, 4))
     state = monitor.state()
-    assert state.zone == 1 and state.zones_us[0] > 10**6 and state.zones_us[1] > 3 * 10**6
+    assert (state.zone, state.zone_by, state.zones_us[2]) == (1, "head", 0)
+    assert state.zones_us[0] > 10**6 and state.zones_us[1] > 3 * 10**6
     assert kinds == ["long-glance"] and state.away_us > 3 * 10**6
     monitor.update(dataclasses.replace(OPEN, yaw_deg=-60.0), now)
     assert monitor.state().zone == "outside"

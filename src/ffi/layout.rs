@@ -57,28 +57,30 @@ layout! {
     posewise_mesh_topology 48 + 3 * P;
         struct_size 0, vertex_count 4, triangle_count 8, line_starts 12, triangles 48, uvs 48 + P,
         lines 48 + 2 * P;
-    posewise_monitor_config 144;
+    posewise_monitor_config 172;
         struct_size 0, flags 4, preset 8, gap_us 12, min_confidence 16, eye_yaw_deg 20,
         eye_pitch_deg 24, closed_below 28, open_above 32, blink_us 36, long_closure_us 40,
         microsleep_us 44, sleep_us 48, unresponsive_us 52, drowsy_p80_60 56, drowsy_p80_180 60,
         awake_share 64, min_known 68, yawn_above 72, yawn_below 76, yawn_us 80, yawn_max_us 84,
         nod_deg 88, nod_us 92, forward_yaw_deg 96, forward_pitch_deg 100, natural_yaw_deg 104,
         natural_pitch_deg 108, zone_margin_deg 112, long_glance_us 116, cumulative_us 120,
-        return_us 124, clear_us 128, degraded_us 132, look_down_deg 136, look_down_us 140;
+        return_us 124, clear_us 128, degraded_us 132, look_down_deg 136, look_down_us 140,
+        zones_by 144, gaze_gain 148, place 152, place_mm 156, place_radius_mm 168;
     posewise_monitor_zone 48;
         kind 0, flags 4, grace_us 8, numbers 12;
-    posewise_monitor_observation 76;
+    posewise_monitor_observation 80;
         struct_size 0, state 4, confidence 8, yaw_deg 12, pitch_deg 16, translation_mm 20,
         rotation_sigma_deg 32, eye_open 44, jaw_open 52, camera_assumed 56, gaze 60,
-        may_look_down 72;
+        may_look_down 72, gaze_sigma_deg 76;
     posewise_monitor_perclos 24;
         p70 0, p80 4, em 8, known 12, closures 16, mean_closure_us 20;
-    posewise_monitor_state 216;
+    posewise_monitor_state 256;
         struct_size 0, eyes 4, timestamp_us 8, eyes_reason 16, openness 20, closure_us 24,
         blinks 28, yawns 32, nods 36, mouth_open_us 40, zone 44, zone_us 48, away_us 52,
         away_30_us 56, natural_is_final 60, from_road_deg 64, natural_deg 72, open_eye 80,
         open_eye_is_final 88, drowsiness 92, degraded 96, look_down_us 100, zones_us 104,
-        perclos_60 168, perclos_180 192;
+        perclos_60 168, perclos_180 192, zone_by 216, natural_gaze_is_final 220,
+        gaze_from_road_deg 224, natural_gaze_deg 232, place_mm 240, place_is_final 252;
     posewise_monitor_event 40;
         timestamp_us 0, start_us 8, duration_us 16, kind 20, zone 24, flags 28, value 32,
         reserved 36;

@@ -6,7 +6,8 @@ use super::monitor_types::*;
 use super::types::*;
 use crate::monitor::{
     Drowsiness, EyeState, MonitorConfig, MonitorConfigError, MonitorEvent, MonitorEventKind,
-    MonitorState, Observation, Perclos, Preset, UnknownReason, Zone, ZoneShape, ZoneState,
+    MonitorState, Observation, Perclos, Place, Preset, UnknownReason, Zone, ZoneShape, ZoneState,
+    ZonesBy,
 };
 use crate::track::State;
 
@@ -42,6 +43,9 @@ pub(super) unsafe fn monitor_config_from(
     }
     let preset = preset_from(given.preset)?;
     let mut config = settings(&given, &preset.config());
+    config.zones_by = zones_by_from(given.zones_by)?;
+    config.place = place_from(given.place)?;
+    config.place_mm = given.place_mm;
     if given.flags & POSEWISE_MONITOR_FIXED_POSE != 0 {
         (config.natural_yaw_deg, config.natural_pitch_deg) = (0.0, 0.0);
     }
@@ -49,7 +53,40 @@ pub(super) unsafe fn monitor_config_from(
     Ok((config, preset))
 }
 
-/// Every setting, or its default.
+fn zones_by_from(by: u32) -> Result<ZonesBy, posewise_status> {
+    match by {
+        POSEWISE_MONITOR_BY_GAZE => Ok(ZonesBy::Gaze),
+        POSEWISE_MONITOR_BY_HEAD => Ok(ZonesBy::Head),
+        _ => Err(POSEWISE_E_MONITOR_CONFIG),
+    }
+}
+
+fn zones_by_to(by: Option<ZonesBy>) -> u32 {
+    match by {
+        Some(ZonesBy::Gaze) => POSEWISE_MONITOR_BY_GAZE,
+        Some(ZonesBy::Head) => POSEWISE_MONITOR_BY_HEAD,
+        None => POSEWISE_MONITOR_BY_NONE,
+    }
+}
+
+fn place_from(place: u32) -> Result<Place, posewise_status> {
+    match place {
+        POSEWISE_MONITOR_PLACE_LEARNT => Ok(Place::Learnt),
+        POSEWISE_MONITOR_PLACE_GIVEN => Ok(Place::Given),
+        POSEWISE_MONITOR_PLACE_ANY => Ok(Place::Any),
+        _ => Err(POSEWISE_E_MONITOR_CONFIG),
+    }
+}
+
+fn place_to(place: Place) -> u32 {
+    match place {
+        Place::Learnt => POSEWISE_MONITOR_PLACE_LEARNT,
+        Place::Given => POSEWISE_MONITOR_PLACE_GIVEN,
+        Place::Any => POSEWISE_MONITOR_PLACE_ANY,
+    }
+}
+
+/// Every setting that is a number, or its default.
 fn settings(given: &posewise_monitor_config, default: &MonitorConfig) -> MonitorConfig {
     let or = |value: f32, default| or_default(value, default, given.flags);
     let or_us = |value: u32, default| or_default(value, default, given.flags);
@@ -61,7 +98,8 @@ fn settings(given: &posewise_monitor_config, default: &MonitorConfig) -> Monitor
     }
     take!(or: min_confidence eye_yaw_deg eye_pitch_deg closed_below open_above drowsy_p80_60
         drowsy_p80_180 awake_share min_known yawn_above yawn_below nod_deg forward_yaw_deg
-        forward_pitch_deg natural_yaw_deg natural_pitch_deg zone_margin_deg look_down_deg);
+        forward_pitch_deg natural_yaw_deg natural_pitch_deg zone_margin_deg look_down_deg
+        place_radius_mm gaze_gain);
     take!(or_us: gap_us blink_us long_closure_us microsleep_us sleep_us unresponsive_us yawn_us
         yawn_max_us nod_us long_glance_us cumulative_us return_us clear_us degraded_us
         look_down_us);
@@ -73,6 +111,9 @@ pub(super) fn monitor_config_to(preset: u32, config: &MonitorConfig) -> posewise
     let mut to = posewise_monitor_config {
         flags: POSEWISE_EXACT,
         preset,
+        zones_by: zones_by_to(Some(config.zones_by)),
+        place: place_to(config.place),
+        place_mm: config.place_mm,
         ..Default::default()
     };
     macro_rules! give {
@@ -85,7 +126,7 @@ pub(super) fn monitor_config_to(preset: u32, config: &MonitorConfig) -> posewise
         forward_pitch_deg natural_yaw_deg natural_pitch_deg zone_margin_deg gap_us blink_us
         long_closure_us microsleep_us sleep_us unresponsive_us yawn_us yawn_max_us nod_us
         long_glance_us cumulative_us return_us clear_us degraded_us look_down_deg
-        look_down_us);
+        look_down_us place_radius_mm gaze_gain);
     to
 }
 
@@ -143,6 +184,7 @@ pub(super) fn observation_from(given: &posewise_monitor_observation) -> Observat
     let share = |value: f32| (value >= 0.0).then_some(value);
     (seen.eye_open, seen.jaw_open) = (given.eye_open.map(share), share(given.jaw_open));
     seen.camera_assumed = given.camera_assumed != 0;
+    seen.gaze_sigma_deg = given.gaze_sigma_deg;
     seen.gaze = (given.gaze != [0.0; 3]).then_some(given.gaze);
     seen.may_look_down = given.may_look_down != 0;
     seen
@@ -167,6 +209,7 @@ pub(super) fn observation_to(seen: &Observation) -> posewise_monitor_observation
         camera_assumed: u32::from(seen.camera_assumed),
         gaze: seen.gaze.unwrap_or_default(),
         may_look_down: u32::from(seen.may_look_down),
+        gaze_sigma_deg: seen.gaze_sigma_deg,
     }
 }
 
@@ -205,6 +248,7 @@ pub(super) fn monitor_state_to(state: &MonitorState) -> posewise_monitor_state {
             Some(UnknownReason::LowConfidence) => POSEWISE_MONITOR_REASON_LOW_CONFIDENCE,
             Some(UnknownReason::Turned) => POSEWISE_MONITOR_REASON_TURNED,
             Some(UnknownReason::Hidden) => POSEWISE_MONITOR_REASON_HIDDEN,
+            Some(UnknownReason::Elsewhere) => POSEWISE_MONITOR_REASON_ELSEWHERE,
         },
         openness: state.openness.unwrap_or(-1.0),
         closure_us: state.closure_us,
@@ -232,6 +276,12 @@ pub(super) fn monitor_state_to(state: &MonitorState) -> posewise_monitor_state {
         zones_us: state.zones_us.map(|us| us as i64),
         perclos_60: perclos_to(&state.perclos_60),
         perclos_180: perclos_to(&state.perclos_180),
+        zone_by: zones_by_to(state.zone_by),
+        natural_gaze_is_final: u32::from(state.natural_gaze_is_final),
+        gaze_from_road_deg: state.gaze_from_road_deg.unwrap_or_default(),
+        natural_gaze_deg: state.natural_gaze_deg,
+        place_mm: state.place_mm.unwrap_or_default(),
+        place_is_final: u32::from(state.place_is_final),
     }
 }
 
@@ -307,6 +357,9 @@ mod tests {
                 &MonitorConfig::default(),
             );
             assert_eq!(back, config);
+            let by = zones_by_to(Some(config.zones_by));
+            assert_eq!(zones_by_from(by), Ok(config.zones_by));
+            assert_eq!(place_from(place_to(config.place)), Ok(config.place));
         }
         assert!(preset_from(5).is_err());
     }

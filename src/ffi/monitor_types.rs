@@ -38,6 +38,13 @@ pub const POSEWISE_MONITOR_ZONE_UNKNOWN: u32 = 255;
 /// Flag of a zone: it is the road.
 pub const POSEWISE_MONITOR_ZONE_ROAD: u32 = 1;
 
+/// By the gaze where it is known, else by the head.
+pub const POSEWISE_MONITOR_BY_GAZE: u32 = 0;
+/// By the head, and by a gaze that looks down.
+pub const POSEWISE_MONITOR_BY_HEAD: u32 = 1;
+/// Of a state: the zone is unknown.
+pub const POSEWISE_MONITOR_BY_NONE: u32 = 2;
+
 /// Neither open nor closed.
 pub const POSEWISE_MONITOR_EYES_UNKNOWN: u32 = 0;
 /// The eyes are open.
@@ -55,6 +62,15 @@ pub const POSEWISE_MONITOR_REASON_LOW_CONFIDENCE: u32 = 2;
 pub const POSEWISE_MONITOR_REASON_TURNED: u32 = 3;
 /// Both eyes are hidden, or move too fast.
 pub const POSEWISE_MONITOR_REASON_HIDDEN: u32 = 4;
+/// The face is not at the driver's place.
+pub const POSEWISE_MONITOR_REASON_ELSEWHERE: u32 = 5;
+
+/// That where most of the first minute is a face.
+pub const POSEWISE_MONITOR_PLACE_LEARNT: u32 = 0;
+/// That at place_mm.
+pub const POSEWISE_MONITOR_PLACE_GIVEN: u32 = 1;
+/// Every face is the driver's.
+pub const POSEWISE_MONITOR_PLACE_ANY: u32 = 2;
 
 /// Too little is known.
 pub const POSEWISE_MONITOR_DROWSINESS_UNKNOWN: u32 = 0;
@@ -174,8 +190,8 @@ pub struct posewise_monitor_config {
     pub natural_yaw_deg: f32,
     /// The same in pitch \[deg, 0..30, default 25\].
     pub natural_pitch_deg: f32,
-    /// A zone is left this far outside of it \[deg, 0..15, default 3\], chosen: the error of a
-    /// pose.
+    /// A zone is left this far outside of it, and by a quarter of the standard deviation of a gaze
+    /// farther \[deg, 0..15, default 3\], chosen: the error of a pose.
     pub zone_margin_deg: f32,
     /// A glance away of this length is long \[us, default 3000000\]: Euro NCAP 2026, 3 to 4 s.
     pub long_glance_us: u32,
@@ -189,11 +205,26 @@ pub struct posewise_monitor_config {
     /// Eyes that are unknown for this long are reported \[us, default 10000000\]: Euro NCAP 2026.
     pub degraded_us: u32,
     /// The eyes look down when their gaze is lowered by this much from the direction of the road
-    /// \[deg, 10..60, default 18\], chosen: below the windscreen. Zones are met by the gaze then,
-    /// by the head otherwise.
+    /// \[deg, 10..60, default 18\], chosen: below the windscreen.
     pub look_down_deg: f32,
     /// A look down of this length is reported \[us, default 500000\], chosen.
     pub look_down_us: u32,
+    /// What zones are met by \[POSEWISE_MONITOR_BY_*\]. _GAZE: the gaze where it is known, and the
+    /// head where it is not, whose turn from the road then counts 1.5 times. _HEAD: the head as it
+    /// is turned, and the gaze only while the eyes look down. _NONE is no setting.
+    pub zones_by: u32,
+    /// How much farther eyes have turned in the head than the gaze says, for zones \[1..2, default
+    /// 1.3\], chosen on rendered clips: what the networks find falls short. 1 for exact gazes.
+    pub gaze_gain: f32,
+    /// Whose face is the driver's \[POSEWISE_MONITOR_PLACE_*\]; another one is unknown, as no face
+    /// is.
+    pub place: u32,
+    /// The driver's place for POSEWISE_MONITOR_PLACE_GIVEN: midway between the eyes, camera frame
+    /// \[mm, -20000..20000, default 0\].
+    pub place_mm: [f32; 3],
+    /// How far from the place the driver's face may be \[mm, 100..1000, default 300\], chosen: half
+    /// way to the seat beside.
+    pub place_radius_mm: f32,
 }
 
 /// A zone of a driver monitor. Where zones overlap, the first one counts. This struct never grows,
@@ -249,6 +280,9 @@ pub struct posewise_monitor_observation {
     /// Whether lids that are as good as shut may follow a lowered gaze \[0 or 1\]: a closure of
     /// such time alone is no longer than a blink, and PERCLOS leaves it out.
     pub may_look_down: u32,
+    /// Standard deviation of the gaze about each axis that is perpendicular to it \[deg\]; 0: not
+    /// known. A gaze with more than 15 is unknown.
+    pub gaze_sigma_deg: f32,
 }
 
 /// Measures of eye closure over a window of whole seconds. This struct never grows.
@@ -290,8 +324,7 @@ pub struct posewise_monitor_state {
     pub nods: u32,
     /// Known time for which the mouth is open as in a yawn \[us\].
     pub mouth_open_us: u32,
-    /// Index of the zone, by the gaze while the eyes look down, else by the head;
-    /// POSEWISE_MONITOR_ZONE_OUTSIDE or POSEWISE_MONITOR_ZONE_UNKNOWN.
+    /// Index of the zone; POSEWISE_MONITOR_ZONE_OUTSIDE or POSEWISE_MONITOR_ZONE_UNKNOWN.
     pub zone: u32,
     /// Time there \[us\].
     pub zone_us: u32,
@@ -302,7 +335,7 @@ pub struct posewise_monitor_state {
     /// Whether natural_deg is final \[0 or 1\], after a minute of known pose. Before the first 10 s
     /// of it, the zone is unknown.
     pub natural_is_final: u32,
-    /// Yaw and pitch from the direction of the road \[deg\]; 0 for an unknown zone.
+    /// Yaw and pitch of the face from the direction of the road \[deg\]; 0 for an unknown zone.
     pub from_road_deg: [f32; 2],
     /// The natural pose: yaw and pitch from forward_yaw_deg and forward_pitch_deg \[deg\].
     pub natural_deg: [f32; 2],
@@ -323,6 +356,22 @@ pub struct posewise_monitor_state {
     /// once a second.
     pub perclos_60: posewise_monitor_perclos,
     pub perclos_180: posewise_monitor_perclos,
+    /// What the zone is known by \[POSEWISE_MONITOR_BY_*\].
+    pub zone_by: u32,
+    /// Whether natural_gaze_deg is final \[0 or 1\], after a minute of known gaze. Before the first
+    /// 10 s of it, zones are met by the head.
+    pub natural_gaze_is_final: u32,
+    /// Yaw and pitch of the gaze from the direction of the road, with gaze_gain \[deg\]; 0 where it
+    /// is unknown.
+    pub gaze_from_road_deg: [f32; 2],
+    /// The gaze that is on the road: yaw and pitch from forward_yaw_deg and forward_pitch_deg
+    /// \[deg\].
+    pub natural_gaze_deg: [f32; 2],
+    /// The driver's place, midway between the eyes, camera frame \[mm\]; zeros where it is not
+    /// known.
+    pub place_mm: [f32; 3],
+    /// Whether it is held, whoever is seen elsewhere \[0 or 1\]: given, or learnt for a minute.
+    pub place_is_final: u32,
 }
 
 /// An event of posewise_monitor_events(). This struct never grows, so the layout of arrays stays

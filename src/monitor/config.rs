@@ -1,5 +1,51 @@
 //! Settings of a monitor.
 
+use crate::shape::FARTHEST_MM;
+
+/// What the zones are met by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+#[non_exhaustive]
+pub enum ZonesBy {
+    /// By the gaze where it is known, by the head where it is not, whose turn from the road then
+    /// counts one and a half times.
+    #[default]
+    Gaze,
+    /// By the head as it is turned, but by the gaze while the eyes look down.
+    Head,
+}
+
+impl ZonesBy {
+    /// Its name in every table, as `gaze`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            ZonesBy::Gaze => "gaze",
+            ZonesBy::Head => "head",
+        }
+    }
+
+    /// `none`, or its name.
+    pub fn name_of(by: Option<ZonesBy>) -> &'static str {
+        by.map_or("none", ZonesBy::name)
+    }
+}
+
+/// Whose face is the driver's.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+#[non_exhaustive]
+pub enum Place {
+    /// That at the place where most of the first minute a face is seen.
+    #[default]
+    Learnt,
+    /// That at [`MonitorConfig::place_mm`].
+    Given,
+    /// Every face.
+    Any,
+}
+
 /// Settings. Times are in µs, at most 71 minutes. Every value has its source beside it in
 /// [`super::Preset`]; a preset sets them all.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,8 +98,7 @@ pub struct MonitorConfig {
     pub nod_deg: f32,
     /// The head is up again within this time.
     pub nod_us: u32,
-    /// Eyes look down when their gaze is lowered from the road by this \[deg\], 10..60. Zones are
-    /// met by the gaze then, and by the head otherwise.
+    /// Eyes look down when their gaze is lowered from the road by this \[deg\], 10..60.
     pub look_down_deg: f32,
     /// A look down of this length is reported.
     pub look_down_us: u32,
@@ -65,8 +110,20 @@ pub struct MonitorConfig {
     pub natural_yaw_deg: f32,
     /// As for yaw, in pitch \[deg\], 0..30.
     pub natural_pitch_deg: f32,
-    /// A zone is left when the direction is farther outside than this \[deg\], 0..15.
+    /// A zone is left when the direction is farther outside than this \[deg\], 0..15, and a quarter
+    /// of its standard deviation.
     pub zone_margin_deg: f32,
+    /// What zones are met by.
+    pub zones_by: ZonesBy,
+    /// How much farther eyes have turned in the head than a gaze says, for zones, 1..2: what
+    /// networks find falls short.
+    pub gaze_gain: f32,
+    /// Whose face is the driver's; another one is no face that is observed.
+    pub place: Place,
+    /// The driver's place for [`Place::Given`]: midway between the eyes, camera frame \[mm\].
+    pub place_mm: [f32; 3],
+    /// How far from the place the driver's face may be \[mm\], 100..1000.
+    pub place_radius_mm: f32,
     /// A glance away from the road of this length is long.
     pub long_glance_us: u32,
     /// Time away from the road within 30 s that is too long; at most 30 s.
@@ -87,7 +144,7 @@ pub enum MonitorConfigError {
     Time,
     /// A threshold, or the order of two.
     Threshold,
-    /// An angle.
+    /// An angle, or the driver's place.
     Angle,
     /// More than [`super::MAX_ZONES`] zones, or numbers that are no zone.
     Zone,
@@ -98,7 +155,7 @@ impl core::fmt::Display for MonitorConfigError {
         f.write_str(match self {
             MonitorConfigError::Time => "a time of the monitor is out of range or out of order",
             MonitorConfigError::Threshold => "a threshold of the monitor is out of range",
-            MonitorConfigError::Angle => "an angle of the monitor is out of range",
+            MonitorConfigError::Angle => "an angle or place of the monitor is out of range",
             MonitorConfigError::Zone => "more than 8 zones, or one whose numbers are no zone",
         })
     }
@@ -165,5 +222,8 @@ impl MonitorConfig {
             && (0.0..=50.0).contains(&self.natural_yaw_deg)
             && (0.0..=30.0).contains(&self.natural_pitch_deg)
             && (0.0..=15.0).contains(&self.zone_margin_deg)
+            && (1.0..=2.0).contains(&self.gaze_gain)
+            && (100.0..=1000.0).contains(&self.place_radius_mm)
+            && self.place_mm.iter().all(|v| v.abs() <= FARTHEST_MM)
     }
 }

@@ -1,9 +1,10 @@
 //! The monitor: takes observations in the order of time, and lets each of its parts see them.
 
+use super::aim::{Aim, Directions};
 use super::baseline::Baseline;
 use super::clock::{Clock, Passed};
 use super::closure::Closures;
-use super::config::{MonitorConfig, MonitorConfigError};
+use super::config::{MonitorConfig, MonitorConfigError, Place};
 use super::drowsiness;
 use super::event::{MonitorEvent, MonitorEventKind, MonitorEventLog};
 use super::glance::Glances;
@@ -12,12 +13,13 @@ use super::natural::{Natural, is_learnt};
 use super::nod::Nods;
 use super::observation::Observation;
 use super::perclos::Windows;
+use super::place::Seat;
 use super::preset::Preset;
 use super::reading::Reading;
 use super::record::{Learnt, MONITOR_RECORD_BYTES};
 use super::state::{Drowsiness, EyeState, MonitorState};
 use super::yawn::Yawns;
-use super::zone::{Direction, Zone, ZoneState, Zones};
+use super::zone::{Zone, ZoneState, Zones};
 use crate::record::RecordError;
 use core::fmt;
 
@@ -45,15 +47,18 @@ pub struct Monitor {
     clock: Clock,
     /// The last observation, which counts until the next one.
     reading: Reading,
-    direction: Option<Direction>,
+    directions: Directions,
     windows: Windows,
     closures: Closures,
     yawns: Yawns,
     nods: Nods,
     look_down: LookDown,
+    aim: Aim,
     glances: Glances,
     baseline: Baseline,
     natural: Natural,
+    natural_gaze: Natural,
+    seat: Seat,
     drowsiness: Drowsiness,
     drowsy_since_us: i64,
     drowsy_us: u32,
@@ -108,15 +113,18 @@ impl Monitor {
             zones: Zones::new(zones).ok_or(MonitorConfigError::Zone)?,
             clock: Clock::NEW,
             reading: Reading::NONE,
-            direction: None,
+            directions: Directions::NONE,
             windows: Windows::EMPTY,
             closures: Closures::NONE,
             yawns: Yawns::NONE,
             nods: Nods::NONE,
             look_down: LookDown::NONE,
+            aim: Aim::NONE,
             glances: Glances::NONE,
             baseline: Baseline::NEW,
             natural: Natural::NEW,
+            natural_gaze: Natural::NEW,
+            seat: Seat::NEW,
             drowsiness: Drowsiness::Unknown,
             drowsy_since_us: 0,
             drowsy_us: 0,
@@ -128,7 +136,7 @@ impl Monitor {
     /// Replaces the zones; dwell times begin anew.
     pub fn set_zones(&mut self, zones: &[Zone]) -> Result<(), MonitorConfigError> {
         self.zones = Zones::new(zones).ok_or(MonitorConfigError::Zone)?;
-        self.glances = Glances::NONE;
+        (self.aim, self.glances) = (Aim::NONE, Glances::NONE);
         Ok(())
     }
 
@@ -148,18 +156,25 @@ impl Monitor {
         (self.windows, self.closures) = (Windows::EMPTY, Closures::NONE);
         (self.yawns, self.nods, self.glances) = (Yawns::NONE, Nods::NONE, Glances::NONE);
         (self.baseline, self.natural) = (Baseline::NEW, Natural::NEW);
+        (self.aim, self.natural_gaze, self.seat) = (Aim::NONE, Natural::NEW, Seat::NEW);
         (self.reading, self.clock) = (Reading::NONE, Clock::NEW);
-        (self.direction, self.look_down) = (None, LookDown::NONE);
+        (self.directions, self.look_down) = (Directions::NONE, LookDown::NONE);
         (self.drowsiness, self.sight) = (Drowsiness::Unknown, Sight::default());
     }
 
     /// What was learnt of the driver, for [`Monitor::restore`] on the next drive.
     pub fn save(&self) -> [u8; MONITOR_RECORD_BYTES] {
+        let offset_deg = |natural: &Natural| {
+            let is_known = natural.is_final(&self.config) && is_learnt(&self.config);
+            is_known.then(|| natural.offset_deg())
+        };
         let learnt = Learnt {
             open_eye: (self.baseline.is_final()).then(|| self.baseline.open_eye()),
-            natural_deg: (self.natural.is_final(&self.config))
-                .then(|| self.natural.offset_deg())
-                .filter(|_| is_learnt(&self.config)),
+            natural_deg: offset_deg(&self.natural),
+            gaze_deg: offset_deg(&self.natural_gaze),
+            place_mm: (self.config.place == Place::Learnt && self.seat.is_final(&self.config))
+                .then(|| self.seat.at_mm(&self.config))
+                .flatten(),
         };
         learnt.to_bytes()
     }
@@ -178,6 +193,12 @@ impl Monitor {
         if let Some(natural_deg) = learnt.natural_deg {
             self.natural = Natural::guessed(natural_deg, &self.config);
         }
+        if let Some(gaze_deg) = learnt.gaze_deg {
+            self.natural_gaze = Natural::guessed(gaze_deg, &self.config);
+        }
+        if let Some(place_mm) = learnt.place_mm {
+            self.seat = Seat::guessed(place_mm);
+        }
         Ok(())
     }
 
@@ -188,14 +209,15 @@ impl Monitor {
         match self.clock.pass(now_us).ok_or(MonitorTimeError)? {
             Passed::Nothing => self.sight.since_us = now_us,
             Passed::Time(time_us) if time_us <= self.config.gap_us => {
-                self.pass(time_us, self.reading, self.direction.is_some(), now_us);
+                self.pass(time_us, self.reading, self.aim.by.is_some(), now_us);
             }
             Passed::Time(time_us) => self.pass(time_us, Reading::NONE, false, now_us),
             Passed::Back => self.interrupt(now_us),
         }
         let open_eye = self.baseline.open_eye();
-        self.reading = Reading::new(seen, &self.reading, open_eye, &self.config);
-        self.direction = (self.reading.pose).and_then(|pose| self.direction_of(pose.turn_deg));
+        self.reading = Reading::new(seen, &self.reading, open_eye, &self.seat, &self.config);
+        let (head, gaze) = (&self.natural, &self.natural_gaze);
+        self.directions = Directions::new(&self.reading, head, gaze, &self.config);
         self.see(now_us);
         Ok(())
     }
@@ -217,6 +239,7 @@ impl Monitor {
         self.nods.pass(time_us, pitch, is_closed, config);
         let is_known = held.gaze_deg.is_some();
         (self.look_down).pass(time_us, is_known, now_us, config, log);
+        self.aim.pass(time_us, is_known);
         let zone = match is_directed {
             true => self.glances.zone,
             false => ZoneState::Unknown,
@@ -226,7 +249,7 @@ impl Monitor {
         self.watch_sight(time_us, held.openness.is_ok(), now_us);
     }
 
-    /// Learns open eye and natural pose.
+    /// Learns open eye, natural pose and gaze, and the driver's place.
     fn learn(&mut self, time_us: u32, held: &Reading, now_us: i64) {
         let mut learnt = |kind, value| {
             self.log.push(MonitorEvent {
@@ -237,18 +260,27 @@ impl Monitor {
                 ..MonitorEvent::default()
             });
         };
+        if let Some(at_mm) = held.at_mm {
+            self.seat.pass(time_us, at_mm, &self.config);
+        }
         let is_long = self.closures.closed_us() > self.config.long_closure_us;
         if held.openness.is_ok() && self.baseline.pass(time_us, held.eyes, is_long) {
             let [left, right] = self.baseline.open_eye();
             learnt(MonitorEventKind::OpenEyeLearnt, (left + right) / 2.0);
         }
         if let Some(pose) = held.pose {
-            let [yaw, pitch] = pose.turn_deg;
-            let (config, forward_yaw) = (&self.config, self.config.forward_yaw_deg);
-            let from_forward = [yaw - forward_yaw, pitch - config.forward_pitch_deg];
-            if self.natural.pass(time_us, from_forward, &self.config) {
+            let config = &self.config;
+            let forward_deg = [config.forward_yaw_deg, config.forward_pitch_deg];
+            let from_forward = |[yaw, pitch]: [f32; 2]| {
+                let [forward_yaw, forward_pitch] = forward_deg;
+                [yaw - forward_yaw, pitch - forward_pitch]
+            };
+            if (self.natural).pass(time_us, from_forward(pose.turn_deg), config) {
                 let [yaw, _] = self.natural.offset_deg();
                 learnt(MonitorEventKind::NaturalLearnt, yaw);
+            }
+            if let Some(gaze_deg) = held.gaze_deg {
+                (self.natural_gaze).pass(time_us, from_forward(gaze_deg), config);
             }
         }
     }
@@ -281,7 +313,6 @@ impl Monitor {
 
     /// Lets the parts see what was read now.
     fn see(&mut self, now_us: i64) {
-        let gaze = (self.reading.gaze_deg).and_then(|at_deg| self.direction_of(at_deg));
         let (config, log) = (&self.config, &mut self.log);
         if let Ok(openness) = self.reading.openness {
             let ended = self.closures.see(openness, now_us, config, log);
@@ -295,14 +326,11 @@ impl Monitor {
         if let Some(pitch) = self.reading.pose.map(|pose| pose.pitch_deg()) {
             self.nods.see(pitch, now_us, config, log);
         }
-        if let Some(gaze) = &gaze {
-            (self.look_down).see(gaze.pitch_deg, now_us, config, log);
+        if let Some([_, pitch]) = self.directions.gaze_deg {
+            (self.look_down).see(pitch, now_us, config, log);
         }
-        let lowered = gaze.filter(|_| self.look_down.is_on());
-        let zone = match lowered.or(self.direction) {
-            None => ZoneState::Unknown,
-            Some(at) => (self.zones).at(&at, self.glances.zone, config.zone_margin_deg),
-        };
+        let (last, is_lowered) = (self.glances.zone, self.look_down.is_on());
+        let zone = (self.aim).see(&self.directions, is_lowered, &self.zones, last, config);
         self.glances.see(zone, &self.zones, now_us);
         self.watch_drowsiness(now_us);
     }
@@ -329,23 +357,6 @@ impl Monitor {
         });
     }
 
-    /// Where a head or a gaze of this yaw and pitch is turned to, if the road is known.
-    fn direction_of(&self, [yaw, pitch]: [f32; 2]) -> Option<Direction> {
-        let pose = self.reading.pose?;
-        if !self.natural.is_known(&self.config) {
-            return None;
-        }
-        let (config, [more_yaw, more_pitch]) = (&self.config, self.natural.offset_deg());
-        // Without what is this person's own: the direction that the zones are set for.
-        let (yaw_deg, pitch_deg) = (yaw - more_yaw, pitch - more_pitch);
-        Some(Direction {
-            yaw_deg: yaw_deg - config.forward_yaw_deg,
-            pitch_deg: pitch_deg - config.forward_pitch_deg,
-            origin_mm: pose.origin_mm,
-            ray: pose.ray(yaw_deg, pitch_deg),
-        })
-    }
-
     /// The clock was set back: what goes on ends.
     fn interrupt(&mut self, now_us: i64) {
         let (config, log) = (&self.config, &mut self.log);
@@ -357,7 +368,8 @@ impl Monitor {
         self.look_down.end(now_us, true, config, log);
         self.glances.end(now_us, true, log);
         self.glances.interrupt();
-        (self.reading, self.direction) = (Reading::NONE, None);
+        (self.reading, self.directions) = (Reading::NONE, Directions::NONE);
+        self.aim = Aim::NONE;
         (self.sight.since_us, self.drowsy_since_us) = (now_us, now_us);
         log.push(MonitorEvent {
             timestamp_us: now_us,
@@ -388,15 +400,23 @@ impl Monitor {
             mouth_open_us: self.yawns.open_us(),
             look_down_us: self.look_down.time_us(),
             zone: self.glances.zone,
+            zone_by: self.aim.by,
             zone_us: self.glances.zone_us,
             away_us: self.glances.away_us(),
             away_30_us: self.glances.recent_us(),
             zones_us: self.glances.zones_us,
-            from_road_deg: self.direction.map(|at| [at.yaw_deg, at.pitch_deg]),
+            from_road_deg: self.directions.head_deg,
+            gaze_from_road_deg: (self.directions.by_gaze)
+                .map(|at| [at.yaw_deg, at.pitch_deg])
+                .or(self.directions.gaze_deg),
             natural_deg: self.natural.offset_deg(),
             natural_is_final: self.natural.is_final(&self.config),
+            natural_gaze_deg: self.natural_gaze.offset_deg(),
+            natural_gaze_is_final: self.natural_gaze.is_final(&self.config),
             open_eye: self.baseline.open_eye(),
             open_eye_is_final: self.baseline.is_final(),
+            place_mm: self.seat.at_mm(&self.config),
+            place_is_final: self.seat.is_final(&self.config),
             drowsiness: self.drowsiness,
             degraded: self.sight.is_degraded,
         }

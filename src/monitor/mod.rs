@@ -12,14 +12,17 @@
 //! | `observation`, `openness`, `reading` | what is observed, and what of it is known |
 //! | `clock`, `perclos`, `recent` | time, and exact sums over windows of whole bins |
 //! | `closure`, `yawn`, `nod`, `look_down`, `glance`, `drowsiness` | one state machine each |
+//! | `aim` | what the zones are met by: gaze or head |
 //! | `episode` | what yawns and looks down have in common |
 //! | `baseline`, `natural` | openness of this person's open eyes, direction of the road |
+//! | `place` | where the driver sits |
 //! | `quantile` | of the histograms from which both are learnt |
 //! | `record` | both as bytes, for the next drive |
 //! | `event`, `state`, `driver` | outputs, and the whole |
 //!
 //! Memory is fixed, work per observation is bounded.
 
+mod aim;
 mod baseline;
 mod clock;
 mod closure;
@@ -35,6 +38,7 @@ mod nod;
 mod observation;
 mod openness;
 mod perclos;
+mod place;
 mod preset;
 mod quantile;
 mod reading;
@@ -44,7 +48,7 @@ mod state;
 mod yawn;
 mod zone;
 
-pub use config::{MonitorConfig, MonitorConfigError};
+pub use config::{MonitorConfig, MonitorConfigError, Place, ZonesBy};
 pub use driver::{Monitor, MonitorTimeError};
 pub use event::{MONITOR_EVENTS, MonitorEvent, MonitorEventKind, MonitorEventLog};
 pub use observation::Observation;

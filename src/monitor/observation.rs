@@ -32,6 +32,8 @@ pub struct Observation {
     pub jaw_open: Option<f32>,
     /// Unit gaze of both eyes, camera frame, where it is known.
     pub gaze: Option<[f32; 3]>,
+    /// Its standard deviation about each axis that is perpendicular to it \[deg\]; 0: not known.
+    pub gaze_sigma_deg: f32,
     /// As [`TrackResult::camera_assumed`]: a natural pose that is learnt, and the angles from the
     /// road with it, are relative to the line of sight then.
     pub camera_assumed: bool,
@@ -50,6 +52,7 @@ impl Observation {
         may_look_down: false,
         jaw_open: None,
         gaze: None,
+        gaze_sigma_deg: 0.0,
         camera_assumed: false,
     };
 }
@@ -86,6 +89,7 @@ impl From<&TrackResult> for Observation {
             may_look_down: eyes.may_look_down,
             jaw_open: jaw_open.copied(),
             gaze: result.eyes.gaze.ok().map(|gaze| gaze.camera),
+            gaze_sigma_deg: result.eyes.gaze.map_or(0.0, |gaze| gaze.sigma_deg),
             camera_assumed: result.camera_assumed,
         }
     }

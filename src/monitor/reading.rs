@@ -3,6 +3,7 @@
 use super::config::MonitorConfig;
 use super::natural::is_learnt;
 use super::observation::Observation;
+use super::place::Seat;
 use super::state::UnknownReason;
 use crate::math::{HeadAngles, towards};
 use crate::shape::{FARTHEST_MM, Pose};
@@ -13,6 +14,10 @@ use glam::Vec3;
 /// road in the default zones. Without intrinsics a face at the frame's corner has 14°; a profile of
 /// which nothing is visible has 20° at a confidence of 0.5.
 const MOST_SIGMA_DEG: f32 = 30.0;
+/// Standard deviation of a gaze that comes without one, and the largest of a known gaze \[deg\].
+/// Chosen: below that of the tracker's, and half of the width of the road in the default zones.
+const USUAL_GAZE_SIGMA_DEG: f32 = 5.0;
+const MOST_GAZE_SIGMA_DEG: f32 = 15.0;
 /// Largest angle of a head \[deg\].
 const MOST_DEG: f32 = 180.0;
 /// How much less the head must be turned for eyes to be known again \[deg\].
@@ -29,10 +34,14 @@ pub(super) struct Reading {
     pub(super) eyes: [Option<f32>; 2],
     /// Openness of the jaw.
     pub(super) jaw: Option<f32>,
+    /// Where a face is, the driver's or another one \[mm\].
+    pub(super) at_mm: Option<Vec3>,
     /// Where the head is and where it is turned to.
     pub(super) pose: Option<HeadPose>,
     /// Yaw and pitch of the gaze, of the kind of [`HeadPose::turn_deg`] \[deg\].
     pub(super) gaze_deg: Option<[f32; 2]>,
+    /// Its standard deviation \[deg\].
+    pub(super) gaze_sigma_deg: f32,
 }
 
 /// Where a head is and where it is turned to.
@@ -94,14 +103,17 @@ impl Reading {
         may_look_down: false,
         eyes: [None; 2],
         jaw: None,
+        at_mm: None,
         pose: None,
         gaze_deg: None,
+        gaze_sigma_deg: 0.0,
     };
 
     pub(super) fn new(
         seen: &Observation,
         last: &Reading,
         open_eye: [f32; 2],
+        seat: &Seat,
         config: &MonitorConfig,
     ) -> Reading {
         let unknown = |reason| Reading {
@@ -114,7 +126,15 @@ impl Reading {
         let Some(pose) = known_pose(seen, config) else {
             return unknown(UnknownReason::LowConfidence);
         };
+        let at_mm = Some(pose.origin_mm);
+        if seat.is_elsewhere(pose.origin_mm, config) {
+            return Reading {
+                at_mm,
+                ..unknown(UnknownReason::Elsewhere)
+            };
+        }
         let reading = Reading {
+            at_mm,
             pose: Some(pose),
             ..Reading::NONE
         };
@@ -129,6 +149,11 @@ impl Reading {
                 ..reading
             };
         }
+        let gaze_sigma_deg = match seen.gaze_sigma_deg {
+            sigma if sigma > 0.0 => sigma,
+            _ => USUAL_GAZE_SIGMA_DEG,
+        };
+        let is_sure = gaze_sigma_deg <= MOST_GAZE_SIGMA_DEG;
         let is_share = |v: &f32| (0.0..=1.0).contains(v);
         let eyes = seen.eye_open.map(|open| open.filter(is_share));
         Reading {
@@ -136,7 +161,8 @@ impl Reading {
             may_look_down: seen.may_look_down,
             eyes,
             jaw: seen.jaw_open.filter(is_share),
-            gaze_deg: (seen.gaze).and_then(|gaze| pose.angles_of(gaze.into())),
+            gaze_deg: (seen.gaze.filter(|_| is_sure)).and_then(|gaze| pose.angles_of(gaze.into())),
+            gaze_sigma_deg,
             ..reading
         }
     }
@@ -205,7 +231,8 @@ mod tests {
         let config = MonitorConfig::default();
         let mut seen = Observation::NONE;
         (seen.state, seen.confidence, seen.eye_open) = (State::Tracking, 1.0, [Some(1.0); 2]);
-        let read = |seen: &Observation| Reading::new(seen, &Reading::NONE, [1.0; 2], &config);
+        let read =
+            |seen: &Observation| Reading::new(seen, &Reading::NONE, [1.0; 2], &Seat::NEW, &config);
         assert_eq!(read(&seen).openness, Ok(1.0));
         let wrong: [fn(&mut Observation); 6] = [
             |seen| seen.confidence = f32::NAN,

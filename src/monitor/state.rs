@@ -1,5 +1,6 @@
 //! What a monitor knows now.
 
+use super::config::ZonesBy;
 use super::zone::{MAX_ZONES, ZoneState};
 
 /// What the eyes do.
@@ -49,6 +50,8 @@ pub enum UnknownReason {
     Turned,
     /// The tracker sees neither eye: hidden, or moving too fast.
     Hidden,
+    /// The face that is seen is not at the driver's place.
+    Elsewhere,
 }
 
 impl UnknownReason {
@@ -59,6 +62,7 @@ impl UnknownReason {
             UnknownReason::LowConfidence => "low-confidence",
             UnknownReason::Turned => "turned",
             UnknownReason::Hidden => "hidden",
+            UnknownReason::Elsewhere => "elsewhere",
         }
     }
 
@@ -142,8 +146,10 @@ pub struct MonitorState {
     pub mouth_open_us: u32,
     /// Known time for which the eyes have looked down \[µs\]; 0 while they do not.
     pub look_down_us: u32,
-    /// Where the driver looks: by the gaze while the eyes look down, by the head otherwise.
+    /// Where the driver looks.
     pub zone: ZoneState,
+    /// What that is known by; `None` for an unknown zone.
+    pub zone_by: Option<ZonesBy>,
     /// For how long without a break \[µs\].
     pub zone_us: u32,
     /// Known time away from the road in the glance that goes on \[µs\], less the grace of zones.
@@ -154,14 +160,25 @@ pub struct MonitorState {
     pub zones_us: [u64; MAX_ZONES],
     /// Yaw and pitch of the face from the direction of the road \[deg\], where it is known.
     pub from_road_deg: Option<[f32; 2]>,
+    /// The same of the gaze \[deg\].
+    pub gaze_from_road_deg: Option<[f32; 2]>,
     /// Learnt offset of the natural pose in yaw and pitch \[deg\] from the configured road.
     pub natural_deg: [f32; 2],
     /// Whether it is final. Until a first estimate, after ten seconds, zones are unknown.
     pub natural_is_final: bool,
+    /// Learnt offset of the gaze that is on the road, likewise.
+    pub natural_gaze_deg: [f32; 2],
+    /// Whether that is final. Until a first estimate, after ten seconds of known gaze, zones are
+    /// met by the head.
+    pub natural_gaze_is_final: bool,
     /// Openness of this person's open left and right eye, as the tracker reports it.
     pub open_eye: [f32; 2],
     /// Whether it is learnt, and so frozen; before, it is 1.
     pub open_eye_is_final: bool,
+    /// The driver's place: midway between the eyes, camera frame \[mm\], where it is known.
+    pub place_mm: Option<[f32; 3]>,
+    /// Whether it is held, whoever is seen elsewhere.
+    pub place_is_final: bool,
     /// How sleepy the driver is.
     pub drowsiness: Drowsiness,
     /// Eyes have been unknown for longer than [`super::MonitorConfig::degraded_us`].

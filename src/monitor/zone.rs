@@ -71,7 +71,7 @@ const FARTHEST_MM: f32 = 20_000.0;
 const LEAST_SINE: f32 = 0.1;
 const LEAST_MM2: f32 = 100.0;
 
-/// Where the head is, and where it is turned to.
+/// Where the head is, and where it or its gaze is turned to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Direction {
     /// Yaw and pitch from the road \[deg\].
@@ -81,6 +81,8 @@ pub(super) struct Direction {
     pub(super) origin_mm: Vec3,
     /// Along this unit vector in the camera frame.
     pub(super) ray: Vec3,
+    /// Standard deviation of yaw and pitch \[deg\].
+    pub(super) sigma_deg: f32,
 }
 
 impl Zone {
@@ -254,6 +256,7 @@ mod tests {
             pitch_deg: 0.0,
             origin_mm: Vec3::from(origin),
             ray: Vec3::from(ray).normalize(),
+            sigma_deg: 0.0,
         }
     }
 

@@ -93,6 +93,10 @@ static void test_config(void) {
     REJECTED(c.nod_deg = INFINITY, POSEWISE_E_MONITOR_CONFIG);
     REJECTED(c.forward_yaw_deg = 91, POSEWISE_E_MONITOR_CONFIG);
     REJECTED(c.cumulative_us = 30000001, POSEWISE_E_MONITOR_CONFIG);
+    REJECTED(c.zones_by = POSEWISE_MONITOR_BY_NONE, POSEWISE_E_MONITOR_CONFIG);
+    REJECTED(c.place = 3, POSEWISE_E_MONITOR_CONFIG);
+    REJECTED(c.place_mm[1] = NAN, POSEWISE_E_MONITOR_CONFIG);
+    REJECTED(c.place_radius_mm = 50, POSEWISE_E_MONITOR_CONFIG);
 #undef REJECTED
 }
 
@@ -219,6 +223,7 @@ static void test_zones(void) {
     };
     size_t i;
     c.flags = POSEWISE_MONITOR_FIXED_POSE;
+    c.zones_by = POSEWISE_MONITOR_BY_HEAD;
     m = init(memory, &c);
     CHECK_STATUS(posewise_monitor_set_zones(m, NULL, 1), POSEWISE_E_NULL);
     CHECK_STATUS(posewise_monitor_set_zones(
@@ -244,7 +249,7 @@ static void test_zones(void) {
         static const uint32_t in[4] = {0, 1, 2, POSEWISE_MONITOR_ZONE_OUTSIDE};
         o.yaw_deg = at[i][0], o.pitch_deg = at[i][1];
         CHECK_STATUS(posewise_monitor_update(m, &o, (int64_t)i + 1), POSEWISE_OK);
-        CHECK(state_of(m).zone == in[i]);
+        CHECK(state_of(m).zone == in[i] && state_of(m).zone_by == POSEWISE_MONITOR_BY_HEAD);
     }
     CHECK_STATUS(posewise_monitor_set_zones(m, NULL, 0), POSEWISE_OK);
     CHECK_STATUS(posewise_monitor_update(m, &o, 10), POSEWISE_OK);

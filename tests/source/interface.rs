@@ -260,7 +260,7 @@ fn weights_have_the_names_of_their_constants() {
 /// Rust and C say the same words of the driver monitor.
 #[test]
 fn words_of_the_monitor_are_those_of_rust() {
-    use posewise::monitor::{Drowsiness, EyeState, Preset, UnknownReason};
+    use posewise::monitor::{Drowsiness, EyeState, Preset, UnknownReason, ZonesBy};
     let table = table();
     let words = |kind| table.words(kind).expect(kind);
     assert_eq!(words("MONITOR_PRESET"), Preset::ALL.map(Preset::name));
@@ -273,9 +273,12 @@ fn words_of_the_monitor_are_those_of_rust() {
         Some(UnknownReason::LowConfidence),
         Some(UnknownReason::Turned),
         Some(UnknownReason::Hidden),
+        Some(UnknownReason::Elsewhere),
     ];
     let reasons = reasons.map(UnknownReason::name_of);
     assert_eq!(words("MONITOR_REASON"), reasons);
+    let by = [Some(ZonesBy::Gaze), Some(ZonesBy::Head), None];
+    assert_eq!(words("MONITOR_BY"), by.map(ZonesBy::name_of));
     let drowsiness = [
         Drowsiness::Unknown,
         Drowsiness::Awake,

@@ -7,7 +7,7 @@ use crate::common::random::Random;
 use posewise::State;
 use posewise::monitor::{
     EyeState, MAX_ZONES, Monitor, MonitorConfig, MonitorEvent, MonitorEventKind, Observation,
-    Preset, UnknownReason, Zone, ZoneShape, ZoneState,
+    Preset, UnknownReason, Zone, ZoneShape, ZoneState, ZonesBy,
 };
 
 const SECOND_US: u64 = 1_000_000;
@@ -28,6 +28,8 @@ fn face(openness: Option<f32>, yaw_deg: f32) -> Observation {
 fn fixed() -> MonitorConfig {
     let mut config = MonitorConfig::default();
     config.natural_yaw_deg = 0.0;
+    // The gazes here are exact.
+    config.gaze_gain = 1.0;
     config
 }
 
@@ -566,6 +568,190 @@ fn a_look_down_is_off_the_road_and_no_closure() {
     for (seconds, down_deg) in [(0.3, 25.0), (0.3, 2.0), (2.0, 14.0)] {
         let events = show.show(seconds, &looking_down(0.8, down_deg));
         assert_eq!(kinds(&events).into_iter().find(|k| *k != Glance), None);
+    }
+}
+
+/// A head that is on the road, whose eyes look this far to the image right and up.
+fn looking(yaw_deg: f32, pitch_deg: f32, sigma_deg: f32) -> Observation {
+    let (yaw, pitch) = (yaw_deg.to_radians(), pitch_deg.to_radians());
+    let mut seen = face(Some(0.9), 0.0);
+    let level = pitch.cos();
+    seen.gaze = Some([level * yaw.sin(), -pitch.sin(), -level * yaw.cos()]);
+    seen.gaze_sigma_deg = sigma_deg;
+    seen
+}
+
+#[test]
+fn zones_are_met_by_the_gaze_and_by_the_head_where_it_is_unknown() {
+    use MonitorEventKind::Glance;
+    let mut show = Show::new(&fixed(), 25);
+    show.show(2.0, &looking(0.0, 0.0, 5.0));
+    let at = |show: &Show| (show.monitor.state().zone, show.monitor.state().zone_by);
+    assert_eq!(at(&show), (ZoneState::In(0), Some(ZonesBy::Gaze)));
+    // Eyes alone at a mirror: a moment later they are there, and the state says where.
+    show.show(0.08, &looking(35.0, 2.0, 5.0));
+    assert_eq!(at(&show).0, ZoneState::In(0), "no glance is as short");
+    show.show(1.4, &looking(35.0, 2.0, 5.0));
+    assert_eq!(at(&show), (ZoneState::In(3), Some(ZonesBy::Gaze)));
+    let [yaw, pitch] = show.monitor.state().gaze_from_road_deg.expect("a gaze");
+    assert!((yaw - 35.0).abs() < 0.1 && (pitch - 2.0).abs() < 0.1);
+    assert_eq!(
+        show.monitor.state().from_road_deg,
+        Some([0.0; 2]),
+        "the face"
+    );
+    let events = show.show(1.0, &looking(0.0, 0.0, 5.0));
+    let [glance] = &events[..] else {
+        panic!("{events:?}");
+    };
+    assert_eq!((glance.kind, glance.zone), (Glance, Some(3)));
+    assert!(
+        (1_300_000..1_600_000).contains(&glance.duration_us),
+        "{glance:?}"
+    );
+    // Without a gaze the head's turn counts one and a half times.
+    show.show(1.0, &face(Some(0.9), 18.0));
+    assert_eq!(at(&show), (ZoneState::In(3), Some(ZonesBy::Head)));
+    show.show(1.0, &face(Some(0.9), 0.0));
+    assert_eq!(at(&show), (ZoneState::In(0), Some(ZonesBy::Head)));
+    show.show(0.1, &Observation::default());
+    assert_eq!(at(&show), (ZoneState::Unknown, None));
+}
+
+#[test]
+fn blinks_and_saccades_end_no_glance() {
+    let mut show = Show::new(&fixed(), 25);
+    show.show(2.0, &looking(0.0, 0.0, 5.0));
+    let mut events = Vec::new();
+    for _ in 0..3 {
+        events.extend(show.show(1.5, &looking(-33.0, 0.0, 5.0)));
+        // A blink, and a gaze that passes the road.
+        events.extend(show.show(0.2, &face(Some(0.05), 0.0)));
+        events.extend(show.show(1.0, &looking(-33.0, 0.0, 5.0)));
+        events.extend(show.show(0.08, &looking(2.0, 0.0, 5.0)));
+    }
+    let zone = show.monitor.state().zone;
+    assert_eq!(zone, ZoneState::In(4));
+    let long = kinds(&events);
+    let long = long
+        .iter()
+        .filter(|kind| **kind == MonitorEventKind::LongGlance);
+    assert_eq!(long.count(), 1, "{events:?}");
+    // A gaze that stays unknown is one: the head is on the road.
+    let events = show.show(1.0, &face(Some(0.9), 0.0));
+    assert_eq!(kinds(&events), [MonitorEventKind::Glance]);
+}
+
+#[test]
+fn an_uncertain_gaze_leaves_a_zone_farther_outside() {
+    let zone_of = |config: &MonitorConfig, yaw_deg: f32, sigma_deg: f32| {
+        let mut show = Show::new(config, 25);
+        show.show(1.0, &looking(0.0, 0.0, sigma_deg));
+        show.show(1.0, &looking(yaw_deg, 0.0, sigma_deg));
+        (show.monitor.state().zone, show.monitor.state().zone_by)
+    };
+    let zone = |yaw_deg: f32, sigma_deg: f32| zone_of(&fixed(), yaw_deg, sigma_deg);
+    let gaze = Some(ZonesBy::Gaze);
+    let mut config = fixed();
+    config.gaze_gain = 1.3;
+    assert_eq!(zone_of(&config, 17.0, 2.0), (ZoneState::In(3), gaze));
+    assert_eq!(zone(17.0, 2.0), (ZoneState::In(0), gaze));
+    assert_eq!(zone(20.0, 2.0), (ZoneState::In(3), gaze));
+    assert_eq!(zone(20.0, 10.0), (ZoneState::In(0), gaze));
+    assert_eq!(zone(25.0, 10.0), (ZoneState::In(3), gaze));
+    assert_eq!(zone(25.0, 16.0), (ZoneState::In(0), Some(ZonesBy::Head)));
+}
+
+#[test]
+fn heads_alone_are_as_they_were() {
+    let mut config = fixed();
+    config.zones_by = ZonesBy::Head;
+    let mut show = Show::new(&config, 25);
+    for (seen, zone, by) in [
+        (looking(35.0, 0.0, 5.0), 0, ZonesBy::Head),
+        (looking(0.0, -40.0, 5.0), 1, ZonesBy::Gaze),
+        (face(Some(0.9), 14.0), 0, ZonesBy::Head),
+        (face(Some(0.9), 19.0), 3, ZonesBy::Head),
+    ] {
+        show.show(1.0, &seen);
+        let state = show.monitor.state();
+        assert_eq!((state.zone, state.zone_by), (ZoneState::In(zone), Some(by)));
+    }
+}
+
+#[test]
+fn the_gaze_on_the_road_is_learnt_and_kept() {
+    let mut show = Show::new(&MonitorConfig::default(), 10);
+    // The head is turned less than the eyes, from a camera at the side.
+    let road = || {
+        let mut seen = looking(-24.0, 6.0, 5.0);
+        seen.yaw_deg = -18.0;
+        seen
+    };
+    let mirror = || {
+        let mut seen = looking(8.0, 6.0, 5.0);
+        seen.yaw_deg = -18.0;
+        seen
+    };
+    for _ in 0..20 {
+        show.show(3.0, &road());
+        show.show(1.0, &mirror());
+    }
+    let state = show.monitor.state();
+    let [yaw, pitch] = state.natural_gaze_deg;
+    assert!(state.natural_gaze_is_final, "{state:?}");
+    assert!(
+        (yaw + 24.0).abs() < 1.5 && (pitch - 6.0).abs() < 1.5,
+        "{state:?}"
+    );
+    assert_eq!(state.zone, ZoneState::In(3));
+    let record = show.monitor.save();
+    show.monitor.forget_driver();
+    assert_eq!(show.monitor.state().natural_gaze_deg, [0.0; 2]);
+    show.monitor.restore(&record).expect("a record");
+    show.show(1.0, &road());
+    let state = show.monitor.state();
+    assert_eq!(
+        (state.zone, state.zone_by),
+        (ZoneState::In(0), Some(ZonesBy::Gaze))
+    );
+    assert!(!state.natural_gaze_is_final);
+}
+
+/// The areas of Regulation (EU) 2023/2590, by gazes that a camera beside the wheel sees: a gaze
+/// that stays 30° and more below straight ahead is reported after 3.5 s and 6 s, no other one.
+#[test]
+fn gazes_below_30_degrees_are_timed_as_the_addw_has_it() {
+    for (preset, seconds) in [(Preset::EuAddwFast, 3.5), (Preset::EuAddwSlow, 6.0)] {
+        let mut config = preset.config();
+        config.forward_yaw_deg = 22.0;
+        (config.natural_yaw_deg, config.gaze_gain) = (0.0, 1.0);
+        for yaw in [-40.0f32, -15.0, 0.0, 15.0, 40.0] {
+            for pitch in [20.0f32, 0.0, -20.0, -26.0, -38.0, -50.0] {
+                let monitor = Monitor::with_zones(&config, preset.zones()).expect("good zones");
+                let mut show = Show {
+                    monitor,
+                    now_us: 1,
+                    step_us: 40_000,
+                };
+                let gaze = |yaw: f32, pitch: f32| {
+                    let mut seen = looking(22.0 + yaw, pitch, 4.0);
+                    (seen.yaw_deg, seen.pitch_deg) = (22.0 + yaw / 3.0, pitch / 3.0);
+                    seen
+                };
+                show.show(3.0, &gaze(0.0, 0.0));
+                let start_us = show.now_us;
+                let events = show.show(8.0, &gaze(yaw, pitch));
+                let long = |event: &&MonitorEvent| event.kind == MonitorEventKind::LongGlance;
+                let after_s = (events.iter().find(long))
+                    .map(|event| (event.timestamp_us - start_us) as f64 / 1e6);
+                let at = format!("{preset:?} {yaw} {pitch}: {after_s:?}");
+                match pitch < -30.0 {
+                    true => assert!((after_s.expect(&at) - seconds).abs() < 0.2, "{at}"),
+                    false => assert!(after_s.is_none(), "{at}"),
+                }
+            }
+        }
     }
 }
 

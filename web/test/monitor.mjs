@@ -53,8 +53,8 @@ test('zones are met', () => {
   ]);
   assert.equal(monitor.state().zone, 'unknown');
   const kinds = drive(monitor, 0, [open, 2], [{ ...open, yawDeg: 40 }, 4]);
-  const { zone, zonesUs, awayUs } = monitor.state();
-  assert.deepEqual([kinds, zone, zonesUs.length], [['long-glance'], 1, 8]);
+  const { zone, zoneBy, zonesUs, awayUs } = monitor.state();
+  assert.deepEqual([kinds, zone, zoneBy, zonesUs.length], [['long-glance'], 1, 'head', 8]);
   assert.ok(zonesUs[0] > 1e6 && zonesUs[1] > 3e6 && awayUs > 3e6 && zonesUs[2] === 0);
   const meets = (zones, time) => {
     monitor.setZones(zones);

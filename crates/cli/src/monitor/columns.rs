@@ -1,7 +1,7 @@
 //! The columns that `track --monitor` adds at the end of the CSV. [`COLUMNS`] is the only list, as
 //! for the tracker's.
 
-use posewise::monitor::{MonitorState, Perclos, UnknownReason, ZoneState};
+use posewise::monitor::{MonitorState, Perclos, UnknownReason, ZoneState, ZonesBy};
 
 use crate::value::Cell;
 
@@ -92,7 +92,7 @@ pub const COLUMNS: [&[Column]; 4] = [
         column(
             "eyes_reason",
             "word",
-            "why unknown: `none`, `no-face`, `low-confidence`, `turned`, `hidden`",
+            "`none`, or: `no-face`, `low-confidence`, `turned`, `hidden`, `elsewhere`",
             |s| Cell::Word(UnknownReason::name_of(s.eyes.reason())),
         ),
         column(
@@ -168,6 +168,24 @@ pub const COLUMNS: [&[Column]; 4] = [
             "0 or 1",
             "1: the eyes have long been unknown",
             |s| Cell::Number(f64::from(s.degraded), 0),
+        ),
+        column(
+            "zone_by",
+            "word",
+            "what the zone is known by: `none`, `gaze` or `head`",
+            |s| Cell::Word(ZonesBy::name_of(s.zone_by)),
+        ),
+        column(
+            "road_gaze_yaw_deg",
+            "deg",
+            "yaw of the gaze from the direction of the road",
+            |s| num(s.gaze_from_road_deg.unwrap_or_default()[0], 2),
+        ),
+        column(
+            "road_gaze_pitch_deg",
+            "deg",
+            "pitch of the gaze from the direction of the road",
+            |s| num(s.gaze_from_road_deg.unwrap_or_default()[1], 2),
         ),
     ],
 ];

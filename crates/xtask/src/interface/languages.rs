@@ -29,6 +29,8 @@ pub fn words_type(kind: &str) -> (&'static str, &'static str) {
         "MONITOR_REASON" => ("REASONS", "UnknownReason"),
         "MONITOR_DROWSINESS" => ("DROWSINESS", "Drowsiness"),
         "MONITOR_EVENT" => ("MONITOR_EVENTS", "MonitorEventKind"),
+        "MONITOR_BY" => ("ZONES_BY", "ZonesBy"),
+        "MONITOR_PLACE" => ("PLACES", "Place"),
         "MONITOR_ZONE" => ("ZONE_KINDS", "ZoneKind"),
         "MESH_SPACE" => ("MESH_SPACES", "MeshSpace"),
         "MESH_LINE" => ("MESH_LINES", "MeshLine"),

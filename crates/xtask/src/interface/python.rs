@@ -17,6 +17,9 @@ from ctypes import Structure, c_float, c_int64, c_size_t, c_uint32, c_void_p
 from typing import Literal, Union, get_args
 ";
 
+/// Longest line, with its end.
+const LIMIT: usize = 101;
+
 /// What the file has to hold.
 pub fn layout(table: &Table) -> Result<String> {
     let mut out = HEAD.to_owned();
@@ -85,8 +88,15 @@ fn write_struct(out: &mut String, item: &Struct) -> Result<()> {
         let words = words
             .iter()
             .map(|(name, list)| format!("\"{name}\": {list}"));
-        let words = words.collect::<Vec<_>>().join(", ");
-        writeln!(out, "    _words_ = {{{words}}}")?;
+        let words: Vec<_> = words.collect();
+        let line = format!("    _words_ = {{{}}}\n", words.join(", "));
+        match line.len() <= LIMIT {
+            true => out.push_str(&line),
+            false => {
+                let lines = words.join(",\n        ");
+                writeln!(out, "    _words_ = {{\n        {lines},\n    }}")?;
+            }
+        }
     }
     Ok(())
 }

@@ -100,7 +100,7 @@ pub struct Table {
 }
 
 /// What the constants of words begin with, of which each counts from 0.
-pub const WORDS: [&str; 16] = [
+pub const WORDS: [&str; 18] = [
     "STATE",
     "LOSS",
     "EVENT",
@@ -114,6 +114,8 @@ pub const WORDS: [&str; 16] = [
     "MONITOR_REASON",
     "MONITOR_DROWSINESS",
     "MONITOR_EVENT",
+    "MONITOR_BY",
+    "MONITOR_PLACE",
     "MONITOR_ZONE",
     "MESH_SPACE",
     "MESH_LINE",

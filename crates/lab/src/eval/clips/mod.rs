@@ -7,6 +7,7 @@
 pub mod deviations;
 pub mod eyes;
 mod gaze_metrics;
+mod glance_metrics;
 pub mod identities;
 pub mod jitter;
 pub mod monitor;

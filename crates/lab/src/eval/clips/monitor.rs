@@ -18,6 +18,7 @@ use posewise_cli::parse::{preset, within};
 use serde_json::json;
 
 use super::gaze_metrics::TrueGaze;
+use super::glance_metrics::FoundGlances;
 use super::monitor_metrics::{Found, Scores, Truth};
 use super::pairs::{ClipsArgs, clips_of};
 use super::spans::Span;
@@ -92,6 +93,8 @@ struct Columns {
     gaze: Option<[usize; 3]>,
     /// The gaze in the head.
     gaze_head: Option<[usize; 3]>,
+    /// Its standard deviation.
+    gaze_sigma: Option<usize>,
 }
 
 impl Columns {
@@ -126,6 +129,7 @@ impl Columns {
                 .collect::<Result<_>>()?,
             gaze: three(csv, ["gaze_status", "gaze_angle_x", "gaze_angle_y"]),
             gaze_head: three(csv, ["gaze_head_x", "gaze_head_y", "gaze_head_z"]),
+            gaze_sigma: column("gaze_sigma_deg").ok(),
         })
     }
 
@@ -174,6 +178,7 @@ impl Columns {
             let [x, y, z] = head.map(number);
             eyes.gaze = Ok(Gaze::new(camera, [x?, y?, z?], 0.0));
             seen.gaze = Some(camera);
+            seen.gaze_sigma_deg = self.gaze_sigma.map_or(Ok(0.0), number)?;
         }
         let both = openness(lids, &eyes);
         (seen.eye_open, seen.may_look_down) = (both.eye_open, both.may_look_down);
@@ -236,9 +241,29 @@ fn replay(args: &Args, csv: &Table) -> Result<Found> {
         closures: events(&levels, &[Kind::Blink, Kind::ClosureEnd]),
         yawns: events(&[Kind::Yawn], &[Kind::YawnEnd]),
         nods: events(&[], &[Kind::Nod]),
+        glances: glances(&watch.events, start_s),
         states,
         gazes: columns.gaze.map(|_| gazes),
     })
+}
+
+/// Glances of all lengths, and long ones up to when they were reported.
+fn glances(events: &[MonitorEvent], start_s: f64) -> FoundGlances {
+    let span = |event: &MonitorEvent, length_s: f64| Span {
+        start_s: event.start_us as f64 / 1e6 - start_s,
+        length_s,
+    };
+    let of = |kind: Kind| events.iter().filter(move |event| event.kind == kind);
+    let seconds = |event: &MonitorEvent| f64::from(event.duration_us) / 1e6;
+    let until = |event: &MonitorEvent| (event.timestamp_us - event.start_us) as f64 / 1e6;
+    FoundGlances {
+        all: of(Kind::Glance)
+            .map(|event| span(event, seconds(event)))
+            .collect(),
+        long: of(Kind::LongGlance)
+            .map(|event| (span(event, until(event)), seconds(event)))
+            .collect(),
+    }
 }
 
 /// When events were that end with these kinds, from the first frame on; the last one too that began
@@ -263,6 +288,7 @@ fn truth_of(table: &Table) -> Result<Vec<Truth>> {
     let jaw = column("jawOpen")?;
     // Columns that a truth need not have.
     let (time, nod, zone) = (column("time"), column("nod"), column("zone"));
+    let gaze_zone = column("gaze_zone");
     let covers = |part: std::ops::Range<usize>| -> Vec<usize> {
         part.filter_map(|i| column(&format!("o{i}")).ok()).collect()
     };
@@ -307,6 +333,7 @@ fn truth_of(table: &Table) -> Result<Vec<Truth>> {
             is_mouth_covered: 2 * covered_mouth >= MOUTH.len(),
             is_nod: optional(&nod)?.map(|nod| nod > 0.5),
             zone: optional(&zone)?,
+            gaze_zone: optional(&gaze_zone)?,
             gaze,
         });
     }

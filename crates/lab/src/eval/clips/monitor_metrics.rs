@@ -5,6 +5,7 @@ use posewise_metrics::{correlation, mean};
 use serde_json::{Value, json};
 
 use super::gaze_metrics::{GazeScores, TrueGaze};
+use super::glance_metrics::{FoundGlances, GazeZone, GlanceScores};
 use super::spans::{Events, Span, invented, level};
 
 /// A true `eyeBlink` weight from this one on is a closed eye: 80 % closed.
@@ -54,6 +55,8 @@ pub struct Truth {
     pub is_nod: Option<bool>,
     /// The zone's index, if the truth has it.
     pub zone: Option<f64>,
+    /// The index of the zone that the gaze is in, if the truth has it.
+    pub gaze_zone: Option<f64>,
     /// Where both eyes look, if the truth has it.
     pub gaze: Option<TrueGaze>,
 }
@@ -75,6 +78,8 @@ pub struct Found {
     pub yawns: Vec<Span>,
     /// Nods.
     pub nods: Vec<Span>,
+    /// Glances away from the road.
+    pub glances: FoundGlances,
     /// Angles of both eyes' gaze of each of the states' frames \[rad\], where known; `None` where
     /// the tracker was not asked for it.
     pub gazes: Option<Vec<Option<[f64; 2]>>>,
@@ -103,6 +108,7 @@ pub struct Scores {
     /// Frames with a known zone, and those of them with the true one.
     zones: (usize, usize),
     gaze: GazeScores,
+    glances: GlanceScores,
 }
 
 impl Scores {
@@ -141,7 +147,24 @@ impl Scores {
         }
         scores.compare_frames(truth, found);
         scores.compare_gazes(truth, found);
+        scores.compare_glances(truth, found);
         scores
+    }
+
+    fn compare_glances(&mut self, truth: &[Truth], found: &Found) {
+        let of = |t: &Truth| {
+            Some(GazeZone {
+                time_s: t.time_s - truth.first()?.time_s,
+                zone: t.gaze_zone?,
+            })
+        };
+        let zones: Vec<GazeZone> = truth.iter().filter_map(of).collect();
+        let with_truth = |(frame, state): &(i64, MonitorState)| {
+            let at = truth.binary_search_by_key(frame, |t| t.frame).ok()?;
+            Some((of(truth.get(at)?)?, *state))
+        };
+        let states: Vec<_> = found.states.iter().filter_map(with_truth).collect();
+        self.glances = GlanceScores::of(&zones, &states, &found.glances);
     }
 
     fn compare_gazes(&mut self, truth: &[Truth], found: &Found) {
@@ -227,6 +250,7 @@ impl Scores {
             *sum = (sum.0 + more.0, sum.1 + more.1);
         }
         self.gaze.add(&other.gaze);
+        self.glances.add(&other.glances);
     }
 
     /// The numbers.
@@ -243,6 +267,7 @@ impl Scores {
             "hidden_closed": self.hidden.1,
             "zones_right": part(self.zones),
             "gaze": self.gaze.json(),
+            "glances": self.glances.json(),
         });
         for (name, events) in self.events() {
             value[name] = json!({"truth": events.truth, "found": events.found,
@@ -337,6 +362,7 @@ mod tests {
             is_mouth_covered: false,
             is_nod: None,
             zone: None,
+            gaze_zone: None,
             gaze: None,
         };
         (0..300).map(frame).collect()
@@ -352,6 +378,7 @@ mod tests {
             closures: closures.iter().map(span).collect(),
             yawns: Vec::new(),
             nods: Vec::new(),
+            glances: FoundGlances::default(),
             gazes: None,
         };
         Scores::of(truth, &found)

@@ -2,7 +2,7 @@
 //! measured on. `posewise-lab eval monitor` reads their truth.
 //!
 //! Heads, hair and lights are those of the sweeps, by streams of their own. What is as in a car: a
-//! camera up to 40° off the direction of the road, glances and mirror checks of head and eyes,
+//! camera up to 40° off the direction of the road, glances of head and eyes and of the eyes alone,
 //! blinks, closures of 0.2 to 6 s, half-shut lids, yawns, nods, talking, clear and dark glasses,
 //! infrared light, hands before eyes and mouth, the rim of a steering wheel.
 //!

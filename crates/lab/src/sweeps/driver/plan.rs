@@ -41,6 +41,8 @@ pub enum Condition {
     Reading,
     /// Laughs with narrowed eyes, and looks down.
     Laughing,
+    /// Looks at mirrors, instruments, screen, telephone and passenger with the eyes alone.
+    Glances,
 }
 
 /// How often a driver does what, in a minute.
@@ -52,6 +54,8 @@ pub struct Recipe {
     /// Long glances down, and short ones of the eyes.
     pub readings: usize,
     pub clusters: usize,
+    /// Looks of the eyes alone at each of [`TARGETS`] in turn.
+    pub looks: usize,
     pub laughs: usize,
     /// Turns by 60° and more from the camera.
     pub turns: usize,
@@ -64,12 +68,44 @@ pub struct Recipe {
     pub droop: f32,
 }
 
+/// Something that a driver looks at with the eyes alone: ranges of the angle to the side of the
+/// passenger and down, from the road \[deg\].
+pub struct Target {
+    pub aside_deg: [f32; 2],
+    pub down_deg: [f32; 2],
+}
+
+/// What is farther off than eyes turn, as a telephone on the lap at 50°, is looked at from the
+/// corner of the eye.
+pub const TARGETS: [Target; 6] = [
+    // The mirror of the driver's side, and that in the middle.
+    Target::new([-38.0, -28.0], [2.0, 9.0]),
+    Target::new([28.0, 38.0], [-9.0, -3.0]),
+    // Instruments and the screen in the middle.
+    Target::new([-5.0, 5.0], [18.0, 26.0]),
+    Target::new([22.0, 32.0], [12.0, 20.0]),
+    // A telephone on the lap.
+    Target::new([-6.0, 12.0], [32.0, 40.0]),
+    // The passenger.
+    Target::new([34.0, 41.0], [-2.0, 5.0]),
+];
+
+impl Target {
+    const fn new(aside_deg: [f32; 2], down_deg: [f32; 2]) -> Target {
+        Target {
+            aside_deg,
+            down_deg,
+        }
+    }
+}
+
 const USUAL: Recipe = Recipe {
     closures_s: &[0.25, 0.5, 1.2, 2.3],
     mirrors: 3,
     laps: 1,
     readings: 0,
     clusters: 0,
+    looks: 0,
     laughs: 0,
     turns: 1,
     yawns: 1,
@@ -148,6 +184,12 @@ impl Condition {
                 laughs: 7,
                 ..AWAKE
             },
+            Condition::Glances => Recipe {
+                closures_s: &[0.3],
+                mirrors: 2,
+                looks: 9,
+                ..AWAKE
+            },
             _ => USUAL,
         }
     }
@@ -175,7 +217,7 @@ pub struct Clip {
 }
 
 /// Names, conditions, and how far the camera is off the road \[deg\]; seeds choose the side.
-const CLIPS: [(&str, Condition, f32); 34] = [
+const CLIPS: [(&str, Condition, f32); 46] = [
     ("alert", Condition::Alert, 3.0),
     ("alert", Condition::Alert, 30.0),
     ("mirrors", Condition::Mirrors, 22.0),
@@ -210,6 +252,18 @@ const CLIPS: [(&str, Condition, f32); 34] = [
     ("laughing", Condition::Laughing, 15.0),
     ("laughing", Condition::Laughing, 22.0),
     ("laughing", Condition::Laughing, 30.0),
+    ("glances", Condition::Glances, 0.0),
+    ("glances", Condition::Glances, 5.0),
+    ("glances", Condition::Glances, 10.0),
+    ("glances", Condition::Glances, 15.0),
+    ("glances", Condition::Glances, 20.0),
+    ("glances", Condition::Glances, 25.0),
+    ("glances", Condition::Glances, 30.0),
+    ("glances", Condition::Glances, 35.0),
+    ("glances", Condition::Glances, 3.0),
+    ("glances", Condition::Glances, 12.0),
+    ("glances", Condition::Glances, 18.0),
+    ("glances", Condition::Glances, 22.0),
 ];
 
 /// All clips.

@@ -51,7 +51,7 @@ pub fn render(studio: &Studio, clip: &Clip, folder: &Path) -> Result<()> {
         backgrounds: studio.background_count(),
         clip,
     })?;
-    write_clip(sweep, folder, &description, columns(), || {
+    write_clip(sweep, folder, &description, columns(clip), || {
         let mut set = Set::cast(studio, sweep)?;
         dress(&mut set, clip);
         let script = Script::new(&mut set.rng, clip);
@@ -60,7 +60,7 @@ pub fn render(studio: &Studio, clip: &Clip, folder: &Path) -> Result<()> {
             let t = number as f32 / sweep.fps as f32;
             let (luma, row) = set.frame(number, script.at(t));
             let mut text = row.text()?;
-            write!(text, "{}", more(&row, &script, t))?;
+            write!(text, "{}", more(&row, clip, &script, t))?;
             Ok((luma, text))
         })
     })
@@ -116,18 +116,23 @@ fn clear_glasses(set: &mut Set) -> Vec<Prop> {
 /// Columns of a sweep's truth, and those of a driver: whether the head nods; the zone of the
 /// default preset that the head is in; gaze as OpenFace has it (unit vectors of the image left's
 /// and right's eye and the mean angles, camera frame \[rad\]), and in the head, to the image right
-/// and up \[deg\].
-fn columns() -> String {
+/// and up \[deg\]. For glances with the eyes alone also the zone that the gaze is in, and its yaw
+/// and pitch from the road \[deg\].
+fn columns(clip: &Clip) -> String {
     let mut names = truth::columns() + ",nod,zone";
     for eye in 0..2 {
         ["x", "y", "z"]
             .iter()
             .for_each(|axis| names += &format!(",gaze_{eye}_{axis}"));
     }
-    names + ",gaze_angle_x,gaze_angle_y,gaze_head_yaw,gaze_head_pitch"
+    names += ",gaze_angle_x,gaze_angle_y,gaze_head_yaw,gaze_head_pitch";
+    match clip.condition {
+        Condition::Glances => names + ",gaze_zone,road_gaze_yaw,road_gaze_pitch",
+        _ => names,
+    }
 }
 
-fn more(row: &truth::Row, script: &Script, t: f32) -> String {
+fn more(row: &truth::Row, clip: &Clip, script: &Script, t: f32) -> String {
     let nods = u8::from(script.does(What::Nod, t));
     let mut text = format!(",{nods},{}", zone(script.off_road_deg(t)));
     let eyes = gaze_directions(&row.moment.expression(), CONVERGE_RAD);
@@ -138,6 +143,12 @@ fn more(row: &truth::Row, script: &Script, t: f32) -> String {
     let values = eyes.iter().flat_map(|eye| eye.to_array()).chain(angles);
     let values = values.chain([right.to_degrees(), -down.to_degrees()]);
     values.for_each(|v| text += &format!(",{v:.5}"));
+    if clip.condition == Condition::Glances {
+        let ray = both.normalize();
+        let yaw = ray.x.atan2(-ray.z).to_degrees() - clip.road_deg[0];
+        let pitch = (-ray.y).asin().to_degrees() - clip.road_deg[1];
+        text += &format!(",{},{yaw:.3},{pitch:.3}", zone([yaw, pitch]));
+    }
     text
 }
 

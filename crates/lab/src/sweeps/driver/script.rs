@@ -1,7 +1,7 @@
 //! What a driver does, and when.
 
 use super::super::motion::Moment;
-use super::plan::{Clip, Condition, Recipe};
+use super::plan::{Clip, Condition, Recipe, TARGETS};
 use glam::Vec3;
 use posewise::math::HeadAngles;
 use posewise_train::render::noise::smoothstep;
@@ -15,6 +15,8 @@ const APART_S: f32 = 0.35;
 /// The share of its way, by [`smoothstep`], at which a lid has the weight of 0.8 from which on the
 /// truth has it closed.
 const CLOSED_AT: f32 = 0.713;
+/// How much of their small jumps eyes still do while they look at something.
+const FIXED: f32 = 0.3;
 /// How far the head sinks behind the wheel \[mm\].
 const SLUMP_MM: f32 = 95.0;
 
@@ -25,6 +27,8 @@ pub enum What {
     Close,
     /// Head and eyes turn away and come back.
     Glance,
+    /// The eyes turn away and come back, and the head hardly moves.
+    Look,
     /// The mouth opens wide.
     Yawn,
     /// The head drops with closed eyes.
@@ -118,7 +122,10 @@ impl Script {
     pub fn new(rng: &mut ChaCha8Rng, clip: &Clip) -> Script {
         let length_s = clip.sweep.frames as f32 / clip.sweep.fps as f32;
         let (recipe, cover) = (clip.condition.recipe(), clip.sweep.kind.cover());
-        let mut acts = acts(rng, &recipe, clip);
+        // A recipe is for a minute.
+        let minutes = ((length_s / 60.0).round() as usize).max(1);
+        let acts = (0..minutes).flat_map(|_| acts(rng, &recipe, clip));
+        let mut acts: Vec<Act> = acts.collect();
         acts.shuffle(rng);
         lay_out(rng, &mut acts, length_s);
         add_blinks(rng, &mut acts, length_s);
@@ -218,6 +225,9 @@ impl Script {
             .checked_sub(1)
             .and_then(|i| self.jumps.get(i))
             .map_or([0.0; 2], |(_, to)| *to);
+        if self.does(What::Look, t) {
+            gaze = gaze.map(|angle| FIXED * angle);
+        }
         for act in &self.acts {
             // Eyes arrive before the head.
             let share = act.at(t).powf(0.5);
@@ -231,6 +241,12 @@ impl Script {
 /// What a recipe asks for, not yet in an order.
 fn acts(rng: &mut ChaCha8Rng, recipe: &Recipe, clip: &Clip) -> Vec<Act> {
     let mut all: Vec<Act> = Vec::new();
+    // To the image left or right of the driver; nothing is drawn for it.
+    let passenger = if clip.sweep.seed.1.is_multiple_of(2) {
+        1.0
+    } else {
+        -1.0
+    };
     let closures = recipe.closures_s.iter();
     all.extend(closures.map(|length| Act::closure(rng, *length)));
     for _ in 0..recipe.mirrors {
@@ -264,6 +280,30 @@ fn acts(rng: &mut ChaCha8Rng, recipe: &Recipe, clip: &Clip) -> Vec<Act> {
         let turn = [rng.random_range(-3.0..3.0), rng.random_range(-5.0..1.0)];
         let gaze = [rng.random_range(-5.0..5.0), rng.random_range(12.0..26.0)];
         all.push(Act::glance(turn, gaze, rng.random_range(0.5..2.5), 90.0));
+    }
+    for n in 0..recipe.looks {
+        let target = &TARGETS[n % TARGETS.len()];
+        let within = |rng: &mut ChaCha8Rng, [from, to]: [f32; 2]| rng.random_range(from..to);
+        let gaze = [
+            passenger * within(rng, target.aside_deg),
+            within(rng, target.down_deg),
+        ];
+        let turn = [
+            rng.random_range(0.0..0.1) * gaze[0],
+            rng.random_range(0.0..0.1) * -gaze[1],
+        ];
+        // Most looks are short; one of seven is long.
+        let stays_s = match rng.random_range(0..7) {
+            0 => rng.random_range(3.0..6.0),
+            _ => rng.random_range(0.4..2.6),
+        };
+        // A saccade.
+        let times = [0.08, stays_s, 0.08];
+        all.push(Act {
+            turn_deg: turn,
+            gaze_deg: gaze,
+            ..Act::new(What::Look, times)
+        });
     }
     for _ in 0..recipe.laughs {
         let stays = rng.random_range(0.8..3.5);
