@@ -147,6 +147,7 @@ impl World {
             camera_assumed: u32::from(next() > 0.5),
             gaze: [next(), 2.0 * next() - 1.0, -next()],
             may_look_down: u32::from(next() > 0.5),
+            gaze_sigma_deg: 30.0 * next(),
         };
         let now_us = match input.u8() {
             255 => input.u64() as i64,
