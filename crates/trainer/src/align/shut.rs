@@ -23,6 +23,9 @@ const BELOW: f32 = 0.35;
 /// Distance in the picture up to which skin that stretches counts, in widths of the eye.
 const TALLEST: f32 = 1.5;
 
+/// How far an eyeball that looks down turns, in the upper lid's way.
+const FOLLOWS: f32 = 0.9;
+
 /// The person's right eye and brow; the left one's are their mirror images.
 const EYE: [usize; 6] = [36, 37, 38, 39, 40, 41];
 const BROW: [usize; 5] = [17, 18, 19, 20, 21];
@@ -168,8 +171,9 @@ impl Eye {
         [before, before.map(|y| y + by * (meet - y))]
     }
 
-    /// Which height is drawn at a place.
-    fn source(&self, [x, y]: [f32; 2], by: f32) -> f32 {
+    /// Which height is drawn at a place; `follows` is how far the eyeball turns down with the upper
+    /// lid, in the lid's way.
+    fn source(&self, [x, y]: [f32; 2], by: f32, follows: f32) -> f32 {
         let [[upper, lower], [to_upper, to_lower]] = self.lids(x, by);
         let bottom = lower + BELOW;
         if y <= self.top || y >= bottom {
@@ -177,7 +181,7 @@ impl Eye {
         } else if y < to_upper {
             self.top + (y - self.top) * (upper - self.top) / (to_upper - self.top)
         } else if y <= to_lower {
-            y
+            y - follows * (to_upper - upper)
         } else {
             bottom - (bottom - y) * (bottom - lower) / (bottom - to_lower)
         }
@@ -210,6 +214,16 @@ impl Eye {
 
     /// The picture with the eye shut by this share.
     pub fn shut(&self, picture: &Picture, by: f32) -> Picture {
+        self.drawn(picture, by, 0.0)
+    }
+
+    /// The picture with an eye that looks down: its upper lid falls by this share of the way to a
+    /// shut one, and the eyeball turns with it.
+    pub fn lower(&self, picture: &Picture, by: f32) -> Picture {
+        self.drawn(picture, by, FOLLOWS)
+    }
+
+    fn drawn(&self, picture: &Picture, by: f32, follows: f32) -> Picture {
         let [w, h] = picture.size.map(|side| side as f32);
         let ends = [0.0, 1.0]
             .iter()
@@ -226,7 +240,7 @@ impl Eye {
         for row in range(1, h) {
             for column in range(0, w) {
                 let at = self.local([column as f32, row as f32]);
-                let y = self.source(at, by);
+                let y = self.source(at, by, follows);
                 if y != at[1] {
                     let from = self.picture([at[0], y]);
                     luma[row * w as usize + column] = picture.at(from).round() as u8;

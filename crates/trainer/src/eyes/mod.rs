@@ -77,7 +77,7 @@ impl EyeOptions {
                 shut: 0.0,
                 ..Options::default()
             },
-            photographed_share: 0.5,
+            photographed_share: 0.4,
             single_share: 0.25,
             by_nose: 0.0,
         }

@@ -1,4 +1,5 @@
-//! Eyes of photographed faces: as open as they are, or shut to any degree by drawing.
+//! Eyes of photographed faces: as open as they are, or by drawing shut to any degree or looking
+//! down.
 
 use super::crop::{ROLL, turned};
 use super::lashes::{self, Edge};
@@ -9,13 +10,17 @@ use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use std::borrow::Cow;
 
-/// Share of eyes that are left as they are, and of those that are shut wholly.
-const AS_THEY_ARE: f64 = 0.45;
-const WHOLLY: f64 = 0.3;
+/// Share of eyes that are left as they are, of those that look down, and of those that are shut
+/// wholly; the others are shut to any degree.
+const AS_THEY_ARE: f64 = 0.35;
+const DOWN: f64 = 0.25;
+const WHOLLY: f64 = 0.25;
+/// How far the lids of eyes that look down fall.
+const LOWERED: std::ops::Range<f32> = 0.25..0.8;
 /// Standard deviations of what the tracker errs by, to the right and down \[mm\], and of the
 /// logarithm of scale: that of a head whose size nobody told. Landmarks of shut lids err most, up to
 /// where those of open ones would be.
-const SHIFT_MM: [f32; 2] = [1.5, 3.0];
+const SHIFT_MM: [f32; 2] = [2.0, 3.5];
 const LOG_SCALE: f32 = 0.1;
 
 /// Points of a lid's edge.
@@ -56,16 +61,21 @@ impl PhotographedEye {
     /// A crop as the tracker cuts it, mirrored where it is the person's left eye.
     pub fn draw(&self, side: usize, zoom: f32, rng: &mut ChaCha8Rng) -> Seen {
         let kind = rng.random_range(0.0..1.0);
+        let looks_down = (AS_THEY_ARE..AS_THEY_ARE + DOWN).contains(&kind);
         let by = match kind {
             ..AS_THEY_ARE => 0.0,
-            _ if kind < AS_THEY_ARE + WHOLLY => 1.0,
+            _ if looks_down => rng.random_range(LOWERED),
+            _ if kind < AS_THEY_ARE + DOWN + WHOLLY => 1.0,
             _ => rng.random_range(0.0..1.0f32),
         };
         let mut landmarks = self.face.landmarks;
         let mut picture = Cow::Borrowed(&*self.face.picture);
         let eye = shut::shutter(&self.face, self.side).expect("it can be shut");
         if by > 0.0 {
-            picture = Cow::Owned(eye.shut(&picture, by));
+            picture = Cow::Owned(match looks_down {
+                true => eye.lower(&picture, by),
+                false => eye.shut(&picture, by),
+            });
             eye.move_lids(&mut landmarks, by);
         }
         let lids = &landmarks[FIRST[self.side]..][..6];
@@ -84,7 +94,8 @@ impl PhotographedEye {
         let mut crop = picture.crop(&to_frame, side, is_mirrored);
         let edge = in_crop(eye.edge(by, EDGE_POINTS), &to_frame, side, is_mirrored);
         lashes::draw(&mut crop, side, &edge, by, rng);
-        Seen { crop, shut: by }
+        let shut = if looks_down { 0.0 } else { by };
+        Seen { crop, shut }
     }
 }
 
