@@ -341,6 +341,31 @@ fn the_page_saves_takes() {
     }
 }
 
+/// Retargeting files mean the same to the page as to the command, whose tests have these cases too.
+#[test]
+fn the_page_reads_retargeting_files_as_the_command() {
+    if !require("node") {
+        return;
+    }
+    let names = posewise::ANIMATION_NAMES
+        .into_iter()
+        .chain(posewise::eyes::EYE_LOOK_NAMES);
+    let names: Vec<&str> = names.collect();
+    let mut node = Command::new("node");
+    node.arg(root().join("web/test/retargeting.mjs"));
+    node.arg(root().join("tests/data/retargeting.json"));
+    succeed(node.arg(names.join(",")));
+}
+
+/// The avatar follows the face, on the page that is served and on the one from a disk.
+#[test]
+fn the_page_shows_an_avatar() {
+    let Some((site, url)) = served() else { return };
+    let mut node = Command::new("node");
+    node.arg(root().join("web/test/avatar.mjs")).arg(url);
+    println!("{}", succeed(node.arg(site).arg(scratch("web/avatar"))));
+}
+
 /// What lies outside the folder is not served.
 #[test]
 fn the_server_stays_in_its_folder() {

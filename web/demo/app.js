@@ -24,6 +24,8 @@ const video = element('video', HTMLVideoElement);
 const stage = element('stage', HTMLElement);
 const model = element('model', HTMLSelectElement);
 const pause = element('pause', HTMLButtonElement);
+const avatarShown = element('show-avatar', HTMLInputElement);
+const smoothing = element('smooth', HTMLInputElement);
 const source = new Source(video);
 /** @type {FaceTracker | undefined} */
 let tracker;
@@ -34,6 +36,8 @@ let shownUs = -1;
 let shown;
 /** @type {import('./face/layer.js').FaceLayer | undefined} Once it is wanted. */
 let face;
+/** @type {import('./avatar/view.js').AvatarView | undefined} Likewise. */
+let avatar;
 /** @type {import('./take/controls.js').TakeControls | undefined} Likewise. */
 let take;
 
@@ -49,12 +53,20 @@ async function chosen() {
 }
 
 /**
+ * An avatar looks around; nothing else on the page needs the gaze.
+ * @returns {'on' | 'off'}
+ */
+function gazeWanted() {
+  return avatarShown.checked ? 'on' : 'off';
+}
+
+/**
  * Starts a tracker.
  * @param {Promise<[WebAssembly.Module, ArrayBuffer, Worker]>} parts
  */
 async function loadModel(parts) {
   const [wasm, bytes, worker] = await parts;
-  const config = { scanBudget: SCAN_BUDGET };
+  const config = { scanBudget: SCAN_BUDGET, gaze: gazeWanted() };
   const next = await FaceTracker.create({ wasm, model: bytes, worker, config });
   await take?.end();
   const before = tracker;
@@ -82,6 +94,7 @@ async function onFrame(timestampUs) {
     shown = { picture, tracked };
     await face?.follow(current, tracked);
     showFrame(picture, tracked, paint);
+    showAvatar();
     await take?.add(current, tracked);
   } finally {
     // Another model may have been chosen in the meantime.
@@ -100,6 +113,25 @@ function paint(context) {
   if (shown) face?.paint(context, shown.tracked);
 }
 
+/** Moves the avatar as the frame that is shown says. */
+function showAvatar() {
+  if (avatarShown.checked) avatar?.show(shown?.tracked, smoothing.checked);
+}
+
+/** Shows the avatar, or no longer; its modules and its head are loaded when somebody wants it. */
+async function toggleAvatar() {
+  const isShown = avatarShown.checked;
+  if (!tracker) avatarShown.checked = false;
+  if (isShown && !avatar) {
+    const { AvatarView } = await import('./avatar/view.js');
+    avatar ??= await AvatarView.create(ready(), () => attempt(redraw));
+  }
+  element('avatar-picture', HTMLCanvasElement).hidden = !isShown;
+  element('avatar-controls', HTMLElement).hidden = !isShown;
+  showAvatar();
+  await loadModel(chosen());
+}
+
 /** What draws the dense mesh; its modules are loaded when somebody wants it. */
 async function faceLayer() {
   const { FaceLayer } = await import('./face/layer.js');
@@ -113,6 +145,7 @@ async function redraw() {
   if (isBusy || !tracker || !shown) return;
   await face?.follow(tracker, shown.tracked);
   if (shown) drawFrame(shown.picture, shown.tracked, paint);
+  showAvatar();
 }
 
 /**
@@ -144,6 +177,7 @@ function connect() {
     await faceLayer();
     await redraw();
   }));
+  avatarShown.addEventListener('change', () => attempt(toggleAvatar));
   on('record-take', async () => {
     if (take) return;
     const { TakeControls } = await import('./take/controls.js');
@@ -154,6 +188,14 @@ function connect() {
     const first = files?.[0];
     if (!first) return;
     attempt(async () => {
+      if (first.name.endsWith('.json')) {
+        if (!avatarShown.checked) {
+          avatarShown.checked = true;
+          await toggleAvatar();
+        }
+        await avatar?.retarget(first);
+        return redraw();
+      }
       if (!first.type.startsWith('image/')) return use(() => source.file(first));
       await (await faceLayer()).wear(first);
       await redraw();

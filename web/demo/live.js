@@ -49,6 +49,8 @@ function follow() {
   };
 }
 
-for (const id of ['source', 'models', 'video', 'face', 'take']) element(id, HTMLElement).remove();
+for (const id of ['source', 'models', 'video', 'face', 'avatar', 'avatar-picture', 'take']) {
+  element(id, HTMLElement).remove();
+}
 connectDisplay(() => animationNames);
 follow();

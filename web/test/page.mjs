@@ -54,7 +54,7 @@ async function controls() {
   const page = await open(url);
   await untilTracked(page, 5);
   const reached = new Set();
-  for (let i = 0; i < 20; i++) {
+  for (let i = 0; i < 24; i++) {
     await page.keyboard.press('Tab');
     reached.add(await page.evaluate(() => document.activeElement?.id
       || document.activeElement?.value));

@@ -172,6 +172,10 @@ pub struct TrackArgs {
     /// Send the head pose to opentrack's input "UDP over network"
     #[arg(long, value_name = "HOST:PORT", value_parser = host_port)]
     pub udp_opentrack: Option<String>,
+    /// Change the weights for an avatar as this file says, JSON: those of --osc, which then sends
+    /// ARKit's 52 shapes, and of --gltf; CSV and JSON lines have them too, beside those as tracked
+    #[arg(long, value_name = "FILE")]
+    pub retarget: Option<PathBuf>,
     /// Watch a driver: write blinks, microsleeps, yawns, glances and others, one event a line, to
     /// FILE or to standard error; adds columns to the CSV and panels to the plot
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true,

@@ -9,6 +9,7 @@ use serde_json::{Map, Value, json};
 
 use crate::csv::Row;
 use crate::fields::FIELDS;
+use crate::retarget::SHAPES;
 use crate::value::{MaybeGaze, camera, head, number, numbers, share, sigma_deg};
 
 /// The object of one frame.
@@ -96,7 +97,17 @@ fn eyes(result: &TrackResult) -> Value {
     })
 }
 
-/// Writes one frame's line.
-pub fn write(out: &mut impl Write, row: &Row<'_>) -> Result<()> {
-    writeln!(out, "{}", object(row)).context("cannot write the JSON lines")
+/// Writes one frame's line, with the weights of an avatar where there is one.
+pub fn write(
+    out: &mut impl Write,
+    row: &Row<'_>,
+    avatar: Option<&[f32; SHAPES.len()]>,
+) -> Result<()> {
+    let mut object = object(row);
+    if let Some(weights) = avatar {
+        let weights = SHAPES.iter().zip(weights);
+        let weights = weights.map(|(name, weight)| (name.to_string(), number(*weight)));
+        object["avatar"] = weights.collect::<Map<String, Value>>().into();
+    }
+    writeln!(out, "{object}").context("cannot write the JSON lines")
 }

@@ -13,6 +13,7 @@
 //! | `fields`, `value` | the fields of a result, whatever their type |
 //! | `head/` | the head as files for 3D programs: glTF, OBJ |
 //! | `streams/` | its results as datagrams for other programs |
+//! | `retarget` | its weights for an avatar, by a file |
 //! | `monitor/` | a driver monitor over the results |
 //! | `lens`, `calibration` | the camera, by options, EXIF or a file |
 //! | `view/` | `posewise view`: a web server that shows the tracker's frames |
@@ -49,6 +50,7 @@ pub mod parse;
 pub mod picture;
 mod plot;
 pub mod program;
+mod retarget;
 pub mod session;
 pub mod source;
 mod streams;

@@ -21,6 +21,7 @@ use crate::monitor::watch::Watch;
 use crate::overlay::{Overlay, Painter};
 use crate::picture::Picture;
 use crate::plot::{self, Sample};
+use crate::retarget::{self, Retargeting};
 use crate::source::Source;
 use crate::streams::{Pace, Streams};
 use crate::{jsonl, log, output, source};
@@ -56,6 +57,7 @@ struct Outputs<'m> {
     jsonl: Option<Box<dyn Write>>,
     log: Option<Box<dyn Write>>,
     watch: Option<Watch>,
+    retargeting: Option<Retargeting>,
     overlay: Option<Overlay>,
     head: HeadFiles<'m>,
     streams: Streams,
@@ -65,7 +67,12 @@ struct Outputs<'m> {
 }
 
 impl<'m> Outputs<'m> {
-    fn open(args: &TrackArgs, source: &dyn Source, model: &Model<'m>) -> Result<Self> {
+    fn open(
+        args: &TrackArgs,
+        source: &dyn Source,
+        model: &Model<'m>,
+        retargeting: Option<Retargeting>,
+    ) -> Result<Self> {
         let mut destinations = Vec::new();
         let mut open = |path: &Path| {
             let destination = Destination::new(path);
@@ -89,10 +96,13 @@ impl<'m> Outputs<'m> {
             let zones = args.monitor_zones.as_deref();
             Watch::new(args.monitor_preset, zones, Some(out), args.plot.is_some())
         });
-        let more = match &watch {
+        let mut more = match &watch {
             Some(_) => monitor::columns::names(),
             None => Vec::new(),
         };
+        if retargeting.is_some() {
+            more.extend(retarget::columns());
+        }
         Ok(Outputs {
             destinations,
             csv: csv.map(|out| CsvWriter::new(out, &more)).transpose()?,
@@ -109,7 +119,9 @@ impl<'m> Outputs<'m> {
                 args.osc.as_deref(),
                 args.udp_opentrack.as_deref(),
                 args.tracker.gaze || args.tracker.natural_gaze || args.monitor.is_some(),
+                retargeting.clone(),
             )?,
+            retargeting,
             painter: Painter::new(&args.overlay_style),
             samples: Vec::new(),
             live: source.is_live(),
@@ -141,9 +153,12 @@ impl<'m> Outputs<'m> {
         if args.plot.is_some() {
             self.samples.push(Sample::of(&result));
         }
+        self.streams.send(&result)?;
+        if let Some(retargeting) = &self.retargeting {
+            result.animation = retargeting.animation(&result);
+        }
         let head = &mut self.head;
         head.add(frame, picture.timestamp_us, &result, trackers.first())?;
-        self.streams.send(&result)?;
         if self.live {
             self.flush()?;
         }
@@ -151,8 +166,11 @@ impl<'m> Outputs<'m> {
     }
 
     fn write_rows(&mut self, frame: u64, picture: &Picture, faces: &[Face]) -> Result<()> {
-        let more = self.watch(picture, faces)?;
+        let watched = self.watch(picture, faces)?;
         for Face { id, result } in faces {
+            let avatar = self.retargeting.as_ref().map(|of| of.weights(result));
+            let cells = retarget::cells(avatar.as_ref().map_or(&[][..], |weights| &weights[..]));
+            let more = [&watched[..], &cells[..]].concat();
             let row = Row {
                 frame,
                 face_id: *id,
@@ -162,7 +180,7 @@ impl<'m> Outputs<'m> {
                 csv.write(&row, &more)?;
             }
             if let Some(out) = &mut self.jsonl {
-                jsonl::write(out, &row)?;
+                jsonl::write(out, &row, avatar.as_ref())?;
             }
         }
         Ok(())
@@ -267,6 +285,7 @@ fn check_outputs(args: &TrackArgs) -> Result<()> {
     inputs.extend(named("--model", &args.tracker.model));
     inputs.extend(named("--calibration", &args.tracker.calibration));
     inputs.extend(named("--monitor-zones", &args.monitor_zones));
+    inputs.extend(named("--retarget", &args.retarget));
     let outputs = [
         named("--csv", &args.csv),
         named("--jsonl", &args.jsonl),
@@ -304,6 +323,11 @@ pub fn run(args: &TrackArgs) -> Result<Option<u8>> {
         bail!("--monitor watches one driver: not with --faces");
     }
     check_outputs(args)?;
+    let retargeting = args
+        .retarget
+        .as_deref()
+        .map(Retargeting::read)
+        .transpose()?;
     let file = ModelFile::read(args.tracker.model.as_deref())?;
     let model = file.model()?;
     head::check(args, &model)?;
@@ -315,7 +339,7 @@ pub fn run(args: &TrackArgs) -> Result<Option<u8>> {
     };
     let mut trackers = Faces::new(args.faces, &model, &settings, live, args.frame.roi)?;
     let interrupt = Interrupt::listen().context("cannot listen for signals")?;
-    let mut outputs = Outputs::open(args, source.as_ref(), &model)?;
+    let mut outputs = Outputs::open(args, source.as_ref(), &model, retargeting)?;
     let progress = progress_bar(source.as_ref(), args);
     let mut counts = Counts::default();
     let mut lens = LensNote::default();

@@ -9,6 +9,8 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result, anyhow};
 use posewise::TrackResult;
 
+use crate::retarget::Retargeting;
+
 /// The datagrams of one frame.
 type Encode = Box<dyn Fn(&TrackResult) -> Result<Vec<Vec<u8>>>>;
 
@@ -17,10 +19,20 @@ type Encode = Box<dyn Fn(&TrackResult) -> Result<Vec<Vec<u8>>>>;
 pub struct Streams(Vec<Stream>);
 
 impl Streams {
-    /// `osc` and `opentrack` are HOST:PORT; `gaze` says whether the gaze is looked for.
-    pub fn open(osc: Option<&str>, opentrack: Option<&str>, gaze: bool) -> Result<Self> {
+    /// `osc` and `opentrack` are HOST:PORT; `gaze` says whether the gaze is looked for, and
+    /// `retargeting` which weights an avatar gets.
+    pub fn open(
+        osc: Option<&str>,
+        opentrack: Option<&str>,
+        gaze: bool,
+        retargeting: Option<Retargeting>,
+    ) -> Result<Self> {
         let vmc = osc.map(|to| -> (_, Encode) {
-            (to, Box::new(move |result| vmc::datagrams(result, gaze)))
+            let datagrams = move |result: &TrackResult| {
+                let avatar = retargeting.as_ref().map(|of| of.weights(result));
+                vmc::datagrams(result, gaze, avatar.as_ref())
+            };
+            (to, Box::new(datagrams))
         });
         let opentrack = opentrack.map(|to| -> (_, Encode) { (to, Box::new(opentrack::datagrams)) });
         let streams = [vmc, opentrack].into_iter().flatten();

@@ -10,6 +10,8 @@ use posewise::eyes::EYE_LOOK_NAMES;
 use posewise::{ANIMATION_NAMES, State, TrackResult};
 use rosc::{OscBundle, OscMessage, OscPacket, OscTime, OscType};
 
+use crate::retarget::SHAPES;
+
 /// OSC's time tag for "at once".
 const AT_ONCE: OscTime = OscTime {
     seconds: 0,
@@ -22,10 +24,17 @@ const STATUS: [i32; 3] = [1, 3, 0];
 /// fragments, of which none may be lost.
 const MOST: usize = 1500 - 20 - 8;
 
+/// Weights of an avatar, in the order of [`SHAPES`].
+type Avatar = [f32; SHAPES.len()];
+
 /// Datagrams that are each within an Ethernet frame: status, time and head; then the blendshapes,
 /// in as many as they take, the 8 of the eyes among them if the gaze is looked for. Without a face
 /// only the status, which says so.
-pub fn datagrams(result: &TrackResult, gaze: bool) -> Result<Vec<Vec<u8>>> {
+pub fn datagrams(
+    result: &TrackResult,
+    gaze: bool,
+    avatar: Option<&Avatar>,
+) -> Result<Vec<Vec<u8>>> {
     let has_face = result.state != State::Searching;
     let status = STATUS.into_iter().chain([i32::from(has_face)]);
     let seconds = result.timestamp_us as f64 / 1e6;
@@ -38,7 +47,7 @@ pub fn datagrams(result: &TrackResult, gaze: bool) -> Result<Vec<Vec<u8>>> {
     }
     first.push(head(result));
     let mut datagrams = vec![bundle(first)?];
-    datagrams.extend(bundles(blendshapes(result, gaze))?);
+    datagrams.extend(bundles(blendshapes(result, gaze, avatar))?);
     Ok(datagrams)
 }
 
@@ -71,11 +80,19 @@ fn head(result: &TrackResult) -> OscPacket {
 }
 
 /// All weights, then the order to show them. Those of eyes whose gaze is unknown are 0.
-fn blendshapes(result: &TrackResult, gaze: bool) -> Vec<OscPacket> {
-    let weights = ANIMATION_NAMES.iter().zip(result.animation);
-    let looks = EYE_LOOK_NAMES.iter().zip(result.eyes.look);
+fn blendshapes(result: &TrackResult, gaze: bool, avatar: Option<&Avatar>) -> Vec<OscPacket> {
+    let weights: Vec<(&str, f32)> = match avatar {
+        Some(weights) => SHAPES.into_iter().zip(*weights).collect(),
+        None => {
+            let weights = ANIMATION_NAMES.into_iter().zip(result.animation);
+            weights
+                .chain(EYE_LOOK_NAMES.into_iter().zip(result.eyes.look))
+                .collect()
+        }
+    };
     weights
-        .chain(looks.filter(|_| gaze))
+        .into_iter()
+        .filter(|(name, _)| gaze || !EYE_LOOK_NAMES.contains(name))
         .map(|(name, weight)| {
             let name = OscType::String(capitalized(name));
             message("/VMC/Ext/Blend/Val", vec![name, OscType::Float(weight)])
@@ -144,14 +161,24 @@ mod tests {
     #[test]
     fn datagrams_are_whole_frames() {
         let mut result = TrackResult::default();
-        assert_eq!(datagrams(&result, true).unwrap().len(), 1);
+        assert_eq!(datagrams(&result, true, None).unwrap().len(), 1);
         result.state = State::Tracking;
-        for gaze in [false, true] {
-            let sent = datagrams(&result, gaze).unwrap();
+        let avatar = [0.5; SHAPES.len()];
+        for (gaze, avatar) in [
+            (false, None),
+            (true, None),
+            (false, Some(&avatar)),
+            (true, Some(&avatar)),
+        ] {
+            let sent = datagrams(&result, gaze, avatar).unwrap();
             assert!(sent.iter().all(|d| d.len() <= MOST), "no fragments");
-            let looks = if gaze { EYE_LOOK_NAMES.len() } else { 0 };
-            let shapes = blendshapes(&result, gaze);
-            assert_eq!(shapes.len(), ANIMATION_NAMES.len() + looks + 1);
+            let shapes = blendshapes(&result, gaze, avatar);
+            let looks = EYE_LOOK_NAMES.len();
+            let count = match avatar {
+                Some(_) => SHAPES.len() - looks,
+                None => ANIMATION_NAMES.len(),
+            };
+            assert_eq!(shapes.len(), count + if gaze { looks } else { 0 } + 1);
             // Each is there once, in its order.
             let mut received = Vec::new();
             for datagram in &sent[1..] {

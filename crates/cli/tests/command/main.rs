@@ -9,5 +9,6 @@ mod manual;
 mod model;
 mod monitor;
 mod outputs;
+mod retarget;
 mod streams;
 mod track;

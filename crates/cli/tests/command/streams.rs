@@ -4,7 +4,7 @@ use std::io::{BufRead, BufReader, Write};
 use std::net::{SocketAddr, TcpListener, UdpSocket};
 use std::time::{Duration, Instant};
 
-use crate::common::{fails_with, gradient_clip, has_program, posewise};
+use crate::common::{fails_with, gradient_clip, has_program, posewise, skip};
 use rosc::{OscMessage, OscPacket, OscType};
 use serde_json::Value;
 
@@ -155,6 +155,65 @@ fn check_vmc(options: &[&str]) {
         other => panic!("{other:?}"),
     });
     assert_eq!(looks.count() > 0, gaze, "somewhere they look");
+}
+
+/// Prints the messages of datagrams, which come as lines of hexadecimal digits.
+const DECODE: &str = "
+import json, sys
+from pythonosc.osc_packet import OscPacket
+for line in sys.stdin:
+    for timed in OscPacket(bytes.fromhex(line)).messages:
+        print(json.dumps([timed.message.address, *timed.message.params]))
+";
+
+/// python-osc, which others wrote and which has no code in common with what sends.
+#[test]
+fn another_library_reads_the_datagrams() {
+    let python = std::env::var("POSEWISE_PYTHON").unwrap_or("python3".into());
+    let mut asked = std::process::Command::new(&python);
+    let asked = asked.args(["-c", "import pythonosc"]).output();
+    let can = asked.is_ok_and(|answer| answer.status.success());
+    if !skip::need("python-osc (.ci/requirements.txt)", can) {
+        return;
+    }
+    let (rows, received, _) = track("--osc", &["--gaze"]);
+    let hex = |datagram: &Vec<u8>| -> String {
+        let digits = datagram.iter().map(|byte| format!("{byte:02x}"));
+        digits.chain(["\n".to_string()]).collect()
+    };
+    let lines: String = received.iter().map(hex).collect();
+    let run = assert_cmd::Command::new(&python)
+        .args(["-c", DECODE])
+        .write_stdin(lines)
+        .assert()
+        .success();
+    let said = String::from_utf8(run.get_output().stdout.clone()).unwrap();
+    let read: Vec<Value> = (said.lines())
+        .map(|line| serde_json::from_str(line).unwrap())
+        .collect();
+    let faces: Vec<&Value> = rows.iter().filter(|row| has_face(row)).collect();
+    let of = |address: &str| -> Vec<&Value> { read.iter().filter(|m| m[0] == address).collect() };
+    assert_eq!(of("/VMC/Ext/OK").len(), rows.len());
+    assert_eq!(of("/VMC/Ext/Blend/Apply").len(), faces.len());
+    let close = |a: &Value, b: &Value| (a.as_f64().unwrap() - b.as_f64().unwrap()).abs() < 1e-6;
+    for (head, row) in of("/VMC/Ext/Bone/Pos").iter().zip(&faces) {
+        assert_eq!(head[1], "Head");
+        assert!(
+            (0..4).all(|k| close(&head[5 + k], &row["rotation"][k])),
+            "{head}"
+        );
+    }
+    let weights = faces.iter().flat_map(|row| {
+        let looks = row["eyes"]["look"].as_object().unwrap();
+        row["animation"].as_object().unwrap().iter().chain(looks)
+    });
+    let values = of("/VMC/Ext/Blend/Val");
+    assert_eq!(values.len(), weights.clone().count());
+    assert_eq!(values.len(), faces.len() * (29 + 8));
+    for (value, (name, weight)) in values.iter().zip(weights) {
+        assert!(value[1].as_str().unwrap().eq_ignore_ascii_case(name));
+        assert!(close(&value[2], weight), "{value} {weight}");
+    }
 }
 
 #[test]

@@ -11,7 +11,7 @@ use std::process::Command;
 pub use serve::Site;
 
 /// Files of the package and of the page that are served as they are in the repository, from web/.
-const FILES: [&str; 36] = [
+const FILES: [&str; 41] = [
     "README.md",
     "package.json",
     "index.html",
@@ -27,6 +27,11 @@ const FILES: [&str; 36] = [
     "worker.js",
     "demo/app.js",
     "demo/assets.js",
+    "demo/avatar/draw.js",
+    "demo/avatar/head.bin",
+    "demo/avatar/head.js",
+    "demo/avatar/retargeting.js",
+    "demo/avatar/view.js",
     "demo/charts.js",
     "demo/clip.webm",
     "demo/columns.js",

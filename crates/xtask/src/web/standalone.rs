@@ -22,7 +22,7 @@ const WORKER: [&str; 9] = [
 ];
 
 /// Modules of the page, likewise.
-const PAGE: [&str; 30] = [
+const PAGE: [&str; 34] = [
     "layout.js",
     "struct.js",
     "handle.js",
@@ -48,6 +48,10 @@ const PAGE: [&str; 30] = [
     "demo/face/textures.js",
     "demo/face/controls.js",
     "demo/face/layer.js",
+    "demo/avatar/retargeting.js",
+    "demo/avatar/head.js",
+    "demo/avatar/draw.js",
+    "demo/avatar/view.js",
     "demo/take/glb.js",
     "demo/take/take.js",
     "demo/take/controls.js",
@@ -56,13 +60,14 @@ const PAGE: [&str; 30] = [
 ];
 
 /// What the page fetches otherwise.
-const DATA: [&str; 6] = [
+const DATA: [&str; 7] = [
     "posewise.posewise",
     "research.posewise",
     "posewise.wasm",
     "posewise-simd128.wasm",
     "posewise-relaxed.wasm",
     "demo/clip.webm",
+    "demo/avatar/head.bin",
 ];
 
 /// The page, from the folder of the page that is served.
