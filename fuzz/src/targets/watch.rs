@@ -104,7 +104,7 @@ pub fn check_state(state: &posewise_monitor_state) {
     let is_known = state.eyes != POSEWISE_MONITOR_EYES_UNKNOWN;
     assert!(state.eyes <= POSEWISE_MONITOR_EYES_CLOSED, "{text}");
     assert!(
-        state.eyes_reason <= POSEWISE_MONITOR_REASON_HIDDEN,
+        state.eyes_reason <= POSEWISE_MONITOR_REASON_ELSEWHERE,
         "{text}"
     );
     assert_eq!(

@@ -39,7 +39,7 @@ fn a_driver_is_watched() {
     let table = std::fs::read_to_string(&csv).unwrap();
     let header = table.lines().next().unwrap();
     assert!(
-        header.ends_with(",road_pitch_deg,drowsiness,degraded"),
+        header.ends_with(",degraded,zone_by,road_gaze_yaw_deg,road_gaze_pitch_deg"),
         "{header}"
     );
     let last = table.lines().last().unwrap();

@@ -77,7 +77,7 @@ impl EyeOptions {
                 shut: 0.0,
                 ..Options::default()
             },
-            photographed_share: 0.4,
+            photographed_share: 0.3,
             single_share: 0.25,
             by_nose: 0.0,
         }
@@ -102,24 +102,35 @@ fn source<'a>(
     }
 }
 
-/// The first round: trains the network on rendered eyes and those of photographed faces; goes on from the checkpoint if there is
-/// one, else from the section `before`, and leaves the network there.
+/// The first round: trains the network on rendered eyes and on those of photographed faces, and
+/// leaves it in the checkpoint. It goes on from there if it is begun, else from the mean of the
+/// networks of the sections `before`, if there are some: networks that went on from one lie near
+/// enough to each other for that, and their mean is better at what each was trained on than the
+/// others are (Wortsman et al., *Model soups*, 2022).
 pub fn train_first(
     rendered: &[Eye],
     photographed: &[PhotographedEye],
     options: &EyeOptions,
     checkpoint: &Path,
-    before: Option<Section<'_>>,
+    before: Vec<Section<'_>>,
 ) -> Result<()> {
-    let (source, network) = (
-        source(rendered, photographed, &[], options),
-        &options.network,
-    );
-    let before = before.map(|mut section| {
+    let network = &options.network;
+    let source = source(rendered, photographed, &[], options);
+    let networks = before.into_iter().map(|mut section| {
         calibration::Numbers::skip(&mut section)?;
         parameters(&mut section, &network.sizes, network.seed)
     });
-    train(&source, network, checkpoint, before.transpose()?).map(drop)
+    let networks = networks.collect::<Result<Vec<_>>>()?;
+    train(&source, network, checkpoint, mean_of(&networks)).map(drop)
+}
+
+/// The mean of networks; `None` of none.
+fn mean_of(networks: &[Vec<f32>]) -> Option<Vec<f32>> {
+    let mut mean = networks.first()?.clone();
+    for (k, value) in mean.iter_mut().enumerate() {
+        *value = networks.iter().map(|n| n[k]).sum::<f32>() / networks.len() as f32;
+    }
+    Some(mean)
 }
 
 /// The section, of the network of the first round. With photographs there is a second round, which

@@ -18,8 +18,8 @@ const WHOLLY: f64 = 0.25;
 /// How far the lids of eyes that look down fall.
 const LOWERED: std::ops::Range<f32> = 0.25..0.8;
 /// Standard deviations of what the tracker errs by, to the right and down \[mm\], and of the
-/// logarithm of scale: that of a head whose size nobody told. Landmarks of shut lids err most, up to
-/// where those of open ones would be.
+/// logarithm of scale: that of a head whose size nobody told. Landmarks of shut lids err most, up
+/// to where those of open ones would be.
 const SHIFT_MM: [f32; 2] = [2.0, 3.5];
 const LOG_SCALE: f32 = 0.1;
 

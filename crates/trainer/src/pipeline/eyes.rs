@@ -27,8 +27,9 @@ const NETWORK: &str = "network.checkpoint";
 /// What the network reaches.
 const FIGURES: &str = "figures.json";
 
-/// Makes the section.
-pub fn make(context: &Context<'_>) -> Result<Output> {
+/// Makes the section. The training goes on from the mean of the networks of the finished model and
+/// of those models.
+fn make(context: &Context<'_>, others: &[PathBuf]) -> Result<Output> {
     let args = context.args;
     let mut options = EyeOptions::new(args.seed, args.eye_steps);
     options.network.rate = context.rate(options.network.rate);
@@ -37,13 +38,13 @@ pub fn make(context: &Context<'_>) -> Result<Output> {
         clean: true,
         ..args.render(Kind::Eyes, &context.sources)
     };
-    let others = crate::render::Args {
+    let calibrating = crate::render::Args {
         seed: render.seed ^ OTHERS,
         count: CALIBRATION,
         ..render.clone()
     };
     let rendered = renders::make(context.store, &render, None)?;
-    let calibration = renders::make(context.store, &others, None)?;
+    let calibration = renders::make(context.store, &calibrating, None)?;
     let read = |output: &Output| eye_cache::read(&output.path(renders::FILE), usize::MAX);
     let sets = context.sources.whole();
     let photographed = || -> Result<Vec<PhotographedEye>> {
@@ -63,9 +64,20 @@ pub fn make(context: &Context<'_>) -> Result<Output> {
             stage = stage.input(name, context.store.data(&context.data(name))?);
         }
     }
-    let stage = context.with_finished(stage);
+    let mut stage = context.with_finished(stage);
+    for (k, path) in others.iter().enumerate() {
+        stage = stage.input(&format!("average-{k}"), context.store.data(path)?);
+    }
+    let others = others.iter().map(|path| {
+        let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
+        anyhow::Ok(AlignedBytes::new(&bytes))
+    });
+    let others = others.collect::<Result<Vec<_>>>()?;
     let network = context.store.make(&stage, &[NETWORK], |folder| {
-        let before = context.section(EYES_TAG)?;
+        let mut before: Vec<_> = context.section(EYES_TAG)?.into_iter().collect();
+        for bytes in &others {
+            before.push(Blob::open(bytes)?.section(&EYES_TAG)?);
+        }
         let (rendered, checkpoint) = (read(&rendered)?, folder.join(NETWORK));
         eyes::train_first(&rendered, &photographed()?, &options, &checkpoint, before)
     })?;
@@ -110,6 +122,10 @@ pub struct AddArgs {
     /// The finished model.
     #[arg(long)]
     pub model: PathBuf,
+    /// Begin with the mean of the networks of `--from` and of this model; repeat for several, which
+    /// went on from the same one.
+    #[arg(long, requires = "from")]
+    pub average: Vec<PathBuf>,
     /// Those of a whole model; `--out` is where the model with the section goes.
     #[command(flatten)]
     pub args: Args,
@@ -120,7 +136,7 @@ pub fn add(add: &AddArgs) -> Result<()> {
     let args = &add.args;
     let store = Store::open(&args.cache)?;
     let context = Context::new(args, &store, None)?;
-    let output = make(&context)?;
+    let output = make(&context, &add.average)?;
     let section = sections::read(&(&output, EYES_TAG))?;
     let figures: serde_json::Value = serde_json::from_slice(&output.read(FIGURES)?)?;
     let path = add.model.display();
@@ -136,7 +152,7 @@ pub fn add(add: &AddArgs) -> Result<()> {
     let sheet = others.sections().find(|(tag, _)| *tag == SHEET_TAG);
     let sheet = String::from_utf8_lossy(sheet.map_or(&[], |(_, bytes)| bytes)).into_owned();
     let sheet = data_sheet::titled(&sheet, &args.out);
-    let sheet = data_sheet::with_part(&sheet, EYES_HEADING, &about(args, &figures));
+    let sheet = data_sheet::with_part(&sheet, EYES_HEADING, &about(add, &figures));
     let size = super::pack::write(&args.out, all, &sheet)?;
     println!("{}: {size} bytes", args.out.display());
     Ok(())
@@ -163,7 +179,8 @@ pub fn finished(context: &Context<'_>) -> Result<Option<(SectionWriter, String)>
 }
 
 /// What a data sheet says of the section.
-fn about(args: &Args, figures: &serde_json::Value) -> String {
+fn about(add: &AddArgs, figures: &serde_json::Value) -> String {
+    let args = &add.args;
     let number = |value: &serde_json::Value| value.as_f64().unwrap_or(f64::NAN);
     let (terms, photographs) = match args.terms {
         Terms::Free => ("free", "no picture of an eye that was shut but by drawing"),
@@ -173,18 +190,27 @@ fn about(args: &Args, figures: &serde_json::Value) -> String {
 eyes above, and of 4,000 in near-infrared light (MRL Eye Dataset, research)",
         ),
     };
+    let averaged = |path: &PathBuf| format!("\n--average {}", path.display());
+    let averaged: String = add.average.iter().map(averaged).collect();
+    let begun = match add.average.is_empty() {
+        true => "",
+        false => {
+            "\nIt began with the mean of these networks, which went on from the first as \
+             docs/dev/records.md tells\n(Shut eyes of photographs)."
+        }
+    };
     format!(
         "\
 added by `cargo run --release -p posewise-train -- add-eyes --terms {terms} --seed {seed}
 --eye-renders {renders} --eye-steps {steps}{from}`. Trained on {renders} rendered faces,
 which look up to 40 degrees down, and on the eyes of the photographed whole faces above, half of
-them shut by drawing; {photographs}.
+them shut by drawing; {photographs}.{begun}
 On {CALIBRATION} renders of other heads, which also set its 22 numbers of calibration:
 gaze of both eyes within 30 degrees of yaw {gaze:.1} degrees; areas under the ROC of lids {lids:.3},
 glasses {glasses:.3}, dark glasses {dark:.3}, visible eyes {visible:.3}.
 ",
         seed = args.seed,
-        from = args.from_option(),
+        from = args.from_option() + &averaged,
         renders = args.eye_renders,
         steps = args.eye_steps,
         gaze = number(&figures["both_deg"]),
