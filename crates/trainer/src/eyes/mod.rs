@@ -104,24 +104,32 @@ fn source<'a>(
 
 /// The first round: trains the network on rendered eyes and on those of photographed faces, and
 /// leaves it in the checkpoint. It goes on from there if it is begun, else from the mean of the
-/// networks of the sections `before`, if there are some: networks that went on from one lie near
-/// enough to each other for that, and their mean is better at what each was trained on than the
-/// others are (Wortsman et al., *Model soups*, 2022).
+/// networks `before`, if there are some: networks that went on from one lie near enough to each
+/// other for that, and their mean is better at what each was trained on than the others are
+/// (Wortsman et al., *Model soups*, 2022).
 pub fn train_first(
     rendered: &[Eye],
     photographed: &[PhotographedEye],
     options: &EyeOptions,
     checkpoint: &Path,
-    before: Vec<Section<'_>>,
+    before: &[Vec<f32>],
 ) -> Result<()> {
     let network = &options.network;
     let source = source(rendered, photographed, &[], options);
-    let networks = before.into_iter().map(|mut section| {
-        calibration::Numbers::skip(&mut section)?;
-        parameters(&mut section, &network.sizes, network.seed)
-    });
-    let networks = networks.collect::<Result<Vec<_>>>()?;
-    train(&source, network, checkpoint, mean_of(&networks)).map(drop)
+    train(&source, network, checkpoint, mean_of(before)).map(drop)
+}
+
+/// The parameters of the network of a section.
+pub fn of_section(mut section: Section<'_>, options: &EyeOptions) -> Result<Vec<f32>> {
+    calibration::Numbers::skip(&mut section)?;
+    parameters(&mut section, &options.network.sizes, options.network.seed)
+}
+
+/// Those of a network that a first round left.
+pub fn of_checkpoint(checkpoint: &Path, options: &EyeOptions) -> Result<Vec<f32>> {
+    let trained = Trained::read(checkpoint, &options.network.sizes);
+    let trained = trained.with_context(|| format!("no network in {}", checkpoint.display()))?;
+    Ok(trained.parameters)
 }
 
 /// The mean of networks; `None` of none.

@@ -27,8 +27,8 @@ const NETWORK: &str = "network.checkpoint";
 /// What the network reaches.
 const FIGURES: &str = "figures.json";
 
-/// Makes the section. The training goes on from the mean of the networks of the finished model and
-/// of those models.
+/// Makes the section. The training goes on from the mean of the network of the finished model and
+/// of those of these checkpoints.
 fn make(context: &Context<'_>, others: &[PathBuf]) -> Result<Output> {
     let args = context.args;
     let mut options = EyeOptions::new(args.seed, args.eye_steps);
@@ -68,18 +68,15 @@ fn make(context: &Context<'_>, others: &[PathBuf]) -> Result<Output> {
     for (k, path) in others.iter().enumerate() {
         stage = stage.input(&format!("average-{k}"), context.store.data(path)?);
     }
-    let others = others.iter().map(|path| {
-        let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
-        anyhow::Ok(AlignedBytes::new(&bytes))
-    });
-    let others = others.collect::<Result<Vec<_>>>()?;
     let network = context.store.make(&stage, &[NETWORK], |folder| {
-        let mut before: Vec<_> = context.section(EYES_TAG)?.into_iter().collect();
-        for bytes in &others {
-            before.push(Blob::open(bytes)?.section(&EYES_TAG)?);
+        let first = context.section(EYES_TAG)?.into_iter();
+        let mut before = (first.map(|section| eyes::of_section(section, &options)))
+            .collect::<Result<Vec<_>>>()?;
+        for path in others {
+            before.push(eyes::of_checkpoint(path, &options)?);
         }
         let (rendered, checkpoint) = (read(&rendered)?, folder.join(NETWORK));
-        eyes::train_first(&rendered, &photographed()?, &options, &checkpoint, before)
+        eyes::train_first(&rendered, &photographed()?, &options, &checkpoint, &before)
     })?;
     let stage = Stage::new("eyes", 6)
         .options(&options)?
@@ -122,8 +119,8 @@ pub struct AddArgs {
     /// The finished model.
     #[arg(long)]
     pub model: PathBuf,
-    /// Begin with the mean of the networks of `--from` and of this model; repeat for several, which
-    /// went on from the same one.
+    /// Begin with the mean of the network of `--from` and of that in this checkpoint of the stage
+    /// `eyes-network`, which went on from it; repeat for several.
     #[arg(long, requires = "from")]
     pub average: Vec<PathBuf>,
     /// Those of a whole model; `--out` is where the model with the section goes.

@@ -146,13 +146,13 @@ pub fn real_eyes(models: &[Model]) -> Result<String> {
             ("network: area under the ROC", &|m| {
                 Ok(m.at("/real_eyes/network/auc")?.fixed(4))
             }),
-            ("network: right", &|m| {
+            ("network: right, %", &|m| {
                 Ok(m.at("/real_eyes/network/right")?.percent(1))
             }),
             ("near-infrared: area under the ROC", &|m| {
                 Ok(m.at("/real_eyes/near_infrared/auc")?.fixed(4))
             }),
-            ("near-infrared: right", &|m| {
+            ("near-infrared: right, %", &|m| {
                 Ok(m.at("/real_eyes/near_infrared/right")?.percent(1))
             }),
         ],
