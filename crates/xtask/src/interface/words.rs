@@ -97,7 +97,7 @@ mod tests {
         );
         let text = "Unknown, _NONE (posewise_smoothed) [POSEWISE_MONITOR_REASON_*]";
         let expected = "Unknown, \"none\" (smoothed) [\"none\", \"no-face\", \"low-confidence\", \
-                        \"turned\", \"hidden\"]";
+                        \"turned\", \"hidden\", \"elsewhere\"]";
         assert_eq!(spoken(text, &table), expected);
         assert_eq!(
             spoken("[POSEWISE_MONITOR_ZONE_ANGLES, _BOX]", &table),
