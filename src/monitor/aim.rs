@@ -17,7 +17,7 @@ const HEAD_GAIN: f32 = 1.5;
 const HEAD_SIGMA_DEG: f32 = 15.0;
 /// Largest angle from the road \[deg\].
 const MOST_DEG: f32 = 180.0;
-/// By so many standard deviations more than the margin of the settings a direction must be outside
+/// Part of a direction's standard deviation that is added to the margin by which it must be outside
 /// of a zone to leave it. Chosen.
 const WIDER: f32 = 0.25;
 /// For how long a gaze is outside of a zone before it has left it \[µs\]. No glance is shorter than

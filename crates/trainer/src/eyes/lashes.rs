@@ -60,7 +60,7 @@ pub fn draw(crop: &mut [f32], side: usize, edge: &Edge, shut: f32, rng: &mut Cha
     }
 }
 
-/// Brightens the middle of the lid and darkens what is beside it.
+/// Brightens or darkens the middle of the lid, over the eyeball.
 fn raise(crop: &mut [f32], side: usize, edge: &Edge, rng: &mut ChaCha8Rng) {
     let [dx, dy] = edge.down;
     let wide = dx.hypot(dy);

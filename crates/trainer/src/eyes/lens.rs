@@ -38,6 +38,16 @@ pub struct Lens {
     pub dark: bool,
 }
 
+impl Lens {
+    /// Share of an eye behind it that is seen.
+    pub fn leaves(&self) -> f32 {
+        match self.dark {
+            true => 0.0,
+            false => 1.0 - self.opacity,
+        }
+    }
+}
+
 /// Draws a lens over some crops of this side and scale.
 pub fn draw(crop: &mut [f32], side: usize, px_per_mm: f32, rng: &mut ChaCha8Rng) -> Option<Lens> {
     let chance = rng.random_range(0.0f32..1.0);

@@ -34,6 +34,7 @@ const OUTER: [usize; 2] = [36, 45];
 pub struct PhotographedEye {
     face: Face,
     side: usize,
+    eye: shut::Eye,
 }
 
 /// A crop of one.
@@ -50,12 +51,12 @@ impl PhotographedEye {
         let both = faces
             .iter()
             .flat_map(|face| [0, 1].map(|side| (face, side)));
-        both.filter(|(face, side)| shut::shutter(face, *side).is_some())
-            .map(|(face, side)| PhotographedEye {
-                face: face.clone(),
-                side,
-            })
-            .collect()
+        let open = both.filter_map(|(face, side)| {
+            let eye = shut::shutter(face, side)?;
+            let face = face.clone();
+            Some(PhotographedEye { face, side, eye })
+        });
+        open.collect()
     }
 
     /// A crop as the tracker cuts it, mirrored where it is the person's left eye.
@@ -70,7 +71,7 @@ impl PhotographedEye {
         };
         let mut landmarks = self.face.landmarks;
         let mut picture = Cow::Borrowed(&*self.face.picture);
-        let eye = shut::shutter(&self.face, self.side).expect("it can be shut");
+        let eye = &self.eye;
         if by > 0.0 {
             picture = Cow::Owned(match looks_down {
                 true => eye.lower(&picture, by),

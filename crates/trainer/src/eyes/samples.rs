@@ -142,6 +142,22 @@ fn class(is: bool) -> f32 {
     if is { CLASS_UNIT } else { -CLASS_UNIT }
 }
 
+/// The sample of a photograph: of lids of this opening, of which this share is seen.
+fn without_gaze(crop: Vec<f32>, opening: f32, seen: f32) -> Sample {
+    let (lids, weight) = lids(opening, seen);
+    Sample {
+        crop,
+        start: vec![[0.0; 2]; EYE_OUTPUTS],
+        truth: vec![
+            [0.0; 2],
+            [0.0; 2],
+            [lids, CLASS_UNIT * (2.0 * seen - 1.0)],
+            [0.0; 2],
+        ],
+        weights: vec![0.0, 0.0, weight, 0.0],
+    }
+}
+
 impl Eyes<'_> {
     fn rendered(&self, rng: &mut ChaCha8Rng) -> Sample {
         let eye = &self.rendered[rng.random_range(0..self.rendered.len())];
@@ -158,12 +174,7 @@ impl Eyes<'_> {
             false => lens::draw(&mut crop, self.sizes.side, self.sizes.zoom, rng),
         };
         let covered = cover::draw(&mut crop, self.sizes.side, self.sizes.zoom, rng);
-        let seen = (1.0 - covered)
-            * match drawn {
-                None => seen_through(eye),
-                Some(lens) if lens.dark => 0.0,
-                Some(lens) => 1.0 - lens.opacity,
-            };
+        let seen = (1.0 - covered) * drawn.map_or(seen_through(eye), |lens| lens.leaves());
         let opening = CLASS_UNIT * (1.0 - 2.0 * eye.blink.clamp(0.0, 1.0));
         let (lids, lids_weight) = lids(opening, if has_lids(eye) { seen } else { 0.0 });
         let visible = visible_share(eye) * seen;
@@ -191,44 +202,23 @@ impl Eyes<'_> {
         let photographed::Seen { mut crop, shut } = eye.draw(side, zoom, rng);
         let drawn = lens::draw(&mut crop, side, zoom, rng);
         let covered = cover::draw(&mut crop, side, zoom, rng);
-        let seen = (1.0 - covered)
-            * match drawn {
-                Some(lens) if lens.dark => 0.0,
-                Some(lens) => 1.0 - lens.opacity,
-                None => 1.0,
-            };
-        let (lids, weight) = lids(CLASS_UNIT * (1.0 - 2.0 * shut), seen);
-        Sample {
-            crop,
-            start: vec![[0.0; 2]; EYE_OUTPUTS],
-            truth: vec![
-                [0.0; 2],
-                [0.0; 2],
-                [lids, CLASS_UNIT * (2.0 * seen - 1.0)],
-                [class(true), class(drawn.is_some_and(|lens| lens.dark))],
-            ],
-            // Whether there are glasses nobody says but where they are drawn.
-            weights: vec![0.0, 0.0, weight, if drawn.is_some() { 0.5 } else { 0.0 }],
+        let seen = (1.0 - covered) * drawn.map_or(1.0, |lens| lens.leaves());
+        let mut sample = without_gaze(crop, CLASS_UNIT * (1.0 - 2.0 * shut), seen);
+        // Whether there are glasses nobody says but where they are drawn.
+        if let Some(lens) = drawn {
+            sample.truth[3] = [class(true), class(lens.dark)];
+            sample.weights[3] = 0.5;
         }
+        sample
     }
 
     fn single(&self, rng: &mut ChaCha8Rng) -> Sample {
         let eye = &self.single[rng.random_range(0..self.single.len())];
         let mut crop = eye.crop(self.sizes, rng);
         let covered = cover::draw(&mut crop, self.sizes.side, self.sizes.zoom, rng);
-        let seen = 1.0 - covered;
-        let (lids, weight) = lids(class(eye.open), seen);
-        Sample {
-            crop,
-            start: vec![[0.0; 2]; EYE_OUTPUTS],
-            truth: vec![
-                [0.0; 2],
-                [0.0; 2],
-                [lids, CLASS_UNIT * (2.0 * seen - 1.0)],
-                [0.0; 2],
-            ],
-            weights: vec![0.0, 0.0, SINGLE_WEIGHT * weight, 0.0],
-        }
+        let mut sample = without_gaze(crop, class(eye.open), 1.0 - covered);
+        sample.weights[2] *= SINGLE_WEIGHT;
+        sample
     }
 }
 
