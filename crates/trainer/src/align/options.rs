@@ -52,6 +52,11 @@ pub struct Options {
     pub warm_up: usize,
     /// Weight decay.
     pub decay: f32,
+    /// Share of the numbers that it started from in those that it ends with. The mean of a network
+    /// and of what it became generalises better than either (Wortsman et al. 2022, Robust
+    /// fine-tuning of zero-shot models, section 4).
+    #[serde(skip_serializing_if = "is_none")]
+    pub share_of_start: f32,
     /// How far the points at which later heads start are displaced while training \[px\].
     #[serde(skip_serializing_if = "is_usual_shake")]
     pub shake: f32,
@@ -81,6 +86,7 @@ impl Default for Options {
             rate: 2e-3,
             warm_up: 300,
             decay: 0.02,
+            share_of_start: 0.0,
             shake: SHAKE,
             aperture: Aperture {
                 lids: 6.0,

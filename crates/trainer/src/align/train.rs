@@ -73,6 +73,7 @@ pub fn train(
     initial: Option<Vec<f32>>,
 ) -> Result<Trained> {
     let network = Network::new(&options.sizes);
+    let initial = initial.filter(|parameters| parameters.len() == network.parameters);
     println!("checkpoints in {}", checkpoint.display());
     let of_heads: usize = network.heads.iter().map(|h| h.inputs * h.rank).sum();
     println!(
@@ -85,7 +86,10 @@ pub fn train(
             println!("going on from step {}", state.step);
             state
         }
-        None => State::new(first_parameters(&network, source, options, initial)),
+        None => State::new(match &initial {
+            Some(parameters) => parameters.clone(),
+            None => random_parameters(&network, source, options),
+        }),
     };
     let pairs = source.aperture(&options.aperture);
     let mut parts: Vec<Part> = (0..PARTS).map(|_| Part::new(&network)).collect();
@@ -109,28 +113,22 @@ pub fn train(
         }
     }
     bar.finish();
+    let mut parameters = state.parameters;
+    for (p, start) in parameters.iter_mut().zip(initial.iter().flatten()) {
+        *p += options.share_of_start * (start - *p);
+    }
     Ok(Trained {
         network,
-        parameters: state.parameters,
+        parameters,
     })
 }
 
-/// The numbers given, where they are of this network, else random ones scaled by examples.
-fn first_parameters(
-    network: &Network,
-    source: &impl Source,
-    options: &Options,
-    initial: Option<Vec<f32>>,
-) -> Vec<f32> {
-    match initial {
-        Some(parameters) if parameters.len() == network.parameters => parameters,
-        _ => {
-            let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
-            let samples = source.samples(64, &mut rng);
-            let examples: Vec<_> = samples.into_iter().map(|s| s.crop).collect();
-            network.initial(&source.offset(), &examples, &mut rng)
-        }
-    }
+/// Random numbers, scaled by examples.
+fn random_parameters(network: &Network, source: &impl Source, options: &Options) -> Vec<f32> {
+    let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
+    let samples = source.samples(64, &mut rng);
+    let examples: Vec<_> = samples.into_iter().map(|s| s.crop).collect();
+    network.initial(&source.offset(), &examples, &mut rng)
 }
 
 /// Adds the gradients of a batch, each part its own samples. A sample's random numbers depend on

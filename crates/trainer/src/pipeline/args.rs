@@ -36,10 +36,17 @@ pub struct Args {
     /// Batches that the network of single eyes is trained on.
     #[arg(long, default_value_t = 48_000)]
     pub eye_steps: usize,
-    /// Batches that each network of the global stage is trained on; a refiner is trained on half of
-    /// them.
+    /// Batches that each network of the global stage is trained on.
     #[arg(long, default_value_t = 40_000)]
     pub steps: usize,
+    /// Batches that a refiner is trained on, half of `--steps` unless given; with `--from`, 0 keeps
+    /// the refiners, and section `WGHT`, which reads them.
+    #[arg(long)]
+    pub refiner_steps: Option<usize>,
+    /// With `--from`: share of its numbers in those of the networks of the global stage that the
+    /// training ends with.
+    #[arg(long, default_value_t = 0.0)]
+    pub share_of_from: f32,
     /// Batches that the detector's network is trained on; with `--from`, 0 keeps the detector.
     #[arg(long, default_value_t = 20_000)]
     pub detector_steps: usize,

@@ -5,14 +5,14 @@ use super::args::Args;
 use super::context::Context;
 use super::stage::Stage;
 use super::store::Output;
-use super::{global_network, sections};
+use super::{global_network, refiners, sections};
 use crate::align::{self, Accuracy, Trained};
 use crate::faces::{self, Face};
 use crate::photographs::DEV;
 use crate::sources::{Sources, Terms};
 use anyhow::Result;
 use posewise::align::AlignModel;
-use posewise_format::{SHEET_FREE, SHEET_RESEARCH, SHEET_TITLE, Tag};
+use posewise_format::{SHEET_FREE, SHEET_RESEARCH, SHEET_TAG, SHEET_TITLE, SectionWriter, Tag};
 use posewise_metrics::BoxJitter;
 use std::path::Path;
 
@@ -94,7 +94,8 @@ pub fn text(args: &Args, sources: &Sources, dev: &Accuracy) -> String {
 {SHEET_TITLE}{name}
 
 Made by `cargo run --release -p posewise-train -- model --terms {terms} --seed {seed}
---renders {plain} --near-renders {near} --steps {steps} --detector-steps {detector}{without}{from}`.
+--renders {plain} --near-renders {near} --steps {steps} --detector-steps {detector}
+--refiner-steps {refiner} --share-of-from {share}{without}{from}`.
 
 Trained on:
 {made_from}
@@ -113,6 +114,8 @@ inter-ocular distance, median {median:.2} %, above 10 %: {failure:.2} %.
             Terms::Research => "research",
         },
         detector = args.detector_steps,
+        refiner = refiners::steps(args),
+        share = args.share_of_from,
         without = match args.without.is_empty() {
             true => String::new(),
             false => format!("\n--without {}", args.without.join(" --without ")),
@@ -155,6 +158,27 @@ pub fn with_part(sheet: &str, heading: &str, text: &str) -> String {
     });
     let parts: String = parts.collect();
     format!("{}{parts}", sheet[..first].trim_end())
+}
+
+/// A section of the finished model as it is, if it has one, and the part below this heading of the
+/// model's data sheet.
+pub fn kept_part(
+    context: &Context<'_>,
+    tag: Tag,
+    heading: &str,
+) -> Result<Option<(SectionWriter, String)>> {
+    let Some(section) = context.kept(tag)? else {
+        return Ok(None);
+    };
+    let sheet = context.kept(SHEET_TAG)?.map(|sheet| sheet.bytes().to_vec());
+    let sheet = String::from_utf8_lossy(sheet.as_deref().unwrap_or_default()).into_owned();
+    let part = sheet.find(heading).map_or("", |start| {
+        let ends = PARTS.iter().filter_map(|part| sheet.find(part));
+        let end = ends.filter(|end| *end > start).min();
+        &sheet[start..end.unwrap_or(sheet.len())]
+    });
+    let part = part.trim_end_matches(PADDING);
+    Ok(Some((section, format!("{part}\n"))))
 }
 
 /// What may stand at the end of a data sheet and says nothing.

@@ -155,26 +155,6 @@ pub fn add(add: &AddArgs) -> Result<()> {
     Ok(())
 }
 
-/// The section of the finished model that a training goes on from, and what its data sheet says of
-/// it: no stage of a whole model makes it.
-pub fn finished(context: &Context<'_>) -> Result<Option<(SectionWriter, String)>> {
-    let Some((bytes, _)) = &context.finished else {
-        return Ok(None);
-    };
-    let Some(section) = context.kept(EYES_TAG)? else {
-        return Ok(None);
-    };
-    let all = Blob::open(bytes)?;
-    let sheet = all.sections().find(|(tag, _)| *tag == SHEET_TAG);
-    let sheet = sheet.map_or(&[][..], |(_, bytes)| bytes);
-    let sheet = String::from_utf8_lossy(sheet);
-    let about = sheet
-        .split_once(EYES_HEADING)
-        .map_or("", |(_, about)| about);
-    let about = about.trim_end_matches(['\0', '\n']);
-    Ok(Some((section, format!("{EYES_HEADING}{about}\n"))))
-}
-
 /// What a data sheet says of the section.
 fn about(add: &AddArgs, figures: &serde_json::Value) -> String {
     let args = &add.args;

@@ -36,6 +36,7 @@ pub fn options(context: &Context<'_>) -> align::Options {
             },
             ..usual.aperture
         },
+        share_of_start: context.args.share_of_from,
         ..usual
     }
 }

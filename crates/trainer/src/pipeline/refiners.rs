@@ -1,5 +1,6 @@
 //! Stage `refiners`: networks of eyes with brows, of the mouth and of the lids (section `RFIN`).
 
+use super::args::Args;
 use super::context::Context;
 use super::stage::Stage;
 use super::store::Output;
@@ -8,10 +9,22 @@ use crate::align;
 use anyhow::Result;
 use posewise::align::{AlignModel, EnsembleMember, Refiners};
 
-/// Makes the section for a global stage of these two networks.
+/// Batches that a refiner is trained on.
+pub fn steps(args: &Args) -> usize {
+    args.refiner_steps.unwrap_or(args.steps / 2)
+}
+
+/// Makes the section for a global stage of these two networks; with no batches, that of the
+/// finished model stays as it is.
 pub fn make(context: &Context<'_>, global: &Output, member: &Output) -> Result<Output> {
     let args = context.args;
-    let mut options = align::refiners::options(args.seed, args.steps / 2);
+    if let (0, Some(section)) = (steps(args), context.kept(Refiners::TAG)?) {
+        let stage = context.with_finished(Stage::new("refiners-kept", 1));
+        return context.store.make(&stage, &[sections::FILE], |folder| {
+            sections::write(folder, &section)
+        });
+    }
+    let mut options = align::refiners::options(args.seed, steps(args));
     options.rate = global_network::options(context).rate;
     let stage = Stage::new("refiners", 5)
         .options(&options)?

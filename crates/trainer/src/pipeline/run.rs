@@ -4,12 +4,15 @@ use super::args::{Args, Until};
 use super::context::Context;
 use super::store::Store;
 use super::{
-    data_sheet, detector, ensemble_member, eyes, face, fits, global_network, mesh, pack, refiners,
+    data_sheet, detector, ensemble_member, face, fits, global_network, mesh, pack, refiners,
     rotation_regression, sections, shape_regression, verifier,
 };
 use crate::render::Kind;
 use anyhow::Result;
-use posewise::align::{AlignModel, EnsembleMember, Refiners, RotationRegression, ShapeRegression};
+use posewise::align::{
+    AlignModel, EYES_TAG, EnsembleMember, Refiners, RotationRegression, ShapeRegression,
+    WEIGHTS_TAG,
+};
 use posewise::detect;
 use posewise::shape::{FACE_TAG, MESH_TAG};
 use posewise::verifier::Verifier;
@@ -66,9 +69,16 @@ pub fn run(args: &Args) -> Result<()> {
         all.push(sections::read(&(&mesh, MESH_TAG))?);
         sheet += &mesh::about();
     }
-    if let Some((section, about)) = eyes::finished(&context)? {
-        all.push(section);
-        sheet += &about;
+    let mut kept = vec![];
+    if refiners::steps(args) == 0 {
+        kept.push((WEIGHTS_TAG, data_sheet::WEIGHTS_HEADING));
+    }
+    kept.push((EYES_TAG, data_sheet::EYES_HEADING));
+    for (tag, heading) in kept {
+        if let Some((section, about)) = data_sheet::kept_part(&context, tag, heading)? {
+            all.push(section);
+            sheet += &about;
+        }
     }
     let size = pack::write(&args.out, all, &sheet)?;
     println!(
