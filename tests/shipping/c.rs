@@ -146,6 +146,13 @@ fn every_wrong_call_is_answered_under_valgrind() {
     }
 }
 
+/// Eight hours of three drivers, with drops, sun, passengers and stops.
+#[test]
+fn a_shift_is_counted_exactly_and_forgotten() {
+    let shift = program("tests/c/shift.c", "shift", &[]);
+    print!("{}", succeed(&mut Command::new(shift)));
+}
+
 /// Two faces, each tracked by its own tracker all the time.
 #[test]
 fn faces_example_tracks_two_faces() {
