@@ -5,10 +5,10 @@ use std::path::PathBuf;
 
 use anyhow::{Result, bail};
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use posewise::monitor::Preset;
+use posewise::monitor::{Preset, ZonesBy};
 use posewise::{MAX_GROUP, Roi, Rotation};
 
-use crate::parse::{host_port, preset, rate, roi, whole, within};
+use crate::parse::{DriverPlace, host_port, place, preset, rate, roi, whole, within, zones_by};
 
 /// Head pose, 68 landmarks and facial animation from camera frames
 #[derive(Parser)]
@@ -181,14 +181,8 @@ pub struct TrackArgs {
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true,
         conflicts_with = "smooth")]
     pub monitor: Option<Option<PathBuf>>,
-    /// The rule whose times and thresholds the monitor takes: general, euro-ncap, eu-addw-fast,
-    /// eu-addw-slow, eu-ddaw
-    #[arg(long, value_name = "NAME", default_value = "general", value_parser = preset,
-        requires = "monitor")]
-    pub monitor_preset: Preset,
-    /// Zones of the monitor, as JSON; without it those of the preset
-    #[arg(long, value_name = "FILE", requires = "monitor")]
-    pub monitor_zones: Option<PathBuf>,
+    #[command(flatten)]
+    pub monitor_settings: MonitorArgs,
     #[command(flatten)]
     pub tracker: TrackerArgs,
     #[command(flatten)]
@@ -205,6 +199,29 @@ pub struct TrackArgs {
     /// No progress bar, no summary
     #[arg(long, short)]
     pub quiet: bool,
+}
+
+/// Settings of the driver monitor.
+#[derive(Args, Clone)]
+pub struct MonitorArgs {
+    /// The rule whose times and thresholds the monitor takes: general, euro-ncap, eu-addw-fast,
+    /// eu-addw-slow, eu-ddaw
+    #[arg(long, value_name = "NAME", default_value = "general", value_parser = preset,
+        requires = "monitor")]
+    pub monitor_preset: Preset,
+    /// Zones of the monitor, as JSON; without it those of the preset
+    #[arg(long, value_name = "FILE", requires = "monitor")]
+    pub monitor_zones: Option<PathBuf>,
+    /// What zones are met by: gaze (where it is known) or head
+    #[arg(long, value_name = "NAME", default_value = "gaze", value_parser = zones_by,
+        requires = "monitor")]
+    pub monitor_zones_by: ZonesBy,
+    /// Where the driver sits: learnt, any (every face is the driver's), or the point midway between
+    /// the eyes, X,Y,Z in mm in the camera frame. A face elsewhere is given up, and the driver's is
+    /// searched for around the place
+    #[arg(long, value_name = "PLACE", default_value = "learnt", value_parser = place,
+        allow_hyphen_values = true, requires = "monitor")]
+    pub monitor_place: DriverPlace,
 }
 
 #[derive(Args)]

@@ -6,6 +6,7 @@ use anyhow::Result;
 use posewise::{EventLog, Group, Intrinsics, Model, Roi, State, TrackResult};
 
 use crate::cli::TrackerArgs;
+use crate::monitor::Turn;
 use crate::picture::Picture;
 use crate::session::{Session, in_words};
 
@@ -73,6 +74,18 @@ impl<'m> Faces<'m> {
                 result: *session.shown(),
             })
             .collect())
+    }
+
+    /// Turns the tracker of face 0 to the driver or back. A region that was asked for stays.
+    pub fn turn(&mut self, turn: Turn, asked: Option<Roi>) -> Result<()> {
+        let session = &mut self.sessions[0];
+        match turn {
+            Turn::ToDriver(around) => {
+                session.reset();
+                session.set_roi(asked.or(Some(around)))
+            }
+            Turn::ToAnyone => session.set_roi(asked),
+        }
     }
 
     /// The events of each tracker that were not written yet, with its number where there are

@@ -3,7 +3,7 @@
 use std::fmt::Display;
 use std::str::FromStr;
 
-use posewise::monitor::Preset;
+use posewise::monitor::{Preset, ZonesBy};
 use posewise::{Config, Roi};
 
 /// Most frames per second: timestamps are whole microseconds.
@@ -53,6 +53,35 @@ pub fn preset(text: &str) -> Result<Preset, String> {
         let names = Preset::ALL.map(Preset::name);
         format!("not one of {}", names.join(", "))
     })
+}
+
+/// Parses what zones are met by.
+pub fn zones_by(text: &str) -> Result<ZonesBy, String> {
+    let known = [ZonesBy::Gaze, ZonesBy::Head].into_iter();
+    let mut known = known.filter(|by| by.name() == text);
+    known.next().ok_or_else(|| "not gaze or head".into())
+}
+
+/// Where the driver sits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DriverPlace {
+    /// Where a face is seen for most of the first minute.
+    Learnt,
+    /// Every face is the driver's.
+    Any,
+    /// Midway between the eyes, camera frame \[mm\].
+    At([f32; 3]),
+}
+
+/// Parses it.
+pub fn place(text: &str) -> Result<DriverPlace, String> {
+    let numbers: Result<Vec<f32>, _> = text.split(',').map(|n| n.trim().parse()).collect();
+    match (text, numbers.as_deref()) {
+        ("learnt", _) => Ok(DriverPlace::Learnt),
+        ("any", _) => Ok(DriverPlace::Any),
+        (_, Ok(&[x, y, z])) if z > 0.0 => Ok(DriverPlace::At([x, y, z])),
+        _ => Err("not learnt, any or X,Y,Z in mm".into()),
+    }
 }
 
 /// Parses a region of interest.

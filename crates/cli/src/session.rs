@@ -60,6 +60,11 @@ impl<'m> Session<'m> {
         self.tracker.set_roi(roi).map_err(|e| anyhow!("--roi: {e}"))
     }
 
+    /// Forgets the face.
+    pub fn reset(&mut self) {
+        self.tracker.reset();
+    }
+
     /// The camera that the tracker assumes for the current frame.
     pub fn intrinsics(&self) -> Intrinsics {
         self.camera

@@ -92,10 +92,8 @@ impl<'m> Outputs<'m> {
             Some(None) => Some(Box::new(std::io::stderr()) as Box<dyn Write>),
             Some(Some(path)) => Some(open(path)?),
         };
-        let watch = events.map(|out| {
-            let zones = args.monitor_zones.as_deref();
-            Watch::new(args.monitor_preset, zones, Some(out), args.plot.is_some())
-        });
+        let watch =
+            events.map(|out| Watch::new(&args.monitor_settings, Some(out), args.plot.is_some()));
         let mut more = match &watch {
             Some(_) => monitor::columns::names(),
             None => Vec::new(),
@@ -284,7 +282,10 @@ fn check_outputs(args: &TrackArgs) -> Result<()> {
     }
     inputs.extend(named("--model", &args.tracker.model));
     inputs.extend(named("--calibration", &args.tracker.calibration));
-    inputs.extend(named("--monitor-zones", &args.monitor_zones));
+    inputs.extend(named(
+        "--monitor-zones",
+        &args.monitor_settings.monitor_zones,
+    ));
     inputs.extend(named("--retarget", &args.retarget));
     let outputs = [
         named("--csv", &args.csv),
@@ -404,6 +405,12 @@ fn follow(
         let camera = trackers.intrinsics();
         lens.add(&args.tracker, 2.0 * camera.cx + 1.0, picture.focal_px);
         outputs.write(args, frame, &picture, trackers, &faces)?;
+        if let Some(watch) = &mut outputs.watch {
+            let size = trackers.first().size();
+            if let Some(turn) = watch.keep(picture.timestamp_us, &camera, size) {
+                trackers.turn(turn, args.frame.roi)?;
+            }
+        }
         if !go_on(state_of(&faces)) {
             break;
         }

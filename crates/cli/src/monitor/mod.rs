@@ -3,11 +3,15 @@
 //! | file | what it does |
 //! |---|---|
 //! | `watch` | the monitor of a run, and the lines of its events |
+//! | `keep` | keeps the tracker to the driver |
 //! | `zones` | zones from a file |
 //! | `columns` | what it adds to the CSV |
 //! | `plot` | what it adds to the plot |
 
 pub mod columns;
+mod keep;
 pub mod plot;
 pub mod watch;
 pub mod zones;
+
+pub use keep::Turn;

@@ -1,17 +1,20 @@
 //! The monitor of a run: it sees each result, and its events become lines of text.
 
 use std::io::Write;
-use std::path::Path;
 
 use anyhow::{Context, Result, anyhow};
-use posewise::TrackResult;
-use posewise::monitor::{Monitor, MonitorEvent, MonitorState, Observation, Preset};
+use posewise::monitor::{Monitor, MonitorEvent, MonitorState, Observation, Place};
+use posewise::{Intrinsics, TrackResult};
 
+use super::keep::{Keeper, Turn};
 use super::zones;
+use crate::cli::MonitorArgs;
+use crate::parse::DriverPlace;
 
 /// A monitor and where its events go.
 pub struct Watch {
     monitor: Monitor,
+    keeper: Keeper,
     out: Option<Box<dyn Write>>,
     /// All events so far, for the plot.
     pub events: Vec<MonitorEvent>,
@@ -21,24 +24,38 @@ pub struct Watch {
 }
 
 impl Watch {
-    /// A monitor with the settings of a rule, and zones from a file or those of the rule. States
-    /// are kept if something will draw them.
-    pub fn new(
-        preset: Preset,
-        zone_file: Option<&Path>,
-        out: Option<Box<dyn Write>>,
-        keeps: bool,
-    ) -> Result<Self> {
-        let given = zone_file.map(zones::read).transpose()?;
+    /// A monitor with these settings. States are kept if something will draw them.
+    pub fn new(args: &MonitorArgs, out: Option<Box<dyn Write>>, keeps: bool) -> Result<Self> {
+        let preset = args.monitor_preset;
+        let given = args.monitor_zones.as_deref().map(zones::read).transpose()?;
         let zones = given.as_deref().unwrap_or(preset.zones());
-        let monitor = Monitor::with_zones(&preset.config(), zones);
+        let mut config = preset.config();
+        config.zones_by = args.monitor_zones_by;
+        (config.place, config.place_mm) = match args.monitor_place {
+            DriverPlace::Learnt => (Place::Learnt, config.place_mm),
+            DriverPlace::Any => (Place::Any, config.place_mm),
+            DriverPlace::At(at_mm) => (Place::Given, at_mm),
+        };
+        let monitor = Monitor::with_zones(&config, zones);
         Ok(Watch {
             monitor: monitor.map_err(|e| anyhow!("{e}"))?,
+            keeper: Keeper::new(config.place_radius_mm),
             out,
             events: Vec::new(),
             states: Vec::new(),
             keeps,
         })
+    }
+
+    /// What is to be done with the tracker, so that it follows the driver.
+    pub fn keep(
+        &mut self,
+        timestamp_us: i64,
+        camera: &Intrinsics,
+        size: (i32, i32),
+    ) -> Option<Turn> {
+        let state = self.monitor.state();
+        self.keeper.see(&state, timestamp_us, camera, size)
     }
 
     /// The result of a frame.

@@ -64,4 +64,11 @@ fn wrong_options_are_explained() {
         &["--monitor", "--monitor-zones", "none.json"],
         &["none.json"],
     );
+    let place = "--monitor-place=-100,0,-5";
+    refused(&["--monitor", place], &["learnt, any or X,Y,Z"]);
+    refused(&["--monitor-place", "any"], &["--monitor"]);
+    refused(
+        &["--monitor", "--monitor-zones-by", "nose"],
+        &["gaze or head"],
+    );
 }

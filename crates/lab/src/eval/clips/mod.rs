@@ -13,6 +13,7 @@ pub mod jitter;
 pub mod monitor;
 mod monitor_metrics;
 mod pairs;
+mod passenger_metrics;
 pub mod pose;
 pub mod pose_metrics;
 mod registration;

@@ -11,16 +11,18 @@ use posewise::State;
 use posewise::eyes::{EyeUnknown, Eyes, Gaze};
 use posewise::monitor::openness;
 use posewise::monitor::{
-    MonitorEvent, MonitorEventKind as Kind, MonitorState, Observation, Preset,
+    MonitorEvent, MonitorEventKind as Kind, MonitorState, Observation, Preset, ZonesBy,
 };
+use posewise_cli::cli::MonitorArgs;
 use posewise_cli::monitor::watch::Watch;
-use posewise_cli::parse::{preset, within};
+use posewise_cli::parse::{DriverPlace, place, preset, within};
 use serde_json::json;
 
 use super::gaze_metrics::TrueGaze;
 use super::glance_metrics::FoundGlances;
 use super::monitor_metrics::{Found, Scores, Truth};
 use super::pairs::{ClipsArgs, clips_of};
+use super::passenger_metrics::TrueNoses;
 use super::spans::Span;
 use crate::output;
 use crate::random::Random;
@@ -37,6 +39,10 @@ pub struct Args {
     /// Zones of the monitor, as for `track --monitor-zones`
     #[arg(long, value_name = "FILE")]
     pub zones: Option<PathBuf>,
+    /// Where the driver sits, as for `track --monitor-place`
+    #[arg(long, value_name = "PLACE", default_value = "learnt", value_parser = place,
+        allow_hyphen_values = true)]
+    pub place: DriverPlace,
     /// Show the monitor this number of frames a second of those in the CSV [default: all]
     #[arg(long, value_name = "N", value_parser = within(1.0, 1000.0))]
     pub fps: Option<f64>,
@@ -48,11 +54,26 @@ pub struct Args {
     pub seed: u64,
 }
 
+impl Args {
+    fn settings(&self) -> MonitorArgs {
+        MonitorArgs {
+            monitor_preset: self.preset,
+            monitor_zones: self.zones.clone(),
+            monitor_zones_by: ZonesBy::default(),
+            monitor_place: self.place,
+        }
+    }
+}
+
 /// Frames per second of a truth without times.
 const FPS: f64 = 30.0;
 /// The landmarks of the eyes and of the mouth.
 const EYES: std::ops::Range<usize> = 36..48;
 const MOUTH: std::ops::Range<usize> = 48..68;
+/// A face with more than this share of its landmarks in the picture is seen.
+const IN_FRAME: f64 = 0.9;
+/// The tip of the nose.
+const NOSE: usize = 30;
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
@@ -89,6 +110,7 @@ struct Columns {
     /// `camera_assumed`, in newer files.
     assumed: Option<usize>,
     mouth: Vec<usize>,
+    nose: [usize; 2],
     /// `gaze_status` and both angles, in newer files.
     gaze: Option<[usize; 3]>,
     /// The gaze in the head.
@@ -127,6 +149,7 @@ impl Columns {
             mouth: (48..68)
                 .map(|i| column(&format!("vis_{i}")))
                 .collect::<Result<_>>()?,
+            nose: [column(&format!("x_{NOSE}"))?, column(&format!("y_{NOSE}"))?],
             gaze: three(csv, ["gaze_status", "gaze_angle_x", "gaze_angle_y"]),
             gaze_head: three(csv, ["gaze_head_x", "gaze_head_y", "gaze_head_z"]),
             gaze_sigma: column("gaze_sigma_deg").ok(),
@@ -202,11 +225,11 @@ fn three(csv: &Table, names: [&str; 3]) -> Option<[usize; 3]> {
 /// Shows the rows to a monitor, some of them left out.
 fn replay(args: &Args, csv: &Table) -> Result<Found> {
     let columns = Columns::of(csv)?;
-    let mut watch = Watch::new(args.preset, args.zones.as_deref(), None, false)?;
+    let mut watch = Watch::new(&args.settings(), None, false)?;
     let mut random = Random::of(args.seed);
     let mut next_s = f64::NEG_INFINITY;
     let mut states: Vec<(i64, MonitorState)> = Vec::new();
-    let mut gazes = Vec::new();
+    let (mut gazes, mut noses) = (Vec::new(), Vec::new());
     for row in 0..csv.len() {
         let time_s = csv.number(row, columns.timestamp)?;
         let is_dropped = (random.below(1_000_000) as f64) < args.drop * 1e6;
@@ -225,6 +248,8 @@ fn replay(args: &Args, csv: &Table) -> Result<Found> {
         let frame = csv.number(row, columns.frame)? as i64 - 1;
         states.push((frame, watch.state()));
         gazes.push(columns.gaze(csv, row)?);
+        let [x, y] = columns.nose.map(|column| csv.number(row, column));
+        noses.push([x?, y?]);
     }
     if states.is_empty() {
         bail!("no frame is left");
@@ -244,6 +269,7 @@ fn replay(args: &Args, csv: &Table) -> Result<Found> {
         glances: glances(&watch.events, start_s),
         states,
         gazes: columns.gaze.map(|_| gazes),
+        noses,
     })
 }
 
@@ -289,6 +315,10 @@ fn truth_of(table: &Table) -> Result<Vec<Truth>> {
     // Columns that a truth need not have.
     let (time, nod, zone) = (column("time"), column("nod"), column("zone"));
     let gaze_zone = column("gaze_zone");
+    let noses: Result<Vec<usize>> = ["x30", "y30", "passenger_x", "passenger_y", "in_frame"]
+        .map(column)
+        .into_iter()
+        .collect();
     let covers = |part: std::ops::Range<usize>| -> Vec<usize> {
         part.filter_map(|i| column(&format!("o{i}")).ok()).collect()
     };
@@ -323,18 +353,28 @@ fn truth_of(table: &Table) -> Result<Vec<Truth>> {
             Ok(column) => number(*column).map(Some),
             Err(_) => Ok(None),
         };
+        let noses = match noses.as_deref() {
+            Ok(&[x, y, other_x, other_y, in_frame]) => Some(TrueNoses {
+                driver: [number(x)?, number(y)?],
+                passenger: [number(other_x)?, number(other_y)?],
+                is_driver_seen: number(in_frame)? > IN_FRAME,
+            }),
+            _ => None,
+        };
         rows.push(Truth {
             frame,
             time_s: optional(&time)?.unwrap_or(frame as f64 / FPS),
             blink: (blinks[0] + blinks[1]) / 2.0,
             jaw: number(jaw)?,
             yaw_deg: number(yaw)?,
-            is_covered: 2 * covered_eyes >= EYES.len(),
+            is_covered: 2 * covered_eyes >= EYES.len()
+                || noses.as_ref().is_some_and(|noses| !noses.is_driver_seen),
             is_mouth_covered: 2 * covered_mouth >= MOUTH.len(),
             is_nod: optional(&nod)?.map(|nod| nod > 0.5),
             zone: optional(&zone)?,
             gaze_zone: optional(&gaze_zone)?,
             gaze,
+            noses,
         });
     }
     Ok(rows)

@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 
 use super::gaze_metrics::{GazeScores, TrueGaze};
 use super::glance_metrics::{FoundGlances, GazeZone, GlanceScores};
+use super::passenger_metrics::{PassengerScores, TrueNoses};
 use super::spans::{Events, Span, invented, level};
 
 /// A true `eyeBlink` weight from this one on is a closed eye: 80 % closed.
@@ -59,6 +60,8 @@ pub struct Truth {
     pub gaze_zone: Option<f64>,
     /// Where both eyes look, if the truth has it.
     pub gaze: Option<TrueGaze>,
+    /// Where the driver's and a passenger's noses are, if there is one.
+    pub noses: Option<TrueNoses>,
 }
 
 impl Truth {
@@ -83,6 +86,8 @@ pub struct Found {
     /// Angles of both eyes' gaze of each of the states' frames \[rad\], where known; `None` where
     /// the tracker was not asked for it.
     pub gazes: Option<Vec<Option<[f64; 2]>>>,
+    /// The tip of the nose in each of the states' frames \[px\].
+    pub noses: Vec<[f64; 2]>,
 }
 
 /// All numbers of a clip, or of several.
@@ -109,6 +114,7 @@ pub struct Scores {
     zones: (usize, usize),
     gaze: GazeScores,
     glances: GlanceScores,
+    passenger: PassengerScores,
 }
 
 impl Scores {
@@ -182,11 +188,14 @@ impl Scores {
         let (mut closed, mut known) = ((0, 0), 0);
         let mut hidden_since = None;
         let mut second = None;
-        for (frame, state) in &found.states {
+        for ((frame, state), nose) in found.states.iter().zip(&found.noses) {
             let at = truth.binary_search_by_key(frame, |t| t.frame);
             let Some(t) = at.ok().and_then(|at| truth.get(at)) else {
                 continue;
             };
+            if let Some(noses) = &t.noses {
+                self.passenger.see(noses, state, *nose);
+            }
             let is_hidden = t.is_hidden();
             if is_hidden {
                 self.hidden.0 += 1;
@@ -251,6 +260,7 @@ impl Scores {
         }
         self.gaze.add(&other.gaze);
         self.glances.add(&other.glances);
+        self.passenger.add(&other.passenger);
     }
 
     /// The numbers.
@@ -268,6 +278,7 @@ impl Scores {
             "zones_right": part(self.zones),
             "gaze": self.gaze.json(),
             "glances": self.glances.json(),
+            "passenger": self.passenger.json(),
         });
         for (name, events) in self.events() {
             value[name] = json!({"truth": events.truth, "found": events.found,
@@ -364,6 +375,7 @@ mod tests {
             zone: None,
             gaze_zone: None,
             gaze: None,
+            noses: None,
         };
         (0..300).map(frame).collect()
     }
@@ -380,6 +392,7 @@ mod tests {
             nods: Vec::new(),
             glances: FoundGlances::default(),
             gazes: None,
+            noses: Vec::new(),
         };
         Scores::of(truth, &found)
     }

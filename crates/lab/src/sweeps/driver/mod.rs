@@ -11,6 +11,7 @@
 //! ```
 
 mod args;
+mod passenger;
 mod plan;
 mod scene;
 mod script;

@@ -43,6 +43,8 @@ pub enum Condition {
     Laughing,
     /// Looks at mirrors, instruments, screen, telephone and passenger with the eyes alone.
     Glances,
+    /// A passenger is in view, and the driver ducks out of it.
+    Passenger,
 }
 
 /// How often a driver does what, in a minute.
@@ -64,6 +66,8 @@ pub struct Recipe {
     pub talks: usize,
     /// Hands before the face, or slumps behind the wheel.
     pub covers: usize,
+    /// Stoops out of the picture.
+    pub ducks: usize,
     /// Most that the lids droop.
     pub droop: f32,
 }
@@ -112,6 +116,7 @@ const USUAL: Recipe = Recipe {
     nods: 1,
     talks: 1,
     covers: 0,
+    ducks: 0,
     droop: 0.15,
 };
 
@@ -190,6 +195,7 @@ impl Condition {
                 looks: 9,
                 ..AWAKE
             },
+            Condition::Passenger => Recipe { ducks: 4, ..AWAKE },
             _ => USUAL,
         }
     }
@@ -217,7 +223,7 @@ pub struct Clip {
 }
 
 /// Names, conditions, and how far the camera is off the road \[deg\]; seeds choose the side.
-const CLIPS: [(&str, Condition, f32); 46] = [
+const CLIPS: [(&str, Condition, f32); 56] = [
     ("alert", Condition::Alert, 3.0),
     ("alert", Condition::Alert, 30.0),
     ("mirrors", Condition::Mirrors, 22.0),
@@ -264,6 +270,16 @@ const CLIPS: [(&str, Condition, f32); 46] = [
     ("glances", Condition::Glances, 12.0),
     ("glances", Condition::Glances, 18.0),
     ("glances", Condition::Glances, 22.0),
+    ("passenger", Condition::Passenger, 0.0),
+    ("passenger", Condition::Passenger, 4.0),
+    ("passenger", Condition::Passenger, 8.0),
+    ("passenger", Condition::Passenger, 12.0),
+    ("passenger", Condition::Passenger, 16.0),
+    ("passenger", Condition::Passenger, 20.0),
+    ("passenger", Condition::Passenger, 24.0),
+    ("passenger", Condition::Passenger, 28.0),
+    ("passenger", Condition::Passenger, 6.0),
+    ("passenger", Condition::Passenger, 14.0),
 ];
 
 /// All clips.
@@ -283,7 +299,11 @@ pub fn clips(args: &Args) -> Vec<Clip> {
                 name: format!("{group}-{n:02}"),
                 kind: Kind::Driver(condition.cover()),
                 hair: hairs[rng.random_range(0..hairs.len())],
-                view_deg: rng.random_range(34.0..50.0),
+                view_deg: match condition {
+                    // Both seats are in the picture.
+                    Condition::Passenger => rng.random_range(60.0..72.0),
+                    _ => rng.random_range(34.0..50.0),
+                },
                 seed,
                 person: None,
                 size: [args.width, args.width * 3 / 4],

@@ -3,6 +3,7 @@
 use super::super::clip::{Set, Studio, write_clip};
 use super::super::covers::{WHEEL_AT, WHEEL_MM};
 use super::super::truth;
+use super::passenger::{self, Passenger};
 use super::plan::{Clip, Condition};
 use super::script::{Script, What};
 use anyhow::Result;
@@ -44,6 +45,7 @@ struct Description<'a> {
 /// Writes a clip unless it is there.
 pub fn render(studio: &Studio, clip: &Clip, folder: &Path) -> Result<()> {
     let sweep = &clip.sweep;
+    let beside = passenger::sweep(clip);
     let description = serde_json::to_string_pretty(&Description {
         version: VERSION,
         width: sweep.size[0],
@@ -56,11 +58,21 @@ pub fn render(studio: &Studio, clip: &Clip, folder: &Path) -> Result<()> {
         dress(&mut set, clip);
         let script = Script::new(&mut set.rng, clip);
         set.expose(&script.at(0.0));
+        let mut passenger = match clip.condition {
+            Condition::Passenger => Some(Passenger::beside(&mut set, studio, clip, &beside)?),
+            _ => None,
+        };
         Ok(move |number: usize| {
             let t = number as f32 / sweep.fps as f32;
+            let nose = passenger
+                .as_mut()
+                .map(|other| other.draw_behind(&mut set, t));
             let (luma, row) = set.frame(number, script.at(t));
             let mut text = row.text()?;
             write!(text, "{}", more(&row, clip, &script, t))?;
+            if let Some([x, y]) = nose {
+                write!(text, ",{x:.3},{y:.3}")?;
+            }
             Ok((luma, text))
         })
     })
@@ -117,7 +129,7 @@ fn clear_glasses(set: &mut Set) -> Vec<Prop> {
 /// default preset that the head is in; gaze as OpenFace has it (unit vectors of the image left's
 /// and right's eye and the mean angles, camera frame \[rad\]), and in the head, to the image right
 /// and up \[deg\]. For glances with the eyes alone also the zone that the gaze is in, and its yaw
-/// and pitch from the road \[deg\].
+/// and pitch from the road \[deg\]. With a passenger the tip of that nose \[px\].
 fn columns(clip: &Clip) -> String {
     let mut names = truth::columns() + ",nod,zone";
     for eye in 0..2 {
@@ -128,6 +140,7 @@ fn columns(clip: &Clip) -> String {
     names += ",gaze_angle_x,gaze_angle_y,gaze_head_yaw,gaze_head_pitch";
     match clip.condition {
         Condition::Glances => names + ",gaze_zone,road_gaze_yaw,road_gaze_pitch",
+        Condition::Passenger => names + ",passenger_x,passenger_y",
         _ => names,
     }
 }

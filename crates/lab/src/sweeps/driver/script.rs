@@ -19,6 +19,8 @@ const CLOSED_AT: f32 = 0.713;
 const FIXED: f32 = 0.3;
 /// How far the head sinks behind the wheel \[mm\].
 const SLUMP_MM: f32 = 95.0;
+/// How far it sinks when the driver stoops \[mm\]: in the widest view that is out of the picture.
+const DUCK_MM: f32 = 620.0;
 
 /// Something a driver does.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,6 +41,8 @@ pub enum What {
     Laugh,
     /// A hand comes before the face, or the driver slumps behind the wheel.
     Cover,
+    /// The driver stoops out of the picture.
+    Duck,
 }
 
 /// It, and when.
@@ -201,7 +205,10 @@ impl Script {
             },
             sway: Vec3::new(
                 slow(6, 8.0, 0.08),
-                slow(7, 4.0, 0.21) + slow(0, 0.8, 2.3) + SLUMP_MM * slump,
+                slow(7, 4.0, 0.21)
+                    + slow(0, 0.8, 2.3)
+                    + SLUMP_MM * slump
+                    + DUCK_MM * sum(What::Duck),
                 slow(1, 10.0, 0.05),
             ),
             blink: lids.max(sum(What::Close)).max(smoothstep(0.1, 0.4, nod)),
@@ -343,6 +350,13 @@ fn acts(rng: &mut ChaCha8Rng, recipe: &Recipe, clip: &Clip) -> Vec<Act> {
         let stays = rng.random_range(0.8..3.5);
         let time = rng.random_range(0.35..0.8);
         all.push(Act::new(What::Cover, [time, stays, time]));
+    }
+    for _ in 0..recipe.ducks {
+        let times = [0.7, rng.random_range(2.0..5.0), 0.8];
+        all.push(Act {
+            turn_deg: [0.0, rng.random_range(-25.0..-10.0)],
+            ..Act::new(What::Duck, times)
+        });
     }
     all
 }
