@@ -206,7 +206,8 @@ fn check_frames(path: &Path) {
 fn check_table(path: &Path) {
     let table = std::fs::read_to_string(path).expect("page.csv");
     let names = table.lines().next().expect("a line").split(',');
-    let docs = std::fs::read_to_string(root().join("docs/command-line.md")).expect("docs");
+    let read = |name: &str| std::fs::read_to_string(root().join(name)).expect("docs");
+    let docs = read("docs/command-line.md") + &read("docs/driver-monitor.md");
     for name in names.clone() {
         let documented = name.trim_end_matches(|c: char| c.is_ascii_digit());
         let documented = match documented.ends_with('_') {
@@ -244,6 +245,7 @@ fn the_page_works_in_chromium() {
     println!("{}", succeed(&mut node));
     check_frames(&out.join("frames.bin"));
     check_table(&out.join("page.csv"));
+    check_table(&out.join("driver.csv"));
 }
 
 /// How long a step takes in Chromium with each module, and here with AVX2: in the quickest eight

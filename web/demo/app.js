@@ -25,6 +25,7 @@ const stage = element('stage', HTMLElement);
 const model = element('model', HTMLSelectElement);
 const pause = element('pause', HTMLButtonElement);
 const avatarShown = element('show-avatar', HTMLInputElement);
+const driverWatched = element('watch-driver', HTMLInputElement);
 const smoothing = element('smooth', HTMLInputElement);
 const source = new Source(video);
 /** @type {FaceTracker | undefined} */
@@ -38,6 +39,8 @@ let shown;
 let face;
 /** @type {import('./avatar/view.js').AvatarView | undefined} Likewise. */
 let avatar;
+/** @type {import('./driver/panel.js').DriverPanel | undefined} Likewise. */
+let driver;
 /** @type {import('./take/controls.js').TakeControls | undefined} Likewise. */
 let take;
 
@@ -53,11 +56,19 @@ async function chosen() {
 }
 
 /**
- * An avatar looks around; nothing else on the page needs the gaze.
- * @returns {'on' | 'off'}
+ * An avatar looks around, a driver too; nothing else on the page needs the gaze.
+ * @returns {'natural' | 'on' | 'off'}
  */
 function gazeWanted() {
+  if (driverWatched.checked) return 'natural';
   return avatarShown.checked ? 'on' : 'off';
+}
+
+/** The driver monitor of a tracker, where it is wanted. */
+async function monitorWanted() {
+  if (!driverWatched.checked) return {};
+  const { zonesOfLibrary } = await import('./driver/zones.js');
+  return { monitor: {}, zones: zonesOfLibrary() };
 }
 
 /**
@@ -67,7 +78,8 @@ function gazeWanted() {
 async function loadModel(parts) {
   const [wasm, bytes, worker] = await parts;
   const config = { scanBudget: SCAN_BUDGET, gaze: gazeWanted() };
-  const next = await FaceTracker.create({ wasm, model: bytes, worker, config });
+  const watch = await monitorWanted();
+  const next = await FaceTracker.create({ wasm, model: bytes, worker, config, ...watch });
   await take?.end();
   const before = tracker;
   tracker = next;
@@ -95,6 +107,7 @@ async function onFrame(timestampUs) {
     await face?.follow(current, tracked);
     showFrame(picture, tracked, paint);
     showAvatar();
+    driver?.show(tracked);
     await take?.add(current, tracked);
   } finally {
     // Another model may have been chosen in the meantime.
@@ -110,7 +123,21 @@ function ready() {
 
 /** @param {CanvasRenderingContext2D} context */
 function paint(context) {
-  if (shown) face?.paint(context, shown.tracked);
+  if (!shown) return;
+  face?.paint(context, shown.tracked);
+  if (driverWatched.checked) driver?.paint(context, shown.tracked);
+}
+
+/** Watches the driver, or no longer. */
+async function toggleDriver() {
+  const isWatched = driverWatched.checked;
+  if (isWatched && !driver) {
+    const { DriverPanel } = await import('./driver/panel.js');
+    const { ZONES } = await import('./driver/zones.js');
+    driver ??= new DriverPanel(ZONES);
+  }
+  driver?.toggle(isWatched);
+  await loadModel(chosen());
 }
 
 /** Moves the avatar as the frame that is shown says. */
@@ -159,6 +186,7 @@ async function use(open) {
   begin(source.isCamera);
   pause.setAttribute('aria-pressed', 'false');
   await tracker?.reset();
+  if (driverWatched.checked) await tracker?.forgetDriver();
 }
 
 function connect() {
@@ -178,6 +206,7 @@ function connect() {
     await redraw();
   }));
   avatarShown.addEventListener('change', () => attempt(toggleAvatar));
+  driverWatched.addEventListener('change', () => attempt(toggleDriver));
   on('record-take', async () => {
     if (take) return;
     const { TakeControls } = await import('./take/controls.js');

@@ -2,6 +2,7 @@
 // that came later than these have columns by themselves.
 
 import { LATER } from './columns.js';
+import { MONITOR_COLUMNS } from './driver/columns.js';
 import { axesOf } from './overlay.js';
 
 /** @typedef {import('../worker.js').Tracked} Tracked */
@@ -83,21 +84,34 @@ function each(name) {
 /**
  * The first line.
  * @param {string[]} animationNames
+ * @param {boolean} isWatched Whether rows have the columns of the driver monitor.
  */
-export function header(animationNames) {
+export function header(animationNames, isWatched) {
   const names = GROUPS.flatMap(([group]) => (group[0] === 'ANIMATION' ? animationNames : group));
-  return ['frame', 'face_id', ...names].join(',');
+  const more = isWatched ? MONITOR_COLUMNS.flatMap(([group]) => group) : [];
+  return ['frame', 'face_id', ...names, ...more].join(',');
+}
+
+/**
+ * @param {ArrayLike<number | string>} values
+ * @param {number} decimals
+ */
+function cells(values, decimals) {
+  return Array.from(values, (v) => (typeof v === 'string' ? v : v.toFixed(decimals)));
 }
 
 /**
  * The line of a frame, which are numbered from 1.
  * @param {number} frame
  * @param {Tracked} tracked
+ * @param {boolean} isWatched As for `header`.
  */
-export function row(frame, tracked) {
-  const cells = GROUPS.flatMap(([, decimals, values]) =>
-    Array.from(values(tracked), (v) => (typeof v === 'string' ? v : v.toFixed(decimals))));
-  return [frame, 0, ...cells].join(',');
+export function row(frame, tracked, isWatched) {
+  const { monitor } = tracked;
+  const of = GROUPS.flatMap(([, decimals, values]) => cells(values(tracked), decimals));
+  const more = isWatched ? MONITOR_COLUMNS.flatMap(([names, decimals, values]) =>
+    (monitor ? cells(values(monitor), decimals) : names.map(() => ''))) : [];
+  return [frame, 0, ...of, ...more].join(',');
 }
 
 /**

@@ -39,8 +39,10 @@ const angles = chartIn('angles', ['yaw', 'pitch', 'roll'], [-30, 30]);
 const shares = chartIn('shares', ['left', 'right', 'confidence'], [0, 1]);
 const times = chartIn('times', ['step', 'pixels'], [0, 5]);
 
-/** @type {string[] | undefined} */
+/** @type {{ lines: string[], isWatched: boolean } | undefined} */
 let table;
+/** Whether the last frame was watched by a driver monitor. */
+let isWatched = false;
 
 /**
  * Says something to everybody, screen readers included.
@@ -121,9 +123,11 @@ export function showFrame(image, tracked, paint) {
   const text = { searching: 'No face', tracking: 'Face found', coasting: 'Face lost for a moment' };
   picture.setAttribute('aria-label', `Video. ${text[result.state]}`);
   say(text[result.state]);
+  isWatched = tracked.monitor !== undefined;
   if (table) {
-    table.push(row(table.length, tracked));
-    rows.textContent = `${table.length - 1} rows`;
+    const { lines } = table;
+    lines.push(row(lines.length, tracked, table.isWatched));
+    rows.textContent = `${lines.length - 1} rows`;
   }
   document.dispatchEvent(new CustomEvent('posewise:tracked', { detail: tracked }));
 }
@@ -143,8 +147,8 @@ export function connectDisplay(animationNames) {
   mirror.addEventListener('change', () => picture.classList.toggle('mirror', mirror.checked));
   // Starts the recording, or ends and saves it.
   record.addEventListener('click', () => {
-    if (table) save('posewise.csv', tableOf(table));
-    table = table ? undefined : [header(animationNames())];
+    if (table) save('posewise.csv', tableOf(table.lines));
+    table = table ? undefined : { lines: [header(animationNames(), isWatched)], isWatched };
     record.textContent = table ? 'Stop and save' : 'Record CSV';
     record.setAttribute('aria-pressed', String(table !== undefined));
   });

@@ -5,25 +5,40 @@
 // line. A message is the length of a JSON text (32 bits, little-endian), the text, a JPEG picture.
 
 import { attempt, begin, connectDisplay, element, say, showFrame } from './display.js';
+import { DriverPanel } from './driver/panel.js';
+import { named } from './driver/zones.js';
 
 /** @typedef {import('../worker.js').Tracked} Tracked */
+/**
+ * What a message has beside it.
+ * @typedef {object} Page
+ * @property {string[]} animationNames
+ * @property {Omit<import('./driver/zones.js').NamedZone, 'name'>[]} zones Those of a driver monitor.
+ */
 
 /** Time until a lost connection is tried again [ms]. */
 const RETRY_MS = 1000;
 
 /** @type {string[]} */
 let animationNames = [];
+/** @type {DriverPanel | undefined} Where the command watches a driver. */
+let driver;
 
 /** @param {ArrayBuffer} message */
 async function showMessage(message) {
   const length = new DataView(message).getUint32(0, true);
   const text = new TextDecoder().decode(new Uint8Array(message, 4, length));
-  /** @type {Tracked & { animationNames: string[] }} */
+  /** @type {Tracked & Page} */
   const tracked = JSON.parse(text);
   animationNames = tracked.animationNames;
   const jpeg = new Blob([new Uint8Array(message, 4 + length)], { type: 'image/jpeg' });
   const picture = await createImageBitmap(jpeg);
-  showFrame(picture, tracked);
+  if (tracked.monitor && !driver) {
+    driver = new DriverPanel(named(tracked.zones));
+    driver.toggle(true);
+  }
+  showFrame(picture, tracked, (context) => driver?.paint(context, tracked));
+  driver?.show(tracked);
   picture.close();
 }
 
@@ -49,7 +64,8 @@ function follow() {
   };
 }
 
-for (const id of ['source', 'models', 'video', 'face', 'avatar', 'avatar-picture', 'take']) {
+for (const id of ['source', 'models', 'video', 'face', 'avatar', 'avatar-picture', 'take',
+  'driver-monitor']) {
   element(id, HTMLElement).remove();
 }
 connectDisplay(() => animationNames);

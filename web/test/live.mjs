@@ -12,7 +12,7 @@ import { checkLooks } from './looks.mjs';
 const [program, clip, out] = process.argv.slice(2);
 const PATIENCE_MS = 60_000;
 
-const command = spawn(program, ['view', clip, '--bind', '127.0.0.1:0'], {
+const command = spawn(program, ['view', clip, '--monitor', '--bind', '127.0.0.1:0'], {
   stdio: ['ignore', 'pipe', 'inherit'],
 });
 const ended = once(command, 'exit');

@@ -90,6 +90,30 @@ async function controls() {
   await page.context().close();
 }
 
+/** Watches the driver of the demo clip, and records what is seen. */
+async function driver() {
+  const page = await open(url);
+  await untilTracked(page, 5);
+  assert(await page.isHidden('#driver'), 'no driver is watched');
+  await page.check('#watch-driver');
+  const watches = () => /^(open|closed), /.test(
+    document.querySelector('#driver-readings dd')?.textContent ?? '');
+  await page.waitForFunction(watches);
+  await page.click('#record');
+  // Four seconds of the clip have two blinks.
+  await untilTracked(page, 80);
+  const download = page.waitForEvent('download');
+  await page.click('#record');
+  await (await download).saveAs(join(out, 'driver.csv'));
+  assert.match(await page.textContent('#driver-events'), /blink for 0\.\d s/);
+  assert.match(await page.getAttribute('#driver-plan', 'aria-label'), /^Zones\. Looks at: /);
+  await checkLooks(page, 'driver', out);
+  await page.uncheck('#watch-driver');
+  await page.waitForSelector('#driver', { state: 'hidden' });
+  await untilTracked(page, 5);
+  await page.context().close();
+}
+
 /** Frames of the camera: luma, time and results, for tests/shipping/web.rs to track again. */
 async function frames(count) {
   const page = await open(url);
@@ -191,6 +215,7 @@ try {
   await looks('dark', { colorScheme: 'dark' });
   await looks('phone', { ...phone, colorScheme: 'dark' });
   await controls();
+  await driver();
   await frames(40);
   await modules();
   await fromDisk();

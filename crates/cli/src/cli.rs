@@ -244,6 +244,11 @@ pub struct ViewArgs {
     /// End at the end of a file
     #[arg(long)]
     pub once: bool,
+    /// Watch a driver: the page shows eyes, PERCLOS, zones and events
+    #[arg(long, conflicts_with = "smooth")]
+    pub monitor: bool,
+    #[command(flatten)]
+    pub monitor_settings: MonitorArgs,
     #[command(flatten)]
     pub tracker: TrackerArgs,
     #[command(flatten)]

@@ -78,14 +78,7 @@ impl<'m> Faces<'m> {
 
     /// Turns the tracker of face 0 to the driver or back. A region that was asked for stays.
     pub fn turn(&mut self, turn: Turn, asked: Option<Roi>) -> Result<()> {
-        let session = &mut self.sessions[0];
-        match turn {
-            Turn::ToDriver(around) => {
-                session.reset();
-                session.set_roi(asked.or(Some(around)))
-            }
-            Turn::ToAnyone => session.set_roi(asked),
-        }
+        self.sessions[0].turn(turn, asked)
     }
 
     /// The events of each tracker that were not written yet, with its number where there are

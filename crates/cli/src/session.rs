@@ -8,6 +8,7 @@ use posewise::{Config, EventLog, Frame, Intrinsics, Model, Roi, StepError, Track
 
 use crate::cli::TrackerArgs;
 use crate::lens::Lens;
+use crate::monitor::Turn;
 use crate::picture::Picture;
 
 /// A tracker that follows the frame's size with its camera.
@@ -60,9 +61,15 @@ impl<'m> Session<'m> {
         self.tracker.set_roi(roi).map_err(|e| anyhow!("--roi: {e}"))
     }
 
-    /// Forgets the face.
-    pub fn reset(&mut self) {
-        self.tracker.reset();
+    /// Turns to the driver or back. A region that was asked for stays.
+    pub fn turn(&mut self, turn: Turn, asked: Option<Roi>) -> Result<()> {
+        match turn {
+            Turn::ToDriver(around) => {
+                self.tracker.reset();
+                self.set_roi(asked.or(Some(around)))
+            }
+            Turn::ToAnyone => self.set_roi(asked),
+        }
     }
 
     /// The camera that the tracker assumes for the current frame.

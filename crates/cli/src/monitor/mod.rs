@@ -1,14 +1,16 @@
-//! `posewise track --monitor`: a driver monitor over the tracker's results.
+//! `--monitor` of `posewise track` and `posewise view`: a driver monitor over the tracker's results.
 //!
 //! | file | what it does |
 //! |---|---|
 //! | `watch` | the monitor of a run, and the lines of its events |
+//! | `json` | what the page of `posewise view` is sent of it |
 //! | `keep` | keeps the tracker to the driver |
 //! | `zones` | zones from a file |
 //! | `columns` | what it adds to the CSV |
 //! | `plot` | what it adds to the plot |
 
 pub mod columns;
+pub mod json;
 mod keep;
 pub mod plot;
 pub mod watch;

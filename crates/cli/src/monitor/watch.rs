@@ -3,17 +3,20 @@
 use std::io::Write;
 
 use anyhow::{Context, Result, anyhow};
-use posewise::monitor::{Monitor, MonitorEvent, MonitorState, Observation, Place};
+use posewise::monitor::{Monitor, MonitorEvent, MonitorState, Observation, Place, Zone};
 use posewise::{Intrinsics, TrackResult};
 
+use serde_json::{Value, json};
+
 use super::keep::{Keeper, Turn};
-use super::zones;
+use super::{json, zones};
 use crate::cli::MonitorArgs;
 use crate::parse::DriverPlace;
 
 /// A monitor and where its events go.
 pub struct Watch {
     monitor: Monitor,
+    zones: Vec<Zone>,
     keeper: Keeper,
     out: Option<Box<dyn Write>>,
     /// All events so far, for the plot.
@@ -28,7 +31,7 @@ impl Watch {
     pub fn new(args: &MonitorArgs, out: Option<Box<dyn Write>>, keeps: bool) -> Result<Self> {
         let preset = args.monitor_preset;
         let given = args.monitor_zones.as_deref().map(zones::read).transpose()?;
-        let zones = given.as_deref().unwrap_or(preset.zones());
+        let zones = given.unwrap_or_else(|| preset.zones().to_vec());
         let mut config = preset.config();
         config.zones_by = args.monitor_zones_by;
         (config.place, config.place_mm) = match args.monitor_place {
@@ -36,9 +39,10 @@ impl Watch {
             DriverPlace::Any => (Place::Any, config.place_mm),
             DriverPlace::At(at_mm) => (Place::Given, at_mm),
         };
-        let monitor = Monitor::with_zones(&config, zones);
+        let monitor = Monitor::with_zones(&config, &zones);
         Ok(Watch {
             monitor: monitor.map_err(|e| anyhow!("{e}"))?,
+            zones,
             keeper: Keeper::new(config.place_radius_mm),
             out,
             events: Vec::new(),
@@ -77,6 +81,13 @@ impl Watch {
             self.states.push(self.monitor.state());
         }
         Ok(())
+    }
+
+    /// What the page of `posewise view` shows; it has the events from then on anew.
+    pub fn message(&mut self) -> (Value, Value) {
+        let events: Value = self.events.drain(..).map(|e| json::event(&e)).collect();
+        let monitor = json!({ "state": json::state(&self.state()), "events": events });
+        (monitor, json::zones(&self.zones))
     }
 
     /// What is known now.

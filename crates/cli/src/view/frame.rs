@@ -10,6 +10,7 @@ use serde_json::{Map, Value, json};
 use tungstenite::Bytes;
 
 use crate::fields::FIELDS;
+use crate::monitor::watch::Watch;
 use crate::picture::Picture;
 use crate::session::Session;
 use crate::value::{Value as Of, number, numbers};
@@ -34,12 +35,13 @@ impl Encoder {
         picture: &Picture,
         session: &Session<'_>,
         times: [Duration; 2],
+        watch: Option<&mut Watch>,
     ) -> Result<Bytes> {
         let jpeg = self.jpeg(picture)?;
         let frame = picture.frame()?;
         let (result, smoothed) = (session.result(), session.smoothed());
         let [step_ms, pixels_ms] = times.map(|t| t.as_secs_f64() * 1e3);
-        let text = json!({
+        let mut text = json!({
             "animationNames": ANIMATION_NAMES.as_slice(),
             "width": frame.width(),
             "height": frame.height(),
@@ -53,8 +55,11 @@ impl Encoder {
             "animation": numbers(&result.animation),
             "smoothedAnimation": numbers(&smoothed.animation),
             "events": [],
-        })
-        .to_string();
+        });
+        if let Some(watch) = watch {
+            (text["monitor"], text["zones"]) = watch.message();
+        }
+        let text = text.to_string();
         let length = u32::try_from(text.len())?.to_le_bytes();
         Ok([&length[..], text.as_bytes(), &jpeg].concat().into())
     }

@@ -14,9 +14,10 @@ use anyhow::{Context, Result};
 use self::frame::Encoder;
 use self::playback::Playback;
 use self::server::Server;
-use crate::cli::ViewArgs;
+use crate::cli::{TrackerArgs, ViewArgs};
 use crate::interrupt::Interrupt;
 use crate::model_file::ModelFile;
+use crate::monitor::watch::Watch;
 use crate::output;
 use crate::session::Session;
 
@@ -26,7 +27,11 @@ pub fn run(args: &ViewArgs) -> Result<()> {
     let model = file.model()?;
     args.frame.check(&args.tracker)?;
     let mut playback = Playback::open(args)?;
-    let mut session = Session::new(&model, &args.tracker, playback.is_live())?;
+    let settings = TrackerArgs {
+        natural_gaze: args.tracker.natural_gaze || args.monitor,
+        ..args.tracker.clone()
+    };
+    let mut session = Session::new(&model, &settings, playback.is_live())?;
     session.set_roi(args.frame.roi)?;
     let interrupt = Interrupt::listen().context("cannot listen for signals")?;
     let server = Server::start(args.bind, &args.host)?;
@@ -53,6 +58,10 @@ fn follow(
     interrupt: &Interrupt,
 ) -> Result<()> {
     let encoder = Encoder::new(args.width);
+    let mut watch = match args.monitor {
+        true => Some(Watch::new(&args.monitor_settings, None, false)?),
+        false => None,
+    };
     let mut encoding = Duration::ZERO;
     while interrupt.status().is_none() {
         let Some(picture) = playback.next()? else {
@@ -60,14 +69,21 @@ fn follow(
         };
         let before = session.busy;
         session.step(&picture)?;
-        // The page does not show events.
+        // The page does not show the tracker's events.
         while session.events().pop().is_some() {}
+        if let Some(watch) = &mut watch {
+            watch.see(session.result(), picture.timestamp_us)?;
+            let (camera, size) = (session.intrinsics(), session.size());
+            if let Some(turn) = watch.keep(picture.timestamp_us, &camera, size) {
+                session.turn(turn, args.frame.roi)?;
+            }
+        }
         if server.latest().is_wanted() {
             let start = Instant::now();
             let times = [session.busy - before, encoding];
             server
                 .latest()
-                .put(encoder.message(&picture, session, times)?);
+                .put(encoder.message(&picture, session, times, watch.as_mut())?);
             encoding = start.elapsed();
         }
     }

@@ -26,7 +26,7 @@ macro_rules! script {
 }
 
 /// Everything that the page loads.
-pub const FILES: [File; 10] = [
+pub const FILES: [File; 14] = [
     File {
         path: "demo/style.css",
         kind: "text/css; charset=utf-8",
@@ -37,6 +37,10 @@ pub const FILES: [File; 10] = [
     script!("demo/columns.js"),
     script!("demo/csv.js"),
     script!("demo/display.js"),
+    script!("demo/driver/columns.js"),
+    script!("demo/driver/panel.js"),
+    script!("demo/driver/plan.js"),
+    script!("demo/driver/zones.js"),
     script!("demo/live.js"),
     script!("demo/overlay.js"),
     script!("demo/readings.js"),

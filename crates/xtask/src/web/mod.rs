@@ -11,7 +11,7 @@ use std::process::Command;
 pub use serve::Site;
 
 /// Files of the package and of the page that are served as they are in the repository, from web/.
-const FILES: [&str; 41] = [
+const FILES: [&str; 45] = [
     "README.md",
     "package.json",
     "index.html",
@@ -37,6 +37,10 @@ const FILES: [&str; 41] = [
     "demo/columns.js",
     "demo/csv.js",
     "demo/display.js",
+    "demo/driver/columns.js",
+    "demo/driver/panel.js",
+    "demo/driver/plan.js",
+    "demo/driver/zones.js",
     "demo/early.js",
     "demo/face/controls.js",
     "demo/face/geometry.js",

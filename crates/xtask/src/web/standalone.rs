@@ -22,7 +22,7 @@ const WORKER: [&str; 9] = [
 ];
 
 /// Modules of the page, likewise.
-const PAGE: [&str; 34] = [
+const PAGE: [&str; 38] = [
     "layout.js",
     "struct.js",
     "handle.js",
@@ -36,10 +36,14 @@ const PAGE: [&str; 34] = [
     "demo/charts.js",
     "demo/overlay.js",
     "demo/columns.js",
+    "demo/driver/columns.js",
     "demo/csv.js",
     "demo/readings.js",
     "demo/save.js",
     "demo/display.js",
+    "demo/driver/zones.js",
+    "demo/driver/plan.js",
+    "demo/driver/panel.js",
     "demo/early.js",
     "demo/face/geometry.js",
     "demo/face/gpu.js",
