@@ -45,6 +45,7 @@ const FILES: [&str; 41] = [
     "demo/face/raster.js",
     "demo/face/surface.js",
     "demo/face/textures.js",
+    "demo/normals.js",
     "demo/overlay.js",
     "demo/readings.js",
     "demo/save.js",

@@ -22,7 +22,7 @@ const WORKER: [&str; 9] = [
 ];
 
 /// Modules of the page, likewise.
-const PAGE: [&str; 34] = [
+const PAGE: [&str; 35] = [
     "layout.js",
     "struct.js",
     "handle.js",
@@ -34,6 +34,7 @@ const PAGE: [&str; 34] = [
     "posewise.js",
     "demo/assets.js",
     "demo/charts.js",
+    "demo/normals.js",
     "demo/overlay.js",
     "demo/columns.js",
     "demo/csv.js",
