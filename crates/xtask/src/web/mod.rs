@@ -11,7 +11,7 @@ use std::process::Command;
 pub use serve::Site;
 
 /// Files of the package and of the page that are served as they are in the repository, from web/.
-const FILES: [&str; 41] = [
+const FILES: [&str; 42] = [
     "README.md",
     "package.json",
     "index.html",
