@@ -41,6 +41,20 @@ function between(low, high, value) {
   return share * share * (3 - 2 * share);
 }
 
+/**
+ * A number of the skin's colour where the shares of lips, brows and hair are these.
+ * @param {number} of
+ * @param {number} lips
+ * @param {number} brows
+ * @param {number} hair
+ */
+function skinAt(of, lips, brows, hair) {
+  let value = SKIN[of];
+  value += lips * (LIPS[of] - value);
+  value += brows * (BROWS[of] - value);
+  return value + hair * (HAIR[of] - value);
+}
+
 export class AvatarCanvas {
   #context;
   #image;
@@ -112,7 +126,7 @@ export class AvatarCanvas {
    * @param {Part['kind'] | 'inside'} kind
    */
   #triangle(first, second, third, kind) {
-    const drawn = this.#drawn;
+    const [drawn, depths] = [this.#drawn, this.#near];
     const [a, b, c] = [8 * first, 8 * second, 8 * third];
     const [ax, ay, bx, by, cx, cy] = [
       drawn[a], drawn[a + 1], drawn[b], drawn[b + 1], drawn[c], drawn[c + 1],
@@ -135,11 +149,13 @@ export class AvatarCanvas {
         if (p < -1e-4 || q < -1e-4 || r < -1e-4) continue;
         const near = farther * (p * drawn[a + 2] + q * drawn[b + 2] + r * drawn[c + 2]);
         const pixel = y * CANVAS_SIDE + x;
-        if (near <= this.#near[pixel]) continue;
-        this.#near[pixel] = near;
-        const at = (/** @type {number} */ i) => p * drawn[a + i] + q * drawn[b + i]
-          + r * drawn[c + i];
-        this.#paint(pixel, kind, at(3), at(4), at(5), at(6));
+        if (near <= depths[pixel]) continue;
+        depths[pixel] = near;
+        this.#paint(pixel, kind,
+          p * drawn[a + 3] + q * drawn[b + 3] + r * drawn[c + 3],
+          p * drawn[a + 4] + q * drawn[b + 4] + r * drawn[c + 4],
+          p * drawn[a + 5] + q * drawn[b + 5] + r * drawn[c + 5],
+          p * drawn[a + 6] + q * drawn[b + 6] + r * drawn[c + 6]);
       }
     }
   }
@@ -161,15 +177,13 @@ export class AvatarCanvas {
       this.#set(pixel, PLAIN[kind], light, 0);
       return;
     }
-    let [red, green, blue] = SKIN;
-    const mix = (/** @type {number[]} */ to, /** @type {number} */ share) => {
-      red += share * (to[0] - red);
-      green += share * (to[1] - green);
-      blue += share * (to[2] - blue);
-    };
-    if (i > -0.6) mix(LIPS, 0.85 * between(-0.6, 0.6, i));
-    if (j > -0.7) mix(BROWS, 0.9 * between(-0.7, 0.9, j));
-    if (k > -2) mix(HAIR, between(-2, 2, k));
+    // Not in lists: this is done for each pixel.
+    const lips = i > -0.6 ? 0.85 * between(-0.6, 0.6, i) : 0;
+    const brows = j > -0.7 ? 0.9 * between(-0.7, 0.9, j) : 0;
+    const hair = k > -2 ? between(-2, 2, k) : 0;
+    const red = skinAt(0, lips, brows, hair);
+    const green = skinAt(1, lips, brows, hair);
+    const blue = skinAt(2, lips, brows, hair);
     this.#put(pixel, red * light, green * light, blue * light);
   }
 

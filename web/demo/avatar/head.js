@@ -1,5 +1,6 @@
 // The avatar's head: MakeHuman's, as make.py writes it.
 
+import { findNormals } from '../normals.js';
 import { AVATAR_SHAPES } from './retargeting.js';
 
 /** What the head turns about [mm, head frame], and how far that is from the eye [mm]. */
@@ -158,7 +159,7 @@ export class AvatarHead {
       this.#turnEye(k, LOOK * (k === 0 ? inwards : -inwards), LOOK * (look('Down') - look('Up')),
         put);
     });
-    this.#findNormals();
+    findNormals(places, this.corners, this.normals);
   }
 
   /** Lifts skin that lies within an eyeball, as half-closed lids would, to its surface. */
@@ -202,35 +203,6 @@ export class AvatarHead {
       const [x2, z2] = [cosR * x - sinR * z1, sinR * x + cosR * z1];
       put(3 * (this.#count + k * balls + v), at[0] + radius * x2, at[1] + radius * y1,
         at[2] + radius * z2);
-    }
-  }
-
-  #findNormals() {
-    const { places, normals, corners } = this;
-    normals.fill(0);
-    for (let i = 0; i < corners.length; i += 3) {
-      const [a, b, c] = [3 * corners[i], 3 * corners[i + 1], 3 * corners[i + 2]];
-      const px = places[b] - places[a];
-      const py = places[b + 1] - places[a + 1];
-      const pz = places[b + 2] - places[a + 2];
-      const qx = places[c] - places[a];
-      const qy = places[c + 1] - places[a + 1];
-      const qz = places[c + 2] - places[a + 2];
-      const nx = py * qz - pz * qy;
-      const ny = pz * qx - px * qz;
-      const nz = px * qy - py * qx;
-      for (let k = 0; k < 3; k++) {
-        const v = 3 * corners[i + k];
-        normals[v] += nx;
-        normals[v + 1] += ny;
-        normals[v + 2] += nz;
-      }
-    }
-    for (let v = 0; v < normals.length; v += 3) {
-      const scale = 1 / (Math.hypot(normals[v], normals[v + 1], normals[v + 2]) || 1);
-      normals[v] *= scale;
-      normals[v + 1] *= scale;
-      normals[v + 2] *= scale;
     }
   }
 }

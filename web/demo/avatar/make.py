@@ -74,6 +74,9 @@ TEETH = 12
 LEAST_LIGHT = (0.25, 0.3, 0.35, 0.7)
 # Half the width of a brow at its outer and inner end [mm].
 BROW_MM = (1.8, 4.0)
+# How much higher brows are painted than MakeHuman's, from the outer end to the inner one [mm]: the
+# inner ends of those lie 7 mm below the arch, in the tracker's mean head 3 mm, so that it frowned.
+BROW_UP_MM = (0.0, 0.0, 0.4, 1.6, 3.4)
 
 
 def smoothstep(low, high, value):
@@ -140,7 +143,16 @@ class Head:
         self.soft = self.skin.copy()
         self.soft[self.parts[2].ravel()] = True
         self.normals = normals(self.places, np.concatenate(self.parts))
+        self.brows = [self.brow(self.landmarks[of]) for of in (range(17, 22), range(26, 21, -1))]
 
+    def brow(self, marks):
+        """The line along which a brow is painted, on the skin, from its outer end."""
+        line = marks - np.outer(BROW_UP_MM, (0, 1, 0))
+        front = self.places[self.skin & (self.places[:, 2] < 30)]
+        for point in line:
+            near = np.linalg.norm((front - point)[:, :2], axis=1).argsort()[:3]
+            point[2] = front[near, 2].mean()
+        return line
 
     def add_teeth(self):
         """Puts a smooth row in place of each row of teeth: thinned ones would have gaps."""
@@ -235,7 +247,7 @@ def painted(head):
         crossings += between & (places[:, 0] < x)
     front = places[:, 2] < marks[[48, 54], 2].max() + 6
     inside[:, 0] = np.where(front, np.where(crossings % 2 == 1, far, -far), -15)
-    for brow in (marks[17:22], marks[26:21:-1]):
+    for brow in head.brows:
         far, along = to_lines(places, brow)
         inside[:, 1] = np.maximum(inside[:, 1], np.interp(along, [0, 1], BROW_MM) - far)
     depths, heights = np.array(HAIRLINE).T
@@ -309,10 +321,12 @@ def moves(head, name):
 
 def lengths(head):
     """How long edges are to be at each vertex [mm]: short where a face moves."""
-    wanted = [(11, 0.3)] * 17 + [(4, 0.3)] * 10 + [(7, 0.3)] * 4 + [(4.5, 0.3)] * 5
+    wanted = [(11, 0.3)] * 17 + [(2.6, 0.25)] * 10 + [(7, 0.3)] * 4 + [(4.5, 0.3)] * 5
     wanted += [(0.8, 0.15)] * 12 + [(2.5, 0.25)] * 20
     length = np.full(len(head.places), 22.0)
-    for (least, slope), mark in zip(wanted, head.landmarks):
+    marks = head.landmarks.copy()
+    marks[17:22], marks[26:21:-1] = head.brows
+    for (least, slope), mark in zip(wanted, marks):
         far = np.linalg.norm(head.places - mark, axis=1)
         length = np.minimum(length, least + slope * far)
     return np.where(head.ear, np.minimum(length, 7), length)

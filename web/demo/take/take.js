@@ -1,5 +1,6 @@
 // A take: a keyframe of the tracked head for each frame, in the axes of 3D programs.
 
+import { findNormals } from '../normals.js';
 import { glb } from './glb.js';
 
 /** @typedef {import('../../tracker.js').MeshTables} MeshTables */
@@ -25,7 +26,7 @@ function metres(point) {
 }
 
 /**
- * Places, and normals as means of the triangles' by area.
+ * Places and normals.
  * @param {Float32Array} mesh x, y, z [mm] and visibility of each vertex, head frame.
  * @param {Uint16Array} triangles
  */
@@ -34,22 +35,7 @@ function surfaceOf(mesh, triangles) {
   const places = new Float32Array(3 * count);
   for (let i = 0; i < count; i++) places.set(metres(mesh.subarray(4 * i, 4 * i + 3)), 3 * i);
   const normals = new Float32Array(3 * count);
-  for (let first = 0; first < triangles.length; first += 3) {
-    const corners = triangles.subarray(first, first + 3);
-    const [a, b, c] = Array.from(corners, (v) => places.subarray(3 * v, 3 * v + 3));
-    const [p, q] = [b, c].map((to) => [0, 1, 2].map((i) => to[i] - a[i]));
-    const normal = [0, 1, 2].map((i) => {
-      const [j, k] = [(i + 1) % 3, (i + 2) % 3];
-      return p[j] * q[k] - p[k] * q[j];
-    });
-    for (const v of corners) normal.forEach((n, i) => (normals[3 * v + i] += n));
-  }
-  for (let i = 0; i < count; i++) {
-    const normal = normals.subarray(3 * i, 3 * i + 3);
-    const length = Math.hypot(...normal);
-    // A vertex of no triangle is not seen.
-    normal.set(length > 0 ? normal.map((n) => n / length) : [0, 0, 1]);
-  }
+  findNormals(places, triangles, normals);
   return { places, normals };
 }
 

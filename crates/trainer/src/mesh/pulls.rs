@@ -10,6 +10,11 @@ use std::collections::BTreeMap;
 /// See [`weights`].
 const STIFF: f64 = 4.0;
 const FADE: f64 = 0.005;
+/// The fading grows by this from the depth of the eyes to that of the ears \[mm\], with its square.
+/// What draws ears and temples is the jaw's contour, and where that is on a turned head says little
+/// of them: they are nearer to where the fit has them.
+const FADE_BEHIND: f64 = 3.0;
+const BEHIND_MM: f64 = 60.0;
 
 /// By vertex of `vertices`, whose first are the landmarks: which landmarks draw it, and how far in
 /// parts of [`WHOLE_PULL`].
@@ -30,14 +35,17 @@ pub fn pulls(surface: &Surface, vertices: &[u32]) -> Result<Pulls> {
 }
 
 /// Displacements w of the vertices that are no landmarks by those of the landmarks, which make
-/// `STIFF · Σ |bend|² + Σ |stretch|² + FADE · Σ |w|²` least: how far a vertex is from the mean of
-/// its neighbours, and from each of them. Stretching alone would leave a spike at each landmark,
+/// `STIFF · Σ |bend|² + Σ |stretch|² + Σ fade · |w|²` least: how far a vertex is from the mean of
+/// its neighbours, from each of them, and from where it is. Stretching alone would leave a spike at each landmark,
 /// bending alone would swing beyond them.
 fn weights(surface: &Surface, vertices: &[u32]) -> Result<DMatrix<f64>> {
     let n = vertices.len();
     let place: BTreeMap<u32, usize> = vertices.iter().copied().zip(0..).collect();
     let mut bend = DMatrix::<f64>::zeros(n, n);
-    let mut energy = DMatrix::<f64>::identity(n, n) * FADE;
+    let mut energy = DMatrix::from_fn(n, n, |row, column| match row == column {
+        true => fade(surface.point(vertices[row]).z.into()),
+        false => 0.0,
+    });
     for (row, vertex) in vertices.iter().enumerate() {
         let near = surface.neighbours(*vertex);
         let nearness =
@@ -62,6 +70,11 @@ fn weights(surface: &Surface, vertices: &[u32]) -> Result<DMatrix<f64>> {
     let across = energy.view((LANDMARKS, 0), (free, LANDMARKS)).into_owned();
     let solved = Cholesky::new(within).context("the surface is in pieces")?;
     Ok(-solved.solve(&across))
+}
+
+/// How much a vertex at this depth of the head \[mm\] stays where it is.
+fn fade(depth_mm: f64) -> f64 {
+    FADE + FADE_BEHIND * (depth_mm / BEHIND_MM).clamp(0.0, 1.0).powi(2)
 }
 
 /// The strongest of a vertex's pulls, which together draw it as far as all do.

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 /// Makes the section that belongs to this section `FACE`.
 pub fn make(store: &Store, data: &Path, face: &[u8]) -> Result<Output> {
     let kit = data.join("facekit.npz");
-    let stage = Stage::new("mesh", 2)
+    let stage = Stage::new("mesh", 3)
         .options(&VERTICES)?
         .input("face", Hash::of(face))
         .input("facekit.npz", store.data(&kit)?);

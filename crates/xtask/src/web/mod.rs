@@ -11,7 +11,7 @@ use std::process::Command;
 pub use serve::Site;
 
 /// Files of the package and of the page that are served as they are in the repository, from web/.
-const FILES: [&str; 45] = [
+const FILES: [&str; 46] = [
     "README.md",
     "package.json",
     "index.html",
@@ -49,6 +49,7 @@ const FILES: [&str; 45] = [
     "demo/face/raster.js",
     "demo/face/surface.js",
     "demo/face/textures.js",
+    "demo/normals.js",
     "demo/overlay.js",
     "demo/readings.js",
     "demo/save.js",

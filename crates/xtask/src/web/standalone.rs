@@ -22,7 +22,7 @@ const WORKER: [&str; 9] = [
 ];
 
 /// Modules of the page, likewise.
-const PAGE: [&str; 38] = [
+const PAGE: [&str; 39] = [
     "layout.js",
     "struct.js",
     "handle.js",
@@ -34,6 +34,7 @@ const PAGE: [&str; 38] = [
     "posewise.js",
     "demo/assets.js",
     "demo/charts.js",
+    "demo/normals.js",
     "demo/overlay.js",
     "demo/columns.js",
     "demo/driver/columns.js",

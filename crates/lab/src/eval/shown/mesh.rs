@@ -97,11 +97,22 @@ struct Truth {
     regions: Vec<Region>,
 }
 
+/// How the numbers of turned heads are named, and up to which yaw \[deg\].
+const BANDS: [(&str, f32); 2] = [("yaw_0_30", 30.0), ("yaw_30_60", f32::INFINITY)];
+
+/// How far vertices are from where they belong.
+#[derive(Default)]
+struct Apart {
+    picture: ByRegion,
+    space_mm: ByRegion,
+}
+
 /// Errors of one family.
 #[derive(Default)]
 struct Errors {
-    picture: ByRegion,
-    space_mm: ByRegion,
+    all: Apart,
+    /// Of the heads of each of [`BANDS`].
+    bands: [Apart; BANDS.len()],
     /// Visibility of each vertex as found, and whether it truly faces the camera.
     visibility: Vec<(f64, bool)>,
     heads: usize,
@@ -132,17 +143,21 @@ pub fn run(args: &Args) -> Result<()> {
     let neutral = model.face().neutral(&Identity::default());
     let truth = Truth::new(&thinned(&head, neutral.landmarks())?, &renderer)?;
     let rendered = |index| renderer.render(args.seed, index, &spec());
-    let tracked: Vec<(bool, Option<Vec<Measured>>)> = (0..args.count)
+    let tracked: Vec<(bool, f32, Option<Vec<Measured>>)> = (0..args.count)
         .into_par_iter()
         .map(|index| {
             let rendered = rendered(index);
             let measured = truth.measure(&model, &rendered)?;
-            Ok((rendered.is_makehuman, measured))
+            Ok((
+                rendered.is_makehuman,
+                rendered.sample.angles.yaw_deg,
+                measured,
+            ))
         })
         .collect::<Result<_>>()?;
     let mut errors = [Errors::default(), Errors::default()];
-    for (is_makehuman, measured) in tracked {
-        errors[usize::from(is_makehuman)].add(&truth, measured.as_deref());
+    for (is_makehuman, yaw_deg, measured) in tracked {
+        errors[usize::from(is_makehuman)].add(&truth, yaw_deg, measured.as_deref());
     }
     let still: Vec<[f64; 2]> = (0..args.count)
         .take(STILL)
@@ -264,40 +279,66 @@ impl Truth {
     }
 }
 
+impl Apart {
+    fn add(&mut self, region: Region, vertex: &Measured) {
+        self.picture.add(region, vertex.picture);
+        self.space_mm.add(region, vertex.space_mm);
+    }
+
+    fn mean(&self, region: Option<Region>) -> Value {
+        json!({"picture_percent": self.picture.mean(region),
+            "space_mm": self.space_mm.mean(region)})
+    }
+
+    fn figures(&self) -> Map<String, Value> {
+        let regions = Region::ALL.iter();
+        let regions: Map<String, Value> = regions
+            .map(|(region, name)| (String::from(*name), self.mean(Some(*region))))
+            .collect();
+        [
+            (String::from("all"), self.mean(None)),
+            (String::from("regions"), Value::Object(regions)),
+        ]
+        .into_iter()
+        .collect()
+    }
+}
+
 impl Errors {
-    fn add(&mut self, truth: &Truth, measured: Option<&[Measured]>) {
+    fn add(&mut self, truth: &Truth, yaw_deg: f32, measured: Option<&[Measured]>) {
         self.heads += 1;
         self.found += usize::from(measured.is_some());
+        let band = BANDS.iter().position(|(_, to)| yaw_deg.abs() < *to);
+        let mut band = band.and_then(|k| self.bands.get_mut(k));
         for vertex in measured.unwrap_or_default() {
             self.visibility.push((vertex.visibility, vertex.is_facing));
             if vertex.is_seen {
                 let region = truth.regions[vertex.vertex];
-                self.picture.add(region, vertex.picture);
-                self.space_mm.add(region, vertex.space_mm);
+                self.all.add(region, vertex);
+                if let Some(band) = &mut band {
+                    band.add(region, vertex);
+                }
             }
         }
     }
 
     fn figures(&self) -> Value {
-        let pair = |region: Option<Region>| {
-            json!({"picture_percent": self.picture.mean(region),
-                "space_mm": self.space_mm.mean(region)})
-        };
-        let regions = Region::ALL.iter();
-        let regions: Map<String, Value> = regions
-            .map(|(region, name)| (String::from(*name), pair(Some(*region))))
-            .collect();
         let agreed = self
             .visibility
             .iter()
             .filter(|(v, faces)| (*v > 0.5) == *faces)
             .count();
-        json!({
-            "heads": self.heads, "tracked": self.found, "vertices": self.picture.count(),
+        let mut figures = json!({
+            "heads": self.heads, "tracked": self.found, "vertices": self.all.picture.count(),
             "visibility_right": agreed as f64 / self.visibility.len().max(1) as f64,
-            "all": pair(None),
-            "regions": regions,
-        })
+        });
+        if let Some(figures) = figures.as_object_mut() {
+            figures.extend(self.all.figures());
+            for ((name, _), band) in BANDS.iter().zip(&self.bands) {
+                figures.insert(String::from(*name), Value::Object(band.figures()));
+            }
+        }
+        figures
     }
 }
 
