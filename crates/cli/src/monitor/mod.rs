@@ -1,4 +1,4 @@
-//! `--monitor` of `posewise track` and `posewise view`: a driver monitor over the tracker's results.
+//! `--monitor` of `track` and `view`: a driver monitor over the tracker's results.
 //!
 //! | file | what it does |
 //! |---|---|

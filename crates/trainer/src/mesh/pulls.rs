@@ -36,8 +36,8 @@ pub fn pulls(surface: &Surface, vertices: &[u32]) -> Result<Pulls> {
 
 /// Displacements w of the vertices that are no landmarks by those of the landmarks, which make
 /// `STIFF · Σ |bend|² + Σ |stretch|² + Σ fade · |w|²` least: how far a vertex is from the mean of
-/// its neighbours, from each of them, and from where it is. Stretching alone would leave a spike at each landmark,
-/// bending alone would swing beyond them.
+/// its neighbours, from each of them, and from where it is. Stretching alone would leave a spike at
+/// each landmark, bending alone would swing beyond them.
 fn weights(surface: &Surface, vertices: &[u32]) -> Result<DMatrix<f64>> {
     let n = vertices.len();
     let place: BTreeMap<u32, usize> = vertices.iter().copied().zip(0..).collect();
