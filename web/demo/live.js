@@ -6,7 +6,7 @@
 
 import { attempt, begin, connectDisplay, element, say, showFrame } from './display.js';
 import { DriverPanel } from './driver/panel.js';
-import { named } from './driver/zones.js';
+import { withNames } from './driver/zones.js';
 
 /** @typedef {import('../worker.js').Tracked} Tracked */
 /**
@@ -34,7 +34,7 @@ async function showMessage(message) {
   const jpeg = new Blob([new Uint8Array(message, 4 + length)], { type: 'image/jpeg' });
   const picture = await createImageBitmap(jpeg);
   if (tracked.monitor && !driver) {
-    driver = new DriverPanel(named(tracked.zones));
+    driver = new DriverPanel(withNames(tracked.zones));
     driver.toggle(true);
   }
   showFrame(picture, tracked, (context) => driver?.paint(context, tracked));

@@ -11,13 +11,13 @@ import { drawPlan } from './plan.js';
 /** @typedef {import('./zones.js').NamedZone} NamedZone */
 
 /** Events that are shown. */
-const EVENTS = 12;
+const MOST_EVENTS = 12;
 /** Length of the ray of the gaze [mm]. */
 const RAY_MM = 250;
 const RAY = 'rgb(80 160 255)';
 
 /** Why eyes are unknown, in words. */
-const REASONS = {
+const WHY_UNKNOWN = {
   'none': '',
   'no-face': 'no face is tracked',
   'low-confidence': 'the face is too uncertain',
@@ -57,7 +57,7 @@ function zoneName(zone, zones) {
  * @param {MonitorState} state
  */
 function eyes({ eyes, eyesReason, openness, closureUs, lookDownUs }) {
-  if (eyes === 'unknown') return `unknown: ${REASONS[eyesReason]}`;
+  if (eyes === 'unknown') return `unknown: ${WHY_UNKNOWN[eyesReason]}`;
   const open = `${eyes}, ${(100 * openness).toFixed(0)} %`;
   if (eyes === 'closed') return `${open}, for ${seconds(closureUs)}`;
   return lookDownUs > 0 ? `${open}, look down for ${seconds(lookDownUs)}` : open;
@@ -148,7 +148,7 @@ export class DriverPanel {
       item.textContent = eventText(event, zones);
       this.#events.prepend(item);
     }
-    while (this.#events.children.length > EVENTS) this.#events.lastElementChild?.remove();
+    while (this.#events.children.length > MOST_EVENTS) this.#events.lastElementChild?.remove();
   }
 
   /**

@@ -25,7 +25,7 @@ export const ZONES = [
  * @param {Omit<NamedZone, 'name'>[]} zones
  * @returns {NamedZone[]}
  */
-export function named(zones) {
+export function withNames(zones) {
   return zones.map((zone, index) => {
     const angles = (/** @type {Omit<NamedZone, 'name'>} */ { yawDeg, pitchDeg }) =>
       `${[yawDeg, pitchDeg]}`;
