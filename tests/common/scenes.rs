@@ -1,4 +1,4 @@
-//! Scenes in which a tracker does all that it can: a face comes, goes, jumps, is covered and damaged.
+//! Scenes in which a tracker does all that it can: a face comes, goes, jumps, is covered, damaged.
 
 use super::random::Random;
 use super::watch::{HEIGHT, LARGE, Pasted, SMALL, WIDTH, picture};
@@ -68,8 +68,8 @@ pub fn step(
     true
 }
 
-/// Takes a step on each scene, as long as `take`, which takes it, says to go on; `done` is given its
-/// number, its place in [`KINDS`] and its units.
+/// Takes a step on each scene, as long as `take`, which takes it, says to go on; `done` is given
+/// its number, its place in [`KINDS`] and its units.
 pub fn watch_scenes(
     mut take: impl FnMut(usize, &mut Tracker, &Model<'_>, &Frame<'_>, i64) -> bool,
     mut done: impl FnMut(usize, usize, u32),
