@@ -220,42 +220,14 @@ impl Proposals {
                     let start = found.and_then(|face| first(step, &face, Origin::NewFace));
                     (start, Stage::Begin)
                 }
-                Stage::NearTarget(face) => {
-                    self.budget.spend(local_units(&face));
-                    let most = match is_upright(&face) {
-                        true => LOCAL_ITERATIONS,
-                        false => TURNED_ITERATIONS,
-                    };
-                    let found = nearest(step, &face, work);
-                    let start = found.and_then(|face| first(step, &face, Origin::Reacquired));
-                    let start = start.map(|start| Start {
-                        iterations: most.min(start.iterations),
-                        networks: Networks::First,
-                        ..start
-                    });
-                    (start, Stage::End)
-                }
+                Stage::NearTarget(face) => (self.near_target(step, &face, work), Stage::End),
                 Stage::Begin => (None, self.begin(step, config, search)),
                 Stage::Keyframe(last) => self.keyframe(step, &last, search, work),
                 Stage::Lost(last) => (None, self.lost(&last, search)),
                 Stage::Turn(last) => (None, turn(&last, search)),
                 // If a keyframe match was rejected, the step has had its retry.
                 Stage::Retry if self.budget.spent() > KEYFRAME_UNITS => (None, Stage::BeginScan),
-                Stage::Retry if !self.budget.has_room(RETRY_FIRST_UNITS) => {
-                    (None, Stage::BeginScan)
-                }
-                Stage::Retry => {
-                    let networks = match self.budget.has_room(RETRY_UNITS) {
-                        true => Networks::All,
-                        false => Networks::First,
-                    };
-                    let start = search.retried();
-                    let few = |start: Start| match networks {
-                        Networks::First => start.with(networks),
-                        _ => start,
-                    };
-                    (start.map(few), Stage::BeginScan)
-                }
+                Stage::Retry => (self.retry(search), Stage::BeginScan),
                 Stage::BeginScan => {
                     self.budget.leave(TILE_UNITS);
                     (None, Stage::Scan)
@@ -273,6 +245,39 @@ impl Proposals {
             if start.is_some() {
                 return start;
             }
+        }
+    }
+
+    /// What the detector finds near the target's last place.
+    fn near_target(
+        &mut self,
+        step: &Step<'_>,
+        place: &Detection,
+        work: &mut Workspace,
+    ) -> Option<Start> {
+        self.budget.spend(local_units(place));
+        let most = match is_upright(place) {
+            true => LOCAL_ITERATIONS,
+            false => TURNED_ITERATIONS,
+        };
+        let face = nearest(step, place, work)?;
+        let start = first(step, &face, Origin::Reacquired)?;
+        Some(Start {
+            iterations: most.min(start.iterations),
+            networks: Networks::First,
+            ..start
+        })
+    }
+
+    /// The pending retry, with the networks for which there is room; it waits where there is none.
+    fn retry(&mut self, search: &mut Search) -> Option<Start> {
+        if !self.budget.has_room(RETRY_FIRST_UNITS) {
+            return None;
+        }
+        let start = search.retried()?;
+        match self.budget.has_room(RETRY_UNITS) {
+            true => Some(start),
+            false => Some(start.with(Networks::First)),
         }
     }
 
