@@ -394,8 +394,8 @@ typedef struct posewise_config {
     uint32_t flags;
     /// Least width of a face to search for [px, 24..4096, default 40].
     uint32_t min_face_px;
-    /// Work per step while searching [100..10000000, default 3600]: 3000 is about a tracking
-    /// step, 600 is one tile of the detector. A smaller budget shortens a step and delays
+    /// Work per step while searching [100..10000000, default 3600]: 2600 is about a tracking
+    /// step, 700 is one tile of the detector. A smaller budget shortens a step and delays
     /// detection.
     uint32_t scan_budget;
     /// The camera; see posewise_set_intrinsics().

@@ -277,8 +277,8 @@ export const LENS = {
  * Settings.
  * @typedef {object} Config
  * @property {number} [minFacePx] Least width of a face to search for [px, 24..4096, default 40].
- * @property {number} [scanBudget] Work per step while searching [100..10000000, default 3600]: 3000
- *   is about a tracking step, 600 is one tile of the detector. A smaller budget shortens a step and
+ * @property {number} [scanBudget] Work per step while searching [100..10000000, default 3600]: 2600
+ *   is about a tracking step, 700 is one tile of the detector. A smaller budget shortens a step and
  *   delays detection.
  * @property {Intrinsics} [intrinsics] The camera; see set_intrinsics().
  * @property {number} [smoothingHz] Of the One-Euro filter behind smoothed() (Casiez et al., CHI

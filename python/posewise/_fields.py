@@ -35,8 +35,8 @@ class Config:
 
     #: Least width of a face to search for [px, 24..4096, default 40].
     min_face_px: int
-    #: Work per step while searching [100..10000000, default 3600]: 3000 is about a tracking step,
-    #: 600 is one tile of the detector. A smaller budget shortens a step and delays detection.
+    #: Work per step while searching [100..10000000, default 3600]: 2600 is about a tracking step,
+    #: 700 is one tile of the detector. A smaller budget shortens a step and delays detection.
     scan_budget: int
     #: Of the One-Euro filter behind smoothed() (Casiez et al., CHI 2012): cutoff frequency at rest
     #: [Hz, 0.01..100, default 1]; lower values reduce jitter.

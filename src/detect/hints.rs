@@ -9,10 +9,18 @@ const SIDE: usize = 24;
 const CELLS: usize = SIDE * SIDE;
 
 /// Passes over a level's tiles.
-pub(super) const PASSES: u8 = 4;
-/// Shares of the cells that belong to the first pass, to the first two and to the first three.
-/// Chosen.
-const SHARES: [usize; PASSES as usize - 1] = [CELLS / 8, CELLS / 4, CELLS / 2];
+pub(super) const PASSES: u8 = 8;
+/// Cells that belong to the first pass, to the first two and so on. Half of the faces come in the
+/// first twentieth of the tiles, so the first passes are short.
+const SHARES: [usize; PASSES as usize - 1] = [
+    CELLS / 64,
+    CELLS / 32,
+    CELLS / 16,
+    CELLS / 8,
+    CELLS / 4,
+    3 * CELLS / 8,
+    CELLS / 2,
+];
 
 /// The best score of each cell of the frame at one level.
 #[derive(Clone, Debug)]
@@ -23,8 +31,8 @@ pub(super) struct Scores {
 /// Which pass each cell of the frame belongs to.
 #[derive(Clone, Debug)]
 pub(super) struct Order {
-    /// Two bits a cell.
-    passes: [u8; CELLS / 4],
+    /// Four bits a cell.
+    passes: [u8; CELLS / 2],
 }
 
 impl Scores {
@@ -58,7 +66,7 @@ impl Scores {
 impl Order {
     /// One pass over everything.
     pub const NONE: Order = Order {
-        passes: [0; CELLS / 4],
+        passes: [0; CELLS / 2],
     };
 
     /// By the scores of a level.
@@ -66,8 +74,8 @@ impl Order {
         let least = SHARES.map(|share| scores.after(share));
         let pass = |score: &u8| least.iter().filter(|least| score < *least).count() as u8;
         let mut order = Order::NONE;
-        for (four, scores) in order.passes.iter_mut().zip(scores.cells.chunks_exact(4)) {
-            *four = (scores.iter().rev()).fold(0, |bits, score| bits << 2 | pass(score));
+        for (two, scores) in order.passes.iter_mut().zip(scores.cells.chunks_exact(2)) {
+            *two = (scores.iter().rev()).fold(0, |bits, score| bits << 4 | pass(score));
         }
         order
     }
@@ -77,8 +85,8 @@ impl Order {
         let ([left, top], [right, bottom]) = (low.map(cell), high.map(cell));
         let cells = (top..=bottom).flat_map(|y| (left..=right).map(move |x| y * SIDE + x));
         let pass = |cell: usize| {
-            let four = self.passes.get(cell / 4).copied().unwrap_or(0);
-            four >> (2 * (cell % 4)) & 3
+            let two = self.passes.get(cell / 2).copied().unwrap_or(0);
+            two >> (4 * (cell % 2)) & 15
         };
         cells.map(pass).min().unwrap_or(0)
     }
@@ -102,7 +110,8 @@ mod tests {
         scores.add([0.03, 0.03], 255);
         let order = Order::new(&scores);
         let pass = |x: f32, y: f32| order.pass([x, y], [x, y]);
-        assert_eq!([0.99, 0.8, 0.6, 0.1].map(|y| pass(0.9, y)), [0, 1, 2, 3]);
+        let passes = [0.99, 0.97, 0.94, 0.9, 0.8, 0.65, 0.55, 0.1];
+        assert_eq!(passes.map(|y| pass(0.9, y)), [0, 1, 2, 3, 4, 5, 6, 7]);
         assert_eq!(pass(0.01, 0.01), 0);
         assert_eq!(order.pass([0.5, 0.6], [0.9, 0.99]), 0);
         assert_eq!(Order::NONE.pass([0.0; 2], [1.0; 2]), 0);

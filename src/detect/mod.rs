@@ -20,7 +20,7 @@ mod model;
 mod scan;
 mod tile;
 
-pub use local_search::local_search;
+pub use local_search::{is_upright, local_search};
 pub use model::{DetectorModel, TAG};
 #[cfg(feature = "unstable-internals")]
 pub use model::{OUTPUTS, TILE};

@@ -19,6 +19,19 @@ pub struct TileMemory<'a> {
 /// Largest magnitude of the logarithm of a size's ratio to the middle one.
 const LOG_SIZE_MAX: f32 = 1.5;
 
+/// The transform from a tile to the frame, of a tile that `reduce` has made with this corner
+/// \[frame px\] and scale.
+pub(super) fn upright_tile(corner: [i32; 2], scale: f32) -> Similarity {
+    // A tile's pixel shows the middle of its square.
+    let [tx, ty] = corner.map(|v| v as f32 + 0.5 * scale - 0.5);
+    Similarity {
+        a: scale,
+        b: 0.0,
+        tx,
+        ty,
+    }
+}
+
 /// Runs the network on the tile in `memory` and adds the faces that are wanted. `to_frame`: tile px
 /// to frame px. `visit` is called with each cell's place \[frame px\] and score.
 #[inline(never)]

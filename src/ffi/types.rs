@@ -350,8 +350,8 @@ pub struct posewise_config {
     pub flags: u32,
     /// Least width of a face to search for \[px, 24..4096, default 40\].
     pub min_face_px: u32,
-    /// Work per step while searching \[100..10000000, default 3600\]: 3000 is about a tracking
-    /// step, 600 is one tile of the detector. A smaller budget shortens a step and delays
+    /// Work per step while searching \[100..10000000, default 3600\]: 2600 is about a tracking
+    /// step, 700 is one tile of the detector. A smaller budget shortens a step and delays
     /// detection.
     pub scan_budget: u32,
     /// The camera; see posewise_set_intrinsics().

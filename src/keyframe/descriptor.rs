@@ -43,80 +43,86 @@ const PATTERN: [[i8; 4]; PAIRS] = {
     pattern
 };
 
-/// The pattern at one roll, for images of one width.
+/// Largest offset of a compared pixel in a turned pattern: that of a corner, rounded \[px\].
+const REACH: usize = 17;
+/// Side of what a descriptor sees \[px\].
+const SIDE: usize = 2 * REACH + 1;
+/// Bytes for its pixels; a power of two, so that an index needs no check but a mask.
+const PATCH: usize = 2048;
+const _: () = assert!(SIDE * SIDE <= PATCH);
+
+/// The pattern at one roll.
 pub struct SteeredPattern {
-    /// Index offsets of each pair in the image's memory.
-    index_offsets: [[i32; 2]; PAIRS],
-    offsets: [[i8; 4]; PAIRS],
-    /// Largest offset along either axis \[px\].
-    reach: i32,
+    /// Indices of each pair in the pixels around a keypoint, row by row.
+    pairs: [[u16; 2]; PAIRS],
 }
 
 impl SteeredPattern {
     /// Rotated clockwise by `roll` \[rad\]; a `roll` that is not finite is taken as 0.
     #[inline(never)]
-    pub fn new(roll: f32, image: &ReducedImage<'_>) -> SteeredPattern {
+    pub fn new(roll: f32) -> SteeredPattern {
         let roll = if roll.is_finite() { roll } else { 0.0 };
         let q14 = |v: f32| libm::roundf(v * 16_384.0) as i32;
         let (cos, sin) = (q14(libm::cosf(roll)), q14(libm::sinf(roll)));
-        let rotate = |x: i8, y: i8| {
+        let index = |x: i8, y: i8| {
             let (x, y) = (x as i32, y as i32);
-            let round = |v: i32| (v + 8192) >> 14;
-            (round(x * cos - y * sin), round(x * sin + y * cos))
+            let round = |v: i32| ((v + 8192) >> 14) + REACH as i32;
+            (round(x * sin + y * cos) * SIDE as i32 + round(x * cos - y * sin)) as u16
         };
-        let mut steered = SteeredPattern {
-            index_offsets: [[0; 2]; PAIRS],
-            offsets: [[0; 4]; PAIRS],
-            reach: 0,
-        };
-        let width = image.width() as i32;
-        let out = steered.index_offsets.iter_mut().zip(&mut steered.offsets);
-        for ((index_offsets, offsets), [x1, y1, x2, y2]) in out.zip(&PATTERN) {
-            let ((ax, ay), (bx, by)) = (rotate(*x1, *y1), rotate(*x2, *y2));
-            *index_offsets = [ay * width + ax, by * width + bx];
-            *offsets = [ax as i8, ay as i8, bx as i8, by as i8];
-            let farthest = ax.abs().max(ay.abs()).max(bx.abs()).max(by.abs());
-            steered.reach = steered.reach.max(farthest);
+        SteeredPattern {
+            pairs: PATTERN.map(|[x1, y1, x2, y2]| [index(x1, y1), index(x2, y2)]),
         }
-        steered
     }
 
     /// Describes the neighbourhood of the pixel (x, y).
     pub fn describe(&self, image: &ReducedImage<'_>, x: u16, y: u16) -> Descriptor {
-        let (x, y) = (x as i32, y as i32);
-        let (width, height) = (image.width() as i32, image.height() as i32);
-        let reach = self.reach;
-        let inside = x >= reach && y >= reach && x + reach < width && y + reach < height;
+        let mut patch = [0u8; PATCH];
+        let (left, top) = (x as i32 - REACH as i32, y as i32 - REACH as i32);
+        for (v, row) in patch.chunks_exact_mut(SIDE).take(SIDE).enumerate() {
+            image.copy_row(left, top + v as i32, row);
+        }
+        // All indices are below.
+        let at = |index: u16| patch[usize::from(index) % PATCH];
         let mut words = [0u32; 8];
-        if inside {
-            let centre = y * width + x;
-            for (word, pairs) in words.iter_mut().zip(self.index_offsets.chunks_exact(32)) {
-                for [a, b] in pairs {
-                    let darker = image.at(centre + a) < image.at(centre + b);
-                    *word = *word << 1 | darker as u32;
-                }
-            }
-        } else {
-            for (word, pairs) in words.iter_mut().zip(self.offsets.chunks_exact(32)) {
-                for [ax, ay, bx, by] in pairs {
-                    let at = |dx: i8, dy: i8| image.luma(x + dx as i32, y + dy as i32);
-                    *word = *word << 1 | (at(*ax, *ay) < at(*bx, *by)) as u32;
-                }
+        for (word, pairs) in words.iter_mut().zip(self.pairs.as_chunks::<32>().0) {
+            for [a, b] in pairs {
+                *word = *word << 1 | u32::from(at(*a) < at(*b));
             }
         }
         words
     }
 }
 
-/// Hamming distance; `None` when more than `head_max` of the first 64 bits differ.
+/// The first 64 bits and the others.
+pub fn split([a, b, tail @ ..]: &Descriptor) -> (u64, [u32; 6]) {
+    (u64::from(*a) | u64::from(*b) << 32, *tail)
+}
+
+/// A bit for each of these heads that differs from another one in at most so many bits. All are
+/// compared, in vectors, which takes less than to look at some.
 #[inline]
-pub fn hamming_distance(a: &Descriptor, b: &Descriptor, head_max: u32) -> Option<u32> {
+pub fn near<const N: usize>(heads: &[u64; N], head: u64, most: u32) -> u32 {
+    let distances = heads.map(|other| (other ^ head).count_ones() as u8);
+    let least = distances.iter().fold(u8::MAX, |least, d| least.min(*d));
+    if u32::from(least) > most {
+        return 0;
+    }
+    let bits = distances.iter().rev();
+    bits.fold(0, |bits, d| bits << 1 | u32::from(u32::from(*d) <= most))
+}
+
+/// Bits in which descriptors differ.
+#[inline]
+pub fn hamming_distance((head, tail): (u64, &[u32; 6]), other: (u64, &[u32; 6])) -> u32 {
+    let pairs = tail
+        .as_chunks::<2>()
+        .0
+        .iter()
+        .zip(other.1.as_chunks::<2>().0);
     // Two words at once: without an instruction for it, counting takes as long for 64 bits.
-    let pairs = a.as_chunks::<2>().0.iter().zip(b.as_chunks::<2>().0);
-    let mut counts =
+    let counts =
         pairs.map(|([a, c], [b, d])| (u64::from(a ^ b) | u64::from(c ^ d) << 32).count_ones());
-    let head = counts.next().unwrap_or(0);
-    (head <= head_max).then(|| head + counts.sum::<u32>())
+    (head ^ other.0).count_ones() + counts.sum::<u32>()
 }
 
 #[cfg(test)]
@@ -130,9 +136,12 @@ mod tests {
         let upright = texture(0.0, 1.0, 0);
         let upright = ReducedImage::new(&upright, SIDE);
         let of = |image: &ReducedImage<'_>, roll, x| {
-            SteeredPattern::new(roll, image).describe(image, x, centre)
+            SteeredPattern::new(roll).describe(image, x, centre)
         };
-        let distance = |a, b| hamming_distance(&a, &b, BITS).expect("at most all");
+        let distance = |a: Descriptor, b: Descriptor| {
+            let ((a, after_a), (b, after_b)) = (split(&a), split(&b));
+            hamming_distance((a, &after_a), (b, &after_b))
+        };
         let before = of(&upright, 0.0, centre);
         for roll in [0.0f32, 0.4, -1.0, 2.0] {
             let rotated = texture(roll, 1.0, 6);
@@ -144,6 +153,12 @@ mod tests {
         }
         // At the edge outside pixels repeat the nearest ones.
         assert_ne!(of(&upright, 0.7, 0), [0; 8]);
-        assert_eq!(hamming_distance(&[0; 8], &[u32::MAX; 8], 63), None);
+        assert_eq!(distance([0; 8], [u32::MAX; 8]), BITS);
+    }
+
+    #[test]
+    fn near_heads_by_hand() {
+        assert_eq!(near(&[0, 0b111, u64::MAX, 0b11], 0, 2), 0b1001);
+        assert_eq!(near(&[u64::MAX; 4], 0, 63), 0);
     }
 }

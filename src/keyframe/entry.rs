@@ -1,7 +1,7 @@
 //! One keyframe: the pose, landmarks and keypoints of an earlier view of a face.
 
 use super::Shape;
-use super::descriptor::Descriptor;
+use super::descriptor::{Descriptor, split};
 use crate::shape::LANDMARKS;
 
 /// Most keypoints of a keyframe.
@@ -10,14 +10,13 @@ pub const KEYFRAME_POINTS_MAX: usize = 32;
 /// Units of an offset on a keyframe \[1/px\]: 4 bits after the point.
 const Q4: f32 = 16.0;
 
-/// A keypoint of a face.
+/// A keypoint of a face; the keyframe has the first bits of its descriptor.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Point {
-    pub descriptor: Descriptor,
+    /// The others.
+    pub tail: [u32; 6],
     /// From the face's centre \[1/16 px of the reduced image\].
     pub offset_q4: [i16; 2],
-    /// Whether it is darker than its surroundings.
-    pub is_dark: bool,
 }
 
 impl Point {
@@ -42,7 +41,14 @@ pub(super) struct Keyframe {
     pub shape_q4: [[i16; 2]; LANDMARKS],
     /// None in a free entry.
     pub points: heapless::Vec<Point, KEYFRAME_POINTS_MAX, u8>,
+    /// The first 64 bits of each point's descriptor, side by side: they are compared in vectors.
+    pub heads: [u64; KEYFRAME_POINTS_MAX],
+    /// Which points are darker than their surroundings, a bit for each.
+    dark: u32,
 }
+
+// Each point has a bit.
+const _: () = assert!(KEYFRAME_POINTS_MAX == u32::BITS as usize);
 
 impl Keyframe {
     pub const FREE: Keyframe = Keyframe {
@@ -53,10 +59,38 @@ impl Keyframe {
         roll: 0.0,
         shape_q4: [[0; 2]; LANDMARKS],
         points: heapless::Vec::new(),
+        heads: [0; KEYFRAME_POINTS_MAX],
+        dark: 0,
     };
 
     pub fn is_free(&self) -> bool {
         self.points.is_empty()
+    }
+
+    /// Removes all points.
+    pub fn clear(&mut self) {
+        self.points.clear();
+        self.dark = 0;
+    }
+
+    /// Adds a point, where there is space for it.
+    pub fn push(&mut self, descriptor: &Descriptor, offset: [f32; 2], is_dark: bool) {
+        let number = self.points.len();
+        let (head, tail) = split(descriptor);
+        let offset_q4 = offset.map(q4);
+        if self.points.push(Point { tail, offset_q4 }).is_ok()
+            && let Some(place) = self.heads.get_mut(number)
+        {
+            *place = head;
+            self.dark |= u32::from(is_dark) << number;
+        }
+    }
+
+    /// A bit for each point that is dark, or for each that is not.
+    pub fn points_that_are(&self, dark: bool) -> u32 {
+        let all = u32::MAX.checked_shr(u32::BITS - self.points.len() as u32);
+        let chosen = if dark { self.dark } else { !self.dark };
+        all.unwrap_or(0) & chosen
     }
 
     /// The landmarks, from the face's centre \[px of the reduced image\].

@@ -114,45 +114,59 @@ fn responses(inner: &[i32; WIDTH], outer: &[i32; WIDTH], width: usize, row: &mut
 
 /// Adds the extremes of the middle row to its cells.
 fn extremes(rows: &[Row; 2 * REACH + 1], width: usize, y: usize, cells: &mut CellRow) {
-    let Some(middle) = rows.get(REACH) else {
-        return;
-    };
-    let inside = middle.iter().enumerate().take(width - OUTER - REACH);
-    for (x, response) in inside.skip(OUTER + REACH) {
-        let response = *response;
-        if response.unsigned_abs() < RESPONSE_MIN as u16 || !is_extreme(rows, x, response) {
+    let peaks = peaks(rows);
+    let (first, end) = (OUTER + REACH, width - OUTER - REACH);
+    // Few are peaks.
+    for (block, flags) in peaks.as_chunks::<PEAKS>().0.iter().enumerate() {
+        if flags.iter().fold(0, |all, flag| all | flag) == 0 {
             continue;
         }
-        let keypoint = Keypoint {
-            x: x as u16,
-            y: y as u16,
-            response,
-        };
-        if let Some(cell) = cells.get_mut(x / CELL) {
-            add_to_cell(cell, keypoint);
+        for (k, flag) in flags.iter().enumerate() {
+            let x = block * PEAKS + k;
+            let response = rows.get(REACH).and_then(|row| row.get(x)).copied();
+            let response = response.unwrap_or(0);
+            if *flag == 0 || x < first || x >= end || !is_extreme(rows, x, response) {
+                continue;
+            }
+            let keypoint = Keypoint {
+                x: x as u16,
+                y: y as u16,
+                response,
+            };
+            if let Some(cell) = cells.get_mut(x / CELL) {
+                add_to_cell(cell, keypoint);
+            }
         }
     }
+}
+
+/// Flags that are looked at together.
+const PEAKS: usize = 16;
+const _: () = assert!(WIDTH.is_multiple_of(PEAKS));
+
+/// Which responses of the middle row are strong, and weaker than none of the four beside them; 0
+/// elsewhere. Computed in vectors.
+#[inline(never)]
+fn peaks(rows: &[Row; 2 * REACH + 1]) -> [u8; WIDTH] {
+    let mut peaks = [0u8; WIDTH];
+    let [_, _, above, here, below, _, _] = rows;
+    let beside = here.iter().zip(here.iter().skip(2));
+    let vertical = above.iter().skip(1).zip(below.iter().skip(1));
+    let middle = here.iter().skip(1).zip(beside).zip(vertical);
+    for (peak, ((response, (left, right)), (above, below))) in peaks.iter_mut().skip(1).zip(middle)
+    {
+        let most = (*left).max(*right).max(*above).max(*below);
+        let least = (*left).min(*right).min(*above).min(*below);
+        let is_bright = *response >= RESPONSE_MIN && *response >= most;
+        let is_dark = *response <= -RESPONSE_MIN && *response <= least;
+        *peak = u8::from(is_bright | is_dark);
+    }
+    peaks
 }
 
 /// Whether no response in the neighbourhood of column `x` of the middle row is stronger. Of equal
 /// responses the first, row by row, is the extreme.
 fn is_extreme(rows: &[Row; 2 * REACH + 1], x: usize, response: i16) -> bool {
-    // Nearly all have a stronger one beside them.
-    let [above, here, below] = [REACH - 1, REACH, REACH + 1].map(|row| rows.get(row));
-    let is_stronger = |row: Option<&Row>, x: usize| {
-        let other = row.and_then(|row| row.get(x)).copied().unwrap_or(0);
-        match response > 0 {
-            true => other > response,
-            false => other < response,
-        }
-    };
-    if is_stronger(here, x - 1)
-        || is_stronger(here, x + 1)
-        || is_stronger(above, x)
-        || is_stronger(below, x)
-    {
-        return false;
-    }
     !rows.iter().enumerate().any(|(j, row)| {
         let near = row.get(x - REACH..x + REACH + 1).unwrap_or(&[]);
         near.iter().enumerate().any(|(i, other)| {

@@ -1,7 +1,7 @@
 //! Finds a known face in a frame: keypoints are matched with those of every keyframe.
 
 use super::FACE_PX;
-use super::descriptor::{BITS, SteeredPattern, hamming_distance};
+use super::descriptor::{BITS, SteeredPattern, hamming_distance, near, split};
 use super::entry::{KEYFRAME_POINTS_MAX, Keyframe, KeyframeMatch};
 use super::keypoints::{Keypoint, keypoints};
 use super::ransac::{Pair, consensus};
@@ -122,17 +122,21 @@ impl Keyframes {
     /// For each point of each keyframe the nearest and second nearest keypoint of the image.
     #[inline(never)]
     fn find_nearest(&self, image: &ReducedImage<'_>, roll: f32, nearest: &mut Nearest) {
-        let pattern = SteeredPattern::new(roll, image);
+        let pattern = SteeredPattern::new(roll);
         keypoints(image, |keypoint| {
             let descriptor = pattern.describe(image, keypoint.x, keypoint.y);
+            let (head, tail) = split(&descriptor);
             for (keyframe, nearest) in self.entries().iter().zip(nearest.iter_mut()) {
-                for (point, nearest) in keyframe.points.iter().zip(nearest) {
-                    if point.is_dark != keypoint.is_dark() {
-                        continue;
-                    }
-                    let distance =
-                        hamming_distance(&point.descriptor, &descriptor, HEAD_DISTANCE_MAX);
-                    if let Some(distance) = distance {
+                let mut left = near(&keyframe.heads, head, HEAD_DISTANCE_MAX)
+                    & keyframe.points_that_are(keypoint.is_dark());
+                while left != 0 {
+                    let number = left.trailing_zeros() as usize;
+                    left &= left - 1;
+                    let (of, point) = (keyframe.heads.get(number), keyframe.points.get(number));
+                    if let (Some(of), Some(point)) = (of, point)
+                        && let Some(nearest) = nearest.get_mut(number)
+                    {
+                        let distance = hamming_distance((*of, &point.tail), (head, &tail));
                         nearest.add(distance, &keypoint);
                     }
                 }

@@ -3,9 +3,9 @@
 use crate::image::Frame;
 
 /// Largest width of a reduced image \[px\].
-pub const WIDTH: usize = 320;
+pub const WIDTH: usize = 240;
 /// Largest height of a reduced image \[px\].
-pub const HEIGHT: usize = 240;
+pub const HEIGHT: usize = 180;
 /// Bytes that a reduced image needs at most.
 pub const SCRATCH_BYTES: usize = WIDTH * HEIGHT;
 
@@ -155,13 +155,14 @@ impl<'s> ReducedImage<'s> {
         let Some(luma) = memory.get_mut(..width * height) else {
             return ReducedImage::new(&[], 0);
         };
+        let columns = &Columns::of(frame, grid);
         // Three rows, blurred along x: the last one, this one and the next one.
         let mut here = [0u16; WIDTH];
-        sample(frame, grid, 0, width, &mut here);
+        sample(frame, grid, columns, 0, width, &mut here);
         let (mut above, mut below) = (here, here);
         for (v, row) in luma.chunks_exact_mut(width.max(1)).enumerate() {
             let next = (v + 1).min(height.saturating_sub(1));
-            sample(frame, grid, next as i32, width, &mut below);
+            sample(frame, grid, columns, next as i32, width, &mut below);
             let sums = above.iter().zip(&here).zip(&below);
             for (out, ((a, b), c)) in row.iter_mut().zip(sums) {
                 *out = ((a + 2 * b + c + 8) >> 4) as u8;
@@ -192,60 +193,74 @@ impl<'s> ReducedImage<'s> {
         self.luma.get(start..start + self.width).unwrap_or(&[])
     }
 
-    /// Luma at (x, y); outside the image, that of the nearest pixel.
+    /// Copies the pixels from (x, y) to the right; outside the image, the nearest one.
     #[inline]
-    pub fn luma(&self, x: i32, y: i32) -> u8 {
-        let x = x.min(self.width as i32 - 1).max(0) as usize;
+    pub fn copy_row(&self, x: i32, y: i32, out: &mut [u8]) {
         let y = y.min(self.height as i32 - 1).max(0) as usize;
-        self.luma.get(y * self.width + x).copied().unwrap_or(0)
-    }
-
-    /// Luma at an index, row · width + column; 0 outside the memory.
-    #[inline]
-    pub fn at(&self, index: i32) -> u8 {
-        self.luma.get(index as usize).copied().unwrap_or(0)
+        let row = self.row(y);
+        let inside = usize::try_from(x)
+            .ok()
+            .and_then(|x| row.get(x..x + out.len()));
+        if let Some(inside) = inside {
+            out.copy_from_slice(inside);
+            return;
+        }
+        for (k, pixel) in out.iter_mut().enumerate() {
+            let x = (x + k as i32).min(self.width as i32 - 1).max(0) as usize;
+            *pixel = row.get(x).copied().unwrap_or(0);
+        }
     }
 }
 
-/// Means of two samples on the diagonal of each reduced pixel of a row.
-#[inline(always)]
-fn average<'p>(
-    grid: &SamplingGrid,
-    pixels: impl Iterator<Item = &'p mut u16>,
-    upper: impl Fn(i32) -> u8,
-    lower: impl Fn(i32) -> u8,
-) {
-    let quarter = grid.step / 4;
-    let mut x = grid.x + 128;
-    for pixel in pixels {
-        let a = u16::from(upper((x - quarter) >> 8));
-        let b = u16::from(lower((x + quarter) >> 8));
-        *pixel = (a + b + 1) >> 1;
-        x += grid.step;
+/// Columns of the frame that hold the two samples of each pixel of a row, if they are inside.
+struct Columns {
+    upper: [u16; WIDTH],
+    lower: [u16; WIDTH],
+}
+
+impl Columns {
+    fn of(frame: &Frame<'_>, grid: &SamplingGrid) -> Columns {
+        let quarter = grid.step / 4;
+        let at = |u: usize, by: i32| {
+            let x = (grid.x + 128 + grid.step * u as i32 + by) >> 8;
+            x.min(frame.width() - 1).max(0) as u16
+        };
+        Columns {
+            upper: core::array::from_fn(|u| at(u, -quarter)),
+            lower: core::array::from_fn(|u| at(u, quarter)),
+        }
     }
 }
 
 /// Row `v` of the grid, blurred along x by the weights 1 2 1 (their sum, not their mean).
-fn sample(frame: &Frame<'_>, grid: &SamplingGrid, v: i32, width: usize, out: &mut [u16; WIDTH]) {
+fn sample(
+    frame: &Frame<'_>,
+    grid: &SamplingGrid,
+    columns: &Columns,
+    v: i32,
+    width: usize,
+    out: &mut [u16; WIDTH],
+) {
     let quarter = grid.step / 4;
     let y = grid.y + grid.step * v;
     let (y0, y1) = ((y - quarter + 128) >> 8, (y + quarter + 128) >> 8);
     let mut raw = [0u16; WIDTH + 2];
     let pixels = raw.iter_mut().skip(1).take(width);
+    let pairs = columns.upper.iter().zip(&columns.lower);
+    let pixels = pixels.zip(pairs);
     match (frame.luma_row(y0), frame.luma_row(y1)) {
         (Some(upper), Some(lower)) => {
-            let at = |row: &[u8], x: i32| {
-                let x = x.min(row.len() as i32 - 1).max(0);
-                row.get(x as usize).copied().unwrap_or(0)
-            };
-            average(grid, pixels, |x| at(upper, x), |x| at(lower, x));
+            let at = |row: &[u8], x: u16| u16::from(row.get(usize::from(x)).copied().unwrap_or(0));
+            for (pixel, (a, b)) in pixels {
+                *pixel = (at(upper, *a) + at(lower, *b) + 1) >> 1;
+            }
         }
-        _ => average(
-            grid,
-            pixels,
-            |x| frame.raw_luma(x, y0),
-            |x| frame.raw_luma(x, y1),
-        ),
+        _ => {
+            let at = |x: u16, y: i32| u16::from(frame.raw_luma(i32::from(x), y));
+            for (pixel, (a, b)) in pixels {
+                *pixel = (at(*a, y0) + at(*b, y1) + 1) >> 1;
+            }
+        }
     }
     // The edge pixels repeat.
     let first = raw.get(1).copied().unwrap_or(0);

@@ -1,7 +1,7 @@
 //! The table of keyframes: what is kept of a frame, and which entry is replaced.
 
 use super::descriptor::SteeredPattern;
-use super::entry::{Keyframe, Point, q4};
+use super::entry::{Keyframe, q4};
 use super::keypoints::keypoints;
 use super::outline::Outline;
 use super::reduced_image::{ReducedImage, SamplingGrid};
@@ -133,7 +133,7 @@ impl Keyframes {
             [x - cx, y - cy]
         });
         let roll = seen.angles.roll_deg.to_radians();
-        let pattern = SteeredPattern::new(roll, &image);
+        let pattern = SteeredPattern::new(roll);
         let outline = Outline::of(&offsets, roll);
         self.clock = self.clock.wrapping_add(1);
         let (identity, clock) = (self.identity, self.clock);
@@ -146,16 +146,12 @@ impl Keyframes {
         keyframe.quality = seen.quality;
         keyframe.roll = roll;
         keyframe.shape_q4 = offsets.map(|p| p.map(q4));
-        keyframe.points.clear();
+        keyframe.clear();
         keypoints(&image, |keypoint| {
             let offset = [keypoint.x as f32 - cx, keypoint.y as f32 - cy];
             if !keyframe.points.is_full() && outline.contains(offset) {
-                // Not full, so there is space.
-                let _ = keyframe.points.push(Point {
-                    descriptor: pattern.describe(&image, keypoint.x, keypoint.y),
-                    offset_q4: offset.map(q4),
-                    is_dark: keypoint.is_dark(),
-                });
+                let descriptor = pattern.describe(&image, keypoint.x, keypoint.y);
+                keyframe.push(&descriptor, offset, keypoint.is_dark());
             }
         });
     }

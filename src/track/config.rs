@@ -35,9 +35,8 @@ pub struct Config {
     pub intrinsics: Option<Intrinsics>,
     /// Narrowest face that is searched for \[px\], 24 to 4096. Default: 40.
     pub min_face_px: u32,
-    /// Work per step while searching, 100 to 10 million: 3000 is about a tracking step, 600 a tile
-    /// of the detector, which each step evaluates at least. Default: 3600, with which 99 of
-    /// 100 steps in clutter take 1.6 tracking steps at most (`posewise-lab bench --clutter`).
+    /// Work per step while searching, 100 to 10 million: 2600 is a tracking step, 700 a tile of
+    /// the detector, which each step evaluates at least. Default: 3600, which is five tiles.
     pub scan_budget: u32,
     /// The filter of [`crate::Tracker::smoothed`].
     pub smoothing: Smoothing,

@@ -252,27 +252,34 @@ pub(super) const FIRST_UNITS: u32 = 850;
 /// 1.7 times the instructions.
 pub(super) const CANDIDATE_UNITS: u32 = 1900;
 
-/// Work of the refiners and the 3D fit \[units\].
+/// Work of the refiners and the 3D fit of the target \[units\].
 pub(super) const REFINE_UNITS: u32 = 1050;
 
-/// Work of a local search \[units\]: a tile whose pixels may be means of many.
-pub(super) const LOCAL_UNITS: u32 = 1200;
+/// The same of a face that is found: its fit starts from two poses \[units\].
+pub(super) const FOUND_UNITS: u32 = 1450;
+
+/// Work of a local search \[units\]: a tile.
+pub(super) const LOCAL_UNITS: u32 = 750;
+
+/// The same for a head that is rolled far: each pixel of the tile is the mean of many \[units\].
+pub(super) const TURNED_UNITS: u32 = 1600;
 
 /// Work of comparing one window of a frame with all keyframes \[units\].
-pub(super) const KEYFRAME_UNITS: u32 = 2600;
+pub(super) const KEYFRAME_UNITS: u32 = 1600;
 
 /// Work beyond which a step begins nothing more, but for a tile of the scan: the next one does
 /// \[units\].
 ///
 /// Source: chosen, one and a half tracking steps; the longest step takes what `posewise-lab bench`
 /// says.
-pub(super) const STEP_UNITS: u32 = 4000;
+pub(super) const STEP_UNITS: u32 = 3900;
 
-/// Iterations at what a local search finds: the target's face is known, and tracking goes on from
-/// there.
+/// Iterations at what a local search finds, and where the head is rolled far: the target's face is
+/// known, and tracking goes on from there.
 ///
 /// Source: chosen, for [`STEP_UNITS`].
 pub(super) const LOCAL_ITERATIONS: usize = 2;
+pub(super) const TURNED_ITERATIONS: usize = 1;
 
 // --- Noise ---------------------------------------------------------------------------------------
 

@@ -33,7 +33,7 @@ use super::follow::{Target, see_target, verify_target};
 #[cfg(feature = "mesh")]
 use super::mesh::{self, MeshError, MeshShape, MeshSpace};
 use super::output::{Event, EventKind, EventLog, Smoother, write};
-use super::policy::{COAST_US, NO_LONGER_NOISY, NOISE_PERIOD, NOISY, REFINE_UNITS};
+use super::policy::{COAST_US, FOUND_UNITS, NO_LONGER_NOISY, NOISE_PERIOD, NOISY, REFINE_UNITS};
 use super::search::{Detected, Excluded, FaceHint, FoundFace};
 use super::search::{Proposals, Search, Suppressed, Wanted, list};
 use super::step::{SharedFrame, Step};
@@ -681,8 +681,12 @@ impl Tracker {
         match verify(step, start, candidate, &self.excluded, &self.suppressed) {
             Verdict::Reject => {}
             Verdict::Retry => self.search.offer(candidate),
+            // The next step goes on with it.
+            Verdict::Fit if candidate.iterations_left > 0 && !proposals.has_room(FOUND_UNITS) => {
+                self.search.offer(candidate);
+            }
             Verdict::Fit => {
-                proposals.spend(REFINE_UNITS);
+                proposals.spend(FOUND_UNITS);
                 candidate.refine(step, &mut self.work, aligned);
             }
         }

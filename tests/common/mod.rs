@@ -4,6 +4,7 @@
 pub mod c;
 pub mod java;
 pub mod random;
+pub mod scenes;
 pub mod skip;
 pub mod watch;
 

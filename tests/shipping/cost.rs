@@ -7,6 +7,7 @@
 
 use crate::common::c::require;
 use crate::common::random::Random;
+use crate::common::scenes;
 use crate::common::skip::skipped;
 use crate::common::{demo, grey, model, scratch, tracker};
 use posewise::ffi::types::POSEWISE_CPU_DOTPROD;
@@ -73,6 +74,32 @@ fn check(is_wanted: impl Fn(KernelName) -> bool) {
             let row = format!("a {kind} step, {name}");
             crate::common::check_page("docs/performance.md", &row, instructions, TOLERANCE);
         }
+    }
+}
+
+/// The step of the most units of each kind, with the kernel of most machines.
+#[test]
+#[ignore = "minutes under valgrind: .ci/nightly"]
+fn the_longest_steps_take_as_many_instructions_as_documented() {
+    let kernel = KernelName::Avx2;
+    if !cfg!(target_arch = "x86_64") || !require("valgrind") {
+        return;
+    }
+    if !kernel.is_available() {
+        skipped("AVX2 here");
+        return;
+    }
+    let mut most = [(0, 0); 4];
+    scenes::watch_scenes(scenes::step, |number, kind, units| {
+        if units > most[kind].1 {
+            most[kind] = (number, units);
+        }
+    });
+    for (kind, (number, units)) in scenes::KINDS.into_iter().zip(most) {
+        let instructions = instructions(kernel, &format!("scene {number}"));
+        println!("the longest step, {kind}: {units} units, {instructions} instructions");
+        let row = format!("the longest step, {kind}");
+        crate::common::check_page("docs/performance.md", &row, instructions, TOLERANCE);
     }
 }
 
@@ -143,6 +170,9 @@ fn steps_for_valgrind() {
     let kernel = KernelName::ALL.into_iter().find(|k| k.name() == kernel);
     assert!(kernel.is_some_and(select_kernel), "{wanted}");
     let clip = demo();
+    if let Some(number) = kind.strip_prefix("scene ") {
+        return count_scene(number.parse().expect("a number"));
+    }
     match kind {
         "tracking" => take_steps(clip, State::Tracking, |n| clip.luma[n].clone()),
         "four-face" => take_group_steps(clip),
@@ -199,6 +229,20 @@ fn take_group_steps(clip: &crate::common::Clip) {
         }
     }
     panic!("{counted} of {STEPS} steps with all faces");
+}
+
+/// Takes the steps up to that of a scene, which is counted.
+fn count_scene(counted: usize) {
+    scenes::watch_scenes(
+        |number, tracker, model, frame, time_us| {
+            if number == counted {
+                counted_step(tracker, model, frame, time_us);
+                return false;
+            }
+            scenes::step(number, tracker, model, frame, time_us)
+        },
+        |_, _, _| {},
+    );
 }
 
 /// A step, which valgrind counts if it is wanted.

@@ -63,7 +63,7 @@ pub struct TrackerArgs {
     /// Narrowest face searched for [px] [default: 40]
     #[arg(long, value_name = "PX", value_parser = whole(24, 4096))]
     pub min_face: Option<u32>,
-    /// Work per frame while searching: 3000 is about a tracking step, 600 a tile [default: 3600 for
+    /// Work per frame while searching: 2600 is a tracking step, 700 a tile [default: 3600 for
     /// cameras, else the whole frame]
     #[arg(long, value_name = "N", value_parser = whole(100, 10_000_000))]
     pub scan_budget: Option<u32>,

@@ -12,13 +12,13 @@ use super::align::{Candidate, Needed, Origin, Start};
 use super::config::Config;
 use super::output::State;
 use super::policy::{
-    ACCEPT_CONFIDENCE, DISCARD_CONFIDENCE, FIRST_ATTEMPT_CONFIDENCE, FIRST_UNITS, ITERATION_UNITS,
-    KEYFRAME_UNITS, LOCAL_ITERATIONS, LOCAL_SEARCH_PERIOD, LOCAL_UNITS, REFINE_UNITS,
-    RETRY_CONFIDENCE,
+    ACCEPT_CONFIDENCE, DISCARD_CONFIDENCE, FIRST_ATTEMPT_CONFIDENCE, FIRST_UNITS, FOUND_UNITS,
+    ITERATION_UNITS, KEYFRAME_UNITS, LOCAL_ITERATIONS, LOCAL_SEARCH_PERIOD, LOCAL_UNITS,
+    RETRY_CONFIDENCE, TURNED_ITERATIONS, TURNED_UNITS,
 };
 use super::step::{Step, WorkBudget};
 use crate::align::{Networks, Workspace};
-use crate::detect::{Detection, Scan, TILE_UNITS};
+use crate::detect::{Detection, Scan, TILE_UNITS, is_upright};
 use keyframes::Keyframes;
 use rejected::PendingRetry;
 use scan::{LastSeen, ScanPlan, Scanner, nearest};
@@ -71,11 +71,15 @@ impl Search {
     /// The rest of a first attempt, which may be retried once more, or the second and last attempt
     /// at a rejected detection.
     fn retried(&mut self) -> Option<Start> {
-        let (shape, is_unfinished) = self.retry.take()?;
+        let (shape, confidence, is_unfinished) = self.retry.take()?;
         let mut start = Start::near(shape, Origin::NewFace);
         if is_unfinished {
             start.needed = Needed::to_refine(FIRST_ATTEMPT_CONFIDENCE);
             start.may_retry = true;
+        }
+        // Most of these are no faces: all networks see it if it is better then.
+        if confidence < RETRY_CONFIDENCE {
+            start.networks = Networks::First;
         }
         Some(start)
     }
@@ -103,7 +107,10 @@ pub enum Wanted {
 }
 
 /// Work of a search with keyframes and of the attempt at what it finds \[units\].
-const KEYFRAME_ATTEMPT_UNITS: u32 = KEYFRAME_UNITS + FIRST_UNITS + REFINE_UNITS;
+const KEYFRAME_ATTEMPT_UNITS: u32 = KEYFRAME_UNITS + RETRY_FIRST_UNITS;
+/// Work of a retry with all networks, and with the first one only \[units\].
+const RETRY_UNITS: u32 = ITERATION_UNITS + FOUND_UNITS;
+const RETRY_FIRST_UNITS: u32 = FIRST_UNITS + FOUND_UNITS;
 
 /// What is proposed next.
 #[derive(Clone, Copy)]
@@ -180,6 +187,11 @@ impl Proposals {
         self.budget.spend(units);
     }
 
+    /// Whether so much more is within what a step may take \[units\].
+    pub fn has_room(&self, units: u32) -> bool {
+        self.budget.has_room(units)
+    }
+
     /// All work of the step so far \[units\].
     pub fn units(&self) -> u32 {
         self.budget.total()
@@ -203,35 +215,25 @@ impl Proposals {
                     (start, Stage::NearExpected(face))
                 }
                 Stage::NearExpected(face) => {
-                    self.budget.spend(LOCAL_UNITS);
+                    self.budget.spend(local_units(&face));
                     let found = nearest(step, &face, work);
                     let start = found.and_then(|face| first(step, &face, Origin::NewFace));
                     (start, Stage::Begin)
                 }
-                Stage::NearTarget(face) => {
-                    self.budget.spend(LOCAL_UNITS);
-                    let found = nearest(step, &face, work);
-                    let start = found.and_then(|face| first(step, &face, Origin::Reacquired));
-                    let start = start.map(|start| Start {
-                        iterations: LOCAL_ITERATIONS.min(start.iterations),
-                        networks: Networks::First,
-                        ..start
-                    });
-                    (start, Stage::End)
-                }
+                Stage::NearTarget(face) => (self.near_target(step, &face, work), Stage::End),
                 Stage::Begin => (None, self.begin(step, config, search)),
                 Stage::Keyframe(last) => self.keyframe(step, &last, search, work),
                 Stage::Lost(last) => (None, self.lost(&last, search)),
                 Stage::Turn(last) => (None, turn(&last, search)),
                 // If a keyframe match was rejected, the step has had its retry.
                 Stage::Retry if self.budget.spent() > KEYFRAME_UNITS => (None, Stage::BeginScan),
-                Stage::Retry => (search.retried(), Stage::BeginScan),
+                Stage::Retry => (self.retry(search), Stage::BeginScan),
                 Stage::BeginScan => {
                     self.budget.leave(TILE_UNITS);
                     (None, Stage::Scan)
                 }
                 Stage::Scan => self.detection(step, search, work),
-                Stage::Retries if self.budget.left() >= ITERATION_UNITS + REFINE_UNITS => {
+                Stage::Retries if self.budget.left() >= RETRY_UNITS => {
                     let start = search.retried();
                     let is_last = start.is_none();
                     (start, if is_last { Stage::End } else { Stage::Retries })
@@ -243,6 +245,39 @@ impl Proposals {
             if start.is_some() {
                 return start;
             }
+        }
+    }
+
+    /// What the detector finds near the target's last place.
+    fn near_target(
+        &mut self,
+        step: &Step<'_>,
+        place: &Detection,
+        work: &mut Workspace,
+    ) -> Option<Start> {
+        self.budget.spend(local_units(place));
+        let most = match is_upright(place) {
+            true => LOCAL_ITERATIONS,
+            false => TURNED_ITERATIONS,
+        };
+        let face = nearest(step, place, work)?;
+        let start = first(step, &face, Origin::Reacquired)?;
+        Some(Start {
+            iterations: most.min(start.iterations),
+            networks: Networks::First,
+            ..start
+        })
+    }
+
+    /// The pending retry, with the networks for which there is room; it waits where there is none.
+    fn retry(&mut self, search: &mut Search) -> Option<Start> {
+        if !self.budget.has_room(RETRY_FIRST_UNITS) {
+            return None;
+        }
+        let start = search.retried()?;
+        match self.budget.has_room(RETRY_UNITS) {
+            true => Some(start),
+            false => Some(start.with(Networks::First)),
         }
     }
 
@@ -318,17 +353,30 @@ impl Proposals {
             return (None, Stage::Retries);
         };
         let before = step.model.align.iterations().saturating_sub(1) as u32 * FIRST_UNITS;
-        let attempt = before + ITERATION_UNITS + REFINE_UNITS;
+        let (all, first) = (before + RETRY_UNITS, before + RETRY_FIRST_UNITS);
+        let budget = &self.budget;
+        let (to_iterate, networks) = match budget.left() >= all {
+            true => (DISCARD_CONFIDENCE, Networks::All),
+            false if budget.has_room(all) => (RETRY_CONFIDENCE, Networks::All),
+            // The frame after it is seen with all.
+            false if budget.has_room(first) => (RETRY_CONFIDENCE, Networks::First),
+            // The next step goes on with it.
+            false => (f32::INFINITY, Networks::All),
+        };
         let needed = Needed {
-            to_iterate: match self.budget.left() >= attempt {
-                true => DISCARD_CONFIDENCE,
-                false if self.budget.has_room(attempt) => RETRY_CONFIDENCE,
-                // The next step goes on with it.
-                false => f32::INFINITY,
-            },
+            to_iterate,
             to_refine: FIRST_ATTEMPT_CONFIDENCE,
         };
-        (Start::at(step, &face, Origin::NewFace, needed), Stage::Scan)
+        let start = Start::at(step, &face, Origin::NewFace, needed);
+        (start.map(|start| start.with(networks)), Stage::Scan)
+    }
+}
+
+/// Work of a search around a place \[units\].
+fn local_units(place: &Detection) -> u32 {
+    match is_upright(place) {
+        true => LOCAL_UNITS,
+        false => TURNED_UNITS,
     }
 }
 

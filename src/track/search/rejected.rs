@@ -40,12 +40,12 @@ impl PendingRetry {
         }
     }
 
-    /// Where the first attempt ended, and whether that was before its last iteration; `None` if
-    /// there was none.
-    pub fn take(&mut self) -> Option<(Shape, bool)> {
-        let is_some = self.confidence > 0.0;
+    /// Where the first attempt ended, its confidence, and whether that was before its last
+    /// iteration; `None` if there was none.
+    pub fn take(&mut self) -> Option<(Shape, f32, bool)> {
+        let confidence = self.confidence;
         self.clear();
-        is_some.then_some((self.shape, self.is_unfinished))
+        (confidence > 0.0).then_some((self.shape, confidence, self.is_unfinished))
     }
 }
 
@@ -189,7 +189,7 @@ mod tests {
         let mut retry = PendingRetry::NONE;
         retry.offer(0.4, &[[4.0; 2]; LANDMARKS], true);
         retry.offer(0.3, &[[3.0; 2]; LANDMARKS], false);
-        assert_eq!(retry.take(), Some(([[4.0; 2]; LANDMARKS], true)));
+        assert_eq!(retry.take(), Some(([[4.0; 2]; LANDMARKS], 0.4, true)));
         assert_eq!(retry.take(), None);
     }
 }
