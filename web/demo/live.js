@@ -13,7 +13,7 @@ import { withNames } from './driver/zones.js';
  * What a message has beside it.
  * @typedef {object} Page
  * @property {string[]} animationNames
- * @property {Omit<import('./driver/zones.js').NamedZone, 'name'>[]} zones Those of a driver monitor.
+ * @property {Omit<import('./driver/zones.js').NamedZone, 'name'>[]} zones Those of a monitor.
  */
 
 /** Time until a lost connection is tried again [ms]. */
