@@ -133,7 +133,7 @@ mod tests {
             panic!("one turn to the driver");
         };
         // Around 399 px, which is 100 mm to the right at 700.
-        assert_eq!(roi, Roi::new(161, 2, 476, 475));
+        assert_eq!(roi, Roi::new(161, 1, 476, 477));
         assert!(turns(nobody, 5).is_empty());
         assert_eq!(turns(EyeState::Closed, 1), [Turn::ToAnyone]);
     }

@@ -107,10 +107,12 @@ mod tests {
             lines.map(move |line| (folder, line.split('\'').nth(1).expect("a path")))
         });
         for (folder, name) in imports {
-            let path = match name.strip_prefix("../") {
-                Some(above) => above.to_string(),
-                None => format!("{folder}/{}", name.trim_start_matches("./")),
+            let (folder, name) = match name.strip_prefix("../") {
+                Some(name) => (folder.rsplit_once('/').map_or("", |(above, _)| above), name),
+                None => (folder, name.trim_start_matches("./")),
             };
+            let path = format!("{folder}/{name}");
+            let path = path.trim_start_matches('/');
             assert!(FILES.iter().any(|file| file.path == path), "{path}");
         }
     }
