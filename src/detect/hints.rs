@@ -110,7 +110,7 @@ mod tests {
         scores.add([0.03, 0.03], 255);
         let order = Order::new(&scores);
         let pass = |x: f32, y: f32| order.pass([x, y], [x, y]);
-        assert_eq!([0.9, 0.5].map(|x| pass(x, 0.99)), [0, 1]);
+        assert_eq!([0.9, 0.2].map(|x| pass(x, 0.99)), [0, 1]);
         let later = [0.94, 0.9, 0.8, 0.65, 0.55, 0.1];
         assert_eq!(later.map(|y| pass(0.9, y)), [2, 3, 4, 5, 6, 7]);
         assert_eq!(pass(0.01, 0.01), 0);
