@@ -4,6 +4,20 @@
 const SPAN_US = 10e6;
 
 /**
+ * Empties a canvas, which gets the pixels of the screen that it takes; what is drawn is in CSS px.
+ * @param {HTMLCanvasElement} canvas
+ */
+export function cleared(canvas) {
+  const scale = globalThis.devicePixelRatio || 1;
+  const [width, height] = [canvas.clientWidth, canvas.clientHeight];
+  canvas.width = Math.round(width * scale);
+  canvas.height = Math.round(height * scale);
+  const context = canvas.getContext('2d');
+  context?.scale(scale, scale);
+  return { context, width, height };
+}
+
+/**
  * @typedef {object} Curve
  * @property {string} css The class of the legend's word, whose colour the curve has.
  * @property {(number | null)[]} values One for each time; null where there is none.
@@ -60,13 +74,8 @@ export class Chart {
 
   #draw() {
     const canvas = this.#canvas;
-    const scale = globalThis.devicePixelRatio || 1;
-    const [width, height] = [canvas.clientWidth, canvas.clientHeight];
-    canvas.width = Math.round(width * scale);
-    canvas.height = Math.round(height * scale);
-    const context = canvas.getContext('2d');
+    const { context, width, height } = cleared(canvas);
     if (!context) return;
-    context.scale(scale, scale);
     const [low, high] = this.#range();
     const end = this.#times[this.#times.length - 1];
     const x = (/** @type {number} */ us) => width * (1 - (end - us) / SPAN_US);

@@ -1,5 +1,7 @@
 // Zones as a plan, seen from the driver: yaw across, pitch up, and where gaze and head point.
 
+import { cleared } from '../charts.js';
+
 /** @typedef {import('../../layout.js').MonitorState} MonitorState */
 /** @typedef {import('./zones.js').NamedZone} NamedZone */
 
@@ -15,13 +17,8 @@ const MARK_PX = 6;
  * @param {MonitorState} state
  */
 export function drawPlan(canvas, zones, state) {
-  const scale = globalThis.devicePixelRatio || 1;
-  const [width, height] = [canvas.clientWidth, canvas.clientHeight];
-  canvas.width = Math.round(width * scale);
-  canvas.height = Math.round(height * scale);
-  const context = canvas.getContext('2d');
+  const { context, width, height } = cleared(canvas);
   if (!context) return;
-  context.scale(scale, scale);
   const style = getComputedStyle(canvas);
   const share = (/** @type {number} */ v, /** @type {number[]} */ [low, high]) =>
     Math.min(1, Math.max(0, (v - low) / (high - low)));
