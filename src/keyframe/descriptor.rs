@@ -98,7 +98,7 @@ pub fn split([a, b, tail @ ..]: &Descriptor) -> (u64, [u32; 6]) {
     (u64::from(*a) | u64::from(*b) << 32, *tail)
 }
 
-/// A bit for each of these heads that differs from another one in at most so many bits. All are
+/// A bit for each of these heads, set where it differs from `head` in at most `most` bits. All are
 /// compared, in vectors, which takes less than to look at some.
 #[inline]
 pub fn near<const N: usize>(heads: &[u64; N], head: u64, most: u32) -> u32 {

@@ -13,6 +13,9 @@ use super::{json, zones};
 use crate::cli::MonitorArgs;
 use crate::parse::DriverPlace;
 
+/// Events that are kept for a page: more than it shows.
+const MOST_EVENTS: usize = 24;
+
 /// A monitor and where its events go.
 pub struct Watch {
     monitor: Monitor,
@@ -81,6 +84,12 @@ impl Watch {
             self.states.push(self.monitor.state());
         }
         Ok(())
+    }
+
+    /// Forgets all events but the last ones: nobody may ask for them for days.
+    pub fn forget_old_events(&mut self) {
+        let old = self.events.len().saturating_sub(MOST_EVENTS);
+        self.events.drain(..old);
     }
 
     /// What the page of `posewise view` shows; it has the events from then on anew.

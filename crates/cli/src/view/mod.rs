@@ -73,6 +73,7 @@ fn follow(
         while session.events().pop().is_some() {}
         if let Some(watch) = &mut watch {
             watch.see(session.result(), picture.timestamp_us)?;
+            watch.forget_old_events();
             let (camera, size) = (session.intrinsics(), session.size());
             if let Some(turn) = watch.keep(picture.timestamp_us, &camera, size) {
                 session.turn(turn, args.frame.roi)?;
