@@ -4,9 +4,9 @@ use super::follow::Appearance;
 use super::geometry::{centre, initial_shape};
 use super::policy::{
     ACCEPT_CONFIDENCE, DISCARD_CONFIDENCE, FIRST_UNITS, FIT_WEIGHT_HIDDEN, FIT_WEIGHT_MIN,
-    ITERATION_UNITS, ROTATION_PRIOR_WEIGHT, TRUST_CONFIDENCE,
+    ITERATION_UNITS, LOOKS, ROTATION_PRIOR_WEIGHT, TRUST_CONFIDENCE,
 };
-use super::search::Excluded;
+use super::search::{Excluded, Seen};
 use super::step::Step;
 use crate::align::{Networks, Shape, Workspace};
 use crate::detect::Detection;
@@ -52,6 +52,8 @@ pub(super) struct Start {
     pub(super) origin: Origin,
     /// Whether a rejected candidate is worth another attempt.
     pub(super) may_retry: bool,
+    /// The detection that it comes from.
+    pub(super) seen: Seen,
     /// Those of the last iteration; all before have the first only.
     pub(super) networks: Networks,
 }
@@ -65,6 +67,7 @@ impl Start {
             needed: Needed::to_refine(ACCEPT_CONFIDENCE),
             origin,
             may_retry: false,
+            seen: Seen::NONE,
             networks: Networks::All,
         }
     }
@@ -90,6 +93,10 @@ impl Start {
             needed,
             origin,
             may_retry: true,
+            seen: Seen {
+                face: *face,
+                looks: LOOKS,
+            },
             networks: Networks::All,
         })
     }

@@ -680,10 +680,11 @@ impl Tracker {
         proposals.spend(candidate.units);
         match verify(step, start, candidate, &self.excluded, &self.suppressed) {
             Verdict::Reject => {}
-            Verdict::Retry => self.search.offer(candidate),
+            Verdict::Retry => self.search.offer(start, candidate),
+            Verdict::LookAgain => self.search.look_again_at(&start.seen),
             // The next step goes on with it.
             Verdict::Fit if candidate.iterations_left > 0 && !proposals.has_room(FOUND_UNITS) => {
-                self.search.offer(candidate);
+                self.search.offer(start, candidate);
             }
             Verdict::Fit => {
                 proposals.spend(FOUND_UNITS);

@@ -6,7 +6,7 @@ mod rejected;
 mod scan;
 
 pub use faces::{Detected, FaceHint, FoundFace, list};
-pub use rejected::{Excluded, Suppressed};
+pub use rejected::{Excluded, Seen, Suppressed};
 
 use super::align::{Candidate, Needed, Origin, Start};
 use super::config::Config;
@@ -14,7 +14,7 @@ use super::output::State;
 use super::policy::{
     ACCEPT_CONFIDENCE, DISCARD_CONFIDENCE, FIRST_ATTEMPT_CONFIDENCE, FIRST_UNITS, FOUND_UNITS,
     ITERATION_UNITS, KEYFRAME_UNITS, LOCAL_ITERATIONS, LOCAL_SEARCH_PERIOD, LOCAL_UNITS,
-    RETRY_CONFIDENCE, TURNED_ITERATIONS, TURNED_UNITS,
+    LOOK_AGAIN_PERIOD, RETRY_CONFIDENCE, TURNED_ITERATIONS, TURNED_UNITS,
 };
 use super::step::{Step, WorkBudget};
 use crate::align::{Networks, Workspace};
@@ -28,6 +28,8 @@ use scan::{LastSeen, ScanPlan, Scanner, nearest};
 pub struct Search {
     scanner: Scanner,
     retry: PendingRetry,
+    /// The best detection whose attempt went astray; none if there is none.
+    astray: Seen,
     pub keyframes: Keyframes,
 }
 
@@ -35,13 +37,14 @@ impl Search {
     pub const EMPTY: Search = Search {
         scanner: Scanner::EMPTY,
         retry: PendingRetry::NONE,
+        astray: Seen::NONE,
         keyframes: Keyframes::EMPTY,
     };
 
     /// As before the first step.
     pub fn reset(&mut self) {
+        self.end();
         self.scanner.reset();
-        self.retry.clear();
         self.keyframes.reset();
     }
 
@@ -56,29 +59,41 @@ impl Search {
     }
 
     /// Keeps a rejected candidate for a retry, if none is kept that is better.
-    pub fn offer(&mut self, rejected: &Candidate) {
-        let is_unfinished = rejected.iterations_left > 0;
-        let confidence = rejected.confidence.face;
-        (self.retry).offer(confidence, &rejected.shape, is_unfinished);
+    pub fn offer(&mut self, start: &Start, rejected: &Candidate) {
+        self.retry.offer(&PendingRetry {
+            confidence: rejected.confidence.face,
+            shape: rejected.shape,
+            is_unfinished: rejected.iterations_left > 0,
+            seen: start.seen,
+        });
     }
 
-    /// A face was found: ends scan and retry.
+    /// Keeps a detection whose attempt went astray, if none is kept that is better.
+    pub fn look_again_at(&mut self, seen: &Seen) {
+        if seen.face.score > self.astray.face.score {
+            self.astray = *seen;
+        }
+    }
+
+    /// A face was found: ends scan and retries.
     fn end(&mut self) {
         self.scanner.restart();
         self.retry.clear();
+        self.astray = Seen::NONE;
     }
 
     /// The rest of a first attempt, which may be retried once more, or the second and last attempt
     /// at a rejected detection.
     fn retried(&mut self) -> Option<Start> {
-        let (shape, confidence, is_unfinished) = self.retry.take()?;
-        let mut start = Start::near(shape, Origin::NewFace);
-        if is_unfinished {
+        let retry = self.retry.take()?;
+        let mut start = Start::near(retry.shape, Origin::NewFace);
+        start.seen = retry.seen;
+        if retry.is_unfinished {
             start.needed = Needed::to_refine(FIRST_ATTEMPT_CONFIDENCE);
             start.may_retry = true;
         }
         // Most of these are no faces: all networks see it if it is better then.
-        if confidence < RETRY_CONFIDENCE {
+        if retry.confidence < RETRY_CONFIDENCE {
             start.networks = Networks::First;
         }
         Some(start)
@@ -132,7 +147,7 @@ enum Stage {
     Turn(LastSeen),
     /// What the detector finds near the target's last place.
     NearTarget(Detection),
-    /// The pending retry …
+    /// The pending retry, or what the detector sees where an attempt went astray …
     Retry,
     /// … with work for one tile at least …
     BeginScan,
@@ -220,14 +235,25 @@ impl Proposals {
                     let start = found.and_then(|face| first(step, &face, Origin::NewFace));
                     (start, Stage::Begin)
                 }
-                Stage::NearTarget(face) => (self.near_target(step, &face, work), Stage::End),
+                Stage::NearTarget(face) => {
+                    let start = self.near(step, &face, Origin::Reacquired, work);
+                    (start, Stage::End)
+                }
                 Stage::Begin => (None, self.begin(step, config, search)),
                 Stage::Keyframe(last) => self.keyframe(step, &last, search, work),
                 Stage::Lost(last) => (None, self.lost(&last, search)),
                 Stage::Turn(last) => (None, turn(&last, search)),
                 // If a keyframe match was rejected, the step has had its retry.
                 Stage::Retry if self.budget.spent() > KEYFRAME_UNITS => (None, Stage::BeginScan),
-                Stage::Retry => (self.retry(search), Stage::BeginScan),
+                Stage::Retry => {
+                    let retry = self.retry(search);
+                    let is_due = retry.is_none() && search.scanner.is_one_in(LOOK_AGAIN_PERIOD);
+                    let start = match is_due {
+                        true => self.astray(step, search, work),
+                        false => retry,
+                    };
+                    (start, Stage::BeginScan)
+                }
                 Stage::BeginScan => {
                     self.budget.leave(TILE_UNITS);
                     (None, Stage::Scan)
@@ -235,6 +261,7 @@ impl Proposals {
                 Stage::Scan => self.detection(step, search, work),
                 Stage::Retries if self.budget.left() >= RETRY_UNITS => {
                     let start = search.retried();
+                    let start = start.or_else(|| self.astray(step, search, work));
                     let is_last = start.is_none();
                     (start, if is_last { Stage::End } else { Stage::Retries })
                 }
@@ -248,11 +275,12 @@ impl Proposals {
         }
     }
 
-    /// What the detector finds near the target's last place.
-    fn near_target(
+    /// What the detector finds near a place, with the first network only.
+    fn near(
         &mut self,
         step: &Step<'_>,
         place: &Detection,
+        origin: Origin,
         work: &mut Workspace,
     ) -> Option<Start> {
         self.budget.spend(local_units(place));
@@ -261,7 +289,7 @@ impl Proposals {
             false => TURNED_ITERATIONS,
         };
         let face = nearest(step, place, work)?;
-        let start = first(step, &face, Origin::Reacquired)?;
+        let start = first(step, &face, origin)?;
         Some(Start {
             iterations: most.min(start.iterations),
             networks: Networks::First,
@@ -279,6 +307,24 @@ impl Proposals {
             true => Some(start),
             false => Some(start.with(Networks::First)),
         }
+    }
+
+    /// What the detector sees where an attempt went astray; it waits where there is no room.
+    fn astray(
+        &mut self,
+        step: &Step<'_>,
+        search: &mut Search,
+        work: &mut Workspace,
+    ) -> Option<Start> {
+        let Seen { face, looks } = search.astray;
+        let attempt = LOCAL_ITERATIONS as u32 * FIRST_UNITS + FOUND_UNITS;
+        if looks == 0 || !self.budget.has_room(local_units(&face) + attempt) {
+            return None;
+        }
+        search.astray = Seen::NONE;
+        let mut start = self.near(step, &face, Origin::NewFace, work)?;
+        start.seen.looks = looks - 1;
+        Some(start)
     }
 
     /// The last proposal was accepted as the target.
@@ -392,5 +438,28 @@ fn turn(last: &LastSeen, search: &mut Search) -> Stage {
     match search.scanner.is_one_in(LOCAL_SEARCH_PERIOD) {
         true => Stage::NearTarget(last.place),
         false => Stage::Keyframe(*last),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_detector_looks_again_at_the_best_detection() {
+        let seen = |score: f32| Seen {
+            face: Detection {
+                score,
+                ..Detection::NONE
+            },
+            looks: 1,
+        };
+        let mut search = Search::EMPTY;
+        for score in [1.0, 3.0, 2.0] {
+            search.look_again_at(&seen(score));
+        }
+        assert_eq!(search.astray, seen(3.0));
+        search.end();
+        assert_eq!(search.astray, Seen::NONE);
     }
 }

@@ -7,16 +7,33 @@ use crate::shape::LANDMARKS;
 use crate::track::config::MAX_EXCLUDED;
 use crate::track::policy::{SAME_FACE, SUPPRESS_DISTANCE, SUPPRESS_SIZES, SUPPRESS_US};
 
+/// A detection that an attempt starts from, and how often the detector may look there again.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Seen {
+    pub face: Detection,
+    pub looks: u8,
+}
+
+impl Seen {
+    /// No detection.
+    pub const NONE: Seen = Seen {
+        face: Detection::NONE,
+        looks: 0,
+    };
+}
+
 /// The rejected detection of the highest confidence, to be retried: mostly on the next frame, as
 /// its initial shape was poor.
-#[derive(Clone)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PendingRetry {
     /// 0 if there is none.
-    confidence: f32,
+    pub confidence: f32,
     /// Where the first attempt ended.
-    shape: Shape,
+    pub shape: Shape,
     /// Whether that was before its last iteration.
-    is_unfinished: bool,
+    pub is_unfinished: bool,
+    /// The detection that it started from.
+    pub seen: Seen,
 }
 
 impl PendingRetry {
@@ -24,28 +41,25 @@ impl PendingRetry {
         confidence: 0.0,
         shape: [[0.0; 2]; LANDMARKS],
         is_unfinished: false,
+        seen: Seen::NONE,
     };
 
     pub fn clear(&mut self) {
         self.confidence = 0.0;
     }
 
-    pub fn offer(&mut self, confidence: f32, shape: &Shape, is_unfinished: bool) {
-        if confidence > self.confidence {
-            *self = PendingRetry {
-                confidence,
-                shape: *shape,
-                is_unfinished,
-            };
+    /// Keeps what is better than what is kept.
+    pub fn offer(&mut self, retry: &PendingRetry) {
+        if retry.confidence > self.confidence {
+            *self = *retry;
         }
     }
 
-    /// Where the first attempt ended, its confidence, and whether that was before its last
-    /// iteration; `None` if there was none.
-    pub fn take(&mut self) -> Option<(Shape, f32, bool)> {
-        let confidence = self.confidence;
+    /// What is kept; `None` if there is nothing.
+    pub fn take(&mut self) -> Option<PendingRetry> {
+        let retry = *self;
         self.clear();
-        (confidence > 0.0).then_some((self.shape, confidence, self.is_unfinished))
+        (retry.confidence > 0.0).then_some(retry)
     }
 }
 
@@ -186,10 +200,14 @@ mod tests {
 
     #[test]
     fn the_most_confident_candidate_is_retried_once() {
+        let of = |confidence: f32| PendingRetry {
+            confidence,
+            ..PendingRetry::NONE
+        };
         let mut retry = PendingRetry::NONE;
-        retry.offer(0.4, &[[4.0; 2]; LANDMARKS], true);
-        retry.offer(0.3, &[[3.0; 2]; LANDMARKS], false);
-        assert_eq!(retry.take(), Some(([[4.0; 2]; LANDMARKS], 0.4, true)));
+        retry.offer(&of(0.4));
+        retry.offer(&of(0.3));
+        assert_eq!(retry.take(), Some(of(0.4)));
         assert_eq!(retry.take(), None);
     }
 }

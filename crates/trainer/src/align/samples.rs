@@ -25,6 +25,10 @@ pub struct Start {
     pub tracked: BoxJitter,
     /// Share of the first kind.
     pub detected_share: f32,
+    /// Share of these that are [`STRAY`] times as far off: detections of blurred faces and of those
+    /// that are hard to see.
+    #[serde(skip_serializing_if = "is_none")]
+    pub stray_share: f32,
 }
 
 impl Default for Start {
@@ -41,6 +45,7 @@ impl Default for Start {
                 roll: 0.05,
             },
             detected_share: 0.4,
+            stray_share: 0.15,
         }
     }
 }
@@ -86,7 +91,7 @@ impl Default for Augment {
             tone: 0.3,
             noise: 12.0,
             slope: 40.0,
-            blur: 0.15,
+            blur: 0.2,
             coarse: 0.15,
             faint: 0.0,
             patch: 0.2,
@@ -105,8 +110,10 @@ pub struct Sample {
     pub weights: Vec<f32>,
 }
 
+/// How much farther off than other detections stray ones are.
+const STRAY: f32 = 2.5;
 /// Most times that an unsharp crop is blurred by 3×3 means.
-const MOST_BLURS: usize = 8;
+const MOST_BLURS: usize = 16;
 /// Logarithm of what is left of the contrast of a crop that has little.
 const FAINT: std::ops::Range<f32> = -2.0..-0.4;
 /// Width of a mean face's box, in canonical units: what jitter's shifts are shares of.
@@ -123,10 +130,11 @@ pub fn sample(
     rng: &mut ChaCha8Rng,
 ) -> Sample {
     let detected = rng.random_range(0.0..1.0) < start.detected_share;
-    let jitter = if detected {
-        &start.detected
-    } else {
-        &start.tracked
+    let is_stray = detected && rng.random_range(0.0..1.0) < start.stray_share;
+    let jitter = match detected {
+        true if is_stray => start.detected.times(STRAY),
+        true => start.detected,
+        false => start.tracked,
     };
     let scale = (normal(rng) * jitter.log_size).exp() / sizes.zoom;
     let angle = normal(rng) * jitter.roll;
@@ -200,7 +208,7 @@ pub fn disturb(crop: &mut [f32], side: usize, augment: &Augment, rng: &mut ChaCh
         }
         blur(crop, side);
     } else if chance(augment.blur, rng) {
-        // Out of focus: nearly a Gaussian of 0.8 to 2.3 px.
+        // Out of focus: nearly a Gaussian of 0.8 to 3.3 px.
         for _ in 0..rng.random_range(1..=MOST_BLURS) {
             blur(crop, side);
         }

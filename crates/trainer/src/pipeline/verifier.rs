@@ -32,7 +32,7 @@ pub fn make(
         seed,
         least_probability: LEAST_PROBABILITY,
     };
-    let stage = Stage::new("verifier", 10)
+    let stage = Stage::new("verifier", 11)
         .options(&options)?
         .input("detector", detector.hash(sections::FILE)?);
     let stage = sections::with_cascade(stage, cascade)?;

@@ -76,7 +76,7 @@ impl Camera {
         };
         let dark = up_to(0.5, 3.0);
         let haze = up_to(0.3, 0.85);
-        let blur_px = up_to(0.4, 0.045) * face_px;
+        let blur_px = up_to(0.4, 0.06) * face_px;
         let motion = up_to(0.3, 0.12) * face_px;
         let (s, c) = rng.random_range(0.0..std::f32::consts::TAU).sin_cos();
         let exposure = (-dark).exp();
