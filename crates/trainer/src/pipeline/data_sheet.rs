@@ -177,8 +177,13 @@ pub fn kept_part(
         let end = ends.filter(|end| *end > start).min();
         &sheet[start..end.unwrap_or(sheet.len())]
     });
-    let part = part.trim_end_matches(PADDING);
-    Ok(Some((section, format!("{part}\n"))))
+    Ok(Some((section, part.to_string())))
+}
+
+/// Adds a part to a data sheet, after an empty line.
+pub fn add(sheet: &mut String, part: &str) {
+    sheet.truncate(sheet.trim_end_matches(PADDING).len());
+    *sheet += &format!("\n\n{}\n", part.trim_matches(PADDING));
 }
 
 /// What may stand at the end of a data sheet and says nothing.

@@ -67,7 +67,7 @@ pub fn run(args: &Args) -> Result<()> {
     if args.wireframe.is_none() {
         let mesh = mesh::make(&store, &args.data, &face.read(sections::FILE)?)?;
         all.push(sections::read(&(&mesh, MESH_TAG))?);
-        sheet += &mesh::about();
+        data_sheet::add(&mut sheet, &mesh::about());
     }
     let mut kept = vec![];
     if refiners::steps(args) == 0 {
@@ -77,7 +77,7 @@ pub fn run(args: &Args) -> Result<()> {
     for (tag, heading) in kept {
         if let Some((section, about)) = data_sheet::kept_part(&context, tag, heading)? {
             all.push(section);
-            sheet += &about;
+            data_sheet::add(&mut sheet, &about);
         }
     }
     let size = pack::write(&args.out, all, &sheet)?;
