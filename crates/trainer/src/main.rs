@@ -23,7 +23,7 @@ enum Command {
     AddEyes(pipeline::eyes::AddArgs),
     /// Write a model with the dense mesh of its head: one that is finished, with all other sections
     /// as they are.
-    AddMesh(pipeline::mesh::AddArgs),
+    AddMesh(pipeline::add::Args),
     /// Train animation weights that are seen and write a model with them: one that is finished,
     /// with all other sections as they are.
     AddWeights(pipeline::weights::AddArgs),

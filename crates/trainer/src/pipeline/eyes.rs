@@ -1,9 +1,10 @@
 //! Stage `eyes`: the network of single eyes (section `EYES`). It depends on renders and photographs
 //! alone, so that it can be added to a finished model.
 
+use super::add::{self, Added};
 use super::args::Args;
 use super::context::Context;
-use super::data_sheet::{self, EYES_HEADING};
+use super::data_sheet::EYES_HEADING;
 use super::renders;
 use super::sections;
 use super::stage::Stage;
@@ -13,9 +14,9 @@ use crate::faces;
 use crate::head::MARKS_VERSION;
 use crate::render::{Kind, eye_cache};
 use crate::sources::Terms;
-use anyhow::{Context as _, Result};
+use anyhow::Result;
 use posewise::align::EYES_TAG;
-use posewise_format::{AlignedBytes, Blob, SHEET_TAG, SectionWriter};
+use posewise_format::Blob;
 use std::path::PathBuf;
 
 /// Renders of other people, by which probabilities are calibrated.
@@ -128,31 +129,21 @@ pub struct AddArgs {
     pub args: Args,
 }
 
-/// Writes a model with section `EYES` added or replaced; every other section stays as it is.
-pub fn add(add: &AddArgs) -> Result<()> {
-    let args = &add.args;
+/// Writes a model with section `EYES` added or replaced.
+pub fn add(options: &AddArgs) -> Result<()> {
+    let args = &options.args;
     let store = Store::open(&args.cache)?;
     let context = Context::new(args, &store, None)?;
-    let output = make(&context, &add.average)?;
-    let section = sections::read(&(&output, EYES_TAG))?;
+    let output = make(&context, &options.average)?;
     let figures: serde_json::Value = serde_json::from_slice(&output.read(FIGURES)?)?;
-    let path = add.model.display();
-    let bytes = std::fs::read(&add.model).with_context(|| format!("reading {path}"))?;
-    let bytes = AlignedBytes::new(&bytes);
-    let others = Blob::open(&bytes)?;
-    let mut all: Vec<SectionWriter> = others
-        .sections()
-        .filter(|(tag, _)| *tag != EYES_TAG && *tag != SHEET_TAG)
-        .map(|(tag, bytes)| SectionWriter::of_bytes(tag, bytes.to_vec()))
-        .collect();
-    all.push(section);
-    let sheet = others.sections().find(|(tag, _)| *tag == SHEET_TAG);
-    let sheet = String::from_utf8_lossy(sheet.map_or(&[], |(_, bytes)| bytes)).into_owned();
-    let sheet = data_sheet::titled(&sheet, &args.out);
-    let sheet = data_sheet::with_part(&sheet, EYES_HEADING, &about(add, &figures));
-    let size = super::pack::write(&args.out, all, &sheet)?;
-    println!("{}: {size} bytes", args.out.display());
-    Ok(())
+    let bytes = add::read(&options.model)?;
+    let added = Added {
+        tag: EYES_TAG,
+        section: sections::read(&(&output, EYES_TAG))?,
+        heading: EYES_HEADING,
+        about: &about(options, &figures),
+    };
+    add::write(&Blob::open(&bytes)?, &added, &args.out)
 }
 
 /// What a data sheet says of the section.
@@ -180,12 +171,11 @@ eyes above, and of 4,000 in near-infrared light (MRL Eye Dataset, research)",
         "\
 added by `cargo run --release -p posewise-train -- add-eyes --terms {terms} --seed {seed}
 --eye-renders {renders} --eye-steps {steps}{from}`. Trained on {renders} rendered faces,
-which look up to 40 degrees down, and on the eyes of the photographed whole faces above, half of
-them shut by drawing; {photographs}.{begun}
+which look up to 40 degrees down, and on the eyes of the photographed whole faces above, two
+fifths of them shut by drawing and a quarter looking down; {photographs}.{begun}
 On {CALIBRATION} renders of other heads, which also set its 22 numbers of calibration:
 gaze of both eyes within 30 degrees of yaw {gaze:.1} degrees; areas under the ROC of lids {lids:.3},
-glasses {glasses:.3}, dark glasses {dark:.3}, visible eyes {visible:.3}.
-",
+glasses {glasses:.3}, dark glasses {dark:.3}, visible eyes {visible:.3}.",
         seed = args.seed,
         from = args.from_option() + &averaged,
         renders = args.eye_renders,

@@ -20,8 +20,9 @@
 //! | `data-sheet` | [`data_sheet`] | errors on the dev photographs, for section `INFO` |
 //!
 //! [`pack`] writes the model of these, and [`run()`] calls them in order. [`eyes`] and [`weights`]
-//! make sections for a model that is finished.
+//! make sections for a model that is finished, and [`add`] writes it with one more section.
 
+pub mod add;
 pub mod args;
 pub mod context;
 pub mod data_sheet;

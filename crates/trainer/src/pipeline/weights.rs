@@ -1,15 +1,16 @@
 //! Stage `weights`: animation weights that are seen (section `WGHT`). It depends on a finished
 //! model's networks, so it is added to one.
 
-use super::data_sheet::{self, WEIGHTS_HEADING};
+use super::add::{self, Added};
+use super::data_sheet::WEIGHTS_HEADING;
 use super::sections;
 use super::stage::Stage;
 use super::store::{Output, Store};
 use crate::render::{self, Kind};
 use crate::weights::{self, Figures, Options};
-use anyhow::{Context, Result};
+use anyhow::Result;
 use posewise::align::WEIGHTS_TAG;
-use posewise_format::{AlignedBytes, Blob, SHEET_TAG, SectionWriter, blob};
+use posewise_format::{Blob, blob};
 use std::path::PathBuf;
 
 /// The rendered pictures.
@@ -20,18 +21,8 @@ const FIGURES: &str = "figures.json";
 /// Options of `posewise-train add-weights`.
 #[derive(Clone, Debug, clap::Args)]
 pub struct AddArgs {
-    /// The finished model.
-    #[arg(long)]
-    pub model: PathBuf,
-    /// The shared data: `facekit.npz`, `free/`.
-    #[arg(long, default_value = "../shared/data")]
-    pub data: PathBuf,
-    /// Folder for the outputs of stages.
-    #[arg(long, default_value = "cache")]
-    pub cache: PathBuf,
-    /// Where the model with the section goes; its data sheet is written beside it, ending in `.md`.
-    #[arg(long)]
-    pub out: PathBuf,
+    #[command(flatten)]
+    pub add: add::Args,
     /// Seed of everything random.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
@@ -44,22 +35,20 @@ pub struct AddArgs {
 const PEOPLE: u64 = 0x3e16;
 
 fn shots(store: &Store, args: &AddArgs) -> Result<Output> {
+    let data = &args.add.data;
     let spec = [weights::spec(0), weights::spec(1)];
     let stage = Stage::new("weights-renders", 1)
         .options(&(args.seed, args.persons, spec))?
-        .input("facekit.npz", store.data(&args.data.join("facekit.npz"))?)
+        .input("facekit.npz", store.data(&data.join("facekit.npz"))?)
         .input(
             "makehuman",
-            store.data(&args.data.join(render::MAKEHUMAN_FOLDER))?,
+            store.data(&data.join(render::MAKEHUMAN_FOLDER))?,
         )
-        .input(
-            "panoramas",
-            store.data(&args.data.join(render::PANORAMA_FILE))?,
-        );
+        .input("panoramas", store.data(&data.join(render::PANORAMA_FILE))?);
     store.make(&stage, &[SHOTS], |folder| {
         let renderer = render::renderer(
             &render::Args {
-                data: args.data.clone(),
+                data: data.clone(),
                 cache: PathBuf::new(),
                 count: 0,
                 seed: args.seed ^ PEOPLE,
@@ -75,16 +64,16 @@ fn shots(store: &Store, args: &AddArgs) -> Result<Output> {
     })
 }
 
-/// Writes a model with section `WGHT` added or replaced; every other section stays as it is.
+/// Writes a model with section `WGHT` added or replaced.
 pub fn add(args: &AddArgs) -> Result<()> {
-    let store = Store::open(&args.cache)?;
-    let path = args.model.display();
-    let bytes = std::fs::read(&args.model).with_context(|| format!("reading {path}"))?;
+    let store = Store::open(&args.add.cache)?;
+    let bytes = add::read(&args.add.model)?;
+    let model = Blob::open(&bytes)?;
     let options = Options::new(args.seed);
     let shots = shots(&store, args)?;
     let stage = Stage::new("weights", 1)
         .options(&options)?
-        .input("model", store.data(&args.model)?)
+        .input("model", store.data(&args.add.model)?)
         .input("weights-renders", shots.hash(SHOTS)?);
     let output = store.make(&stage, &[sections::FILE, FIGURES], |folder| {
         let shots = weights::read(&shots.path(SHOTS))?;
@@ -96,21 +85,14 @@ pub fn add(args: &AddArgs) -> Result<()> {
     for (name, correlation, error) in &figures.weights {
         println!("{name:20} correlation {correlation:.3}, r.m.s. error {error:.3}");
     }
-    let aligned = AlignedBytes::new(&bytes);
-    let model = Blob::open(&aligned)?;
-    let mut all: Vec<SectionWriter> = (model.sections())
-        .filter(|(tag, _)| ![WEIGHTS_TAG, SHEET_TAG].contains(tag))
-        .map(|(tag, bytes)| SectionWriter::of_bytes(tag, bytes.to_vec()))
-        .collect();
-    all.push(sections::read(&(&output, WEIGHTS_TAG))?);
-    weights::check(&blob(&all))?;
-    let sheet = model.sections().find(|(tag, _)| *tag == SHEET_TAG);
-    let sheet = std::str::from_utf8(sheet.map_or(&[], |(_, bytes)| bytes))?;
-    let sheet = data_sheet::titled(sheet, &args.out);
-    let sheet = data_sheet::with_part(&sheet, WEIGHTS_HEADING, &about(args, &figures));
-    let size = super::pack::write(&args.out, all, &format!("{sheet}\n"))?;
-    println!("{}: {size} bytes", args.out.display());
-    Ok(())
+    let added = Added {
+        tag: WEIGHTS_TAG,
+        section: sections::read(&(&output, WEIGHTS_TAG))?,
+        heading: WEIGHTS_HEADING,
+        about: &about(args, &figures),
+    };
+    weights::check(&blob(&add::replaced(&model, &added)))?;
+    add::write(&model, &added, &args.add.out)
 }
 
 /// What a data sheet says of the section.
