@@ -19,16 +19,16 @@ const MOST_TAPS: usize = 4;
 const ROUNDS: usize = 8;
 
 /// A square crop around the origin of a frame, and where it shows the picture's places.
-pub struct Cut {
+pub struct Cut<'b> {
     side: usize,
     to_frame: Similarity,
     back: Similarity,
-    bend: Option<Bend>,
+    bend: Option<&'b Bend>,
 }
 
-impl Cut {
+impl<'b> Cut<'b> {
     /// Of `side` px; `to_frame` leads from px from the crop's middle into the picture.
-    pub fn new(to_frame: Similarity, side: usize, bend: Option<Bend>) -> Cut {
+    pub fn new(to_frame: Similarity, side: usize, bend: Option<&'b Bend>) -> Cut<'b> {
         Cut {
             side,
             to_frame,
@@ -39,7 +39,7 @@ impl Cut {
 
     /// Its pixels, row by row.
     pub fn crop(&self, picture: &Picture, mirrored: bool) -> Vec<f32> {
-        let Some(bend) = &self.bend else {
+        let Some(bend) = self.bend else {
             return picture.crop(&self.to_frame, self.side, mirrored);
         };
         let mut crop = bend.crop(picture, &self.to_frame, self.side);
@@ -52,8 +52,7 @@ impl Cut {
     /// Where it shows a place of the picture, in px from its middle, not mirrored.
     pub fn place(&self, at: [f32; 2]) -> [f32; 2] {
         let at = self.back.apply(at);
-        let bend = self.bend.as_ref();
-        bend.map_or(at, |bend| bend.apply(at, self.side))
+        (self.bend).map_or(at, |bend| bend.apply(at, self.side))
     }
 }
 

@@ -2,10 +2,12 @@
 //! cameras and light disturb them.
 
 use super::bend::{Bend, Cut};
-use super::network::{Points, Sizes};
+use super::network::Points;
+use super::options::Options;
+use super::source::Predict;
 use super::starts::normal;
 use crate::faces::Face;
-use posewise::align::{Shape, mirror};
+use posewise::align::{Shape, mirror, place};
 use posewise::math::Similarity;
 use posewise::shape::{LANDMARKS, MIRROR};
 use posewise_metrics::BoxJitter;
@@ -29,6 +31,10 @@ pub struct Start {
     /// that are hard to see.
     #[serde(skip_serializing_if = "is_none")]
     pub stray_share: f32,
+    /// Share of the samples whose crop lies where the network itself puts it; that share of these
+    /// after one more prediction.
+    #[serde(skip_serializing_if = "is_none")]
+    pub again: f32,
 }
 
 impl Default for Start {
@@ -46,6 +52,7 @@ impl Default for Start {
             },
             detected_share: 0.4,
             stray_share: 0.15,
+            again: 0.5,
         }
     }
 }
@@ -112,6 +119,8 @@ pub struct Sample {
 
 /// How much farther off than other detections stray ones are.
 const STRAY: f32 = 2.5;
+/// Most predictions before a sample.
+const MOST_AGAIN: usize = 3;
 /// Most times that an unsharp crop is blurred by 3×3 means.
 const MOST_BLURS: usize = 16;
 /// Logarithm of what is left of the contrast of a crop that has little.
@@ -119,16 +128,18 @@ const FAINT: std::ops::Range<f32> = -2.0..-0.4;
 /// Width of a mean face's box, in canonical units: what jitter's shifts are shares of.
 const BOX: f32 = 64.0;
 
-/// One sample of a face.
+/// One sample of a face. For a share of them ([`Start::again`]) the crop then lies where the
+/// network's own prediction on it puts the next one, for that share of these once more, and so on:
+/// while a face is tracked each frame starts from the errors of the one before.
 pub fn sample(
     face: &Face,
     mean: &Shape,
-    sizes: &Sizes,
-    start: &Start,
-    augment: &Augment,
+    options: &Options,
     bend: Option<Bend>,
+    predict: Option<&mut Predict<'_>>,
     rng: &mut ChaCha8Rng,
 ) -> Sample {
+    let (sizes, start) = (&options.sizes, &options.start);
     let detected = rng.random_range(0.0..1.0) < start.detected_share;
     let is_stray = detected && rng.random_range(0.0..1.0) < start.stray_share;
     let jitter = match detected {
@@ -138,22 +149,62 @@ pub fn sample(
     };
     let scale = (normal(rng) * jitter.log_size).exp() / sizes.zoom;
     let angle = normal(rng) * jitter.roll;
-    let mut sample = cut(
-        face,
-        mean,
-        sizes.side,
-        Similarity {
-            a: scale * angle.cos(),
-            b: scale * angle.sin(),
-            tx: normal(rng) * jitter.shift * BOX,
-            ty: normal(rng) * jitter.shift * BOX,
-        },
-        bend,
-        rng.random_bool(0.5),
-    );
-    disturb(&mut sample.crop, sizes.side, augment, rng);
-    standardise(&mut sample.crop);
+    let mut to_canonical = Similarity {
+        a: scale * angle.cos(),
+        b: scale * angle.sin(),
+        tx: normal(rng) * jitter.shift * BOX,
+        ty: normal(rng) * jitter.shift * BOX,
+    };
+    let mirrored = rng.random_bool(0.5);
+    let drawn = |to_canonical, rng: &mut ChaCha8Rng| {
+        let mut sample = cut(
+            face,
+            mean,
+            sizes.side,
+            to_canonical,
+            bend.as_ref(),
+            mirrored,
+        );
+        disturb(&mut sample.crop, sizes.side, &options.augment, rng);
+        standardise(&mut sample.crop);
+        sample
+    };
+    let mut sample = drawn(to_canonical, rng);
+    let Some(predict) = predict else {
+        return sample;
+    };
+    for _ in 0..MOST_AGAIN {
+        if rng.random_range(0.0..1.0) >= start.again {
+            break;
+        }
+        let Some(next) = next_place(mean, &predict(&sample), sizes.zoom, mirrored) else {
+            break;
+        };
+        to_canonical = next.then(&to_canonical);
+        if !is_near(&to_canonical, sizes.zoom) {
+            break;
+        }
+        sample = drawn(to_canonical, rng);
+    }
     sample
+}
+
+/// Where the next crop lies, by the points that were predicted in one: its px to those of the other
+/// as it was before it was mirrored, both from the middle. What bends the crop is left out.
+fn next_place(mean: &Shape, points: &Points, zoom: f32, mirrored: bool) -> Option<Similarity> {
+    let shape: Shape = std::array::from_fn(|k| points[k]);
+    let shape = if mirrored { mirror(&shape) } else { shape };
+    let placed = place(mean, &shape, zoom, 1)?;
+    Some(placed.centred_to_frame)
+}
+
+/// Whether a crop lies no farther off the face than stray detections do. Predictions of a network
+/// that has learnt little do.
+fn is_near(to_canonical: &Similarity, zoom: f32) -> bool {
+    let far = Start::default().detected.times(STRAY);
+    let shift = to_canonical.tx.hypot(to_canonical.ty);
+    let size = (to_canonical.scale() * zoom).ln();
+    shift <= far.shift * BOX && size.abs() <= far.log_size && to_canonical.angle().abs() <= far.roll
 }
 
 /// The crop of a face whose centred px lie at `to_canonical` of the true canonical frame.
@@ -162,7 +213,7 @@ pub fn cut(
     mean: &Shape,
     side: usize,
     to_canonical: Similarity,
-    bend: Option<Bend>,
+    bend: Option<&Bend>,
     mirrored: bool,
 ) -> Sample {
     let canonical = Similarity::fit(mean, &face.landmarks).expect("a face has extent");
@@ -294,6 +345,39 @@ pub fn standardise(crop: &mut [f32]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::faces::Picture;
+    use rand::SeedableRng;
+
+    /// A network that finds the landmarks exactly puts the next crop exactly over the face.
+    #[test]
+    fn the_next_crop_lies_where_the_network_puts_it() {
+        let ray = |k: usize| (k as f32).sin_cos();
+        let mean: Shape = std::array::from_fn(|k| [30.0 * ray(k).0, 25.0 * ray(k).1]);
+        let picture = Picture {
+            size: [100; 2],
+            luma: vec![100; 100 * 100],
+        };
+        let face = Face::new(picture, mean.map(|[x, y]| [50.0 + x - 0.2 * y, 45.0 + y]));
+        let always = Options {
+            start: Start {
+                again: 1.0,
+                stray_share: 0.0,
+                ..Start::default()
+            },
+            ..Options::default()
+        };
+        let offset = |seen: &mut Predict<'_>, seed: u64| {
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            let sample = sample(&face, &mean, &always, None, Some(seen), &mut rng);
+            let placed = next_place(&mean, &sample.truth, 1.0, false).expect("it has extent");
+            placed.tx.hypot(placed.ty)
+        };
+        let right = &mut |sample: &Sample| sample.truth.clone();
+        let none = &mut |_: &Sample| vec![[0.0; 2]; LANDMARKS];
+        let of = |seen: &mut Predict<'_>| (0..8).map(|seed| offset(seen, seed)).sum::<f32>();
+        assert!(of(right) < 0.01, "{}", of(right));
+        assert!(of(none) > 8.0, "without a prediction it stays off");
+    }
 
     #[test]
     fn a_smear_stays_where_it_was() {

@@ -12,10 +12,18 @@ use posewise::align::Shape;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 
+/// What the network that is being trained makes of a sample: points in its crop \[px\].
+pub type Predict<'p> = dyn FnMut(&Sample) -> Points + 'p;
+
 /// Where samples come from.
 pub trait Source: Sync {
     /// A sample.
     fn draw(&self, rng: &mut ChaCha8Rng) -> Sample;
+
+    /// A sample whose crop may lie where an earlier prediction puts it.
+    fn draw_again(&self, _predict: &mut Predict<'_>, rng: &mut ChaCha8Rng) -> Sample {
+        self.draw(rng)
+    }
 
     /// Pairs of points whose distance counts by itself, and its weight.
     fn aperture(&self, aperture: &Aperture) -> Vec<([usize; 2], f32)>;
@@ -106,8 +114,8 @@ pub struct Faces<'a> {
     pub draw: Draw,
 }
 
-impl Source for Faces<'_> {
-    fn draw(&self, rng: &mut ChaCha8Rng) -> Sample {
+impl Faces<'_> {
+    fn sample(&self, predict: Option<&mut Predict<'_>>, rng: &mut ChaCha8Rng) -> Sample {
         let mut face = &self.faces[self.draw.next(rng)];
         let options = self.options;
         let (eyes_shut, hidden, cut);
@@ -123,9 +131,18 @@ impl Source for Faces<'_> {
             cut = cut_off(face, rng);
             face = &cut;
         }
-        let (start, augment) = (&options.start, &options.augment);
         let bend = Bend::sometimes(options.bent, rng);
-        sample(face, self.mean, &options.sizes, start, augment, bend, rng)
+        sample(face, self.mean, options, bend, predict, rng)
+    }
+}
+
+impl Source for Faces<'_> {
+    fn draw(&self, rng: &mut ChaCha8Rng) -> Sample {
+        self.sample(None, rng)
+    }
+
+    fn draw_again(&self, predict: &mut Predict<'_>, rng: &mut ChaCha8Rng) -> Sample {
+        self.sample(Some(predict), rng)
     }
 
     fn aperture(&self, aperture: &Aperture) -> Vec<([usize; 2], f32)> {

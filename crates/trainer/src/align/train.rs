@@ -6,7 +6,7 @@
 
 use super::adam::State;
 use super::graph::{Maps, Scratch};
-use super::network::{Network, Sizes};
+use super::network::{Network, Points, Sizes};
 use super::options::Options;
 use super::samples::{Sample, standardise};
 use super::source::Source;
@@ -149,7 +149,10 @@ fn run_batch(
         for k in 0..each {
             let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
             rng.set_stream(1 + (state.step * options.batch + index * each + k) as u64);
-            let sample = source.draw(&mut rng);
+            let sample = source.draw_again(
+                &mut |sample| predict(network, &state.parameters, sample, part),
+                &mut rng,
+            );
             learn(
                 network,
                 &state.parameters,
@@ -160,6 +163,15 @@ fn run_batch(
             );
         }
     });
+}
+
+/// The points that the network finds in a sample.
+fn predict(network: &Network, parameters: &[f32], sample: &Sample, part: &mut Part) -> Points {
+    part.maps[0].copy_from_slice(&sample.crop);
+    let (maps, scratch) = (&mut part.maps, &mut part.work.1);
+    let still = || [0.0; 2];
+    let mut prediction = network.forward(parameters, maps, scratch, &sample.start, still);
+    prediction.shapes.pop().expect("a network has heads")
 }
 
 /// The mean loss after each head, smoothed over batches.

@@ -108,7 +108,7 @@ impl Source for RefinerFaces<'_> {
         let sizes = &self.options.sizes;
         let to_frame = place_refiner(&to_frame, &points, sizes.zoom).expect("points have extent");
         let bend = Bend::sometimes(self.options.bent, rng);
-        let cut = Cut::new(to_frame, sizes.side, bend);
+        let cut = Cut::new(to_frame, sizes.side, bend.as_ref());
         let mut crop = cut.crop(&face.picture, mirrored);
         disturb(&mut crop, sizes.side, &self.options.augment, rng);
         standardise(&mut crop);
