@@ -14,7 +14,7 @@ use super::settings::{Method, Settings};
 use super::sparse::Sparse;
 use super::state::State;
 use super::svm::Templates;
-use super::synthesis::samples;
+use super::synthesis::{first_sample, samples};
 use super::training::Trained;
 use super::view_based::ViewBased;
 use crate::product::Session;
@@ -130,7 +130,10 @@ fn scorer<'a>(
     let gaussians = |rates| boxed(person, descriptor, Gaussians::new(&samples, rates));
     match clip.method {
         Method::Adaptive => gaussians(Some(settings.rates)),
-        Method::Sparse => boxed(person, descriptor, Sparse::new(&samples)),
+        Method::Sparse => {
+            let own = first_sample(person, picture, first, descriptor);
+            boxed(person, descriptor, Sparse::new(&samples, &own))
+        }
         Method::ViewBased => boxed(person, descriptor, ViewBased::new(samples, settings.views)),
         _ => gaussians(None),
     }
