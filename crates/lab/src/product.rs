@@ -18,6 +18,8 @@ const STEP_US: i64 = 33_333;
 const STILL_SEARCHES: usize = 8;
 /// More steps on a still once it is tracked, as `posewise-lab eval landmarks` has by default.
 const STILL_STEPS: usize = 4;
+/// How often another tracker sees a still.
+pub const STILL_FRAMES: usize = STILL_SEARCHES + STILL_STEPS;
 
 /// Which model, and which camera.
 #[derive(Clone, Debug, clap::Args)]
@@ -63,24 +65,21 @@ impl<'m> Session<'m> {
 
     /// The next frame.
     pub fn step(&mut self, luma: &GrayImage) -> Result<&TrackResult> {
-        self.show(Picture::from_grey(luma.clone()))
-    }
-
-    /// The next frame, a picture.
-    pub fn step_file(&mut self, path: &Path) -> Result<&TrackResult> {
-        self.show(Picture::from_rgb(read_rgb(path)?))
-    }
-
-    fn show(&mut self, mut picture: Picture) -> Result<&TrackResult> {
+        let mut picture = Picture::from_grey(luma.clone());
         self.time_us += STEP_US;
         picture.timestamp_us = self.time_us;
         self.session.step(&picture)
     }
 }
 
+/// The luma of a picture.
+pub fn read_luma(path: &Path) -> Result<GrayImage> {
+    Picture::from_rgb(read_rgb(path)?).upright_grey()
+}
+
 /// One picture for a fresh tracker, which sees it again until it has settled.
 pub fn still(model: &Model<'_>, focal: Option<f32>, path: &Path) -> Result<Option<Tracked>> {
-    let luma = Picture::from_rgb(read_rgb(path)?).upright_grey()?;
+    let luma = read_luma(path)?;
     let mut session = Session::new(model, focal)?;
     let mut is_tracked = false;
     for _ in 0..STILL_SEARCHES {

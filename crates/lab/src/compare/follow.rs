@@ -14,7 +14,7 @@ use super::settings::{Method, Settings};
 use super::sparse::Sparse;
 use super::state::State;
 use super::svm::Templates;
-use super::synthesis::samples;
+use super::synthesis::{first_sample, samples};
 use super::training::Trained;
 use super::view_based::ViewBased;
 use crate::product::Session;
@@ -57,7 +57,7 @@ pub fn product(
     video.map(step).collect()
 }
 
-/// A comparator on a clip. Frames before posewise has found the face are not tracked.
+/// A comparator on a clip. Frames before posewise has found a face are not tracked.
 pub fn comparator(
     clip: &Clip<'_>,
     model: &FaceModel,
@@ -66,7 +66,10 @@ pub fn comparator(
     let mut session = Session::new(clip.product, clip.focal)?;
     let mut frames = Vec::new();
     let (picture, landmarks) = loop {
-        let luma = video.next().context("no face in the clip")??;
+        let Some(luma) = video.next() else {
+            return Ok(frames);
+        };
+        let luma = luma?;
         let result = session.step(&luma)?;
         if Tracked::of(result).is_some() {
             break (Picture::of(&luma), result.landmarks.map(|l| [l.x, l.y]));
@@ -130,7 +133,10 @@ fn scorer<'a>(
     let gaussians = |rates| boxed(person, descriptor, Gaussians::new(&samples, rates));
     match clip.method {
         Method::Adaptive => gaussians(Some(settings.rates)),
-        Method::Sparse => boxed(person, descriptor, Sparse::new(&samples)),
+        Method::Sparse => {
+            let own = first_sample(person, picture, first, descriptor);
+            boxed(person, descriptor, Sparse::new(&samples, &own))
+        }
         Method::ViewBased => boxed(person, descriptor, ViewBased::new(samples, settings.views)),
         _ => gaussians(None),
     }

@@ -46,5 +46,7 @@ mod tests;
 
 pub use comparison::{Clip, Comparison, Selection};
 pub use measures::{Row, Sums, counts, nme, signed, size};
+pub use settings::{Method, Settings};
 pub use table::{Args as TableArgs, run as run_table};
 pub use track::{Args as TrackArgs, run as run_track};
+pub use trackers::Trackers;

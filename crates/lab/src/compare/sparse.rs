@@ -1,14 +1,17 @@
-//! Sparse reconstruction (thesis 3.3): each landmark has a codebook of descriptors at it and beside
-//! it. Orthogonal matching pursuit writes a descriptor as a combination of a few of them; the
-//! energy is what the ones at the landmark leave of it.
+//! Sparse reconstruction (thesis 3.3): each landmark has a codebook of descriptors at it, from
+//! synthesised views and from the first frame. Orthogonal matching pursuit writes a descriptor as a
+//! combination of a few of them. The energy is what that leaves, over the mean of what it leaves of
+//! descriptors beside the landmark: 1 is as bad as the background.
 
 use super::scorer::LocalModel;
 use super::synthesis::{POINTS, Sample};
 use nalgebra::{DMatrix, DVector};
 
-/// Descriptors of each kind in a codebook.
+/// Most descriptors of synthesised views in a codebook (R).
 const CODES: usize = 50;
-/// Most codes in a combination.
+/// Most descriptors beside a landmark that its energy is normalised by.
+const BACKGROUND: usize = 100;
+/// Most codes in a combination (R).
 const MOST: usize = 6;
 /// Squared residual at which the combination is good enough, of a descriptor of length 1.
 const ENOUGH: f64 = 0.02;
@@ -19,12 +22,12 @@ pub struct Sparse {
 }
 
 struct Codebook {
-    /// Columns of unit length, those at the landmark first.
+    /// Columns of unit length.
     codes: DMatrix<f64>,
-    /// How many of them are at the landmark.
-    positives: usize,
     /// codesᵀ·codes.
     gram: DMatrix<f64>,
+    /// Mean squared residual of what lies beside the landmark.
+    background: f64,
 }
 
 impl Codebook {
@@ -32,84 +35,74 @@ impl Codebook {
         if positives.is_empty() || negatives.is_empty() {
             return None;
         }
-        let (positives, negatives) = (evenly(positives), evenly(negatives));
-        let columns: Vec<DVector<f64>> = positives
-            .iter()
-            .chain(&negatives)
-            .map(|code| {
-                let numbers = code.iter().map(|v| f64::from(*v));
-                let column = DVector::from_iterator(code.len(), numbers);
-                let length = column.norm().max(1e-6);
-                column / length
-            })
-            .collect();
-        let codes = DMatrix::from_columns(&columns);
-        Some(Codebook {
+        let columns = positives.iter().map(|code| {
+            let column = vector(code);
+            let length = column.norm().max(1e-6);
+            column / length
+        });
+        let codes = DMatrix::from_columns(&columns.collect::<Vec<_>>());
+        let mut book = Codebook {
             gram: codes.tr_mul(&codes),
             codes,
-            positives: positives.len(),
-        })
+            background: 1.0,
+        };
+        let residuals = negatives.iter().map(|descriptor| book.energy(descriptor));
+        book.background = (residuals.sum::<f64>() / negatives.len() as f64).max(ENOUGH);
+        Some(book)
     }
 
-    /// Codes and their weights, by orthogonal matching pursuit (Pati et al. 1993) on the Gram
-    /// matrix.
-    fn combination(&self, descriptor: &DVector<f64>) -> Vec<(usize, f64)> {
-        let products = self.codes.tr_mul(descriptor);
+    /// Squared residual of the combination that orthogonal matching pursuit (Pati et al. 1993, on
+    /// the Gram matrix) finds, over that of the background.
+    fn energy(&self, descriptor: &[f32]) -> f64 {
+        let descriptor = vector(descriptor);
+        let products = self.codes.tr_mul(&descriptor);
         let energy = descriptor.norm_squared();
+        let mut rest = energy;
+        // Products of the codes with the residual.
+        let mut open = products.clone();
         let mut chosen: Vec<usize> = Vec::new();
-        let mut weights = DVector::zeros(0);
-        while chosen.len() < MOST {
-            let residual = |code: usize| {
-                let explained = chosen.iter().zip(&weights);
-                products[code]
-                    - explained
-                        .map(|(c, w)| w * self.gram[(code, *c)])
-                        .sum::<f64>()
+        while chosen.len() < MOST && rest > ENOUGH {
+            let free = (0..open.len()).filter(|code| !chosen.contains(code));
+            let Some(best) = free.max_by(|a, b| open[*a].abs().total_cmp(&open[*b].abs())) else {
+                break;
             };
-            let free = (0..products.len()).filter(|code| !chosen.contains(code));
-            let best = free.max_by(|a, b| residual(*a).abs().total_cmp(&residual(*b).abs()));
-            let Some(best) = best else { break };
             chosen.push(best);
             let gram = DMatrix::from_fn(chosen.len(), chosen.len(), |r, c| {
                 self.gram[(chosen[r], chosen[c])] + if r == c { 1e-6 } else { 0.0 }
             });
             let right = DVector::from_iterator(chosen.len(), chosen.iter().map(|c| products[*c]));
             let Some(factor) = gram.cholesky() else {
-                chosen.pop();
                 break;
             };
-            weights = factor.solve(&right);
-            if energy - weights.dot(&right) < ENOUGH {
-                break;
+            let weights = factor.solve(&right);
+            rest = (energy - weights.dot(&right)).max(0.0);
+            open.copy_from(&products);
+            for (code, weight) in chosen.iter().zip(&weights) {
+                open.axpy(-weight, &self.gram.column(*code), 1.0);
             }
         }
-        chosen.into_iter().zip(weights.iter().copied()).collect()
-    }
-
-    fn energy(&self, descriptor: &[f32]) -> f64 {
-        let numbers = descriptor.iter().map(|v| f64::from(*v));
-        let mut rest = DVector::from_iterator(descriptor.len(), numbers);
-        for (code, weight) in self.combination(&rest.clone()) {
-            if code < self.positives {
-                rest.axpy(-weight, &self.codes.column(code), 1.0);
-            }
-        }
-        rest.norm_squared()
+        rest / self.background
     }
 }
 
-/// At most [`CODES`] of a list, evenly.
-fn evenly<'a>(list: &[&'a Vec<f32>]) -> Vec<&'a Vec<f32>> {
-    let count = list.len().min(CODES);
-    (0..count).map(|k| list[k * list.len() / count]).collect()
+fn vector(numbers: &[f32]) -> DVector<f64> {
+    DVector::from_iterator(numbers.len(), numbers.iter().map(|v| f64::from(*v)))
+}
+
+/// At most this many of a list, evenly.
+fn evenly(list: Vec<&Vec<f32>>, most: usize) -> impl Iterator<Item = &Vec<f32>> {
+    let count = list.len().min(most);
+    (0..count).map(move |k| list[k * list.len() / count])
 }
 
 impl Sparse {
-    /// Codebooks from synthesised views.
-    pub fn new(samples: &[Sample]) -> Sparse {
+    /// Codebooks from synthesised views and from the first frame.
+    pub fn new(views: &[Sample], first: &Sample) -> Sparse {
         let point = |point: usize| {
-            let positives = samples.iter().filter_map(|s| s.positive[point].as_ref());
-            let negatives = samples.iter().flat_map(|s| &s.negative[point]);
+            let drawn = views.iter().filter_map(|s| s.positive[point].as_ref());
+            let beside = views.iter().flat_map(|s| &s.negative[point]);
+            let positives = evenly(drawn.collect(), CODES).chain(&first.positive[point]);
+            let negatives = evenly(beside.collect(), BACKGROUND).chain(&first.negative[point]);
             Codebook::new(
                 &positives.collect::<Vec<_>>(),
                 &negatives.collect::<Vec<_>>(),
@@ -132,16 +125,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn combinations_of_positives_cost_nothing() {
+    fn the_background_costs_one_and_combinations_of_codes_nothing() {
         let positives = [vec![1.0, 0.0, 0.0, 0.0], vec![0.0, 1.0, 0.0, 0.0]];
-        let negatives = [vec![0.0, 0.0, 1.0, 0.0]];
+        let negatives = [vec![0.0, 0.0, 1.0, 0.0], vec![0.0, 1.0, 0.0, 0.0]];
         let book = Codebook::new(
             &positives.iter().collect::<Vec<_>>(),
             &negatives.iter().collect::<Vec<_>>(),
         )
         .unwrap();
-        assert!(book.energy(&[0.6, 0.8, 0.0, 0.0]) < 1e-6);
-        assert!((book.energy(&[0.0, 0.0, 1.0, 0.0]) - 1.0).abs() < 1e-6);
-        assert!((book.energy(&[0.6, 0.0, 0.8, 0.0]) - 0.64).abs() < 1e-3);
+        assert!((book.background - 0.5).abs() < 1e-5);
+        assert!(book.energy(&[0.6, 0.8, 0.0, 0.0]) < 1e-4);
+        assert!((book.energy(&[0.6, 0.0, 0.8, 0.0]) - 1.28).abs() < 1e-3);
+        let mean = negatives.iter().map(|n| book.energy(n)).sum::<f64>() / 2.0;
+        assert!((mean - 1.0).abs() < 1e-3);
     }
 }

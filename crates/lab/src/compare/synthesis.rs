@@ -93,37 +93,59 @@ pub fn samples(
     kind: Descriptor,
 ) -> Vec<Sample> {
     let texture = Texture::new(person, frame, first);
-    let poses = grid.poses(first);
     let sample = |(number, pose): (usize, &State)| {
         let view = texture.render(pose);
-        let axes = person.axes(pose);
-        let picture = view
-            .picture
-            .blurred(BLUR_MM * person.camera.fx / pose.translation.z);
-        let read = |[x, y]: [f32; 2]| {
-            let mut out = vec![0.0; kind.len()];
-            kind.read(&picture, [x, y], axes, &mut out);
-            out
-        };
-        let seen = |point: &usize| {
-            let faces = person.facing(pose, *point) > FACING;
-            let is_seen = faces && view.shows(person, pose, *point);
-            is_seen.then(|| person.image(pose, *point))
-        };
-        let places: Vec<Option<[f32; 2]>> = POINTS.iter().map(seen).collect();
-        let scale = person.camera.fx / pose.translation.z;
-        let beside = |place: &Option<[f32; 2]>| -> Vec<Vec<f32>> {
-            let shifts = [number % 8, (number + 3) % 8].map(|k| BESIDE_MM[k]);
-            let shifted = |[x, y]: [f32; 2]| {
-                Vec::from(shifts.map(|[dx, dy]| read([x + scale * dx, y + scale * dy])))
-            };
-            place.map(shifted).unwrap_or_default()
-        };
-        Sample {
-            rotation: pose.rotation,
-            negative: places.iter().map(beside).collect(),
-            positive: places.iter().map(|place| place.map(read)).collect(),
-        }
+        let shows = |point| view.shows(person, pose, point);
+        let shifts = [number % 8, (number + 3) % 8].map(|k| BESIDE_MM[k]);
+        sample(person, &view.picture, pose, shows, &shifts, kind)
     };
+    let poses = grid.poses(first);
     poses.par_iter().enumerate().map(sample).collect()
+}
+
+/// Descriptors of the first frame itself, with all of its surroundings.
+pub fn first_sample(
+    person: &Person<'_>,
+    frame: &Picture,
+    first: &State,
+    kind: Descriptor,
+) -> Sample {
+    sample(person, frame, first, |_| true, &BESIDE_MM, kind)
+}
+
+fn sample(
+    person: &Person<'_>,
+    picture: &Picture,
+    pose: &State,
+    shows: impl Fn(usize) -> bool,
+    shifts: &[[f32; 2]],
+    kind: Descriptor,
+) -> Sample {
+    let axes = person.axes(pose);
+    let scale = person.camera.fx / pose.translation.z;
+    let picture = picture.blurred(BLUR_MM * scale);
+    let read = |[x, y]: [f32; 2]| {
+        let mut out = vec![0.0; kind.len()];
+        kind.read(&picture, [x, y], axes, &mut out);
+        out
+    };
+    let seen = |point: &usize| {
+        let is_seen = person.facing(pose, *point) > FACING && shows(*point);
+        is_seen.then(|| person.image(pose, *point))
+    };
+    let places: Vec<Option<[f32; 2]>> = POINTS.iter().map(seen).collect();
+    let beside = |place: &Option<[f32; 2]>| -> Vec<Vec<f32>> {
+        let shifted = |[x, y]: [f32; 2]| {
+            let shifts = shifts.iter();
+            shifts
+                .map(|[dx, dy]| read([x + scale * dx, y + scale * dy]))
+                .collect()
+        };
+        place.map(shifted).unwrap_or_default()
+    };
+    Sample {
+        rotation: pose.rotation,
+        negative: places.iter().map(beside).collect(),
+        positive: places.iter().map(|place| place.map(read)).collect(),
+    }
 }

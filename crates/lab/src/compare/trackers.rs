@@ -9,6 +9,7 @@ use crate::store::sum;
 use crate::tracked::Frame;
 use crate::video;
 use anyhow::{Context, Result};
+use image::GrayImage;
 use posewise_cli::model_file::ModelFile;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -80,8 +81,18 @@ impl Trackers {
 
     /// Follows a clip.
     pub fn follow(&self, method: Method, input: &Path, focal: Option<f32>) -> Result<Vec<Frame>> {
-        let limit = self.settings.frames.unwrap_or(usize::MAX);
-        let video = video::frames(input)?.take(limit);
+        self.follow_frames(method, video::frames(input)?, focal)
+            .with_context(|| format!("{} on {}", method.name(), input.display()))
+    }
+
+    /// Follows frames.
+    pub fn follow_frames(
+        &self,
+        method: Method,
+        frames: impl Iterator<Item = Result<GrayImage>>,
+        focal: Option<f32>,
+    ) -> Result<Vec<Frame>> {
+        let frames = frames.take(self.settings.frames.unwrap_or(usize::MAX));
         let product = self.product.model()?;
         match &self.model {
             Some(model) if method != Method::Posewise => {
@@ -92,11 +103,15 @@ impl Trackers {
                     trained: self.trained.as_ref(),
                     focal,
                 };
-                follow::comparator(&clip, model, video)
+                follow::comparator(&clip, model, frames)
             }
-            _ => follow::product(&product, focal, video),
+            _ => follow::product(&product, focal, frames),
         }
-        .with_context(|| format!("{} on {}", method.name(), input.display()))
+    }
+
+    /// The product's model.
+    pub fn product(&self) -> &ModelFile {
+        &self.product
     }
 }
 

@@ -11,6 +11,9 @@ use clips::{deviations, eyes, identities, jitter, monitor, pose};
 use shown::{drift, faceless, latency, mesh, recovery, turns, weights};
 use stills::{angles, landmarks, profiles};
 
+pub use stills::profile_metrics::errors as profile_errors;
+pub use stills::profiles::read_labels as profile_labels;
+
 /// What is measured.
 #[derive(Subcommand)]
 pub enum Command {

@@ -26,7 +26,7 @@ pub fn parse(text: &Text) -> Result<Vec<Mat3>> {
 }
 
 /// Compares all clips.
-pub fn run(data: &Path, predictions: &Predictions) -> Result<Report> {
+pub fn run(data: &Path, predictions: &Predictions<'_>) -> Result<Report> {
     let truths = files(data, &[".dat"])?;
     ensure!(!truths.is_empty(), "no .dat files in {}", data.display());
     let mut clips = Vec::new();

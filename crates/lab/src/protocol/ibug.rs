@@ -23,7 +23,7 @@ pub fn parse(text: &Text) -> Result<Shape> {
 }
 
 /// Compares all pictures.
-pub fn run(data: &Path, predictions: &Predictions) -> Result<Report> {
+pub fn run(data: &Path, predictions: &Predictions<'_>) -> Result<Report> {
     let labels = files(data, &[".pts"])?;
     ensure!(!labels.is_empty(), "no .pts files in {}", data.display());
     let mut sums: [[Nme; 2]; 2] = Default::default();

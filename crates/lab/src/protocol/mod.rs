@@ -4,17 +4,19 @@
 mod boston;
 mod convention;
 mod ibug;
+mod pointing;
 mod predictions;
+mod profiles;
 mod pts;
 mod report;
 mod subsets;
 mod talking_face;
 mod text;
 
-use crate::product;
+use crate::compare::{Method, Settings, Trackers};
 use anyhow::{Context, Result};
 use predictions::Predictions;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// A data set's layout and measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -28,6 +30,10 @@ pub enum Protocol {
     TalkingFace,
     /// Folders of clips with truth: robustness curves, as of the thesis' U3PT.
     Subsets,
+    /// Pointing'04: heads turned by labelled yaw and pitch, as sweeps.
+    Pointing04,
+    /// CFP: frontal faces and profiles of which one half is marked.
+    Cfp,
 }
 
 /// Settings of `posewise-lab protocol`.
@@ -38,10 +44,13 @@ pub struct Args {
     /// The folder with the data set.
     #[arg(long)]
     pub data: PathBuf,
-    /// Folder with a table per clip or picture, as `posewise track --csv` writes it; posewise runs
+    /// Folder with a table per clip or picture, as `posewise track --csv` writes it; trackers run
     /// without it.
     #[arg(long)]
     pub csv: Option<PathBuf>,
+    /// Trackers that run.
+    #[arg(long, value_delimiter = ',', default_value = "posewise")]
+    pub methods: Vec<Method>,
     /// Write the curves (CED, robustness) as CSV.
     #[arg(long)]
     pub curves: Option<PathBuf>,
@@ -49,16 +58,21 @@ pub struct Args {
     #[arg(long, default_value = "xm2vts")]
     pub markup: talking_face::Markup,
     #[command(flatten)]
-    pub product: product::Options,
+    pub settings: Settings,
 }
 
 /// Prints the measures.
 pub fn run(args: &Args) -> Result<()> {
-    let predictions = match &args.csv {
-        Some(folder) => Predictions::Tables(folder.clone()),
-        None => Predictions::Product(product::read(&args.product)?, args.product.focal),
+    let trackers = Trackers::new(&args.settings, &args.methods)?;
+    let focal = args.settings.product.focal;
+    let systems = match &args.csv {
+        Some(folder) => vec![Predictions::Tables(folder.clone())],
+        None => {
+            let of = |method: &Method| Predictions::Tracker(&trackers, *method, focal);
+            args.methods.iter().map(of).collect()
+        }
     };
-    let report = report(args, &predictions)?;
+    let report = report(args.protocol, &args.data, args.markup, &systems)?;
     print!("{}", report.text);
     if let Some(path) = &args.curves {
         let shown = || path.display().to_string();
@@ -74,14 +88,26 @@ pub fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
-fn report(args: &Args, predictions: &Predictions) -> Result<report::Report> {
-    let data = args.data.as_path();
-    match args.protocol {
-        Protocol::Buft => boston::run(data, predictions),
-        Protocol::Ibug => ibug::run(data, predictions),
-        Protocol::TalkingFace => talking_face::run(data, predictions, args.markup),
-        Protocol::Subsets => subsets::run(data, predictions),
+/// One table of all systems where the layout has that, else one report each.
+fn report(
+    protocol: Protocol,
+    data: &Path,
+    markup: talking_face::Markup,
+    systems: &[Predictions<'_>],
+) -> Result<report::Report> {
+    let mut all = report::Report::default();
+    for system in systems {
+        let one = match protocol {
+            Protocol::Buft => boston::run(data, system),
+            Protocol::Ibug => ibug::run(data, system),
+            Protocol::TalkingFace => talking_face::run(data, system, markup),
+            Protocol::Subsets => subsets::run(data, system),
+            Protocol::Pointing04 => return pointing::run(data, systems),
+            Protocol::Cfp => return profiles::run(data, systems),
+        }?;
+        all.add(system.name(), systems.len() > 1, one);
     }
+    Ok(all)
 }
 
 #[cfg(test)]

@@ -1,10 +1,9 @@
 //! What is compared with the truth: tables of any tracker, or the product's own results.
 
-use crate::product::{Session, still};
-use crate::tracked::{self, Tracked};
-use crate::video;
+use crate::compare::{Method, Trackers};
+use crate::product::{STILL_FRAMES, read_luma, still};
+use crate::tracked::{self, Frame, Tracked};
 use anyhow::{Context, Result};
-use posewise_cli::model_file::ModelFile;
 use std::path::{Path, PathBuf};
 
 /// What a data set shows.
@@ -18,14 +17,23 @@ pub enum Media {
 }
 
 /// Where predictions come from.
-pub enum Predictions {
+pub enum Predictions<'a> {
     /// `NAME.csv` in a folder, as `posewise track --csv` writes it.
     Tables(PathBuf),
-    /// posewise runs on the media, of a camera with this focal length \[px\].
-    Product(ModelFile, Option<f32>),
+    /// posewise or a tracker of the thesis runs on the media, of a camera with this focal length
+    /// \[px\].
+    Tracker(&'a Trackers, Method, Option<f32>),
 }
 
-impl Predictions {
+impl Predictions<'_> {
+    /// As in tables.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Predictions::Tables(_) => "tables",
+            Predictions::Tracker(_, method, _) => method.name(),
+        }
+    }
+
     /// By frame. `name` is that of the clip or picture, with the folders that it is in.
     pub fn of(&self, name: &str, media: &Media, frames: usize) -> Result<Vec<Option<Tracked>>> {
         let mut found = match self {
@@ -34,25 +42,37 @@ impl Predictions {
                 let mut found = |frame| rows.remove(&frame)?.tracked;
                 (0..frames).map(&mut found).collect()
             }
-            Predictions::Product(file, focal) => run(file, *focal, media)?,
+            Predictions::Tracker(trackers, method, focal) => {
+                run(trackers, *method, *focal, media).with_context(|| name.to_string())?
+            }
         };
         found.resize(frames, None);
         Ok(found)
     }
 }
 
-/// posewise on a clip or a picture.
-fn run(file: &ModelFile, focal: Option<f32>, media: &Media) -> Result<Vec<Option<Tracked>>> {
-    let model = file.model()?;
-    let mut session = Session::new(&model, focal)?;
+/// A tracker on a clip or a picture.
+fn run(
+    trackers: &Trackers,
+    method: Method,
+    focal: Option<f32>,
+    media: &Media,
+) -> Result<Vec<Option<Tracked>>> {
+    let tracked = |frames: Vec<Frame>| frames.into_iter().map(|f| f.tracked).collect();
+    let follow = |paths: &mut dyn Iterator<Item = &PathBuf>| {
+        let frames = paths.map(|path| read_luma(path));
+        trackers.follow_frames(method, frames, focal)
+    };
     match media {
-        Media::Still(path) => Ok(vec![still(&model, focal, path)?]),
-        Media::Video(path) => video::frames(path)?
-            .map(|luma| Ok(Tracked::of(session.step(&luma?)?)))
-            .collect(),
-        Media::Frames(paths) => (paths.iter())
-            .map(|path| Ok(Tracked::of(session.step_file(path)?)))
-            .collect(),
+        Media::Still(path) if method == Method::Posewise => {
+            Ok(vec![still(&trackers.product().model()?, focal, path)?])
+        }
+        Media::Still(path) => {
+            let frames = follow(&mut std::iter::repeat_n(path, STILL_FRAMES))?;
+            Ok(vec![frames.into_iter().last().and_then(|f| f.tracked)])
+        }
+        Media::Video(path) => Ok(tracked(trackers.follow(method, path, focal)?)),
+        Media::Frames(paths) => Ok(tracked(follow(&mut paths.iter())?)),
     }
 }
 

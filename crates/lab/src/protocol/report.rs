@@ -26,6 +26,21 @@ impl Report {
         let _ = writeln!(self.text, "{text}");
     }
 
+    /// Adds the report of one system, named where there are others.
+    pub fn add(&mut self, system: &str, is_named: bool, other: Report) {
+        if is_named {
+            self.line(&format!("## {system}\n"));
+        }
+        self.text += &other.text;
+        let named = |name: String| match is_named {
+            true => format!("{system}: {name}"),
+            false => name,
+        };
+        let curves = other.curves.into_iter();
+        self.curves
+            .extend(curves.map(|(name, curve)| (named(name), curve)));
+    }
+
     /// A row of a table.
     pub fn row(&mut self, cells: &[String]) {
         self.line(&format!("| {} |", cells.join(" | ")));

@@ -22,7 +22,7 @@ const THRESHOLDS: [f64; 6] = [2.0, 5.0, 10.0, 15.0, 20.0, 30.0];
 const IN_FRAME: f64 = 0.5;
 
 /// Compares the clips of all subsets.
-pub fn run(data: &Path, predictions: &Predictions) -> Result<Report> {
+pub fn run(data: &Path, predictions: &Predictions<'_>) -> Result<Report> {
     let truths = files(data, &[".csv"])?;
     ensure!(!truths.is_empty(), "no .csv files in {}", data.display());
     let mut subsets: BTreeMap<String, PoseErrors> = BTreeMap::new();

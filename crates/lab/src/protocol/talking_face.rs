@@ -66,7 +66,7 @@ fn rms(label: &Shape, found: &Shape, pairs: &[[usize; 2]]) -> f64 {
 }
 
 /// Compares the frames.
-pub fn run(data: &Path, predictions: &Predictions, markup: Markup) -> Result<Report> {
+pub fn run(data: &Path, predictions: &Predictions<'_>, markup: Markup) -> Result<Report> {
     let labels = files(data, &[".pts"])?;
     ensure!(!labels.is_empty(), "no .pts files in {}", data.display());
     let pictures = labels.iter().map(|path| beside(path, &PICTURES)).collect();

@@ -54,18 +54,9 @@ impl Set {
     }
 
     fn run(&self, protocol: Protocol) -> Result<report::Report> {
-        let args = Args {
-            protocol,
-            data: self.0.path().join("data"),
-            csv: None,
-            curves: None,
-            markup: talking_face::Markup::Xm2vts,
-            product: product::Options {
-                model: None,
-                focal: None,
-            },
-        };
-        report(&args, &Predictions::Tables(self.0.path().join("tables")))
+        let data = self.0.path().join("data");
+        let tables = Predictions::Tables(self.0.path().join("tables"));
+        report(protocol, &data, talking_face::Markup::Xm2vts, &[tables])
     }
 
     /// The text of a report without error.
@@ -191,6 +182,86 @@ fn subsets() {
     set.write("data/profile/a.csv", truth.replacen("\n0,30", "\n0,x", 1));
     let error = set.error(Protocol::Subsets);
     assert_eq!(error, "profile/a.csv, line 2: yaw is \"x\", not a number");
+}
+
+#[test]
+fn pointing04() {
+    let set = Set::new();
+    let mut labels = String::from("image,identity,series,pitch_deg,yaw_deg");
+    let marks = [[0, 0], [0, 45], [0, 90], [0, -90], [15, 0], [-15, 0]];
+    for [pitch, yaw] in marks {
+        labels += &format!("\n{pitch}{yaw}.jpg,01,1,{pitch},{yaw}");
+    }
+    set.write("data/labels.csv", &labels);
+    // Off by 3° in all pictures, and by 30° more in the profiles.
+    let shown = |angles: [[f64; 2]; 3]| -> Vec<Option<Row>> {
+        let all = angles.iter().flat_map(|a| std::iter::repeat_n(*a, 5));
+        all.map(|[yaw, pitch]| Some(([yaw + 3.0, pitch, 0.0], face())))
+            .collect()
+    };
+    // In the labels, yaw > 0 is to the image left.
+    set.table(
+        "01-1/left",
+        &shown([[0.0, 0.0], [-45.0, 0.0], [-60.0, 0.0]]),
+    );
+    set.table(
+        "01-1/right",
+        &shown([[0.0, 0.0], [60.0, 0.0], [0.0; 2]])[..10],
+    );
+    set.table("01-1/up", &shown([[0.0, 0.0], [0.0, 15.0], [0.0; 2]])[..10]);
+    set.table("01-1/down", &[None, None]);
+    let text = set.text(Protocol::Pointing04);
+    for row in [
+        "| tables | yaw to 45° | 1 | 100.00 | 100.00 | 0.00 | 0.00 | 0.00 | 0.00 |",
+        "| tables | yaw from 60° | 2 | 100.00 | 100.00 | 30.00 | 0.00 | 0.00 | 10.00 |",
+        "| tables | pitch | 2 | 50.00 | 50.00 | 0.00 | 0.",
+    ] {
+        assert!(text.contains(row), "{text}");
+    }
+    set.write(
+        "data/labels.csv",
+        labels.replace("00.jpg,01,1,0,0", "00.jpg,01,1,0,5"),
+    );
+    assert!(
+        set.error(Protocol::Pointing04)
+            .ends_with("no frontal picture of 01-1")
+    );
+}
+
+#[test]
+fn cfp() {
+    let set = Set::new();
+    let mut labels = String::from("image,identity,kind,half,yaw_geometric_deg");
+    (0..68).for_each(|i| labels += &format!(",x{i},y{i}"));
+    for (image, kind) in [("a.jpg", "frontal"), ("b.jpg", "profile")] {
+        labels += &format!("\n{image},1,{kind},left,0");
+        for ([x, y], i) in face().iter().zip(0..) {
+            // Half of the face; the chin is 50 px below the brow.
+            labels += &match i {
+                8 => format!(",{x},150"),
+                19 => format!(",{x},100"),
+                30 => format!(",{x},{y}"),
+                _ => ",,".into(),
+            };
+        }
+    }
+    set.write("data/dev.csv", labels);
+    let mut found = face();
+    let x8 = found[8][0];
+    found[8] = [x8, 150.0];
+    found[19][1] = 100.0;
+    let unit = (found[8][0] - found[19][0]).hypot(50.0);
+    set.table("a", &[Some(([0.0; 3], shifted(found, 0.02 * unit)))]);
+    set.table("b", &[None]);
+    let text = set.text(Protocol::Cfp);
+    assert!(
+        text.contains("| tables | frontal | 1 | 100.00 | 2.00 | 2.00 |"),
+        "{text}"
+    );
+    assert!(
+        text.contains("| tables | profile | 1 | 0.00 | – | – |"),
+        "{text}"
+    );
 }
 
 #[test]

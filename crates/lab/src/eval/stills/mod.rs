@@ -10,7 +10,7 @@ mod cut;
 pub mod labels;
 pub mod landmark_metrics;
 pub mod landmarks;
-mod profile_metrics;
+pub mod profile_metrics;
 pub mod profiles;
 mod still;
 mod turned;

@@ -25,12 +25,15 @@ pub struct Args {
 }
 
 /// One labelled picture.
-struct Label {
-    image: String,
-    is_profile: bool,
-    marked: Marked,
+pub struct Label {
+    /// File name.
+    pub image: String,
+    /// Whether it is called a profile.
+    pub is_profile: bool,
+    /// The marked landmarks \[px\].
+    pub marked: Marked,
     /// Distance from chin to brow \[px\].
-    unit: f64,
+    pub unit: f64,
     /// > 0: to the image right \[deg\].
     geometric_yaw: f64,
 }
@@ -118,7 +121,8 @@ impl<'a> ImageRow<'a> {
     }
 }
 
-fn read_labels(path: &Path) -> Result<Vec<Label>> {
+/// Reads a table of labels.
+pub fn read_labels(path: &Path) -> Result<Vec<Label>> {
     let table = Table::read(path)?;
     let (image, kind) = (table.column("image")?, table.column("kind")?);
     let yaw = table.column("yaw_geometric_deg")?;
