@@ -27,7 +27,7 @@ const DAMPING_FAILURE: f32 = 20.0;
 /// Factor when the system cannot be solved.
 const DAMPING_SINGULAR: f32 = 30.0;
 /// The fit has converged when a step reduces the cost by less than this share of it.
-const CONVERGED: f32 = 1e-2;
+const CONVERGED: f32 = 5e-2;
 /// The fit stops when a step increases the cost by less than this share of it.
 const STALLED: f32 = 1e-4;
 
