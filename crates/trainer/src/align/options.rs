@@ -1,7 +1,7 @@
 //! Options of a network's training.
 
 use super::network::Sizes;
-use super::samples::{Augment, Start, is_none};
+use posewise_metrics::BoxJitter;
 use serde::Serialize;
 
 /// Displacement of the points of landmarks.
@@ -9,6 +9,96 @@ const SHAKE: f32 = 0.5;
 
 fn is_usual_shake(shake: &f32) -> bool {
     *shake == SHAKE
+}
+
+/// How far crops lie from where the true landmarks would put them.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Start {
+    /// Errors as after a detection.
+    pub detected: BoxJitter,
+    /// Errors as from the frame before, or in a second pass.
+    pub tracked: BoxJitter,
+    /// Share of the first kind.
+    pub detected_share: f32,
+    /// Share of these that are farther off (`STRAY` of `samples.rs`): detections of blurred faces
+    /// and of those that are hard to see.
+    #[serde(skip_serializing_if = "is_none")]
+    pub stray_share: f32,
+    /// Share of the samples whose crop lies where the network itself puts it; that share of these
+    /// after one more prediction.
+    #[serde(skip_serializing_if = "is_none")]
+    pub again: f32,
+}
+
+impl Default for Start {
+    fn default() -> Self {
+        Start {
+            detected: BoxJitter {
+                shift: 0.08,
+                log_size: 0.13,
+                roll: 0.20,
+            },
+            tracked: BoxJitter {
+                shift: 0.03,
+                log_size: 0.04,
+                roll: 0.05,
+            },
+            detected_share: 0.4,
+            stray_share: 0.15,
+            again: 0.5,
+        }
+    }
+}
+
+/// Whether a disturbance is not used.
+pub fn is_none(share: &f32) -> bool {
+    *share == 0.0
+}
+
+/// Disturbances of a crop.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Augment {
+    /// Deviation of the logarithm of contrast.
+    pub contrast: f32,
+    /// Deviation of brightness.
+    pub brightness: f32,
+    /// Deviation of how far middle greys are brightened or darkened.
+    #[serde(skip_serializing_if = "is_none")]
+    pub tone: f32,
+    /// Largest deviation of noise.
+    pub noise: f32,
+    /// Largest change of brightness across the crop.
+    pub slope: f32,
+    /// Share of blurred crops.
+    pub blur: f32,
+    /// Share of crops at half resolution.
+    pub coarse: f32,
+    /// Share of crops of little contrast.
+    #[serde(skip_serializing_if = "is_none")]
+    pub faint: f32,
+    /// Share of crops with a patch painted over.
+    pub patch: f32,
+    /// Share of crops that moved while they were exposed, and how far at most \[px\].
+    pub motion_blur: f32,
+    pub motion_blur_px: f32,
+}
+
+impl Default for Augment {
+    fn default() -> Self {
+        Augment {
+            contrast: 0.3,
+            brightness: 15.0,
+            tone: 0.3,
+            noise: 12.0,
+            slope: 40.0,
+            blur: 0.2,
+            coarse: 0.15,
+            faint: 0.0,
+            patch: 0.2,
+            motion_blur: 0.0,
+            motion_blur_px: 0.0,
+        }
+    }
 }
 
 /// How the network is trained.

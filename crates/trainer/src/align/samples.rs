@@ -3,110 +3,17 @@
 
 use super::bend::{Bend, Cut};
 use super::network::Points;
-use super::options::Options;
-use super::source::Predict;
+use super::options::{Augment, Options, Start};
 use super::starts::normal;
 use crate::faces::Face;
 use posewise::align::{Shape, mirror, place};
 use posewise::math::Similarity;
 use posewise::shape::{LANDMARKS, MIRROR};
-use posewise_metrics::BoxJitter;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
-use serde::Serialize;
 
 /// Samples that show how large the maps' values grow and where predictions move points.
 pub const EXAMPLES: usize = 2048;
-
-/// How far crops lie from where the true landmarks would put them.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct Start {
-    /// Errors as after a detection.
-    pub detected: BoxJitter,
-    /// Errors as from the frame before, or in a second pass.
-    pub tracked: BoxJitter,
-    /// Share of the first kind.
-    pub detected_share: f32,
-    /// Share of these that are [`STRAY`] times as far off: detections of blurred faces and of those
-    /// that are hard to see.
-    #[serde(skip_serializing_if = "is_none")]
-    pub stray_share: f32,
-    /// Share of the samples whose crop lies where the network itself puts it; that share of these
-    /// after one more prediction.
-    #[serde(skip_serializing_if = "is_none")]
-    pub again: f32,
-}
-
-impl Default for Start {
-    fn default() -> Self {
-        Start {
-            detected: BoxJitter {
-                shift: 0.08,
-                log_size: 0.13,
-                roll: 0.20,
-            },
-            tracked: BoxJitter {
-                shift: 0.03,
-                log_size: 0.04,
-                roll: 0.05,
-            },
-            detected_share: 0.4,
-            stray_share: 0.15,
-            again: 0.5,
-        }
-    }
-}
-
-/// Whether a disturbance is not used.
-pub fn is_none(share: &f32) -> bool {
-    *share == 0.0
-}
-
-/// Disturbances of a crop.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct Augment {
-    /// Deviation of the logarithm of contrast.
-    pub contrast: f32,
-    /// Deviation of brightness.
-    pub brightness: f32,
-    /// Deviation of how far middle greys are brightened or darkened.
-    #[serde(skip_serializing_if = "is_none")]
-    pub tone: f32,
-    /// Largest deviation of noise.
-    pub noise: f32,
-    /// Largest change of brightness across the crop.
-    pub slope: f32,
-    /// Share of blurred crops.
-    pub blur: f32,
-    /// Share of crops at half resolution.
-    pub coarse: f32,
-    /// Share of crops of little contrast.
-    #[serde(skip_serializing_if = "is_none")]
-    pub faint: f32,
-    /// Share of crops with a patch painted over.
-    pub patch: f32,
-    /// Share of crops that moved while they were exposed, and how far at most \[px\].
-    pub motion_blur: f32,
-    pub motion_blur_px: f32,
-}
-
-impl Default for Augment {
-    fn default() -> Self {
-        Augment {
-            contrast: 0.3,
-            brightness: 15.0,
-            tone: 0.3,
-            noise: 12.0,
-            slope: 40.0,
-            blur: 0.2,
-            coarse: 0.15,
-            faint: 0.0,
-            patch: 0.2,
-            motion_blur: 0.0,
-            motion_blur_px: 0.0,
-        }
-    }
-}
 
 /// A crop, where the network begins and where its points belong, in crop px from the crop's centre.
 pub struct Sample {
@@ -116,6 +23,9 @@ pub struct Sample {
     /// Of each point's error.
     pub weights: Vec<f32>,
 }
+
+/// What the network that is being trained makes of a sample: points in its crop \[px\].
+pub type Predict<'p> = dyn FnMut(&Sample) -> Points + 'p;
 
 /// How much farther off than other detections stray ones are.
 const STRAY: f32 = 2.5;
@@ -352,7 +262,9 @@ mod tests {
     #[test]
     fn the_next_crop_lies_where_the_network_puts_it() {
         let ray = |k: usize| (k as f32).sin_cos();
-        let mean: Shape = std::array::from_fn(|k| [30.0 * ray(k).0, 25.0 * ray(k).1]);
+        let half: Shape = std::array::from_fn(|k| [30.0 * ray(k).0, 25.0 * ray(k).1]);
+        let other = mirror(&half);
+        let mean: Shape = std::array::from_fn(|k| [0, 1].map(|i| half[k][i] + other[k][i]));
         let picture = Picture {
             size: [100; 2],
             luma: vec![100; 100 * 100],

@@ -4,16 +4,13 @@ use super::bend::Bend;
 use super::cover::{covered, cut_off};
 use super::network::Points;
 use super::options::{Aperture, Options};
-use super::samples::{Sample, sample};
+use super::samples::{Predict, Sample, sample};
 use super::shut;
 use crate::faces::Face;
 use anyhow::{Result, ensure};
 use posewise::align::Shape;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
-
-/// What the network that is being trained makes of a sample: points in its crop \[px\].
-pub type Predict<'p> = dyn FnMut(&Sample) -> Points + 'p;
 
 /// Where samples come from.
 pub trait Source: Sync {
