@@ -98,24 +98,27 @@ fn follower<'a>(
     landmarks: &Shape,
 ) -> Result<Box<dyn Follower + 'a>> {
     let trained = || clip.trained.context("the trained parts");
+    let keyframes = || {
+        let is_wanted = clip.method.matches_keyframes() && !clip.settings.no_keyframes;
+        is_wanted.then(|| Keyframes::new(person))
+    };
+    let templates = || Templates::new(person, first, clip.product, trained()?, keyframes());
     Ok(match clip.method {
-        Method::Svm => Box::new(Templates::new(person, first, clip.product, trained()?)?),
+        Method::Svm => Box::new(templates()?),
         Method::Cascade => {
             let model = clip.product;
             Box::new(Regressed::new(person, first, landmarks, model, trained()?)?)
         }
         Method::Hybrid => {
             let model = clip.product;
-            let templates = Templates::new(person, first, model, trained()?)?;
             let cascade = Regressed::new(person, first, landmarks, model, trained()?)?;
-            Box::new(Hybrid::new(cascade, templates))
+            Box::new(Hybrid::new(cascade, templates()?))
         }
         _ => Box::new(ByEnergy {
             person,
             tracker: Loop::new(first, clip.method.weight(), &clip.settings.search),
             scorer: scorer(clip, person, picture, first),
-            keyframes: (clip.method == Method::ViewBased && !clip.settings.no_keyframes)
-                .then(|| Keyframes::new(person)),
+            keyframes: keyframes(),
         }),
     })
 }

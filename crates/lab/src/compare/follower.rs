@@ -1,10 +1,8 @@
 //! What all comparators are: something that follows one face from frame to frame.
 
 use super::bayes::Loop;
-use super::descriptor::BLUR_MM;
 use super::keyframes::Keyframes;
 use super::person::Person;
-use super::picture::Picture;
 use super::scorer::Scorer;
 use super::state::State;
 use anyhow::Result;
@@ -40,8 +38,7 @@ pub struct ByEnergy<'a> {
 impl Follower for ByEnergy<'_> {
     fn step(&mut self, luma: &GrayImage) -> Result<Found> {
         let before = *self.tracker.state();
-        let blur = BLUR_MM * self.person.camera.fx / before.translation.z;
-        let picture = Picture::of(luma).blurred(blur);
+        let picture = self.person.smoothed(luma, &before);
         let matched = self.keyframes.as_ref();
         let matched = matched.and_then(|k| k.find(&picture, &before));
         let state = self.tracker.step(self.scorer.as_mut(), &picture, matched)?;

@@ -11,8 +11,8 @@
 //! All start alike: posewise finds the landmarks of the first face, and the 3D face is fitted to
 //! them. Then each follows the clip alone. Scorers put the first frame on the mesh and draw it from
 //! other poses; `svm`, `cascade` and `hybrid` have learned from other faces beforehand. None has a
-//! detector: the state of the frame before is where they search. `view-based` also matches
-//! keyframes.
+//! detector: the state of the frame before is where they search. `view-based` and `svm`
+//! also match keyframes.
 
 mod bayes;
 mod cascade;

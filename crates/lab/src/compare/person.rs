@@ -1,9 +1,12 @@
 //! The 3D face of the person in the first frame: identity, pose and units from its landmarks.
 
+use super::descriptor::BLUR_MM;
 use super::face_model::FaceModel;
+use super::picture::Picture;
 use super::state::{SIZE, State, UNITS};
 use anyhow::{Context, Result};
 use glam::{Mat3, Vec3};
+use image::GrayImage;
 use nalgebra::{DMatrix, DVector};
 use posewise::Intrinsics;
 use posewise::shape::{LANDMARKS, Project, posit};
@@ -155,6 +158,11 @@ impl Person<'_> {
     pub fn facing(&self, state: &State, landmark: usize) -> f32 {
         let sight = self.landmark(state, landmark).normalize_or_zero();
         -(state.rotation * self.normals[landmark]).dot(sight)
+    }
+
+    /// A frame as descriptors of the head in this state are read from it.
+    pub fn smoothed(&self, luma: &GrayImage, state: &State) -> Picture {
+        Picture::of(luma).blurred(BLUR_MM * self.camera.fx / state.translation.z)
     }
 
     /// Image directions of the head's x and y axes at the pose's roll \[px/mm\]: what patches are

@@ -59,6 +59,11 @@ impl Method {
         matches!(self, Method::Svm | Method::Cascade | Method::Hybrid)
     }
 
+    /// Whether each frame is matched with keyframes (thesis 4.2).
+    pub fn matches_keyframes(self) -> bool {
+        matches!(self, Method::ViewBased | Method::Svm)
+    }
+
     /// Weight of the energy against the prior's, as the energies have different units. Tuned on the
     /// clip 04_free, that of `Sparse` on four others (docs/dev/lab.md).
     pub fn weight(self) -> f64 {
@@ -97,7 +102,7 @@ pub struct Settings {
     pub rates: gaussian::Rates,
     #[command(flatten)]
     pub views: view_based::Views,
-    /// Match no keyframes (`view-based`).
+    /// Match no keyframes (`view-based`, `svm`).
     #[arg(long)]
     pub no_keyframes: bool,
     #[command(flatten)]

@@ -1,10 +1,11 @@
 //! Pose-wise SVM templates (thesis 4.4): around the landmarks of the predicted state, templates of
 //! the nearest view on intensity, squared gradient and local binary patterns give a response map
 //! each. The heuristic fit first moves the pose to the maps' peaks, then pose and animation to
-//! their mean shifts.
+//! their mean shifts. A face that is lost is matched with keyframes (4.2).
 
 use super::fit::{Free, Target, fit};
 use super::follower::{Follower, Found};
+use super::keyframes::Keyframes;
 use super::person::Person;
 use super::state::{DAMPING, SIZE, State, Step};
 use super::synthesis::FACING;
@@ -30,12 +31,18 @@ const ROUNDS: [(Correction, Free); 4] = [
 /// Width of the fit's prior over that of the motion between frames.
 const WIDE: f64 = 1.5;
 
+/// Energy above which the face is lost. Tuned on `yaw` of two subjects of `render-u3pt --seed 2`
+/// (docs/dev/lab.md).
+const LOST: f64 = 0.8;
+
 /// The tracker.
 pub struct Templates<'a> {
     person: &'a Person<'a>,
     /// Its views and its mean shape: no network is run.
     model: &'a Model<'a>,
     bank: &'a Bank,
+    /// What a frame is matched with where the face is lost.
+    keyframes: Option<Keyframes<'a>>,
     state: State,
     motion: Step,
 }
@@ -47,11 +54,13 @@ impl<'a> Templates<'a> {
         first: &State,
         model: &'a Model<'a>,
         trained: &'a Trained,
+        keyframes: Option<Keyframes<'a>>,
     ) -> Result<Templates<'a>> {
         Ok(Templates {
             person,
             model,
             bank: trained.bank()?,
+            keyframes,
             state: *first,
             motion: [0.0; SIZE],
         })
@@ -68,6 +77,52 @@ impl<'a> Templates<'a> {
             }
         }
         state
+    }
+
+    /// The state of a frame in which `found` was found. Where the templates hardly respond there, it
+    /// is what they find from where keyframes place the head; where they do not respond there
+    /// either, the head stays where it was seen last.
+    fn recovered(&mut self, luma: &GrayImage, picture: &Picture, found: State) -> State {
+        let Some(keyframes) = &self.keyframes else {
+            return found;
+        };
+        let smoothed = self.person.smoothed(luma, &self.state);
+        let mut best = (self.energy(picture, &found), found);
+        if best.0 > LOST {
+            let matched = keyframes.find(&smoothed, &self.state);
+            let matched = matched.map(|start| self.fitted(picture, &start, &ROUNDS));
+            let matched = matched.map(|state| (self.energy(picture, &state), state));
+            match matched.filter(|matched| matched.0 <= LOST) {
+                Some(matched) => best = matched,
+                None => return self.state,
+            }
+        }
+        let (energy, state) = best;
+        if let Some(keyframes) = &mut self.keyframes {
+            keyframes.offer(&smoothed, &state, energy);
+        }
+        state
+    }
+
+    /// How little the templates respond at a state: 1 less the mean of the descriptors' responses,
+    /// over the landmarks that face the camera.
+    fn energy(&self, picture: &Picture, state: &State) -> f64 {
+        let shape: Shape = std::array::from_fn(|i| self.person.image(state, i));
+        let Some(placement) = Placement::of(self.model.align(), &shape) else {
+            return 1.0;
+        };
+        let patches = Patches::cut(picture, &placement);
+        let points = placement.points(&shape);
+        let faces = |k: &usize| {
+            let landmark = placement.landmark(*k);
+            landmark >= INNER && self.person.facing(state, landmark) >= FACING
+        };
+        let facing = (0..LANDMARKS).filter(faces);
+        let responses = facing.map(|k| {
+            let response = (self.bank).response(placement.view, k, &patches, points[k]);
+            f64::from(response.max(0.0).cbrt())
+        });
+        1.0 - mean(responses)
     }
 
     /// Where the response maps pull the landmarks that face the camera.
@@ -100,6 +155,12 @@ impl<'a> Templates<'a> {
     }
 }
 
+/// Mean; 0 of nothing.
+fn mean(numbers: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = numbers.fold((0.0, 0), |(sum, count), n| (sum + n, count + 1));
+    sum / f64::from(count.max(1))
+}
+
 /// A frame as templates read it.
 pub fn picture(luma: &GrayImage) -> Picture {
     Picture {
@@ -114,7 +175,9 @@ pub const REFINEMENT: &[(Correction, Free)] = ROUNDS.split_at(2).1;
 impl Follower for Templates<'_> {
     fn step(&mut self, luma: &GrayImage) -> Result<Found> {
         let predicted = self.state.moved(&self.motion);
-        let state = self.fitted(&picture(luma), &predicted, &ROUNDS);
+        let picture = picture(luma);
+        let found = self.fitted(&picture, &predicted, &ROUNDS);
+        let state = self.recovered(luma, &picture, found);
         self.motion = state.motion_since(&self.state).map(|v| DAMPING * v);
         self.state = state;
         Ok(Found {

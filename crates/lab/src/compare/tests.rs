@@ -32,6 +32,55 @@ fn calm_part(path: &Path) -> Vec<u8> {
     [&video[..head], wanted].concat()
 }
 
+/// Frames of the calm part that [`covered_part`] shows nothing in.
+const COVERED: std::ops::Range<usize> = 15..25;
+
+/// The calm part with some frames grey.
+fn covered_part(path: &Path) -> Vec<u8> {
+    let mut video = calm_part(path);
+    let head = video.iter().position(|b| *b == b'\n').unwrap() + 1;
+    let size = 320 * 240;
+    let frame = "FRAME\n".len() + size;
+    for k in COVERED {
+        let end = head + (k + 1) * frame;
+        video[end - size..end].fill(128);
+    }
+    video
+}
+
+#[test]
+fn templates_wait_for_a_face_that_they_lost() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let facekit = root.join("../shared/data/facekit.npz");
+    if !facekit.exists() {
+        crate::skip::skipped("facekit.npz");
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let clip = folder.path().join("clip.y4m");
+    std::fs::write(&clip, covered_part(&root.join("tests/data/demo.y4m.gz"))).unwrap();
+    let truth = truth::read(&root.join("tests/data/demo.csv")).unwrap();
+    let settings = Options::parse_from([
+        "test",
+        "--facekit",
+        facekit.to_str().unwrap(),
+        "--trained",
+        folder.path().to_str().unwrap(),
+        "--training-faces",
+        "400",
+    ]);
+    let trackers = Trackers::new(&settings.settings, &[Method::Svm]).unwrap();
+    let focal = truth[0].focal.map(|f| f as f32);
+    let frames = trackers.follow(Method::Svm, &clip, focal).unwrap();
+    let angles = |k: usize| frames[k].tracked.as_ref().unwrap().angles;
+    let last_seen = angles(COVERED.start - 1);
+    assert!(COVERED.into_iter().all(|k| angles(k) == last_seen));
+    let pairs = angles(FRAMES - 1).into_iter();
+    let pairs = pairs.zip(truth[FIRST + FRAMES - 1].angles);
+    let off = pairs.map(|(a, b)| (a - b).abs()).sum::<f64>() / 3.0;
+    assert!(off < LOOSE_DEG, "{off}");
+}
+
 #[test]
 fn every_method_follows_a_short_clip() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
