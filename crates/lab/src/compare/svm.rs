@@ -79,8 +79,8 @@ impl<'a> Templates<'a> {
         state
     }
 
-    /// The state of a frame in which `found` was found. Where the templates hardly respond there, it
-    /// is what they find from where keyframes place the head; where they do not respond there
+    /// The state of a frame in which `found` was found. Where the templates hardly respond there,
+    /// it is what they find from where keyframes place the head; where they do not respond there
     /// either, the head stays where it was seen last.
     fn recovered(&mut self, luma: &GrayImage, picture: &Picture, found: State) -> State {
         let Some(keyframes) = &self.keyframes else {
