@@ -59,7 +59,7 @@ impl Method {
         matches!(self, Method::Svm | Method::Cascade | Method::Hybrid)
     }
 
-    /// Whether each frame is matched with keyframes (thesis 4.2).
+    /// Whether frames are matched with keyframes (thesis 4.2): each one, or after a loss.
     pub fn matches_keyframes(self) -> bool {
         matches!(self, Method::ViewBased | Method::Svm)
     }

@@ -7,7 +7,7 @@ use crate::truth;
 use clap::Parser;
 use flate2::read::GzDecoder;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 #[derive(Parser)]
 struct Options {
@@ -32,6 +32,20 @@ fn calm_part(path: &Path) -> Vec<u8> {
     [&video[..head], wanted].concat()
 }
 
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+/// The morphable head; skips the test where there is none.
+fn facekit() -> Option<PathBuf> {
+    let facekit = root().join("../shared/data/facekit.npz");
+    if !facekit.exists() {
+        crate::skip::skipped("facekit.npz");
+        return None;
+    }
+    Some(facekit)
+}
+
 /// Frames of the calm part that [`covered_part`] shows nothing in.
 const COVERED: std::ops::Range<usize> = 15..25;
 
@@ -50,13 +64,10 @@ fn covered_part(path: &Path) -> Vec<u8> {
 
 #[test]
 fn templates_wait_for_a_face_that_they_lost() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let facekit = root.join("../shared/data/facekit.npz");
-    if !facekit.exists() {
-        crate::skip::skipped("facekit.npz");
+    let Some(facekit) = facekit() else {
         return;
-    }
-    let folder = tempfile::tempdir().unwrap();
+    };
+    let (root, folder) = (root(), tempfile::tempdir().unwrap());
     let clip = folder.path().join("clip.y4m");
     std::fs::write(&clip, covered_part(&root.join("tests/data/demo.y4m.gz"))).unwrap();
     let truth = truth::read(&root.join("tests/data/demo.csv")).unwrap();
@@ -83,13 +94,10 @@ fn templates_wait_for_a_face_that_they_lost() {
 
 #[test]
 fn every_method_follows_a_short_clip() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let facekit = root.join("../shared/data/facekit.npz");
-    if !facekit.exists() {
-        crate::skip::skipped("facekit.npz");
+    let Some(facekit) = facekit() else {
         return;
-    }
-    let folder = tempfile::tempdir().unwrap();
+    };
+    let (root, folder) = (root(), tempfile::tempdir().unwrap());
     let clip = folder.path().join("clip.y4m");
     std::fs::write(&clip, calm_part(&root.join("tests/data/demo.y4m.gz"))).unwrap();
     let mut truth = truth::read(&root.join("tests/data/demo.csv")).unwrap();
