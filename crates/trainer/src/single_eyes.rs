@@ -135,13 +135,23 @@ pub fn run(args: &Args) -> Result<()> {
     value["gap_auc"] = json!(area);
     let looked = eyes::look_single(model.eyes(), &single, args.eye_width);
     if let Some(area) = auc(&looked) {
-        let right = looked.iter().filter(|(p, open)| (*p > 0.5) == *open);
-        let right = right.count() as f32 / single.len() as f32;
+        let share_right = |kinds: &[bool]| {
+            let of = single
+                .iter()
+                .filter(|eye| kinds.contains(&eye.open))
+                .count();
+            let is_right = |(p, open): &&(f64, bool)| (*p > 0.5) == *open && kinds.contains(open);
+            looked.iter().filter(is_right).count() as f32 / of as f32
+        };
+        let right = share_right(&[true, false]);
         println!(
-            "network of single eyes: {} of {} seen, {:.1} % right, area under the ROC {area:.4}",
+            "network of single eyes: {} of {} seen, {:.1} % right (open {:.1}, shut {:.1}), \
+             area under the ROC {area:.4}",
             looked.len(),
             single.len(),
-            100.0 * right
+            100.0 * right,
+            100.0 * share_right(&[true]),
+            100.0 * share_right(&[false])
         );
         value["network"] = json!({"right": right, "auc": area, "seen": looked.len()});
     }

@@ -154,12 +154,16 @@ pub struct Set<'a> {
     pub worn: Vec<Prop>,
     torso: Torso,
     pub lights: Lights,
-    eyes: Eyes,
+    pub eyes: Eyes,
     pub view: View,
     /// Where the eyes' middle is while the head looks ahead \[mm, camera axes\].
     pub at: Vec3,
+    /// How the camera is turned about its axis, against what is before it.
+    pub turned: Mat3,
     /// What it is drawn before.
     pub behind: Vec<f32>,
+    /// Light that the lens spreads over the picture; empty for none.
+    pub glare: Vec<f32>,
     pub camera: Camera,
     pub rng: ChaCha8Rng,
 }
@@ -230,8 +234,11 @@ impl<'a> Set<'a> {
                 iris: looks.iris,
                 pupil: rng_.random_range(0.3..0.55),
                 mottled: 0.0,
+                retro: 0.0,
             },
+            turned: Mat3::IDENTITY,
             behind: studio.background(rng_, sweep.size),
+            glare: Vec::new(),
             camera: Camera::random(rng_, 150.0, 1.0, 0.5),
             studio,
             sweep,
@@ -276,6 +283,9 @@ impl<'a> Set<'a> {
         let time = self.time(number);
         let figure = self.figure(&moment);
         let mut light = self.drawn(&figure, &moment).light;
+        for (light, glare) in light.iter_mut().zip(&self.glare) {
+            *light += glare;
+        }
         let row = Row {
             frame: number,
             time,
@@ -295,9 +305,9 @@ impl<'a> Set<'a> {
     /// The person at a moment.
     pub fn figure(&self, moment: &Moment) -> Figure {
         let face = moment.expression();
-        let rotation = head_rotation(moment.angles);
+        let rotation = self.turned * head_rotation(moment.angles);
         // The head turns on its neck.
-        let at = self.at + moment.sway + NECK - rotation * NECK;
+        let at = self.turned * (self.at + moment.sway + NECK) - rotation * NECK;
         let torso = self.torso.prop(moment, rotation, at, self.person.cloth);
         let mesh = self.mesh();
         let (vertices, mut own) = match &self.kin {

@@ -25,6 +25,8 @@ pub enum Cover {
     PhoneOnMouth,
     /// Dark sunglasses, all the time.
     Sunglasses,
+    /// The same, pushed up above the brows.
+    PushedUp,
     /// A scarf that is pulled up to the nose.
     Scarf,
     /// Hair over the half at the image left of a frontal face.
@@ -46,6 +48,7 @@ impl Cover {
             Cover::PhoneOnEyes => "phone-on-eyes",
             Cover::PhoneOnMouth => "phone-on-mouth",
             Cover::Sunglasses => "sunglasses",
+            Cover::PushedUp => "pushed-up",
             Cover::Scarf => "scarf",
             Cover::HairRight => "hair-right",
             Cover::HairLeft => "hair-left",
@@ -56,7 +59,7 @@ impl Cover {
 
     /// Whether it is there from the first frame to the last.
     pub fn is_worn_throughout(self) -> bool {
-        matches!(self, Cover::Sunglasses | Cover::Wheel)
+        matches!(self, Cover::Sunglasses | Cover::PushedUp | Cover::Wheel)
     }
 }
 
@@ -139,6 +142,7 @@ impl Covering {
         }
         let mut worn = match self.cover {
             Cover::Sunglasses => sunglasses(&mut rng, wearer),
+            Cover::PushedUp => pushed_up(sunglasses(&mut rng, wearer), wearer),
             Cover::Scarf => vec![self.scarf(&mut rng, amount)],
             Cover::HairRight => vec![self.curtain(&mut rng, -1.0, amount)],
             Cover::HairLeft => vec![self.curtain(&mut rng, 1.0, amount)],
@@ -319,6 +323,17 @@ fn sunglasses(rng: &mut ChaCha8Rng, wearer: &Wearer) -> Vec<Prop> {
         frame.tube(&[(inner, 1.8), (middle, 1.8)], 0.02, false);
     }
     vec![frame, lens]
+}
+
+/// Glasses that are turned about the ears until the lenses are above the brows, in head axes.
+fn pushed_up(mut glasses: Vec<Prop>, wearer: &Wearer) -> Vec<Prop> {
+    let at = |i: usize| wearer.head[wearer.mesh.landmarks[i] as usize];
+    let ear = at(0).lerp(at(16), 0.5) + Vec3::new(0.0, -4.0, 40.0);
+    let turned = Mat3::from_rotation_x(-0.55);
+    for part in &mut glasses {
+        part.transform(turned, ear - turned * ear);
+    }
+    glasses
 }
 
 /// A phone with its camera, held by two fingers and a thumb; its back to the camera.

@@ -57,7 +57,7 @@ fn make(context: &Context<'_>, others: &[PathBuf]) -> Result<Output> {
         Ok(all)
     };
     let shares = (options.by_nose, options.photographed_share, MARKS_VERSION);
-    let mut stage = Stage::new("eyes-network", 4)
+    let mut stage = Stage::new("eyes-network", 5)
         .options(&(&options.network, shares))?
         .input("renders-eyes", rendered.hash(renders::FILE)?);
     for set in &sets {
@@ -171,8 +171,8 @@ eyes above, and of 4,000 in near-infrared light (MRL Eye Dataset, research)",
         "\
 added by `cargo run --release -p posewise-train -- add-eyes --terms {terms} --seed {seed}
 --eye-renders {renders} --eye-steps {steps}{from}`. Trained on {renders} rendered faces,
-which look up to 40 degrees down, and on the eyes of the photographed whole faces above, two
-fifths of them shut by drawing and a quarter looking down; {photographs}.{begun}
+which look up to 40 degrees down, and on the eyes of the photographed whole faces above, half of
+them shut by drawing and a fifth looking down; {photographs}.{begun}
 On {CALIBRATION} renders of other heads, which also set its 22 numbers of calibration:
 gaze of both eyes within 30 degrees of yaw {gaze:.1} degrees; areas under the ROC of lids {lids:.3},
 glasses {glasses:.3}, dark glasses {dark:.3}, visible eyes {visible:.3}.",

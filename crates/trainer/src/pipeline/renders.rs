@@ -40,7 +40,7 @@ pub fn make(store: &Store, args: &Args, photographed: Photographed<'_>) -> Resul
     let (name, version) = match args.kind {
         Kind::Plain => ("renders", 4),
         Kind::Near => ("renders-near", 4),
-        Kind::Eyes => ("renders-eyes", 5),
+        Kind::Eyes => ("renders-eyes", 6),
     };
     let options = Options {
         seed: args.seed,

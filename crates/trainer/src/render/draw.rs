@@ -81,6 +81,8 @@ pub struct Eyes {
     pub pupil: f32,
     /// Strength of irregular stripes, as of reflections or bad texture.
     pub mottled: f32,
+    /// Albedo of pupils that send the light of a lamp beside the camera back; 0 for dark ones.
+    pub retro: f32,
 }
 
 /// A head in front of the camera.
@@ -264,7 +266,8 @@ struct DrawnProp {
 impl DrawnProp {
     fn new(prop: &Prop, view: &View, lights: &Lights) -> DrawnProp {
         let lit = |(n, v): (&Vec3, &Vec3)| {
-            let (mut diffuse, sheen) = lights.reflect(*n, (-*v).normalize_or_zero(), 1.0, 1.0);
+            let lit = lights.through_bars(*v);
+            let (mut diffuse, sheen) = lights.reflect(*n, (-*v).normalize_or_zero(), 1.0, lit);
             if let Some(sky) = &lights.sky {
                 diffuse += sky.diffuse(*n, u64::MAX);
             }
@@ -356,7 +359,8 @@ impl<'a> Shader<'a> {
         .map(|(((n, v), reached), open)| {
             let to_camera = -*v * v.length_recip();
             let lights = scene.lights;
-            let (mut diffuse, sheen) = lights.reflect(*n, to_camera, *open, reach.lit(*reached));
+            let lit = reach.lit(*reached) * lights.through_bars(*v);
+            let (mut diffuse, sheen) = lights.reflect(*n, to_camera, *open, lit);
             if let Some(sky) = &lights.sky {
                 diffuse += sky.diffuse(*n, *reached);
             }
@@ -438,7 +442,8 @@ impl<'a> Shader<'a> {
         let ring = 1.0 - 0.6 * edge(0.82, 0.15);
         let iris = eyes.iris * ring * (0.8 + 0.4 * edge(0.6, 0.3));
         let white = eyes.white * (1.0 - 0.2 * edge(2.2, 1.2));
-        let pupil = 0.004 + (iris - 0.004) * edge(eyes.pupil, 0.08);
+        let dark = eyes.retro.max(0.004);
+        let pupil = dark + (iris - dark) * edge(eyes.pupil, 0.08);
         let mut albedo = pupil + (white - pupil) * edge(1.0, 0.09);
         if eyes.mottled > 0.0 {
             let local = self.scene.head.rotation.transpose() * out;

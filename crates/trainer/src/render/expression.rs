@@ -9,8 +9,9 @@ use rand_chacha::ChaCha8Rng;
 /// Largest weight of lids that follow a lowered gaze. That of the kit's shapes is 1 at half a
 /// radian, where they leave 46 % of the distance of the lids; 40° down they leave a quarter.
 const LOWERED: f32 = 1.4;
-/// How far eyes look down \[rad\].
+/// How far eyes look down, and to a side, as at a mirror or a passenger \[rad\].
 const LOWEST: f32 = 0.7;
+const ASIDE: f32 = 0.75;
 
 /// What [`Expression::mixed`] mixes: weights of two sides, and of none, which stand twice. Those
 /// that are hard to see are there more often.
@@ -203,7 +204,7 @@ impl Expression {
         self.named.retain(|(name, _)| !name.starts_with("eye"));
         let wide = if rng.random_bool(0.6) { 1.0 } else { 0.4 };
         self.gaze = (
-            wide * rng.random_range(-0.6..0.6f32),
+            wide * rng.random_range(-ASIDE..ASIDE),
             match rng.random_bool(0.3) {
                 // Reading, cluster, lap.
                 true => rng.random_range(0.2..LOWEST),

@@ -3,9 +3,11 @@
 
 use super::environment::Sky;
 use super::mesh::directions;
+use super::noise::smoothstep;
 use glam::{Mat3, Vec3};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
+use std::f32::consts::TAU;
 
 /// The lights of a scene, in camera axes.
 #[derive(Clone, Debug)]
@@ -30,6 +32,28 @@ pub struct Lights {
     pub infrared: f32,
     /// Surroundings of a panorama, beside or in place of the lamps.
     pub sky: Option<Sky>,
+    /// What the key light comes through.
+    pub bars: Option<Bars>,
+}
+
+/// Shadows with hard edges across the key light, as of trees beside a road.
+#[derive(Clone, Copy, Debug)]
+pub struct Bars {
+    /// Unit vector across them, camera axes.
+    pub across: Vec3,
+    /// Width of a light and a dark one together \[mm\].
+    pub period_mm: f32,
+    /// How far they have moved \[mm\].
+    pub moved_mm: f32,
+}
+
+impl Bars {
+    /// Share of the key light that is left at a point \[mm, camera axes\]. Bars differ in width.
+    fn leave(&self, point: Vec3) -> f32 {
+        let phase = TAU * (point.dot(self.across) + self.moved_mm) / self.period_mm;
+        let wave = phase.sin() + 0.6 * (0.37 * phase).sin();
+        smoothstep(-0.15, 0.15, wave)
+    }
 }
 
 fn unit(rng: &mut ChaCha8Rng) -> Vec3 {
@@ -74,6 +98,7 @@ impl Lights {
                 0.0
             },
             sky: None,
+            bars: None,
         }
     }
 
@@ -89,6 +114,11 @@ impl Lights {
         let half = (self.key + to_camera).normalize_or_zero();
         let gloss = normal.dot(half).max(0.0).powf(self.sheen_exponent);
         (diffuse, self.sheen * self.key_power * lit * gloss)
+    }
+
+    /// Share of the key light that bars leave at a point \[mm, camera axes\].
+    pub fn through_bars(&self, point: Vec3) -> f32 {
+        self.bars.map_or(1.0, |bars| bars.leave(point))
     }
 
     /// Albedo as the scene's wavelength sees it.

@@ -104,7 +104,7 @@ impl Kind {
             (Kind::Plain, false) => 1024,
             (Kind::Plain, true) => 256,
             (Kind::Near, _) => 600,
-            (Kind::Eyes, _) => 400,
+            (Kind::Eyes, _) => 1024,
         }
     }
 
@@ -113,7 +113,7 @@ impl Kind {
         match self {
             Kind::Plain => 1024,
             Kind::Near => 600,
-            Kind::Eyes => 400,
+            Kind::Eyes => 1024,
         }
     }
 

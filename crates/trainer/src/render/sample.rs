@@ -174,7 +174,10 @@ impl Renderer {
             self.surround(rng, &mut lights, pose.rotation);
         }
         let props = self.props(rng, spec, subject, &posed, &pose);
-        let eyes = random_eyes(rng, &subject.expression, person, spec);
+        let mut eyes = random_eyes(rng, &subject.expression, person, spec);
+        if infrared && some(rng, spec.bright_pupils) {
+            eyes.retro = rng.random_range(0.3..1.5);
+        }
         let scene = Scene {
             mesh,
             head: &posed,
@@ -502,6 +505,7 @@ fn random_eyes(
         iris: person.iris,
         pupil: rng.random_range(0.25..0.6),
         mottled: 0.0,
+        retro: 0.0,
     };
     if some(rng, spec.odd_eyes) {
         eyes.white = rng.random_range(0.05..1.1);

@@ -40,6 +40,9 @@ pub struct SampleSpec {
     pub odd_eyes: f64,
     /// Share of near-infrared samples.
     pub infrared: f64,
+    /// Share of these whose pupils send the light back.
+    #[serde(skip_serializing_if = "is_none")]
+    pub bright_pupils: f64,
     /// Share of samples before a photograph (the rest: procedural backgrounds).
     pub photo_backgrounds: f64,
     /// Blur and noise, in shares of the most that small faces have.
@@ -87,6 +90,7 @@ impl Default for SampleSpec {
             looking: 0.0,
             odd_eyes: 0.1,
             infrared: 0.12,
+            bright_pupils: 0.0,
             photo_backgrounds: 0.75,
             defects: 1.0,
             persons: Persons::All,
@@ -159,6 +163,7 @@ impl SampleSpec {
             shutting: true,
             odd_eyes: 0.03,
             infrared: 0.35,
+            bright_pupils: 0.35,
             defects: 0.6,
             ..SampleSpec::default()
         }

@@ -11,6 +11,7 @@
 //! ```
 
 mod args;
+mod night;
 mod passenger;
 mod plan;
 mod scene;

@@ -45,6 +45,20 @@ pub enum Condition {
     Glances,
     /// A passenger is in view, and the driver ducks out of it.
     Passenger,
+    /// Infrared light from beside the camera, at night, and pupils that send it back.
+    BrightPupils,
+    /// Sun through trees: bars of hard shade move over the face.
+    SunBars,
+    /// A dark cabin, and headlights behind.
+    Headlights,
+    /// The camera is turned by about 20° about its axis.
+    TurnedCamera,
+    /// Sunglasses are pushed up.
+    PushedUp,
+    /// A cloth mask.
+    Mask,
+    /// A cap.
+    Cap,
 }
 
 /// How often a driver does what, in a minute.
@@ -207,6 +221,8 @@ impl Condition {
             Condition::HandOnEyes => Some(Cover::HandOnEyes),
             Condition::HandOnMouth => Some(Cover::HandOnMouth),
             Condition::Wheel => Some(Cover::Wheel),
+            Condition::PushedUp => Some(Cover::PushedUp),
+            Condition::Mask => Some(Cover::Mask),
             _ => None,
         }
     }
@@ -223,7 +239,7 @@ pub struct Clip {
 }
 
 /// Names, conditions, and how far the camera is off the road \[deg\]; seeds choose the side.
-const CLIPS: [(&str, Condition, f32); 56] = [
+const CLIPS: [(&str, Condition, f32); 77] = [
     ("alert", Condition::Alert, 3.0),
     ("alert", Condition::Alert, 30.0),
     ("mirrors", Condition::Mirrors, 22.0),
@@ -280,6 +296,27 @@ const CLIPS: [(&str, Condition, f32); 56] = [
     ("passenger", Condition::Passenger, 28.0),
     ("passenger", Condition::Passenger, 6.0),
     ("passenger", Condition::Passenger, 14.0),
+    ("bright-pupils", Condition::BrightPupils, 0.0),
+    ("bright-pupils", Condition::BrightPupils, 12.0),
+    ("bright-pupils", Condition::BrightPupils, 24.0),
+    ("sun-bars", Condition::SunBars, 0.0),
+    ("sun-bars", Condition::SunBars, 12.0),
+    ("sun-bars", Condition::SunBars, 24.0),
+    ("headlights", Condition::Headlights, 0.0),
+    ("headlights", Condition::Headlights, 12.0),
+    ("headlights", Condition::Headlights, 24.0),
+    ("turned-camera", Condition::TurnedCamera, 0.0),
+    ("turned-camera", Condition::TurnedCamera, 12.0),
+    ("turned-camera", Condition::TurnedCamera, 24.0),
+    ("pushed-up", Condition::PushedUp, 0.0),
+    ("pushed-up", Condition::PushedUp, 12.0),
+    ("pushed-up", Condition::PushedUp, 24.0),
+    ("mask", Condition::Mask, 0.0),
+    ("mask", Condition::Mask, 12.0),
+    ("mask", Condition::Mask, 24.0),
+    ("cap", Condition::Cap, 0.0),
+    ("cap", Condition::Cap, 12.0),
+    ("cap", Condition::Cap, 24.0),
 ];
 
 /// All clips.
@@ -298,7 +335,10 @@ pub fn clips(args: &Args) -> Vec<Clip> {
             sweep: Sweep {
                 name: format!("{group}-{n:02}"),
                 kind: Kind::Driver(condition.cover()),
-                hair: hairs[rng.random_range(0..hairs.len())],
+                hair: match (hairs[rng.random_range(0..hairs.len())], condition) {
+                    (_, Condition::Cap) => Hair::Cap,
+                    (hair, _) => hair,
+                },
                 view_deg: match condition {
                     // Both seats are in the picture.
                     Condition::Passenger => rng.random_range(60.0..72.0),

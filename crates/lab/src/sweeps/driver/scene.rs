@@ -3,6 +3,7 @@
 use super::super::clip::{Set, Studio, write_clip};
 use super::super::covers::{WHEEL_AT, WHEEL_MM};
 use super::super::truth;
+use super::night::{self, Moving};
 use super::passenger::{self, Passenger};
 use super::plan::{Clip, Condition};
 use super::script::{Script, What};
@@ -58,6 +59,7 @@ pub fn render(studio: &Studio, clip: &Clip, folder: &Path) -> Result<()> {
         dress(&mut set, clip);
         let script = Script::new(&mut set.rng, clip);
         set.expose(&script.at(0.0));
+        let lamps = Moving::random(&mut set, clip.condition);
         let mut passenger = match clip.condition {
             Condition::Passenger => Some(Passenger::beside(&mut set, studio, clip, &beside)?),
             _ => None,
@@ -67,6 +69,9 @@ pub fn render(studio: &Studio, clip: &Clip, folder: &Path) -> Result<()> {
             let nose = passenger
                 .as_mut()
                 .map(|other| other.draw_behind(&mut set, t));
+            if let Some(lamps) = &lamps {
+                lamps.shine(&mut set, t);
+            }
             let (luma, row) = set.frame(number, script.at(t));
             let mut text = row.text()?;
             write!(text, "{}", more(&row, clip, &script, t))?;
@@ -97,7 +102,7 @@ fn dress(set: &mut Set, clip: &Clip) {
     set.at = Vec3::new(aside, above, far);
     let infrared = matches!(
         clip.condition,
-        Condition::Infrared | Condition::InfraredGlasses
+        Condition::Infrared | Condition::InfraredGlasses | Condition::BrightPupils
     );
     if infrared {
         set.lights = Lights::random(&mut set.rng, true);
@@ -110,6 +115,7 @@ fn dress(set: &mut Set, clip: &Clip) {
         let glasses = clear_glasses(set);
         set.worn.extend(glasses);
     }
+    night::dress(set, clip.condition);
     debug_assert!(far > WHEEL_MM);
 }
 

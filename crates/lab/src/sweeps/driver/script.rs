@@ -148,7 +148,8 @@ impl Script {
             phases: std::array::from_fn(|_| rng.random_range(0.0..TAU)),
             jumps,
             is_slumping: clip.condition == Condition::Wheel,
-            is_covered: cover.is_some_and(|cover| cover.is_worn_throughout()),
+            is_covered: clip.condition == Condition::Mask
+                || cover.is_some_and(|cover| cover.is_worn_throughout()),
         }
     }
 

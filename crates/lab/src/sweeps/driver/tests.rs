@@ -1,7 +1,8 @@
 use super::super::clip::Studio;
 use super::super::tests::ball;
 use super::super::{Material, clip::Set};
-use super::plan::{Clip, clips};
+use super::night::{self, Moving};
+use super::plan::{Clip, Condition, clips};
 use super::script::{Script, What};
 use super::{Args, scene};
 
@@ -55,6 +56,46 @@ fn drivers_do_what_they_must() {
     assert!(all.len() > 80, "{} closures", all.len());
     assert!(all.iter().any(|s| *s > 6.0) && all.iter().any(|s| *s < 0.3));
     assert!(yawns >= 25 && turned > 500, "{yawns} {turned}");
+}
+
+/// The first two frames of a clip.
+fn frames(studio: &Studio, name: &str) -> [Vec<u8>; 2] {
+    let plan = clips(&args(1, 96));
+    let clip = plan.iter().find(|clip| clip.sweep.name == name).unwrap();
+    let mut set = Set::cast(studio, &clip.sweep).unwrap();
+    night::dress(&mut set, clip.condition);
+    let script = Script::new(&mut set.rng, clip);
+    set.expose(&script.at(0.0));
+    set.camera.noise = 0.0;
+    let moving = Moving::random(&mut set, clip.condition).unwrap();
+    [0.0, 1.5].map(|t| {
+        moving.shine(&mut set, t);
+        set.frame(0, script.at(0.0)).0
+    })
+}
+
+#[test]
+fn light_moves_over_a_face_that_does_not() {
+    let studio = Studio::new(&ball(), None, Vec::new()).unwrap();
+    for name in ["sun-bars-01", "headlights-01"] {
+        let [before, after] = frames(&studio, name);
+        let changed = before.iter().zip(&after);
+        let changed = changed.filter(|(a, b)| a.abs_diff(**b) > 20).count();
+        assert!(changed > before.len() / 50, "{name}: {changed}");
+    }
+}
+
+#[test]
+fn a_turned_camera_sees_the_head_tilted() {
+    let studio = Studio::new(&ball(), None, Vec::new()).unwrap();
+    let plan = clips(&args(1, 96));
+    let condition = Condition::TurnedCamera;
+    for clip in plan.iter().filter(|clip| clip.condition == condition) {
+        let mut set = Set::cast(&studio, &clip.sweep).unwrap();
+        night::dress(&mut set, condition);
+        let tilt = set.turned.x_axis.y.abs();
+        assert!((0.25..0.45).contains(&tilt), "{tilt}");
+    }
 }
 
 #[test]
