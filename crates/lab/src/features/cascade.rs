@@ -181,7 +181,7 @@ fn moved(mean: &Shape, shape: &Shape, weights: &Mat<f32>, x: &[f32]) -> Shape {
 }
 
 /// Starts on a face, as [`posewise_train::align::evaluate`] draws them.
-fn starts_on(
+pub(super) fn starts_on(
     face: &Face,
     starts: &StartShapes,
     boxes: &Boxes,
