@@ -16,6 +16,7 @@
 
 mod bayes;
 mod cascade;
+mod cascade_training;
 mod comparison;
 mod descriptor;
 mod face_model;
@@ -23,6 +24,7 @@ mod fit;
 mod follow;
 mod follower;
 mod gaussian;
+mod head_cascade;
 mod keyframes;
 mod measures;
 mod person;

@@ -79,10 +79,17 @@ impl<'a> Templates<'a> {
         state
     }
 
-    /// The state of a frame in which `found` was found. Where the templates hardly respond there,
-    /// it is what they find from where keyframes place the head; where they do not respond there
-    /// either, the head stays where it was seen last.
-    fn recovered(&mut self, luma: &GrayImage, picture: &Picture, found: State) -> State {
+    /// The state of a frame in which `find` finds the head from `start`. Where the templates hardly
+    /// respond there, it is what it finds from where keyframes place the head; where they do not
+    /// respond there either, the head stays where it was seen last.
+    pub fn recovered(
+        &mut self,
+        luma: &GrayImage,
+        picture: &Picture,
+        start: &State,
+        find: impl Fn(&Self, &State) -> State,
+    ) -> State {
+        let found = find(self, start);
         let Some(keyframes) = &self.keyframes else {
             return found;
         };
@@ -90,7 +97,7 @@ impl<'a> Templates<'a> {
         let mut best = (self.energy(picture, &found), found);
         if best.0 > LOST {
             let matched = keyframes.find(&smoothed, &self.state);
-            let matched = matched.map(|start| self.fitted(picture, &start, &ROUNDS));
+            let matched = matched.map(|start| find(self, &start));
             let matched = matched.map(|state| (self.energy(picture, &state), state));
             match matched.filter(|matched| matched.0 <= LOST) {
                 Some(matched) => best = matched,
@@ -102,6 +109,11 @@ impl<'a> Templates<'a> {
             keyframes.offer(&smoothed, &state, energy);
         }
         state
+    }
+
+    /// The head was found there.
+    pub fn stay_at(&mut self, state: &State) {
+        self.state = *state;
     }
 
     /// How little the templates respond at a state: 1 less the mean of the descriptors' responses,
@@ -176,10 +188,10 @@ impl Follower for Templates<'_> {
     fn step(&mut self, luma: &GrayImage) -> Result<Found> {
         let predicted = self.state.moved(&self.motion);
         let picture = picture(luma);
-        let found = self.fitted(&picture, &predicted, &ROUNDS);
-        let state = self.recovered(luma, &picture, found);
+        let find = |templates: &Self, start: &State| templates.fitted(&picture, start, &ROUNDS);
+        let state = self.recovered(luma, &picture, &predicted, find);
         self.motion = state.motion_since(&self.state).map(|v| DAMPING * v);
-        self.state = state;
+        self.stay_at(&state);
         Ok(Found {
             state,
             landmarks: None,
