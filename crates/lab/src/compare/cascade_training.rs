@@ -1,18 +1,17 @@
 //! Training of the cascade that moves a head (thesis 5.1, 5.2), on labelled faces to which the 3D
 //! face is fitted first.
 //!
-//! Starts are states off the fitted one. In the first round they are drawn; in the second, half of
-//! them are where the first round's cascade ended on that face, moved on as a head moves from frame
-//! to frame: the errors that a tracked frame starts with.
+//! Starts are states off the fitted one, as far as a tracked frame starts off its head.
 
 use super::face_model::FaceModel;
 use super::head_cascade::{HeadCascade, Look, Stage, VIEWS, View};
 use super::person::Sketch;
-use super::state::{RIGID, SIGMA, SIZE, State};
+use super::state::{RIGID, SIZE, State};
 use crate::features::local::{FaceCrop, Features, Kind};
 use crate::features::regression::{
     COORDINATES, INPUTS, Links, Normal, Set, best_ridge, sets, solve,
 };
+use glam::Quat;
 use posewise::Intrinsics;
 use posewise::shape::LANDMARKS;
 use posewise_metrics::landmarks::INNER;
@@ -35,8 +34,6 @@ const FOLDS: usize = 3;
 const RIDGES: [f32; 5] = [0.005, 0.03, 0.1, 0.3, 1.0];
 /// Crops that features are learned from.
 const CROPS: usize = 400;
-/// Rounds of training.
-const ROUNDS: usize = 2;
 /// Starts on a face.
 const STARTS: usize = 4;
 /// How far from its middle a view learns from starts \[deg\].
@@ -78,16 +75,11 @@ pub fn train(model: &FaceModel, faces: &[Face], kind: Kind, seed: u64) -> HeadCa
         subjects: &subjects,
         rng,
     };
-    let mut cascade = HeadCascade { stages: Vec::new() };
-    for round in 0..ROUNDS {
-        if round > 0 {
-            training.start_from_ends();
-        }
-        eprintln!("  round {}: {} starts", round + 1, training.samples.len());
-        let stages = (0..STAGES).map(|index| training.stage(kind, index));
-        cascade.stages = stages.collect();
+    eprintln!("  {} starts", training.samples.len());
+    let stages = (0..STAGES).map(|index| training.stage(kind, index));
+    HeadCascade {
+        stages: stages.collect(),
     }
-    cascade
 }
 
 /// The head that fits a face's labels.
@@ -143,20 +135,6 @@ struct Training<'a> {
 }
 
 impl<'a> Training<'a> {
-    /// Half of the samples start where they ended, moved on by a frame; the others are drawn anew.
-    fn start_from_ends(&mut self) {
-        for sample in &mut self.samples {
-            let start = match self.rng.random_bool(0.5) {
-                true => {
-                    let step = SIGMA.map(|s| s * f64::from(normal(&mut self.rng)));
-                    sample.state.moved(&step)
-                }
-                false => far(&self.subjects[sample.subject].state, &mut self.rng),
-            };
-            (sample.start, sample.state) = (start, start);
-        }
-    }
-
     fn face(&self, sample: &Sample<'_>) -> &'a Face {
         self.subjects[sample.subject].face
     }
@@ -291,7 +269,7 @@ impl<'a> Training<'a> {
                 .collect();
             let off = |state: &State, sample: &Sample<'_>| {
                 let truth = &self.subjects[sample.subject].state.rotation;
-                let turn = glam::Quat::from_mat3(&(state.rotation * truth.transpose()));
+                let turn = Quat::from_mat3(&(state.rotation * truth.transpose()));
                 turn.to_scaled_axis().length().to_degrees()
             };
             let mean = |of_state: &dyn Fn(&Sample<'_>) -> State| {

@@ -184,3 +184,40 @@ impl HeadCascade {
         is_finite.then_some(found)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A head that is turned in the picture.
+    fn look(is_mirrored: bool) -> Look {
+        let angle = |i: usize| i as f32 * 0.37;
+        Look {
+            shape: std::array::from_fn(|i| [90.0 + 30.0 * angle(i).cos(), 70.0 + i as f32]),
+            canonical: Similarity {
+                a: 1.2,
+                b: -0.5,
+                tx: 90.0,
+                ty: 100.0,
+            },
+            is_mirrored,
+            yaw_deg: 27.0,
+        }
+    }
+
+    #[test]
+    fn displacements_lead_to_their_shape() {
+        for is_mirrored in [false, true] {
+            let look = look(is_mirrored);
+            let to: Shape = std::array::from_fn(|i| [i as f32, 90.0 - 0.5 * i as f32]);
+            let moved = look.moved(&look.displacements(&to));
+            let pairs = moved.iter().flatten().zip(to.iter().flatten());
+            assert!(pairs.into_iter().all(|(a, b)| (a - b).abs() < 1e-2));
+        }
+    }
+
+    #[test]
+    fn a_head_belongs_to_the_nearest_view() {
+        assert_eq!(VIEWS[look(false).view()], 20.0);
+    }
+}

@@ -1,5 +1,5 @@
-//! What `svm`, `cascade` and `hybrid` learn beforehand: from rendered faces, from a file of
-//! renders, or from photographs with labels. It is kept in files and read from there the next time.
+//! What `svm`, `cascade` and `hybrid` learn beforehand: from rendered faces or a file of renders,
+//! and from photographs with labels. It is kept in files and read from there the next time.
 
 use super::cascade_training;
 use super::face_model::FaceModel;
@@ -63,15 +63,16 @@ impl Trained {
         let needs = |kinds: [Method; 2]| methods.iter().any(|m| kinds.contains(m));
         let needs_bank = needs([Method::Svm, Method::Hybrid]);
         let needs_cascade = needs([Method::Cascade, Method::Hybrid]);
-        let lesson = |name, version| Lesson {
+        let lesson = |name, version, count| Lesson {
             options,
             facekit,
             name,
             version,
+            count,
         };
-        let bank = lesson("svm", BANK_VERSION);
+        let bank = lesson("svm", BANK_VERSION, options.training_faces);
         let learn_bank = || Ok(Bank::train(model, &bank.plain_faces()?));
-        let cascade = lesson("cascade", CASCADE_VERSION);
+        let cascade = lesson("cascade", CASCADE_VERSION, options.cascade_faces);
         let learn_cascade = || {
             let head = FaceModel::morphable(facekit)?;
             let faces = cascade.many_faces()?;
@@ -129,6 +130,8 @@ struct Lesson<'a> {
     facekit: &'a Path,
     name: &'a str,
     version: u32,
+    /// Renders.
+    count: usize,
 }
 
 impl Lesson<'_> {
@@ -179,22 +182,18 @@ impl Lesson<'_> {
         let TrainingOptions {
             renders,
             photographs,
-            training_faces,
-            cascade_faces,
             ..
         } = self.options;
         format!(
-            "version {}, renders {renders:?}, photographs {photographs:?}, \
-             {training_faces} and {cascade_faces} faces",
-            self.version
+            "version {}, renders {renders:?}, photographs {photographs:?}, {} faces",
+            self.version, self.count
         )
     }
 
     /// Renders of the morphable head, and the photographs that are asked for.
     fn plain_faces(&self) -> Result<Vec<Face>> {
-        let count = self.options.training_faces;
         let renderer = || self.renderer(PEOPLE);
-        let mut all = self.renders(count, renderer, &spec())?;
+        let mut all = self.renders(renderer, &spec())?;
         all.extend(self.photographs()?);
         Ok(all)
     }
@@ -223,12 +222,11 @@ impl Lesson<'_> {
             );
             Ok(renderer.with_makehuman(family?))
         };
-        let count = self.options.cascade_faces;
-        let mut all = self.renders(count, renderer, &spec)?;
+        let mut all = self.renders(renderer, &spec)?;
         for set in PHOTOGRAPHED {
             if data.join(set.table).exists() {
                 let mut faces = faces::of_set(&set, data)?;
-                faces.truncate(count / PHOTOGRAPHED_SHARE);
+                faces.truncate(self.count / PHOTOGRAPHED_SHARE);
                 all.extend(faces);
             }
         }
@@ -239,17 +237,16 @@ impl Lesson<'_> {
     /// Faces of the file of renders that is given, or rendered now.
     fn renders(
         &self,
-        count: usize,
         renderer: impl FnOnce() -> Result<Renderer>,
         spec: &SampleSpec,
     ) -> Result<Vec<Face>> {
         if let Some(path) = &self.options.renders {
-            return faces::rendered(path, count);
+            return faces::rendered(path, self.count);
         }
         let name = format!("faces.{}", std::process::id());
         let path = self.options.trained.join(name);
-        cache::write(&path, &renderer()?, SEED, count as u64, spec)?;
-        let faces = faces::rendered(&path, count)?;
+        cache::write(&path, &renderer()?, SEED, self.count as u64, spec)?;
+        let faces = faces::rendered(&path, self.count)?;
         std::fs::remove_file(&path)?;
         Ok(faces)
     }

@@ -251,4 +251,23 @@ mod tests {
         );
         assert!(along > 0.1 && across < 1e-3, "{along} {across}");
     }
+
+    #[test]
+    fn a_mirror_image_is_seen_as_the_face_that_it_shows() {
+        let face = crop(|x, y| (3 * x + (x * y) % 7) as f32);
+        let mirrored = crop(|x, y| (3 * (63 - x) + ((63 - x) * y) % 7) as f32);
+        assert_eq!(face.mirrored().crop, mirrored.crop);
+    }
+
+    #[test]
+    fn pooled_filters_are_means_over_cells() {
+        let filters = Filters {
+            weights: Array2::zeros((WINDOW * WINDOW, UNITS)),
+            bias: ndarray::Array1::zeros(UNITS),
+        };
+        let pooled = crop(|x, _| 3.0 * x as f32).pooled(&filters, 6.0, 8.0);
+        // The probability of a unit without weights is one half.
+        let half = 0.5f32.sqrt();
+        assert!(pooled.iter().all(|v| (v - half).abs() < 1e-3));
+    }
 }

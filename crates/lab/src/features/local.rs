@@ -1,4 +1,4 @@
-//! The local features of one stage: two kinds, both reduced to the same number.
+//! The local features of one stage: three kinds, all reduced to the same number.
 
 pub use super::crop::FaceCrop;
 use super::crop::{PATCH, UNITS};
@@ -11,15 +11,9 @@ use serde::{Deserialize, Serialize};
 
 /// Hidden units of the RBM.
 const HIDDEN: usize = 64;
-/// Distance and side of the histograms' cells by stage, in canonical units; what both kinds see is
+/// Distance and side of the histograms' cells by stage, in canonical units; what all kinds see is
 /// as wide as three cells.
-const CELLS: [(f32, f32); 5] = [
-    (8.0, 13.0),
-    (7.0, 13.0),
-    (6.0, 11.0),
-    (5.0, 9.0),
-    (5.0, 9.0),
-];
+const CELLS: [(f32, f32); 4] = [(8.0, 13.0), (7.0, 13.0), (6.0, 11.0), (5.0, 9.0)];
 
 /// Side of a cell that hidden units are pooled over \[crop px\].
 const POOLED: f32 = 8.0;
