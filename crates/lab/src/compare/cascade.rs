@@ -50,7 +50,10 @@ pub struct Hybrid<'a> {
 impl<'a> Hybrid<'a> {
     /// From both.
     pub fn new(cascade: Regressed<'a>, templates: Templates<'a>) -> Hybrid<'a> {
-        Hybrid { cascade, templates }
+        Hybrid {
+            cascade,
+            templates: templates.behind_cascade(),
+        }
     }
 }
 
