@@ -36,12 +36,13 @@ const RIDGES: [f32; 5] = [0.005, 0.03, 0.1, 0.3, 1.0];
 const CROPS: usize = 400;
 /// Starts on a face.
 const STARTS: usize = 4;
-/// How far from its middle a view learns from starts \[deg\].
+/// How far from its middle a view learns from starts \[deg\]. Chosen, as the numbers above.
 const REACH_DEG: f32 = 20.0;
 /// Standard deviations of the drawn starts: rotation \[rad\], sideways and depth \[mm\], units.
+/// They cover what the head of the frame before is off (docs/dev/thesis.md, 5.2).
 const DRAWN: [f64; 4] = [0.1, 8.0, 25.0, 0.2];
 /// Standard deviation of what the identity of a tracked head is off, in standard deviations of its
-/// modes: the first frame does not show its depth.
+/// modes: the first frame does not show its depth. Chosen.
 const IDENTITY: f64 = 0.4;
 /// Assumed distance of the camera \[mm\], and width of a face: labels do not tell.
 const DISTANCE_MM: f32 = 800.0;
