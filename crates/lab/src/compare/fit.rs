@@ -1,7 +1,7 @@
 //! The state whose landmarks come nearest to points of the image: Gauss–Newton with a Gaussian
 //! prior around the predicted state, as the second step of the fits of the thesis (4.4, 5.2).
 
-use super::person::Person;
+use super::person::Sketch;
 use super::state::{RIGID, SIGMA, SIZE, State};
 use nalgebra::{DMatrix, DVector};
 
@@ -37,7 +37,7 @@ pub enum Free {
 /// The most probable state near `prior`, whose standard deviations are [`SIGMA`] times `wide`;
 /// `None` without enough targets.
 pub fn fit(
-    person: &Person<'_>,
+    head: &Sketch<'_>,
     prior: &State,
     targets: &[Target],
     free: Free,
@@ -58,11 +58,11 @@ pub fn fit(
         }
         prior.moved(&step)
     };
-    let noise = NOISE_MM * f64::from(person.camera.fx / prior.translation.z);
+    let noise = NOISE_MM * f64::from(head.camera.fx / prior.translation.z);
     let distances = |deviations: &DVector<f64>| {
         let state = state(deviations);
         let off = targets.iter().flat_map(|t| {
-            let [x, y] = person.image(&state, t.landmark);
+            let [x, y] = head.image(&state, t.landmark);
             [x - t.at[0], y - t.at[1]].map(|d| f64::from(d) / noise)
         });
         DVector::from_iterator(2 * targets.len(), off)

@@ -77,7 +77,7 @@ pub fn comparator(
         frames.push(Frame::default());
     };
     let (person, first) = model.fit(session.camera(), &landmarks)?;
-    let mut follower = follower(clip, &person, &picture, &first, &landmarks)?;
+    let mut follower = follower(clip, &person, &picture, &first)?;
     frames.push(frame(&person, &first, None, 0.0));
     for luma in video {
         let luma = luma?;
@@ -95,7 +95,6 @@ fn follower<'a>(
     person: &'a Person<'a>,
     picture: &Picture,
     first: &State,
-    landmarks: &Shape,
 ) -> Result<Box<dyn Follower + 'a>> {
     let trained = || clip.trained.context("the trained parts");
     let keyframes = || {
@@ -105,13 +104,9 @@ fn follower<'a>(
     let templates = || Templates::new(person, first, clip.product, trained()?, keyframes());
     Ok(match clip.method {
         Method::Svm => Box::new(templates()?),
-        Method::Cascade => {
-            let model = clip.product;
-            Box::new(Regressed::new(person, first, landmarks, model, trained()?)?)
-        }
+        Method::Cascade => Box::new(Regressed::new(person, first, trained()?)?),
         Method::Hybrid => {
-            let model = clip.product;
-            let cascade = Regressed::new(person, first, landmarks, model, trained()?)?;
+            let cascade = Regressed::new(person, first, trained()?)?;
             Box::new(Hybrid::new(cascade, templates()?))
         }
         _ => Box::new(ByEnergy {

@@ -3,7 +3,7 @@
 //! ```text
 //! face_model, person, render ─► synthesis ─► gaussian | view_based | sparse ─► scorer
 //! scorer ─► bayes, keyframes ──────────────────────────────────────────────────────────────────┐
-//! training ─► svm | cascade ─► fit ────────────────────────────────────────► follower ◄────────┘
+//! fit ─► head_cascade ─► cascade_training ─► training ─► svm | cascade ──────► follower ◄──────┘
 //! follower ─► follow ─► trackers ─► track
 //! trackers, systems, measures ─► comparison ─► table
 //! ```
@@ -11,11 +11,12 @@
 //! All start alike: posewise finds the landmarks of the first face, and the 3D face is fitted to
 //! them. Then each follows the clip alone. Scorers put the first frame on the mesh and draw it from
 //! other poses; `svm`, `cascade` and `hybrid` have learned from other faces beforehand. None has a
-//! detector: the state of the frame before is where they search. `view-based` and `svm`
+//! detector: the state of the frame before is where they search. `view-based`, `svm` and `hybrid`
 //! also match keyframes.
 
 mod bayes;
 mod cascade;
+mod cascade_training;
 mod comparison;
 mod descriptor;
 mod face_model;
@@ -23,6 +24,7 @@ mod fit;
 mod follow;
 mod follower;
 mod gaussian;
+mod head_cascade;
 mod keyframes;
 mod measures;
 mod person;

@@ -9,8 +9,10 @@ use glam::{Mat3, Vec3};
 use image::GrayImage;
 use nalgebra::{DMatrix, DVector};
 use posewise::Intrinsics;
+use posewise::align::Shape;
 use posewise::shape::{LANDMARKS, Project, posit};
 use posewise_metrics::landmarks::INNER;
+use std::ops::Deref;
 
 /// Standard deviation of a landmark in the first frame \[mm\].
 const NOISE_MM: f64 = 1.5;
@@ -25,26 +27,46 @@ const DELTA_MM: f64 = 0.5;
 /// Added to the diagonal of the normal equations.
 const RIDGE: f64 = 1e-6;
 
-/// A person: the head with its identity.
-pub struct Person<'m> {
+/// The landmarks of a head with its identity, before a camera: what a fit to landmarks needs.
+#[derive(Clone)]
+pub struct Sketch<'m> {
     /// The head.
     pub model: &'m FaceModel,
-    /// Neutral vertices \[mm, head frame\].
-    neutral: Vec<Vec3>,
-    /// Outward normals of the neutral face at the landmarks.
-    normals: Vec<Vec3>,
+    /// Neutral landmarks \[mm, head frame\].
+    neutral: [Vec3; LANDMARKS],
     /// The camera.
     pub camera: Intrinsics,
 }
 
+/// A person: the head with its identity, and its surface.
+pub struct Person<'m> {
+    /// Its landmarks.
+    pub sketch: Sketch<'m>,
+    /// Neutral vertices \[mm, head frame\].
+    neutral: Vec<Vec3>,
+    /// Outward normals of the neutral face at the landmarks.
+    normals: Vec<Vec3>,
+}
+
 impl FaceModel {
-    /// The person whose landmarks these are \[px\], and the state of that frame. POSIT finds the
-    /// pose; Gauss–Newton with Gaussian priors then finds identity, pose and units together.
+    /// The person whose landmarks these are \[px\], and the state of that frame.
     pub fn fit(
         &self,
         camera: Intrinsics,
         landmarks: &[[f32; 2]; LANDMARKS],
     ) -> Result<(Person<'_>, State)> {
+        let (identity, state) = self.fit_identity(camera, landmarks)?;
+        Ok((self.person(camera, &identity), state))
+    }
+
+    /// The weights of the identity modes of a person whose landmarks these are \[px\], and the
+    /// state of that frame. POSIT finds the pose; Gauss–Newton with Gaussian priors then finds
+    /// identity, pose and units together.
+    pub fn fit_identity(
+        &self,
+        camera: Intrinsics,
+        landmarks: &[[f32; 2]; LANDMARKS],
+    ) -> Result<(Vec<f64>, State)> {
         let mean = |i: usize| self.landmark(&self.mesh.mean, i);
         let points = (INNER..LANDMARKS).map(|i| (mean(i), landmarks[i], 1.0));
         let pose = posit(&camera, points).context("no pose fits the landmarks")?;
@@ -96,30 +118,80 @@ impl FaceModel {
             let changes = step.as_slice()[SIZE..].iter();
             identity.iter_mut().zip(changes).for_each(|(w, d)| *w += d);
         }
-        Ok((self.person(camera, &identity), state))
+        Ok((identity, state))
+    }
+
+    /// The landmarks of a person with these weights of the identity modes.
+    pub fn sketch(&self, camera: Intrinsics, identity: &[f64]) -> Sketch<'_> {
+        Sketch {
+            model: self,
+            neutral: std::array::from_fn(|landmark| self.neutral(landmark, identity)),
+            camera,
+        }
     }
 
     fn person(&self, camera: Intrinsics, identity: &[f64]) -> Person<'_> {
-        let identity: Vec<f32> = identity.iter().map(|w| *w as f32).collect();
-        let neutral = self.mesh.vertices(&identity, &[]);
+        let weights: Vec<f32> = identity.iter().map(|w| *w as f32).collect();
+        let neutral = self.mesh.vertices(&weights, &[]);
         let normals = self.mesh.normals(&neutral);
         let at = |v: &u32| normals[*v as usize];
         Person {
-            model: self,
+            sketch: self.sketch(camera, identity),
             normals: self.surface.iter().map(at).collect(),
             neutral,
-            camera,
         }
     }
 
     /// A landmark of identity and units \[mm, head frame\].
     fn fitted(&self, landmark: usize, state: &State, identity: &[f64]) -> Vec3 {
+        let v = self.mesh.landmarks[landmark] as usize;
+        let units = self.units.iter().zip(state.units);
+        let neutral = self.neutral(landmark, identity);
+        units.fold(neutral, |p, (unit, w)| p + unit[v] * w)
+    }
+
+    /// A landmark of the neutral face of an identity \[mm, head frame\].
+    fn neutral(&self, landmark: usize, identity: &[f64]) -> Vec3 {
         let mean = self.landmark(&self.mesh.mean, landmark);
         let v = self.mesh.landmarks[landmark] as usize;
         let modes = self.identity.iter().zip(identity);
-        let moved = modes.fold(mean, |p, (mode, w)| p + mode[v] * *w as f32);
-        let units = self.units.iter().zip(state.units);
-        units.fold(moved, |p, (unit, w)| p + unit[v] * w)
+        modes.fold(mean, |p, (mode, w)| p + mode[v] * *w as f32)
+    }
+}
+
+impl Sketch<'_> {
+    /// A landmark in the camera frame \[mm\].
+    pub fn landmark(&self, state: &State, landmark: usize) -> Vec3 {
+        let v = self.model.mesh.landmarks[landmark] as usize;
+        let units = self.model.units.iter().zip(state.units);
+        let point = units.fold(self.neutral[landmark], |p, (unit, w)| p + unit[v] * w);
+        state.rotation * point + state.translation
+    }
+
+    /// A landmark in the image \[px\].
+    pub fn image(&self, state: &State, landmark: usize) -> [f32; 2] {
+        self.camera.project(self.landmark(state, landmark))
+    }
+
+    /// All landmarks in the image \[px\].
+    pub fn shape(&self, state: &State) -> Shape {
+        std::array::from_fn(|i| self.image(state, i))
+    }
+
+    /// Image directions of the head's x and y axes at the pose's roll \[px/mm\]: what patches are
+    /// read along.
+    pub fn axes(&self, state: &State) -> [[f32; 2]; 2] {
+        let scale = self.camera.fx / state.translation.z.max(1.0);
+        let down = down_the_head(&state.rotation);
+        [[down.y, -down.x], [down.x, down.y]].map(|axis| axis.map(|v| scale * v))
+    }
+}
+
+impl<'m> Deref for Person<'m> {
+    type Target = Sketch<'m>;
+
+    fn deref(&self) -> &Sketch<'m> {
+        &self.sketch
     }
 }
 
@@ -139,20 +211,6 @@ impl Person<'_> {
         out
     }
 
-    /// A landmark in the camera frame \[mm\].
-    pub fn landmark(&self, state: &State, landmark: usize) -> Vec3 {
-        let v = self.model.mesh.landmarks[landmark] as usize;
-        let neutral = self.model.landmark(&self.neutral, landmark);
-        let units = self.model.units.iter().zip(state.units);
-        let point = units.fold(neutral, |p, (unit, w)| p + unit[v] * w);
-        state.rotation * point + state.translation
-    }
-
-    /// A landmark in the image \[px\].
-    pub fn image(&self, state: &State, landmark: usize) -> [f32; 2] {
-        self.camera.project(self.landmark(state, landmark))
-    }
-
     /// Cosine of the angle between a landmark's normal and the line of sight: above 0 where the
     /// skin faces the camera.
     pub fn facing(&self, state: &State, landmark: usize) -> f32 {
@@ -163,14 +221,6 @@ impl Person<'_> {
     /// A frame as descriptors of the head in this state are read from it.
     pub fn smoothed(&self, luma: &GrayImage, state: &State) -> Picture {
         Picture::of(luma).blurred(BLUR_MM * self.camera.fx / state.translation.z)
-    }
-
-    /// Image directions of the head's x and y axes at the pose's roll \[px/mm\]: what patches are
-    /// read along.
-    pub fn axes(&self, state: &State) -> [[f32; 2]; 2] {
-        let scale = self.camera.fx / state.translation.z.max(1.0);
-        let down = down_the_head(&state.rotation);
-        [[down.y, -down.x], [down.x, down.y]].map(|axis| axis.map(|v| scale * v))
     }
 }
 

@@ -61,7 +61,7 @@ impl Method {
 
     /// Whether frames are matched with keyframes (thesis 4.2): each one, or after a loss.
     pub fn matches_keyframes(self) -> bool {
-        matches!(self, Method::ViewBased | Method::Svm)
+        matches!(self, Method::ViewBased | Method::Svm | Method::Hybrid)
     }
 
     /// Weight of the energy against the prior's, as the energies have different units. Tuned on the
@@ -102,7 +102,7 @@ pub struct Settings {
     pub rates: gaussian::Rates,
     #[command(flatten)]
     pub views: view_based::Views,
-    /// Match no keyframes (`view-based`, `svm`).
+    /// Match no keyframes (`view-based`, `svm`, `hybrid`).
     #[arg(long)]
     pub no_keyframes: bool,
     #[command(flatten)]
@@ -128,7 +128,10 @@ pub struct TrainingOptions {
     /// Learn from the photographs of this folder too: labels in `train.csv`, pictures in `train/`.
     #[arg(long)]
     pub photographs: Option<PathBuf>,
-    /// Number of rendered faces.
+    /// Number of rendered faces that templates learn from.
     #[arg(long, default_value_t = 3000)]
     pub training_faces: usize,
+    /// Number of rendered faces that the cascade learns from.
+    #[arg(long, default_value_t = 3000)]
+    pub cascade_faces: usize,
 }

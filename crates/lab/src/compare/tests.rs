@@ -111,6 +111,8 @@ fn every_method_follows_a_short_clip() {
         trained.to_str().unwrap(),
         "--training-faces",
         "400",
+        "--cascade-faces",
+        "400",
         "--grid-step",
         "20",
         "--frames",

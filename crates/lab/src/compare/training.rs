@@ -1,41 +1,47 @@
-//! What `svm`, `cascade` and `hybrid` learn beforehand: from rendered faces, from a file of
-//! renders, or from photographs with labels. It is kept in files and read from there the next time.
+//! What `svm`, `cascade` and `hybrid` learn beforehand: from rendered faces or a file of renders,
+//! and from photographs with labels. It is kept in files and read from there the next time.
 
+use super::cascade_training;
+use super::face_model::FaceModel;
+use super::head_cascade::HeadCascade;
 use super::settings::{Method, TrainingOptions};
-use crate::features::cascade::{Cascade, Training};
 use crate::features::local::Kind;
-use crate::features::regression::Links;
 use crate::store::sum;
 use crate::templates::svm::{Bank, views};
 use anyhow::{Context, Result, ensure};
+use glam::Vec3;
 use posewise::align::AlignModel;
-use posewise_metrics::BoxJitter;
-use posewise_train::align::{Boxes, StartShapes, mean_shape};
+use posewise::shape::LANDMARKS;
 use posewise_train::faces::{self, Face};
 use posewise_train::head::Head;
+use posewise_train::photographs::{MANUAL, MANUAL_MORE, Set, VIDEO};
 use posewise_train::render::mesh::Mesh;
-use posewise_train::render::{People, Persons, Renderer, SampleSpec, cache};
+use posewise_train::render::{
+    Family, MAKEHUMAN, MAKEHUMAN_FOLDER, People, Persons, Renderer, SampleSpec, cache,
+};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
 /// Raised when what is learned from the same comes out otherwise.
-const VERSION: u32 = 1;
+const BANK_VERSION: u32 = 1;
+const CASCADE_VERSION: u32 = 2;
 /// Seed of the renders: no clip shows the same people.
 const SEED: u64 = 0x7468_6573_6973;
-/// Procedural people in the renders.
+/// Procedural people in the renders that templates learn from, and, of each head family, in those
+/// that the cascade learns from.
 const PEOPLE: usize = 128;
-/// Starts on each photograph that the cascade learns from; renders have half as many.
-const STARTS: usize = 4;
-/// Turns of the shapes that the cascade's boxes hold, normalised: 1 is a profile.
-const TURNS: [f32; 3] = [0.0, 0.4, 0.8];
-/// Predictors of a landmark in the last two stages (R).
-const LINKS: usize = 8;
+const MANY_PEOPLE: usize = 256;
+/// Photographs that the cascade learns from, where they are beside the morphable head: manual
+/// landmarks, and teachers'.
+const PHOTOGRAPHED: [Set; 3] = [MANUAL, MANUAL_MORE, VIDEO];
+/// Renders for a photograph of each of these sets.
+const PHOTOGRAPHED_SHARE: usize = 6;
 
 /// What was learned, each with the checksum of its file.
 pub struct Trained {
     bank: Option<(Bank, String)>,
-    cascade: Option<(Cascade, String)>,
+    cascade: Option<(HeadCascade, String)>,
 }
 
 /// A file of what was learned.
@@ -54,33 +60,40 @@ impl Trained {
         model: &AlignModel<'_>,
         methods: &[Method],
     ) -> Result<Trained> {
-        let lesson = Lesson { options, facekit };
         let needs = |kinds: [Method; 2]| methods.iter().any(|m| kinds.contains(m));
         let needs_bank = needs([Method::Svm, Method::Hybrid]);
         let needs_cascade = needs([Method::Cascade, Method::Hybrid]);
-        let (bank_path, cascade_path) = (lesson.path("svm"), lesson.path("cascade"));
-        let mut trained = Trained {
-            bank: lesson.read(&bank_path, needs_bank)?,
-            cascade: lesson.read(&cascade_path, needs_cascade)?,
+        let lesson = |name, version, count| Lesson {
+            options,
+            facekit,
+            name,
+            version,
+            count,
         };
-        let learn_bank = needs_bank && trained.bank.is_none();
-        let learn_cascade = needs_cascade && trained.cascade.is_none();
-        if learn_bank || learn_cascade {
-            let faces = lesson.faces()?;
-            if learn_bank {
-                lesson.write(&bank_path, Bank::train(model, &faces))?;
-                trained.bank = lesson.read(&bank_path, true)?;
-            }
-            if learn_cascade {
-                lesson.write(&cascade_path, cascade(&faces))?;
-                trained.cascade = lesson.read(&cascade_path, true)?;
-            }
-        }
+        let bank = lesson("svm", BANK_VERSION, options.training_faces);
+        let learn_bank = || Ok(Bank::train(model, &bank.plain_faces()?));
+        let cascade = lesson("cascade", CASCADE_VERSION, options.cascade_faces);
+        let learn_cascade = || {
+            let head = FaceModel::morphable(facekit)?;
+            let faces = cascade.many_faces()?;
+            Ok(cascade_training::train(
+                &head,
+                &faces,
+                Kind::PooledRbm,
+                SEED,
+            ))
+        };
+        let trained = Trained {
+            bank: needs_bank.then(|| bank.learned(learn_bank)).transpose()?,
+            cascade: needs_cascade
+                .then(|| cascade.learned(learn_cascade))
+                .transpose()?,
+        };
         let is_whole = |(bank, _): &(Bank, String)| bank.is_whole(views(model));
         ensure!(
             trained.bank.as_ref().is_none_or(is_whole),
             "{}: templates of another model",
-            bank_path.display()
+            bank.path().display()
         );
         Ok(trained)
     }
@@ -92,7 +105,7 @@ impl Trained {
     }
 
     /// The cascade.
-    pub fn cascade(&self) -> Result<&Cascade> {
+    pub fn cascade(&self) -> Result<&HeadCascade> {
         let cascade = self.cascade.as_ref().context("no cascade was learned")?;
         Ok(&cascade.0)
     }
@@ -111,41 +124,52 @@ impl Trained {
     }
 }
 
-/// Linear regressions on RBM features, the last two stages on the best predictors.
-fn cascade(faces: &[Face]) -> Cascade {
-    let boxes = Boxes {
-        jitter: BoxJitter::DETECTOR,
-        count: STARTS,
-    };
-    let starts = StartShapes::fit(faces, &mean_shape(faces), &TURNS);
-    let training = Training::new(faces, &starts, &boxes, SEED);
-    Cascade::train(training, Kind::Rbm, Links::Best(LINKS))
-}
-
+/// One thing that is learned.
 struct Lesson<'a> {
     options: &'a TrainingOptions,
     facekit: &'a Path,
+    name: &'a str,
+    version: u32,
+    /// Renders.
+    count: usize,
 }
 
 impl Lesson<'_> {
-    fn path(&self, name: &str) -> PathBuf {
-        self.options.trained.join(format!("{name}.json"))
+    fn path(&self) -> PathBuf {
+        self.options.trained.join(format!("{}.json", self.name))
     }
 
-    /// From the file, if it is wanted, is there and was learned from the same.
-    fn read<T: DeserializeOwned>(&self, path: &Path, wanted: bool) -> Result<Option<(T, String)>> {
-        if !wanted || !path.exists() {
+    /// What the file has, with its checksum; it is learned where it is not there.
+    fn learned<T: Serialize + DeserializeOwned>(
+        &self,
+        learn: impl FnOnce() -> Result<T>,
+    ) -> Result<(T, String)> {
+        if let Some(found) = self.read()? {
+            return Ok(found);
+        }
+        let folder = &self.options.trained;
+        eprintln!("learning what is kept in {}", folder.display());
+        std::fs::create_dir_all(folder)?;
+        self.write(learn()?)?;
+        self.read()?.context("what was just learned")
+    }
+
+    /// From the file, if it is there and was learned from the same.
+    fn read<T: DeserializeOwned>(&self) -> Result<Option<(T, String)>> {
+        let path = self.path();
+        if !path.exists() {
             return Ok(None);
         }
         let shown = || path.display().to_string();
-        let bytes = std::fs::read(path).with_context(shown)?;
+        let bytes = std::fs::read(&path).with_context(shown)?;
         let stored: Stored<T> = serde_json::from_slice(&bytes).with_context(shown)?;
         let is_same = stored.from == self.source();
         Ok(is_same.then(|| (stored.learned, sum(&bytes))))
     }
 
     /// Under its name only when it is whole.
-    fn write<T: Serialize>(&self, path: &Path, learned: T) -> Result<()> {
+    fn write<T: Serialize>(&self, learned: T) -> Result<()> {
+        let path = self.path();
         let from = self.source();
         let bytes = serde_json::to_vec(&Stored { from, learned })?;
         let part = path.with_added_extension(std::process::id().to_string());
@@ -158,41 +182,88 @@ impl Lesson<'_> {
         let TrainingOptions {
             renders,
             photographs,
-            training_faces,
             ..
         } = self.options;
         format!(
-            "version {VERSION}, renders {renders:?}, photographs {photographs:?}, \
-             {training_faces} faces"
+            "version {}, renders {renders:?}, photographs {photographs:?}, {} faces",
+            self.version, self.count
         )
     }
 
-    fn faces(&self) -> Result<Vec<Face>> {
-        let folder = &self.options.trained;
-        eprintln!("learning what is kept in {}", folder.display());
-        std::fs::create_dir_all(folder)?;
-        let count = self.options.training_faces;
-        let mut all = match &self.options.renders {
-            Some(path) => faces::rendered(path, count)?,
-            None => {
-                let path = folder.join(format!("faces.{}", std::process::id()));
-                cache::write(&path, &self.renderer()?, SEED, count as u64, &spec())?;
-                let faces = faces::rendered(&path, count)?;
-                std::fs::remove_file(&path)?;
-                faces
-            }
-        };
-        if let Some(folder) = &self.options.photographs {
-            let labels = folder.join("train.csv");
-            all.extend(faces::photographs(&labels, &folder.join("train"))?);
-        }
+    /// Renders of the morphable head, and the photographs that are asked for.
+    fn plain_faces(&self) -> Result<Vec<Face>> {
+        let renderer = || self.renderer(PEOPLE);
+        let mut all = self.renders(renderer, &spec())?;
+        all.extend(self.photographs()?);
         Ok(all)
     }
 
-    fn renderer(&self) -> Result<Renderer> {
+    /// Renders of both head families and photographs, as many of these at most.
+    fn many_faces(&self) -> Result<Vec<Face>> {
+        let data = self.facekit.parent().unwrap_or(Path::new(""));
+        let makehuman = data.join(MAKEHUMAN_FOLDER);
+        let mut spec = hard_spec();
+        if !makehuman.exists() {
+            spec.makehuman = 0.0;
+        }
+        let renderer = || {
+            let renderer = self.renderer(MANY_PEOPLE)?;
+            if spec.makehuman == 0.0 {
+                return Ok(renderer);
+            }
+            let mesh = &renderer.mesh;
+            let family = Family::load(
+                &makehuman,
+                mesh,
+                &[Vec3::ZERO; LANDMARKS],
+                MANY_PEOPLE,
+                SEED,
+                false,
+            );
+            Ok(renderer.with_makehuman(family?))
+        };
+        let mut all = self.renders(renderer, &spec)?;
+        for set in PHOTOGRAPHED {
+            if data.join(set.table).exists() {
+                let mut faces = faces::of_set(&set, data)?;
+                faces.truncate(self.count / PHOTOGRAPHED_SHARE);
+                all.extend(faces);
+            }
+        }
+        all.extend(self.photographs()?);
+        Ok(all)
+    }
+
+    /// Faces of the file of renders that is given, or rendered now.
+    fn renders(
+        &self,
+        renderer: impl FnOnce() -> Result<Renderer>,
+        spec: &SampleSpec,
+    ) -> Result<Vec<Face>> {
+        if let Some(path) = &self.options.renders {
+            return faces::rendered(path, self.count);
+        }
+        let name = format!("faces.{}", std::process::id());
+        let path = self.options.trained.join(name);
+        cache::write(&path, &renderer()?, SEED, self.count as u64, spec)?;
+        let faces = faces::rendered(&path, self.count)?;
+        std::fs::remove_file(&path)?;
+        Ok(faces)
+    }
+
+    /// Those that are asked for.
+    fn photographs(&self) -> Result<Vec<Face>> {
+        let Some(folder) = &self.options.photographs else {
+            return Ok(Vec::new());
+        };
+        faces::photographs(&folder.join("train.csv"), &folder.join("train"))
+    }
+
+    /// Of people with the morphable head.
+    fn renderer(&self, people: usize) -> Result<Renderer> {
         let head = Head::load(self.facekit)?;
         let mesh = Mesh::new(&head)?;
-        let people = People::new(&mesh, PEOPLE, SEED, false);
+        let people = People::new(&mesh, people, SEED, false);
         let offsets_mm = head.conventional_offsets_mm();
         Ok(Renderer::new(mesh, people, Vec::new(), &offsets_mm))
     }
@@ -208,5 +279,15 @@ fn spec() -> SampleSpec {
         odd_eyes: 0.0,
         persons: Persons::Procedural,
         ..SampleSpec::default()
+    }
+}
+
+/// The same, covered more often, of both head families.
+fn hard_spec() -> SampleSpec {
+    SampleSpec {
+        occluders: 0.3,
+        masks: 0.06,
+        makehuman: MAKEHUMAN,
+        ..spec()
     }
 }

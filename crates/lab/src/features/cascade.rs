@@ -3,19 +3,18 @@
 use super::crop::FaceCrop;
 use super::filters::principal;
 use super::local::{Features, Kind};
-use super::regression::{COORDINATES, INPUTS, Links, Normal, best_ridge, sets, solve};
+use super::regression::{
+    COORDINATES, INPUTS, Linear, Links, Normal, RIDGES, best_ridge, sets, solve,
+};
 use faer::Mat;
 use posewise::align::Shape;
-use posewise::image::Frame;
 use posewise::math::Similarity;
 use posewise_train::align::evaluate::{Accuracy, Boxes, nme};
 use posewise_train::align::{StartShapes, jittered_box, mean_shape, start_from_box};
 use posewise_train::faces::Face;
-use posewise_train::ridge;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
 
 /// Stages of a cascade.
 pub const STAGES: usize = 4;
@@ -27,11 +26,9 @@ const SHAPE_MODES: usize = 60;
 const CROPS: usize = 400;
 
 /// One regression on features.
-#[derive(Serialize, Deserialize)]
 struct Stage {
     features: Features,
-    #[serde(with = "super::stored")]
-    weights: Mat<f32>,
+    weights: Linear,
 }
 
 /// Training faces with a shape on each: where the stages so far have brought it.
@@ -139,9 +136,9 @@ impl<'a> Training<'a> {
         let (x, normals) = self.normals(&features);
         let train = sum(&normals, 0);
         let sets = sets(links, &train, &normals[0]);
-        let ridge = best_ridge(&sets, &train, &normals[0]);
+        let ridge = best_ridge(&RIDGES, &sets, &train, &normals[0]);
         for fold in 0..FOLDS {
-            let weights = solve(&sum(&normals, fold), &sets, ridge, &self.basis);
+            let weights = solve(&sum(&normals, fold), &sets, ridge).within(&self.basis);
             let of: Vec<usize> = (0..x.len()).filter(|n| self.fold(*n) == fold).collect();
             let moved: Vec<Shape> = of
                 .par_iter()
@@ -162,18 +159,16 @@ impl<'a> Training<'a> {
             began.elapsed()
         );
         Stage {
-            weights: solve(&sum(&normals, FOLDS), &sets, ridge, &self.basis),
+            weights: solve(&sum(&normals, FOLDS), &sets, ridge).within(&self.basis),
             features,
         }
     }
 }
 
 /// The shape after one step.
-fn moved(mean: &Shape, shape: &Shape, weights: &Mat<f32>, x: &[f32]) -> Shape {
+fn moved(mean: &Shape, shape: &Shape, weights: &Linear, x: &[f32]) -> Shape {
     let canonical = Similarity::fit(mean, shape).expect("a shape has extent");
-    let prediction = ridge::outputs(weights, |column| {
-        column.iter().zip(x).map(|(w, x)| w * x).sum()
-    });
+    let prediction = weights.of(x);
     std::array::from_fn(|i| {
         let [dx, dy] = canonical.apply_vector([prediction[2 * i], prediction[2 * i + 1]]);
         [shape[i][0] + dx, shape[i][1] + dy]
@@ -244,9 +239,7 @@ fn basis(faces: &[Face], mean: &Shape) -> Mat<f32> {
 }
 
 /// A trained cascade.
-#[derive(Serialize, Deserialize)]
 pub struct Cascade {
-    #[serde(with = "super::stored::shape")]
     mean: Shape,
     stages: Vec<Stage>,
 }
@@ -268,21 +261,6 @@ impl Cascade {
             mean: training.mean,
             stages,
         }
-    }
-
-    /// The shape in a frame, from one near it. `None` if the shape has no extent.
-    pub fn run(&self, frame: &Frame<'_>, mut shape: Shape) -> Option<Shape> {
-        for stage in &self.stages {
-            Similarity::fit(&self.mean, &shape)?.inverse()?;
-            let crop = FaceCrop::of_frame(frame, &self.mean, &shape, stage.features.step);
-            let x = stage.features.of(&crop);
-            shape = moved(&self.mean, &shape, &stage.weights, &x);
-        }
-        shape
-            .iter()
-            .flatten()
-            .all(|v| v.is_finite())
-            .then_some(shape)
     }
 
     /// Errors on faces from boxes.

@@ -16,7 +16,12 @@ pub struct Options {
     pub rate: f32,
     /// Rows of a batch.
     pub batch: usize,
+    /// Mean probability that hidden units are driven to (Lee et al. 2008).
+    pub sparsity: Option<f32>,
 }
+
+/// Step of the biases towards the wanted mean probability.
+const SPARSITY_RATE: f32 = 0.05;
 
 impl Default for Options {
     fn default() -> Self {
@@ -24,6 +29,7 @@ impl Default for Options {
             epochs: 10,
             rate: 0.005,
             batch: 100,
+            sparsity: None,
         }
     }
 }
@@ -58,6 +64,10 @@ pub fn train(
             speed = speed * momentum + gradient * gain - &filters.weights * (rate * 2e-4);
             filters.weights += &speed;
             filters.bias += &((&h - &h2).sum_axis(Axis(0)) * gain);
+            if let Some(wanted) = options.sparsity {
+                let found = h.mean_axis(Axis(0)).expect("a batch has rows");
+                filters.bias += &(found.mapv(|found| SPARSITY_RATE * (wanted - found)));
+            }
             mean += &((&v - &v2).sum_axis(Axis(0)) * gain);
         }
     }
@@ -99,6 +109,7 @@ mod tests {
             epochs: 30,
             rate: 0.02,
             batch: 50,
+            sparsity: None,
         };
         let filters = train(&rows, 24, &options, &mut rng);
         let mean = rows.mean_axis(Axis(0)).unwrap();

@@ -6,6 +6,7 @@ use faer::{Mat, Side};
 use posewise::shape::LANDMARKS;
 use posewise_train::ridge;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
 /// Coordinates of a shape.
@@ -13,7 +14,7 @@ pub const COORDINATES: usize = 2 * LANDMARKS;
 /// Features of all landmarks.
 pub const INPUTS: usize = LANDMARKS * OUTPUTS;
 /// Weights of |w|² in the ridge, of which each stage takes the best on a fold.
-const RIDGES: [f32; 8] = [3e-3, 1e-2, 3e-2, 1e-1, 3e-1, 1.0, 10.0, 100.0];
+pub const RIDGES: [f32; 8] = [3e-3, 1e-2, 3e-2, 1e-1, 3e-1, 1.0, 10.0, 100.0];
 
 /// What a landmark's displacement is predicted from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,6 +33,24 @@ pub struct Normal {
     xy: Mat<f32>,
     yy: Vec<f64>,
     weight: f64,
+}
+
+/// Weights of all outputs, a column each, the bias last.
+#[derive(Serialize, Deserialize)]
+pub struct Linear(#[serde(with = "super::stored")] Mat<f32>);
+
+impl Linear {
+    /// Outputs for features.
+    pub fn of(&self, x: &[f32]) -> Vec<f32> {
+        ridge::outputs(&self.0, |column| {
+            column.iter().zip(x).map(|(w, x)| w * x).sum()
+        })
+    }
+
+    /// With its outputs projected on the columns of `basis`, which are orthonormal.
+    pub fn within(&self, basis: &Mat<f32>) -> Linear {
+        Linear((&self.0 * basis) * basis.transpose())
+    }
 }
 
 /// Features that predict some of the outputs.
@@ -138,19 +157,19 @@ pub fn sets(links: Links, train: &Normal, held: &Normal) -> Vec<Set> {
 }
 
 /// The weight of |w|² that leaves the smallest error on what was held out.
-pub fn best_ridge(sets: &[Set], train: &Normal, held: &Normal) -> f32 {
+pub fn best_ridge(ridges: &[f32], sets: &[Set], train: &Normal, held: &Normal) -> f32 {
     let error = |ridge: f32| -> f64 {
         let each = sets.par_iter();
         each.map(|set| held.error(set, &train.solve(set, ridge)))
             .sum()
     };
-    let errors = RIDGES.map(|ridge| (error(ridge), ridge));
-    let best = errors.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+    let errors = ridges.iter().map(|ridge| (error(*ridge), *ridge));
+    let best = errors.min_by(|a, b| a.0.total_cmp(&b.0));
     best.expect("there are ridges").1
 }
 
-/// Weights of all sets in one matrix, its predictions projected on `basis`.
-pub fn solve(normal: &Normal, sets: &[Set], ridge: f32, basis: &Mat<f32>) -> Mat<f32> {
+/// Weights of all sets together.
+pub fn solve(normal: &Normal, sets: &[Set], ridge: f32) -> Linear {
     let mut all = Mat::<f32>::zeros(INPUTS + 1, COORDINATES);
     let solved: Vec<_> = sets.par_iter().map(|s| normal.solve(s, ridge)).collect();
     for ((inputs, outputs), weights) in sets.iter().zip(&solved) {
@@ -160,5 +179,5 @@ pub fn solve(normal: &Normal, sets: &[Set], ridge: f32, basis: &Mat<f32>) -> Mat
             }
         }
     }
-    (&all * basis) * basis.transpose()
+    Linear(all)
 }

@@ -1,4 +1,4 @@
-//! How matrices and shapes are stored, for serde.
+//! How matrices are stored, for serde.
 
 use faer::Mat;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
@@ -21,22 +21,4 @@ pub fn deserialize<'d, D: Deserializer<'d>>(from: D) -> Result<Mat<f32>, D::Erro
         return Err(D::Error::custom("a matrix of another size"));
     }
     Ok(Mat::from_fn(rows, columns, |i, j| numbers[i * columns + j]))
-}
-
-/// The same for a shape.
-pub mod shape {
-    use posewise::align::Shape;
-    use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
-
-    /// Writes a shape.
-    pub fn serialize<S: Serializer>(shape: &Shape, to: S) -> Result<S::Ok, S::Error> {
-        shape.as_slice().serialize(to)
-    }
-
-    /// Reads a shape.
-    pub fn deserialize<'d, D: Deserializer<'d>>(from: D) -> Result<Shape, D::Error> {
-        let points = Vec::<[f32; 2]>::deserialize(from)?;
-        let shape = points.try_into();
-        shape.map_err(|_| D::Error::custom("a shape of 68 points"))
-    }
 }
