@@ -8,6 +8,7 @@ use super::regression::{
 };
 use faer::Mat;
 use posewise::align::Shape;
+use posewise::image::Frame;
 use posewise::math::Similarity;
 use posewise_train::align::evaluate::{Accuracy, Boxes, nme};
 use posewise_train::align::{StartShapes, jittered_box, mean_shape, start_from_box};
@@ -261,6 +262,22 @@ impl Cascade {
             mean: training.mean,
             stages,
         }
+    }
+
+    /// The shape in a frame, from one near it. `None` if the shape has no extent.
+    pub fn run(&self, frame: &Frame<'_>, mut shape: Shape) -> Option<Shape> {
+        for stage in &self.stages {
+            let canonical = Similarity::fit(&self.mean, &shape)?;
+            canonical.inverse()?;
+            let crop = FaceCrop::placed(frame, &canonical, &shape, stage.features.step);
+            let x = stage.features.of(&crop);
+            shape = moved(&self.mean, &shape, &stage.weights, &x);
+        }
+        shape
+            .iter()
+            .flatten()
+            .all(|v| v.is_finite())
+            .then_some(shape)
     }
 
     /// Errors on faces from boxes.
