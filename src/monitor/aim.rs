@@ -55,10 +55,15 @@ impl Directions {
         };
         // Until its own road is known, a gaze is measured from that of the head.
         let is_by_gaze = config.zones_by == ZonesBy::Gaze;
-        let has_own_road = is_by_gaze && of_gaze.is_known(config);
-        let gaze_road = if has_own_road { of_gaze } else { of_head };
-        let head_deg = from_road(pose.turn_deg, of_head, config);
-        let gaze_deg = (reading.gaze_deg).and_then(|at_deg| from_road(at_deg, gaze_road, config));
+        let has_own_road = is_by_gaze && of_gaze.is_known_beside(of_head, config);
+        let is_head_known = of_head.is_known(config);
+        let (gaze_road, is_gaze_known) = match has_own_road {
+            true => (of_gaze, true),
+            false => (of_head, is_head_known),
+        };
+        let head_deg = is_head_known.then(|| from_road(pose.turn_deg, of_head, config));
+        let gaze_deg = reading.gaze_deg.filter(|_| is_gaze_known);
+        let gaze_deg = gaze_deg.map(|at_deg| from_road(at_deg, gaze_road, config));
         let (by_gaze, by_head) = match is_by_gaze {
             true => (
                 gaze_deg
@@ -84,16 +89,12 @@ impl Directions {
 }
 
 /// Yaw and pitch from the road without what is this person's own \[deg\].
-fn from_road(
-    [yaw, pitch]: [f32; 2],
-    natural: &Natural,
-    config: &MonitorConfig,
-) -> Option<[f32; 2]> {
+fn from_road([yaw, pitch]: [f32; 2], natural: &Natural, config: &MonitorConfig) -> [f32; 2] {
     let [more_yaw, more_pitch] = natural.offset_deg();
-    natural.is_known(config).then_some([
+    [
         yaw - more_yaw - config.forward_yaw_deg,
         pitch - more_pitch - config.forward_pitch_deg,
-    ])
+    ]
 }
 
 /// A gaze whose eyes have turned farther in the head than it is found \[deg\].

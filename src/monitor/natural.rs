@@ -14,6 +14,10 @@ const PITCH_BINS: usize = 30;
 /// Known time from which on there is an estimate, and after which it is final \[µs\].
 const FIRST_US: u32 = 10_000_000;
 const FINAL_US: u32 = 60_000_000;
+/// Known time after which a gaze has a direction of its own, once there is that of the head \[µs\].
+/// Eyes are known less often than heads, and without it glances of the first seconds after the
+/// head's estimate are missed. Chosen.
+const GAZE_US: u32 = 5_000_000;
 /// Known time that a guess stands for \[µs\]. Chosen: less than half of what follows.
 const GUESS_US: u32 = 15_000_000;
 
@@ -45,6 +49,11 @@ impl Natural {
     /// Whether there is an estimate; settings without bounds need none.
     pub(super) fn is_known(&self, config: &MonitorConfig) -> bool {
         self.known_us >= FIRST_US || !is_learnt(config)
+    }
+
+    /// The same of a gaze, of which the head's direction is learnt too.
+    pub(super) fn is_known_beside(&self, of_head: &Natural, config: &MonitorConfig) -> bool {
+        self.is_known(config) || self.known_us >= GAZE_US && of_head.is_known(config)
     }
 
     pub(super) fn is_final(&self, config: &MonitorConfig) -> bool {
