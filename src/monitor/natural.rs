@@ -124,6 +124,17 @@ mod tests {
     }
 
     #[test]
+    fn a_gaze_is_known_sooner_beside_a_head_that_is() {
+        let config = MonitorConfig::default();
+        let (mut head, mut gaze) = (Natural::NEW, Natural::NEW);
+        gaze.pass(GAZE_US, [4.0, -3.0], &config);
+        assert!(!gaze.is_known_beside(&head, &config));
+        head.pass(FIRST_US, [5.0, -2.0], &config);
+        assert!(gaze.is_known_beside(&head, &config) && !gaze.is_known(&config));
+        assert!(!Natural::NEW.is_known_beside(&head, &config));
+    }
+
+    #[test]
     fn a_guess_is_an_estimate_and_a_wrong_one_is_outvoted() {
         let config = MonitorConfig::default();
         let mut natural = Natural::guessed([20.0, -6.0], &config);
