@@ -9,6 +9,7 @@ mod platt;
 mod samples;
 
 pub use platt::platt;
+pub use samples::candidates;
 
 use crate::faces::{Face, Picture};
 use crate::ridge::Linear;

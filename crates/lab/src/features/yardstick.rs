@@ -1,18 +1,14 @@
 //! What aligners are measured on: labelled faces, and where posewise's detector finds them.
 
 use posewise::align::{Shape, Views, Workspace};
-use posewise::detect::{
-    Detection, DetectorModel, Scan, ScanBudget, ScanOutcome, Sizes, TileMemory,
-};
+use posewise::detect::{Detection, DetectorModel};
 use posewise::image::Frame;
 use posewise_metrics::landmarks::{INNER, bounds, iou};
 use posewise_train::align::evaluate::{Accuracy, nme};
 use posewise_train::align::start_from_box;
 use posewise_train::faces::Face;
+use posewise_train::verifier::candidates;
 use rayon::prelude::*;
-
-/// Narrowest face searched for \[px\], as `posewise-lab eval landmarks` has it.
-const MIN_FACE_PX: i32 = 30;
 
 /// Labelled faces.
 pub struct Yardstick {
@@ -73,24 +69,5 @@ impl Yardstick {
             .map_init(|| Box::new(Workspace::new()), align)
             .collect();
         Accuracy::of(&rows)
-    }
-}
-
-/// All that the detector reports in a picture.
-fn candidates(
-    detector: &DetectorModel<'_>,
-    frame: &Frame<'_>,
-    work: &mut Workspace,
-) -> Vec<Detection> {
-    let (mut scan, mut all) = (Scan::new(), vec![]);
-    let (crop, maps) = work.network_memory();
-    let memory = &mut TileMemory { crop, maps };
-    let (sizes, budget) = (Sizes::from(MIN_FACE_PX), ScanBudget::of_tiles(u32::MAX));
-    loop {
-        match scan.advance(detector, frame, sizes, budget, memory) {
-            ScanOutcome::Candidate(found) => all.push(found),
-            ScanOutcome::BudgetSpent => continue,
-            ScanOutcome::Finished => return all,
-        }
     }
 }

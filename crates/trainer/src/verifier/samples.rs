@@ -109,7 +109,7 @@ pub fn collect(
     let boxes = samples.len() / RANDOM_BOXES;
     samples.extend(on_random_boxes(model, empty, seed ^ 1, boxes));
     let positives = samples.iter().filter(|s| s.face).count();
-    let mut others = on_false_positives(model, detector, empty, seed ^ 2);
+    let mut others = on_candidates(model, detector, empty, seed ^ 2);
     println!("verifier: {} false positives of the detector", others.len());
     let weight = FALSE_POSITIVES * positives as f32 / others.len().max(1) as f32;
     for sample in &mut others {
@@ -255,7 +255,7 @@ fn on_random_boxes(
 }
 
 /// Runs the cascade where the detector finds a face though there is none.
-fn on_false_positives(
+fn on_candidates(
     model: &AlignModel<'_>,
     detector: &DetectorModel<'_>,
     empty: &[Picture],
@@ -278,7 +278,7 @@ fn on_false_positives(
                 {
                     let poor = sometimes_poor(picture, EMPTY_FACE_PX, &mut rng);
                     let frame = poor.as_ref().unwrap_or(picture).frame();
-                    let found = false_positives(detector, &frame, work);
+                    let found = candidates(detector, &frame, work);
                     let every = found.len().div_ceil(MAX_FALSE_POSITIVES).max(1);
                     for found in found.iter().step_by(every) {
                         let start = start_of(model, found.yaw);
@@ -300,7 +300,7 @@ fn on_false_positives(
 }
 
 /// All that the detector reports in a picture.
-fn false_positives(
+pub fn candidates(
     detector: &DetectorModel<'_>,
     frame: &Frame<'_>,
     work: &mut Workspace,

@@ -59,7 +59,7 @@ pub fn render(studio: &Studio, clip: &Clip, folder: &Path) -> Result<()> {
         dress(&mut set, clip);
         let script = Script::new(&mut set.rng, clip);
         set.expose(&script.at(0.0));
-        let lamps = Moving::random(&mut set, clip.condition);
+        let moving = Moving::random(&mut set, clip.condition);
         let mut passenger = match clip.condition {
             Condition::Passenger => Some(Passenger::beside(&mut set, studio, clip, &beside)?),
             _ => None,
@@ -69,8 +69,8 @@ pub fn render(studio: &Studio, clip: &Clip, folder: &Path) -> Result<()> {
             let nose = passenger
                 .as_mut()
                 .map(|other| other.draw_behind(&mut set, t));
-            if let Some(lamps) = &lamps {
-                lamps.shine(&mut set, t);
+            if let Some(moving) = &moving {
+                moving.shine(&mut set, t);
             }
             let (luma, row) = set.frame(number, script.at(t));
             let mut text = row.text()?;
