@@ -12,6 +12,10 @@ const SAME_DISTANCE: f32 = 0.2;
 /// … and their sizes differ by less than this factor. Both are as the tiles were trained: cells
 /// within a fifth of the size are to report the face.
 const SAME_RATIO: f32 = 1.4;
+/// A candidate that was reported is another one where its size differs by this factor: a face that
+/// is too small for a level is reported there at the level's least size, up to 1.5 times its own,
+/// and its attempt fails; the next level sees its own size.
+const REPORTED_RATIO: f32 = 1.2;
 /// A hit that is this near to a better one \[of the larger size\], and within this factor of its
 /// size, is no second face: faces do not overlap by more than a half.
 const COMPETING_DISTANCE: f32 = 0.5;
@@ -121,8 +125,9 @@ impl Candidates {
         let competes = |c: &&mut Candidate| {
             !c.reported && overlaps(&c.face, &face, COMPETING_DISTANCE, COMPETING_RATIO)
         };
-        let is_same =
-            |c: &&mut Candidate| c.reported && overlaps(&c.face, &face, SAME_DISTANCE, SAME_RATIO);
+        let is_same = |c: &&mut Candidate| {
+            c.reported && overlaps(&c.face, &face, SAME_DISTANCE, REPORTED_RATIO)
+        };
         if let Some(seen) = self.list.iter_mut().find(is_same) {
             if face.score > seen.face.score + BETTER_SCORE {
                 *seen = new;

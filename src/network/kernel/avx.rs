@@ -9,16 +9,9 @@ pub(super) fn has_avx2() -> bool {
     if cfg!(any(target_feature = "avx2", miri)) {
         return cfg!(target_feature = "avx2");
     }
-    const OSXSAVE_AND_AVX: u32 = 1 << 27 | 1 << 28;
     const AVX2: u32 = 1 << 5;
-    /// Bits of XCR0: the state of XMM and YMM registers.
-    const REGISTERS: u64 = 0b110;
-    if __cpuid(0).eax < 7 || __cpuid(1).ecx & OSXSAVE_AND_AVX != OSXSAVE_AND_AVX {
-        return false;
-    }
-    // SAFETY: OSXSAVE says that the instruction may be used.
-    let registers = unsafe { xcr0() };
-    registers & REGISTERS == REGISTERS && __cpuid_count(7, 0).ebx & AVX2 != 0
+    // The state of XMM and YMM registers.
+    keeps_registers(0b110) && __cpuid_count(7, 0).ebx & AVX2 != 0
 }
 
 /// Whether the processor has AVX-VNNI too.
@@ -29,6 +22,34 @@ pub(super) fn has_vnni() -> bool {
     }
     const AVX_VNNI: u32 = 1 << 4;
     has_avx2() && __cpuid_count(7, 0).eax >= 1 && __cpuid_count(7, 1).eax & AVX_VNNI != 0
+}
+
+/// Whether the processor has AVX512-VNNI for vectors of 256 bits, and the operating system keeps
+/// its registers.
+pub(super) fn has_avx512() -> bool {
+    if cfg!(miri) {
+        return false;
+    }
+    const F_AND_VL: u32 = 1 << 16 | 1 << 31;
+    const AVX512_VNNI: u32 = 1 << 11;
+    // Mask registers, the upper halves of ZMM 0 to 15, and ZMM 16 to 31 too.
+    if !has_avx2() || !keeps_registers(0b1110_0110) {
+        return false;
+    }
+    let features = __cpuid_count(7, 0);
+    features.ebx & F_AND_VL == F_AND_VL && features.ecx & AVX512_VNNI != 0
+}
+
+/// Whether there are CPUID's extended features, and the operating system keeps the registers of
+/// these bits of XCR0.
+fn keeps_registers(bits: u64) -> bool {
+    const OSXSAVE_AND_AVX: u32 = 1 << 27 | 1 << 28;
+    if __cpuid(0).eax < 7 || __cpuid(1).ecx & OSXSAVE_AND_AVX != OSXSAVE_AND_AVX {
+        return false;
+    }
+    // SAFETY: OSXSAVE says that the instruction may be used.
+    let registers = unsafe { xcr0() };
+    registers & bits == bits
 }
 
 /// Extended control register 0.

@@ -12,6 +12,8 @@ pub enum KernelName {
     Sse2,
     /// x86-64 with AVX2.
     Avx2,
+    /// x86-64 with AVX2 and AVX512-VNNI.
+    Avx512,
     /// x86-64 with AVX2 and AVX-VNNI.
     Vnni,
     /// AArch64.
@@ -26,10 +28,11 @@ pub enum KernelName {
 
 impl KernelName {
     /// All kernels, the fastest of each machine last.
-    pub const ALL: [KernelName; 8] = [
+    pub const ALL: [KernelName; 9] = [
         Self::Scalar,
         Self::Sse2,
         Self::Avx2,
+        Self::Avx512,
         Self::Vnni,
         Self::Neon,
         Self::Dotprod,
@@ -44,6 +47,7 @@ impl KernelName {
             Self::Scalar => "scalar",
             Self::Sse2 => "sse2",
             Self::Avx2 => "avx2",
+            Self::Avx512 => "avx512",
             Self::Vnni => "vnni",
             Self::Neon => "neon",
             Self::Dotprod => "dotprod",
@@ -59,6 +63,8 @@ impl KernelName {
             Self::Sse2 => cfg!(target_arch = "x86_64"),
             #[cfg(target_arch = "x86_64")]
             Self::Avx2 => super::avx::has_avx2(),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => super::avx::has_avx512(),
             #[cfg(target_arch = "x86_64")]
             Self::Vnni => super::avx::has_vnni(),
             Self::Neon => cfg!(target_arch = "aarch64"),
@@ -138,6 +144,8 @@ pub(in crate::network) enum Chosen {
     #[cfg(target_arch = "x86_64")]
     Vnni(super::vnni::Vnni),
     #[cfg(target_arch = "x86_64")]
+    Avx512(super::avx512::Avx512),
+    #[cfg(target_arch = "x86_64")]
     Avx2(super::avx2::Avx2),
     #[cfg(target_arch = "x86_64")]
     Sse2(super::sse2::Sse2),
@@ -172,6 +180,9 @@ pub(super) unsafe fn of_name(name: KernelName) -> Chosen {
         KernelName::Vnni => Chosen::Vnni(unsafe { super::vnni::Vnni::new() }),
         #[cfg(target_arch = "x86_64")]
         // SAFETY: as above.
+        KernelName::Avx512 => Chosen::Avx512(unsafe { super::avx512::Avx512::new() }),
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: as above.
         KernelName::Avx2 => Chosen::Avx2(unsafe { super::avx2::Avx2::new() }),
         #[cfg(all(simd_kernel, any(test, feature = "unstable-internals")))]
         KernelName::Scalar => Chosen::Scalar(super::scalar::Scalar),
@@ -199,6 +210,8 @@ macro_rules! dispatch {
         match chosen() {
             #[cfg(target_arch = "x86_64")]
             Chosen::Vnni($kernel) => $call,
+            #[cfg(target_arch = "x86_64")]
+            Chosen::Avx512($kernel) => $call,
             #[cfg(target_arch = "x86_64")]
             Chosen::Avx2($kernel) => $call,
             #[cfg(target_arch = "x86_64")]

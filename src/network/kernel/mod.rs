@@ -14,7 +14,11 @@ mod avx;
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 #[cfg(target_arch = "x86_64")]
+mod avx512;
+#[cfg(target_arch = "x86_64")]
 mod avx_depthwise;
+#[cfg(target_arch = "x86_64")]
+mod avx_dot_products;
 mod choice;
 mod depthwise_input;
 #[cfg(target_arch = "aarch64")]

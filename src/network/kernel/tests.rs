@@ -21,6 +21,8 @@ macro_rules! each_kernel {
                 #[cfg(target_arch = "x86_64")]
                 Chosen::Vnni($kernel) => $test,
                 #[cfg(target_arch = "x86_64")]
+                Chosen::Avx512($kernel) => $test,
+                #[cfg(target_arch = "x86_64")]
                 Chosen::Avx2($kernel) => $test,
                 #[cfg(target_arch = "x86_64")]
                 Chosen::Sse2($kernel) => $test,
