@@ -6,9 +6,10 @@
     peers/bin/python benches/peers.py VIDEO
 
 Each frame is given to every system before the next one is read, so that all see the same noise of
-the machine; the caches hold another system's data then, unless --warm is given. A line has the median wall time and the median CPU time of a frame, the ratio of the
-latter to posewise's, and in how many frames a face was found. What is not installed, or not given,
-is skipped and named. Without VIDEO the clip of the repository is shown.
+the machine; the caches hold another system's data then, unless --warm is given. A line has the
+median wall time and the median CPU time of a frame, the ratio of the latter to posewise's, and in
+how many frames a face was found. What is not installed, or not given, is skipped and named. Without
+VIDEO the clip of the repository is shown.
 
 | system | needs |
 |---|---|
