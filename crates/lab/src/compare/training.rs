@@ -40,8 +40,8 @@ const PHOTOGRAPHED: [Set; 3] = [MANUAL, MANUAL_MORE, VIDEO];
 const PHOTOGRAPHED_SHARE: usize = 6;
 /// Rendered faces for each subject that the cascade tracks between its rounds, frames of each of the
 /// subject's videos and their width \[px\]. Chosen.
-const TRACKED_SHARE: usize = 500;
-const TRACKED_FRAMES: usize = 100;
+const TRACKED_SHARE: usize = 1000;
+const TRACKED_FRAMES: usize = 75;
 const TRACKED_WIDTH: usize = 640;
 
 /// What was learned, each with the checksum of its file.
