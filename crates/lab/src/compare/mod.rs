@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! face_model, person, render ─► synthesis ─► gaussian | view_based | sparse ─► scorer
-//! scorer ─► bayes, keyframes ──────────────────────────────────────────────────────────────────┐
+//! scorer ─► bayes, keyframes ─────────────────────────────────────────────────────────────────────┐
 //! fit ─► head_cascade ─► own_errors ─► cascade_training ─► training ─► svm | cascade ─► follower ◄┘
 //! follower ─► follow ─► trackers ─► track
 //! trackers, systems, measures ─► comparison ─► table
