@@ -115,3 +115,42 @@ fn error(first: &[f64], start: &State, identity: &[f64], truth: &State) -> Start
         identity: pairs.map(|(a, b)| a - b).collect(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use posewise::math::{HeadAngles, head_rotation};
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+
+    fn head(yaw_deg: f32, x: f32, z: f32) -> State {
+        State {
+            rotation: head_rotation(HeadAngles {
+                yaw_deg,
+                pitch_deg: 0.0,
+                roll_deg: 0.0,
+            }),
+            translation: Vec3::new(x, 0.0, z),
+            units: [0.5; UNITS.len()],
+        }
+    }
+
+    #[test]
+    fn starts_are_off_as_tracked_heads_were() {
+        // Both are a tenth too far away, 5 mm to the right of it, and 4° short.
+        let seen = [30.0, 60.0].map(|yaw| {
+            let start = head(yaw - 4.0, 115.0, 550.0);
+            error(&[0.5], &start, &[0.25], &head(yaw, 100.0, 500.0))
+        });
+        let errors = OwnErrors(seen.into());
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        for (yaw, side) in [(32.0, 1.0), (-70.0, -1.0)] {
+            let (start, identity) = errors.start(&head(yaw, -40.0, 800.0), &mut rng);
+            let found = head_angles(&start.rotation).yaw_deg;
+            assert!((found - (yaw - 4.0 * side)).abs() < 0.1, "{found}");
+            let expected = Vec3::new(-44.0 + 5.0 * side, 0.0, 880.0);
+            assert!(start.translation.abs_diff_eq(expected, 1e-2), "{start:?}");
+            assert_eq!(identity, [0.25]);
+        }
+    }
+}
