@@ -38,8 +38,8 @@ const MANY_PEOPLE: usize = 256;
 const PHOTOGRAPHED: [Set; 3] = [MANUAL, MANUAL_MORE, VIDEO];
 /// Renders for a photograph of each of these sets.
 const PHOTOGRAPHED_SHARE: usize = 6;
-/// Rendered faces for each subject that the cascade tracks between its rounds, frames of each of the
-/// subject's videos and their width \[px\]. Chosen.
+/// Rendered faces for each subject that the cascade tracks between its rounds, frames of each of
+/// the subject's videos and their width \[px\]. Chosen.
 const TRACKED_SHARE: usize = 1000;
 const TRACKED_FRAMES: usize = 75;
 const TRACKED_WIDTH: usize = 640;
@@ -82,7 +82,9 @@ impl Trained {
         let learn_cascade = || {
             let head = FaceModel::morphable(facekit)?;
             let faces = cascade.many_faces()?;
-            let folder = options.trained.join(format!("clips.{}", std::process::id()));
+            let folder = options
+                .trained
+                .join(format!("clips.{}", std::process::id()));
             let clips = cascade.clips(&folder)?;
             let kind = Kind::PooledRbm;
             let learned = cascade_training::train(&head, &faces, &clips, kind, SEED)?;
