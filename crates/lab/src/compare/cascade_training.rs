@@ -2,7 +2,7 @@
 //! face is fitted first.
 //!
 //! There are two rounds. In the first, starts are drawn around the fitted heads. The cascade then
-//! tracks clips, and in the second its starts are off as those of tracked frames were.
+//! tracks clips, and in the second round half of the starts are off as tracked frames were.
 
 use super::face_model::FaceModel;
 use super::head_cascade::{HeadCascade, Look, Stage, VIEWS, View};
@@ -38,8 +38,10 @@ const FOLDS: usize = 3;
 const RIDGES: [f32; 5] = [0.005, 0.03, 0.1, 0.3, 1.0];
 /// Crops that features are learned from.
 const CROPS: usize = 400;
-/// Starts on a face.
+/// Starts on a face, and how many of them are drawn in the second round too: clips in which heads
+/// move slowly do not show all that a frame can be off.
 const STARTS: usize = 4;
+const STILL_DRAWN: usize = 2;
 /// How far from its middle a view learns from starts \[deg\]. Chosen, as the numbers above.
 const REACH_DEG: f32 = 20.0;
 /// Standard deviations of the first round's starts: rotation \[rad\], sideways and depth \[mm\],
@@ -120,10 +122,10 @@ fn drawn<'a>(
 ) -> Vec<Sample<'a>> {
     let mut samples = Vec::new();
     for (index, subject) in subjects.iter().enumerate() {
-        for _ in 0..STARTS {
+        for start in 0..STARTS {
             let (state, off) = match errors {
-                Some(errors) => errors.start(&subject.state, rng),
-                None => far(subject, rng),
+                Some(errors) if start >= STILL_DRAWN => errors.start(&subject.state, rng),
+                _ => far(subject, rng),
             };
             let pairs = subject.identity.iter().zip(off);
             let identity: Vec<f64> = pairs.map(|(w, off)| w + off).collect();
