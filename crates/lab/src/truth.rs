@@ -13,7 +13,7 @@ pub struct Truth {
     pub angles: [f64; 3],
     /// Midpoint of the eyeballs, camera frame \[mm\], if the table has it.
     pub eye_mid: Option<[f64; 3]>,
-    /// Landmarks, the jaw as fixed points of the head \[px\].
+    /// Landmarks, the jaw as fixed points of the head \[px\]; NaN if the table has none.
     pub points: [[f64; 2]; 68],
     /// Share of the landmarks in the picture.
     pub in_frame: f64,
@@ -44,6 +44,11 @@ impl Truth {
         }
     }
 
+    /// Whether the landmarks are known.
+    pub fn is_marked(&self) -> bool {
+        self.points[0][0].is_finite()
+    }
+
     /// Whether something covers at least half of the landmarks.
     pub fn is_covered(&self) -> Option<bool> {
         let count = |covered: [bool; 68]| covered.iter().filter(|c| **c).count();
@@ -59,6 +64,7 @@ pub fn read(path: &Path) -> Result<Vec<Truth>> {
 /// Frames of a table that says what is seen and where the head is.
 pub fn whole(table: &Table) -> Result<Vec<Truth>> {
     table.columns68("v")?;
+    table.points(["x", "y"])?;
     table.column("eye_mid_x")?;
     of(table)
 }
@@ -69,7 +75,8 @@ fn of(table: &Table) -> Result<Vec<Truth>> {
     };
     let angles = three(["yaw", "pitch", "roll"])?;
     let eye_mid = three(["eye_mid_x", "eye_mid_y", "eye_mid_z"]).ok();
-    let points = table.points(["x", "y"])?;
+    let has_points = table.find("x0").is_some();
+    let points = has_points.then(|| table.points(["x", "y"])).transpose()?;
     let [seen, covered] = ["v", "o"].map(|letter| table.columns68(letter).ok());
     let [frame, in_frame, occluder, focal] =
         ["frame", "in_frame", "occluder", "fx"].map(|name| table.find(name));
@@ -79,6 +86,8 @@ fn of(table: &Table) -> Result<Vec<Truth>> {
             let values = columns.map(|c| table.numbers(row, c)).transpose()?;
             Ok(values.map(|values| values.map(|v| v > 0.5)))
         };
+        let points = points.as_ref().map(|points| table.points_of(row, points));
+        let points = points.transpose()?.unwrap_or([[f64::NAN; 2]; 68]);
         let (seen, covered) = (marks(seen)?.unwrap_or([true; 68]), marks(covered)?);
         let uncovered = covered.unwrap_or([false; 68]).map(|c| !c);
         Ok(Truth {
@@ -89,7 +98,7 @@ fn of(table: &Table) -> Result<Vec<Truth>> {
             covered,
             occluder: number(occluder)?.map(|o| o > 0.5),
             focal: number(focal)?,
-            ..Truth::new(table.numbers(row, angles)?, table.points_of(row, &points)?)
+            ..Truth::new(table.numbers(row, angles)?, points)
         })
     };
     (0..table.len()).map(row).collect()

@@ -1,16 +1,19 @@
 //! Training of the cascade that moves a head (thesis 5.1, 5.2), on labelled faces to which the 3D
 //! face is fitted first.
 //!
-//! Starts are states off the fitted one, as far as a tracked frame starts off its head.
+//! There are two rounds. In the first, starts are drawn around the fitted heads. The cascade then
+//! tracks clips, and in the second round half of the starts are off as tracked frames were.
 
 use super::face_model::FaceModel;
 use super::head_cascade::{HeadCascade, Look, Stage, VIEWS, View};
+use super::own_errors::OwnErrors;
 use super::person::Sketch;
 use super::state::{RIGID, SIZE, State};
 use crate::features::local::{FaceCrop, Features, Kind};
 use crate::features::regression::{
     COORDINATES, INPUTS, Links, Normal, Set, best_ridge, sets, solve,
 };
+use anyhow::Result;
 use glam::Quat;
 use posewise::Intrinsics;
 use posewise::shape::LANDMARKS;
@@ -20,6 +23,7 @@ use posewise_train::faces::Face;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
+use std::path::PathBuf;
 use std::time::Instant;
 
 /// Stages.
@@ -34,15 +38,17 @@ const FOLDS: usize = 3;
 const RIDGES: [f32; 5] = [0.005, 0.03, 0.1, 0.3, 1.0];
 /// Crops that features are learned from.
 const CROPS: usize = 400;
-/// Starts on a face.
+/// Starts on a face, and how many of them are drawn in the second round too: clips in which heads
+/// move slowly do not show all that a frame can be off.
 const STARTS: usize = 4;
+const STILL_DRAWN: usize = 2;
 /// How far from its middle a view learns from starts \[deg\]. Chosen, as the numbers above.
 const REACH_DEG: f32 = 20.0;
-/// Standard deviations of the drawn starts: rotation \[rad\], sideways and depth \[mm\], units.
-/// They cover what the head of the frame before is off (docs/dev/thesis.md, 5.2).
+/// Standard deviations of the first round's starts: rotation \[rad\], sideways and depth \[mm\],
+/// units. Chosen.
 const DRAWN: [f64; 4] = [0.1, 8.0, 25.0, 0.2];
-/// Standard deviation of what the identity of a tracked head is off, in standard deviations of its
-/// modes: the first frame does not show its depth. Chosen.
+/// Standard deviation of what the identity is off there, in standard deviations of its modes: the
+/// first frame does not show its depth. Chosen.
 const IDENTITY: f64 = 0.4;
 /// Assumed distance of the camera \[mm\], and width of a face: labels do not tell.
 const DISTANCE_MM: f32 = 800.0;
@@ -64,23 +70,33 @@ struct Sample<'a> {
     state: State,
 }
 
-/// Trains a cascade.
-pub fn train(model: &FaceModel, faces: &[Face], kind: Kind, seed: u64) -> HeadCascade {
+/// Trains a cascade; `clips`, which lie beside their truth, are tracked between the rounds.
+pub fn train(
+    model: &FaceModel,
+    faces: &[Face],
+    clips: &[PathBuf],
+    kind: Kind,
+    seed: u64,
+) -> Result<HeadCascade> {
     let subjects: Vec<Subject<'_>> = faces
         .par_iter()
         .filter_map(|face| subject(model, face))
         .collect();
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let mut training = Training {
-        samples: drawn(model, &subjects, &mut rng),
-        subjects: &subjects,
-        rng,
+    let round = |errors: Option<&OwnErrors>| {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut training = Training {
+            samples: drawn(model, &subjects, errors, &mut rng),
+            subjects: &subjects,
+            rng,
+        };
+        eprintln!("  {} starts", training.samples.len());
+        let stages = (0..STAGES).map(|index| training.stage(kind, index));
+        HeadCascade {
+            stages: stages.collect(),
+        }
     };
-    eprintln!("  {} starts", training.samples.len());
-    let stages = (0..STAGES).map(|index| training.stage(kind, index));
-    HeadCascade {
-        stages: stages.collect(),
-    }
+    let errors = OwnErrors::of(model, &round(None), clips)?;
+    Ok(round(Some(&errors)))
 }
 
 /// The head that fits a face's labels.
@@ -101,14 +117,18 @@ fn subject<'a>(model: &FaceModel, face: &'a Face) -> Option<Subject<'a>> {
 fn drawn<'a>(
     model: &'a FaceModel,
     subjects: &[Subject<'_>],
+    errors: Option<&OwnErrors>,
     rng: &mut ChaCha8Rng,
 ) -> Vec<Sample<'a>> {
     let mut samples = Vec::new();
     for (index, subject) in subjects.iter().enumerate() {
-        for _ in 0..STARTS {
-            let off = subject.identity.iter();
-            let identity: Vec<f64> = off.map(|w| w + IDENTITY * f64::from(normal(rng))).collect();
-            let state = far(&subject.state, rng);
+        for start in 0..STARTS {
+            let (state, off) = match errors {
+                Some(errors) if start >= STILL_DRAWN => errors.start(&subject.state, rng),
+                _ => far(subject, rng),
+            };
+            let pairs = subject.identity.iter().zip(off);
+            let identity: Vec<f64> = pairs.map(|(w, off)| w + off).collect();
             samples.push(Sample {
                 subject: index,
                 head: model.sketch(subject.camera, &identity),
@@ -120,13 +140,16 @@ fn drawn<'a>(
     samples
 }
 
-/// A state that is drawn around another.
-fn far(state: &State, rng: &mut ChaCha8Rng) -> State {
+/// A state that is drawn around the fitted one, and what the identity is off.
+fn far(subject: &Subject<'_>, rng: &mut ChaCha8Rng) -> (State, Vec<f64>) {
+    let modes = subject.identity.iter();
+    let off = modes.map(|_| IDENTITY * f64::from(normal(rng))).collect();
     let [rotation, sideways, depth, unit] = DRAWN;
     let wide = rng.random_range(0.2..1.5);
     let mut step = [unit; SIZE];
     step[..RIGID].copy_from_slice(&[rotation, rotation, rotation, sideways, sideways, depth]);
-    state.moved(&step.map(|s| s * wide * f64::from(normal(rng))))
+    let step = step.map(|s| s * wide * f64::from(normal(rng)));
+    (subject.state.moved(&step), off)
 }
 
 struct Training<'a> {

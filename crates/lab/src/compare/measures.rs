@@ -71,7 +71,7 @@ impl Sums {
             let tracked = frame.tracked.as_ref();
             self.pose.push(truth.angles, tracked.map(|t| t.angles));
             self.signed.extend(signed(truth, frame));
-            let found = tracked.map(|t| t.points);
+            let found = tracked.map(|t| t.points).filter(|_| truth.is_marked());
             self.nme.extend(found.map(|found| nme(truth, &found)));
             before.push(found.map(|found| {
                 std::array::from_fn(|i| [0, 1].map(|k| found[i][k] - truth.points[i][k]))

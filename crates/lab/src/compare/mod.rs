@@ -2,8 +2,9 @@
 //!
 //! ```text
 //! face_model, person, render ─► synthesis ─► gaussian | view_based | sparse ─► scorer
-//! scorer ─► bayes, keyframes ──────────────────────────────────────────────────────────────────┐
-//! fit ─► head_cascade ─► cascade_training ─► training ─► svm | cascade ──────► follower ◄──────┘
+//! scorer ─► bayes, keyframes ────────────────────────────────────────────────────────────┐
+//! fit ─► head_cascade ─► own_errors ─► cascade_training ─► training                      │
+//! training ─► svm | cascade ─► follower ◄────────────────────────────────────────────────┘
 //! follower ─► follow ─► trackers ─► track
 //! trackers, systems, measures ─► comparison ─► table
 //! ```
@@ -27,6 +28,7 @@ mod gaussian;
 mod head_cascade;
 mod keyframes;
 mod measures;
+mod own_errors;
 mod person;
 mod picture;
 mod render;

@@ -112,7 +112,7 @@ fn every_method_follows_a_short_clip() {
         "--training-faces",
         "400",
         "--cascade-faces",
-        "400",
+        "200",
         "--grid-step",
         "20",
         "--frames",

@@ -7,6 +7,7 @@ use super::head_cascade::HeadCascade;
 use super::settings::{Method, TrainingOptions};
 use crate::features::local::Kind;
 use crate::store::sum;
+use crate::sweeps::{self, Material, U3ptArgs};
 use crate::templates::svm::{Bank, views};
 use anyhow::{Context, Result, ensure};
 use glam::Vec3;
@@ -25,7 +26,7 @@ use std::path::{Path, PathBuf};
 
 /// Raised when what is learned from the same comes out otherwise.
 const BANK_VERSION: u32 = 1;
-const CASCADE_VERSION: u32 = 2;
+const CASCADE_VERSION: u32 = 3;
 /// Seed of the renders: no clip shows the same people.
 const SEED: u64 = 0x7468_6573_6973;
 /// Procedural people in the renders that templates learn from, and, of each head family, in those
@@ -37,6 +38,11 @@ const MANY_PEOPLE: usize = 256;
 const PHOTOGRAPHED: [Set; 3] = [MANUAL, MANUAL_MORE, VIDEO];
 /// Renders for a photograph of each of these sets.
 const PHOTOGRAPHED_SHARE: usize = 6;
+/// Rendered faces for each subject that the cascade tracks between its rounds, frames of each of
+/// the subject's videos and their width \[px\]. Chosen.
+const TRACKED_SHARE: usize = 1000;
+const TRACKED_FRAMES: usize = 75;
+const TRACKED_WIDTH: usize = 640;
 
 /// What was learned, each with the checksum of its file.
 pub struct Trained {
@@ -76,12 +82,14 @@ impl Trained {
         let learn_cascade = || {
             let head = FaceModel::morphable(facekit)?;
             let faces = cascade.many_faces()?;
-            Ok(cascade_training::train(
-                &head,
-                &faces,
-                Kind::PooledRbm,
-                SEED,
-            ))
+            let folder = options
+                .trained
+                .join(format!("clips.{}", std::process::id()));
+            let clips = cascade.clips(&folder)?;
+            let kind = Kind::PooledRbm;
+            let learned = cascade_training::train(&head, &faces, &clips, kind, SEED)?;
+            std::fs::remove_dir_all(&folder)?;
+            Ok(learned)
         };
         let trained = Trained {
             bank: needs_bank.then(|| bank.learned(learn_bank)).transpose()?,
@@ -232,6 +240,22 @@ impl Lesson<'_> {
         }
         all.extend(self.photographs()?);
         Ok(all)
+    }
+
+    /// Renders the clips that the cascade tracks between its rounds.
+    fn clips(&self, folder: &Path) -> Result<Vec<PathBuf>> {
+        sweeps::render_u3pt(&U3ptArgs {
+            material: Material {
+                facekit: self.facekit.into(),
+                backgrounds: None,
+                seed: SEED,
+            },
+            out: folder.into(),
+            only: Vec::new(),
+            subjects: self.count.div_ceil(TRACKED_SHARE),
+            frames: TRACKED_FRAMES,
+            width: TRACKED_WIDTH,
+        })
     }
 
     /// Faces of the file of renders that is given, or rendered now.

@@ -201,19 +201,20 @@ impl SystemFigures {
         }
         let times = results.iter().flatten().filter_map(|f| f.milliseconds);
         let nmes = samples.iter().filter_map(|s| {
-            let found = s.found.tracked.as_ref()?;
+            let found = s.found.tracked.as_ref().filter(|_| s.truth.is_marked())?;
             Some(nme(s.truth, &found.points))
         });
+        let marked = samples.iter().filter(|s| s.truth.is_marked());
         let angles = samples.iter().filter_map(Sample::mean_deg);
         let pairs = clips[scrub].truth.iter().zip(&results[scrub]);
         SystemFigures {
             row: all.row(name, None),
             clips: rows,
-            ced: Curve::of(nmes.collect(), samples.len(), NME_LIMIT),
+            ced: Curve::of(nmes.collect(), marked.clone().count(), NME_LIMIT),
             robustness: Curve::of(angles.collect(), samples.len(), ANGLE_LIMIT),
             bands: bands(&samples),
             time: Time::of(times.collect()),
-            calibration: Calibration::of(samples.iter().map(|s| (s.truth, s.found))),
+            calibration: Calibration::of(marked.map(|s| (s.truth, s.found))),
             worst: worst(&samples, worst_count),
             scrub: pairs.map(|(truth, found)| signed(truth, found)).collect(),
             frames: results.swap_remove(scrub),

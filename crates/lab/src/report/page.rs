@@ -32,7 +32,7 @@ struct Shown {
     found: Points,
 }
 
-/// x and y in turns, in tenths of a pixel of the picture.
+/// x and y in turns, in tenths of a pixel of the picture; empty if they are not known.
 type Points = Vec<i32>;
 
 #[derive(Serialize)]
@@ -57,7 +57,8 @@ struct Track {
 }
 
 fn tenths(points: impl IntoIterator<Item = [f64; 2]>) -> Points {
-    let each = points.into_iter().flatten();
+    let known = points.into_iter().filter(|p| p[0].is_finite());
+    let each = known.flatten();
     each.map(|v| (10.0 * v).round() as i32).collect()
 }
 

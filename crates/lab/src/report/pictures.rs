@@ -135,9 +135,13 @@ fn jpeg(picture: &GrayImage) -> Result<Jpeg> {
     Ok(bytes)
 }
 
-/// The surroundings of the true face, as far as they are in the frame.
+/// The surroundings of the true face, or else of the found one, as far as they are in the frame.
 fn crop(luma: &GrayImage, worst: &Worst) -> Result<Crop> {
-    let [left, top, right, bottom] = bounds(&worst.truth);
+    let face = match worst.truth[0][0].is_finite() {
+        true => &worst.truth,
+        false => &worst.found,
+    };
+    let [left, top, right, bottom] = bounds(face);
     let shorter = f64::from(luma.width().min(luma.height()));
     let side = (MARGIN * (right - left).max(bottom - top))
         .clamp(16.0, shorter)

@@ -34,6 +34,7 @@ function scrubber(data, names) {
   const byId = (id) => document.getElementById(`scrub-${id}`);
   const [systems, frame, number] = ['system', 'frame', 'number'].map(byId);
   byId('name').textContent = data.name;
+  if (data.truth.every((points) => points.length === 0)) byId('truth').remove();
   systems.append(...names.map((name, i) => html('option', name, { value: i })));
   frame.max = data.frames - 1;
   frame.value = 0;

@@ -26,7 +26,7 @@ mod u3pt;
 
 pub use crossing::{Args as CrossingArgs, run as run_crossings};
 pub use driver::{Args as DriverArgs, run as run_driver_clips};
-pub use u3pt::{Args as U3ptArgs, run as run_u3pt};
+pub use u3pt::{Args as U3ptArgs, render as render_u3pt, run as run_u3pt};
 
 use crate::footage::backgrounds::held_out;
 use anyhow::{Context, Result};

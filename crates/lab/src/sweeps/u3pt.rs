@@ -101,10 +101,17 @@ pub fn plan(args: &Args) -> Vec<Sweep> {
 
 /// Renders the videos that are not there yet.
 pub fn run(args: &Args) -> Result<()> {
+    render(args).map(drop)
+}
+
+/// The same; says where all are.
+pub fn render(args: &Args) -> Result<Vec<PathBuf>> {
     ensure!(args.width >= 64, "a width of at least 64 px");
     let kit = Head::load(&args.material.facekit)?;
     let studio = Studio::new(&kit, None, args.material.pictures()?)?;
-    let plan = plan(args);
-    plan.par_iter()
-        .try_for_each(|video| studio.render(video, &args.out))
+    let each = plan(args).into_par_iter().map(|video| {
+        studio.render(&video, &args.out)?;
+        Ok(args.out.join(format!("{}.y4m.gz", video.name)))
+    });
+    each.collect()
 }

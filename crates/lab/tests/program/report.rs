@@ -5,6 +5,9 @@ use crate::common::{FRAMES, Run, lab, two_clips};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+/// Columns of the demo clip's truth with the pose and the camera.
+const BEFORE_LANDMARKS: usize = 21;
+
 fn starts(program: &str) -> bool {
     Command::new(program).arg("--version").output().is_ok()
 }
@@ -70,6 +73,28 @@ fn people_are_not_shown_unasked() {
     };
     assert!(!page(&[]).contains("data:image/jpeg"));
     assert!(page(&["--show-people"]).contains("data:image/jpeg"));
+}
+
+/// Real heads may have a labelled pose only.
+#[test]
+fn clips_without_labelled_landmarks_have_angle_errors() {
+    let run = two_clips();
+    for name in ["a", "b"] {
+        let path = run.path(&format!("{name}.csv"));
+        let table = std::fs::read_to_string(&path).expect("a table");
+        let first = |line: &str| {
+            line.split(',')
+                .take(BEFORE_LANDMARKS)
+                .collect::<Vec<_>>()
+                .join(",")
+        };
+        let rows: Vec<String> = table.lines().map(first).collect();
+        std::fs::write(path, rows.join("\n")).expect("writable");
+    }
+    lab(&mut run.arguments(&["report", "--show-people", "--out", "page.html"]));
+    let row = &json(&run.path("page.json"))["systems"][0]["row"];
+    assert!(row["mean_deg"].is_f64() && row["nme_percent"].is_null());
+    assert!(row["jitter_percent"].is_null());
 }
 
 #[test]
