@@ -26,7 +26,7 @@ pub fn reduce(frame: &Frame<'_>, corner: [i32; 2], scale_q8: i32, side: usize, c
     // As many columns of the crop at a time as lie in few bytes of the frame.
     let (bytes, together) = match (frame.luma_bytes(), frame.byte_step(1, 0)) {
         (Some(bytes), step @ 1..=2) if scale_q8 < SPARSE_Q8 => {
-            let together = (SPAN_MAX << 8) / (scale_q8 as usize * step as usize);
+            let together = (SPAN_MAX << 8) / (scale_q8 as usize * step as usize).max(1);
             (Some(bytes), together.clamp(1, CROP_MAX))
         }
         _ => (None, CROP_MAX),
@@ -56,7 +56,8 @@ struct Samples {
 impl Samples {
     /// The frame's column or row of sample number `index` along an axis of `size` pixels.
     fn at(&self, corner: i32, size: i32, index: usize) -> i32 {
-        let middle = (2 * index as i64 + 1) * i64::from(self.scale_q8) / (2 * self.taps as i64);
+        let samples = (2 * self.taps as i64).max(1);
+        let middle = (2 * index as i64 + 1) * i64::from(self.scale_q8) / samples;
         // A frame has at most 2^14 pixels along an axis.
         let at = i64::from(corner).saturating_add(middle >> 8);
         at.clamp(-(1 << 20), 1 << 20)
@@ -75,7 +76,7 @@ impl Samples {
     }
 
     fn mean(&self, sum: u16) -> u8 {
-        let area = (self.taps * self.taps).max(1) as u16;
+        let area = ((self.taps * self.taps) as u16).max(1);
         ((sum + area / 2) / area) as u8
     }
 
