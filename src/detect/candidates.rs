@@ -12,9 +12,9 @@ const SAME_DISTANCE: f32 = 0.2;
 /// … and their sizes differ by less than this factor. Both are as the tiles were trained: cells
 /// within a fifth of the size are to report the face.
 const SAME_RATIO: f32 = 1.4;
-/// A candidate that was reported is another one where its size differs by this factor: a face that
-/// is too small for a level is reported there at the level's least size, up to 1.5 times its own,
-/// and its attempt fails; the next level sees its own size.
+/// A reported candidate is seen again only where the sizes differ by less than this factor. A face
+/// that is too small for a level is reported there at the level's least size, up to 1.5 times its
+/// own, and its attempt fails. The next level sees its own size, which is then attempted too.
 const REPORTED_RATIO: f32 = 1.2;
 /// A hit that is this near to a better one \[of the larger size\], and within this factor of its
 /// size, is no second face: faces do not overlap by more than a half.
@@ -211,6 +211,8 @@ mod tests {
         assert_eq!(tile(&[hit(102.0, 60.0, 2.5)]), [102.0]);
         // A smaller one, where a larger one was rejected.
         assert_eq!(tile(&[hit(102.0, 30.0, 0.1)]), [102.0]);
+        // And one whose size the level before could not tell.
+        assert_eq!(tile(&[hit(101.0, 48.0, 0.5)]), [101.0]);
     }
 
     #[test]
