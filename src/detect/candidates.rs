@@ -148,9 +148,11 @@ impl Candidates {
         }
     }
 
-    /// Whether one was not reported yet.
-    pub fn is_pending(&self) -> bool {
-        self.list.iter().any(|c| !c.reported)
+    /// Whether one with at least this score was not reported yet.
+    pub fn are_pending_from(&self, score: f32) -> bool {
+        self.list
+            .iter()
+            .any(|c| !c.reported && c.face.score >= score)
     }
 
     /// Reports the best candidate that was not reported yet.

@@ -398,7 +398,10 @@ fn follow(
         if let Some(pace) = &mut pace {
             pace.wait(picture.timestamp_us);
         }
-        let faces = trackers.step(&picture)?;
+        let faces = match source.total() {
+            Some(1) => still(trackers, &mut picture)?,
+            _ => trackers.step(&picture)?,
+        };
         for (id, events) in trackers.events() {
             outputs.write_log(id, events)?;
         }
@@ -416,6 +419,28 @@ fn follow(
         }
     }
     Ok(())
+}
+
+/// How often a picture that is alone is searched: each scan looks at other sizes than the others.
+const STILL_STEPS: usize = 8;
+
+/// The faces of a picture that is alone. It is shown again, a microsecond later, until a face is
+/// found.
+fn still(trackers: &mut Faces<'_>, picture: &mut Picture) -> Result<Vec<Face>> {
+    let timestamp_us = picture.timestamp_us;
+    let mut faces = trackers.step(picture)?;
+    for _ in 1..STILL_STEPS {
+        if state_of(&faces) == State::Tracking {
+            break;
+        }
+        picture.timestamp_us += 1;
+        faces = trackers.step(picture)?;
+    }
+    picture.timestamp_us = timestamp_us;
+    for face in &mut faces {
+        face.result.timestamp_us = timestamp_us;
+    }
+    Ok(faces)
 }
 
 /// That of the frame: tracking, or else coasting, if any face is.

@@ -44,7 +44,7 @@ impl Default for Options {
             decay: 0.01,
             smallest: 20.0,
             largest: 47.0,
-            overlap: 32,
+            overlap: 20,
             threshold: 0.2,
         }
     }
