@@ -86,6 +86,22 @@ pub struct Args {
     pub kind: Kind,
 }
 
+impl Args {
+    /// For the [`renderer`] of procedural people of both families.
+    pub fn procedural(data: &Path, seed: u64, kind: Kind) -> Self {
+        Args {
+            data: data.to_path_buf(),
+            cache: PathBuf::new(),
+            count: 0,
+            seed,
+            clean: true,
+            makehuman: MAKEHUMAN,
+            panoramas: PANORAMAS,
+            kind,
+        }
+    }
+}
+
 /// What renders show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Kind {
