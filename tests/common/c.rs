@@ -51,6 +51,16 @@ pub fn require(program: &str) -> bool {
     need(program, exists(program))
 }
 
+/// Builds these targets of the examples' Makefile; cargo's build folder that they lie below.
+pub fn make_examples(targets: &[&str]) -> PathBuf {
+    let target = scratch("dist");
+    let mut make = Command::new("make");
+    make.arg("-C").arg(root().join("ffi-examples"));
+    make.arg(format!("TARGET_DIR={}", target.display()));
+    succeed(make.args(targets).arg("CFLAGS=-O2 -Werror"));
+    target
+}
+
 /// The static library, built once: by make, or by cargo alone where there is no make.
 pub fn library() -> &'static Path {
     static LIBRARY: OnceLock<PathBuf> = OnceLock::new();

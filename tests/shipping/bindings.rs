@@ -1,7 +1,7 @@
 //! The examples for other languages and for ROS 2: Java by JNI tracks the demo frames as Rust does;
 //! clang accepts Swift's module map; poses come for images by DDS.
 
-use crate::common::c::{STRICT, arguments, cc, library, require, succeed};
+use crate::common::c::{STRICT, arguments, cc, library, make_examples, require, succeed};
 use crate::common::java::jdk;
 use crate::common::{demo, model, root, scratch, tracker};
 use posewise::{Config, State};
@@ -69,11 +69,7 @@ fn ros2_topics_carry_the_pose() {
         return;
     }
     library();
-    let (target, out) = (scratch("dist"), scratch("ros2"));
-    let mut make = Command::new("make");
-    make.arg("-C").arg(root().join("ffi-examples"));
-    make.arg(format!("TARGET_DIR={}", target.display()));
-    succeed(make.args(["ros2", "CFLAGS=-O2 -Werror"]));
+    let (target, out) = (make_examples(&["ros2"]), scratch("ros2"));
     let messages = target.join("ffi-examples/ros2-messages");
     let mut compile = Command::new(cc());
     compile.args(["-std=c99", "-O2"]).args(STRICT);

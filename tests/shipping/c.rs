@@ -1,6 +1,8 @@
 //! The static library and the header as C and C++ programs meet them.
 
-use crate::common::c::{STRICT, arguments, cc, cxx, example, library, program, require, succeed};
+use crate::common::c::{
+    STRICT, arguments, cc, cxx, example, library, make_examples, program, require, succeed,
+};
 use crate::common::skip::need;
 use crate::common::{demo, model, root, scratch, tracker};
 use std::io::Write;
@@ -345,13 +347,9 @@ fn makefile_builds_the_examples() {
     if !require("make") {
         return;
     }
-    let target = scratch("dist");
-    let mut make = Command::new("make");
-    make.arg("-C").arg(root().join("ffi-examples"));
-    make.arg(format!("TARGET_DIR={}", target.display()));
-    make.arg("all");
     let linux = cfg!(target_os = "linux").then_some("v4l2");
-    succeed(make.args(linux).arg("CFLAGS=-O2 -Werror"));
+    let all: Vec<&str> = ["all"].into_iter().chain(linux).collect();
+    let target = make_examples(&all);
     for example in ["y4m", "static_memory", "faces", "driver"]
         .into_iter()
         .chain(linux)

@@ -5,7 +5,9 @@
 //! `POSEWISE_KERNEL` names the folder of an unpacked Linux image that has vivid.
 #![cfg(target_os = "linux")]
 
-use crate::common::c::{STRICT, arguments, cxx, exists, library, program, require, succeed};
+use crate::common::c::{
+    STRICT, arguments, cxx, exists, library, make_examples, program, require, succeed,
+};
 use crate::common::skip::need;
 use crate::common::{demo, grey, model, root, scratch, tracker};
 use posewise::{Config, State};
@@ -192,11 +194,7 @@ fn gstreamer_delivers_frames() {
         return;
     }
     library();
-    let target = scratch("dist");
-    let mut make = Command::new("make");
-    make.arg("-C").arg(root().join("ffi-examples"));
-    make.arg(format!("TARGET_DIR={}", target.display()));
-    succeed(make.args(["gstreamer", "CFLAGS=-O2 -Werror"]));
+    let target = make_examples(&["gstreamer"]);
     let program = target.join("ffi-examples/gstreamer");
     let [_, frames, width, height] = arguments();
     let parse = format!("rawvideoparse width={width} height={height} format=gray8 framerate=20/1");
@@ -264,11 +262,7 @@ fn gstreamer_element_posts_results() {
         return;
     }
     library();
-    let target = scratch("dist");
-    let mut make = Command::new("make");
-    make.arg("-C").arg(root().join("ffi-examples"));
-    make.arg(format!("TARGET_DIR={}", target.display()));
-    succeed(make.args(["gst-plugin", "CFLAGS=-O2 -Werror"]));
+    let target = make_examples(&["gst-plugin"]);
     let [_, frames, width, height] = arguments();
     let out = scratch("camera").join("passed.raw");
     let run = |element: &str| {

@@ -8,9 +8,9 @@ import { join } from 'node:path';
 import { createInterface } from 'node:readline';
 import { launch } from './browser.mjs';
 import { checkLooks } from './looks.mjs';
+import { untilTracked, visits } from './visits.mjs';
 
 const [program, clip, out] = process.argv.slice(2);
-const PATIENCE_MS = 60_000;
 
 const command = spawn(program, ['view', clip, '--monitor', '--bind', '127.0.0.1:0'], {
   stdio: ['ignore', 'pipe', 'inherit'],
@@ -19,40 +19,10 @@ const ended = once(command, 'exit');
 const [url] = await once(createInterface(command.stdout), 'line');
 const browser = await launch();
 
-/** Everything that must not happen. */
-const faults = [];
-
-/** A page that counts the tracked frames. */
-async function open(options) {
-  const context = await browser.newContext({ acceptDownloads: true, ...options });
-  const page = await context.newPage();
-  page.setDefaultTimeout(PATIENCE_MS);
-  page.on('console', (message) => {
-    if (['error', 'warning'].includes(message.type())) faults.push(message.text());
-  });
-  page.on('pageerror', (error) => faults.push(String(error)));
-  page.on('request', (request) => {
-    const address = request.url();
-    if (!address.startsWith(url) && !address.startsWith('data:')) faults.push(address);
-  });
-  await page.addInitScript(() => {
-    globalThis.seen = 0;
-    document.addEventListener('posewise:tracked', ({ detail }) => {
-      if (detail.result.state === 'tracking') seen++;
-    });
-  });
-  await page.goto(url);
-  return page;
-}
-
-/** Waits until so many more frames were tracked. */
-async function untilTracked(page, count) {
-  const before = await page.evaluate(() => seen);
-  await page.waitForFunction((n) => seen >= n, before + count);
-}
+const { open, faults } = visits(browser, url);
 
 try {
-  const page = await open({ colorScheme: 'light' });
+  const page = await open(url, { colorScheme: 'light' });
   await untilTracked(page, 60);
   assert.equal(await page.textContent('#status'), 'Face found');
   const isDrawn = await page.evaluate(() => {
@@ -62,7 +32,7 @@ try {
   });
   assert(isDrawn, 'the picture is shown');
   await checkLooks(page, 'live', out);
-  const phone = await open({ viewport: { width: 360, height: 740 }, isMobile: true });
+  const phone = await open(url, { viewport: { width: 360, height: 740 }, isMobile: true });
   await untilTracked(phone, 10);
   const isWide = await phone.evaluate(() => document.documentElement.scrollWidth > innerWidth);
   assert(!isWide, 'nothing is cut off at the side');

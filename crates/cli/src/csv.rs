@@ -14,7 +14,7 @@ use posewise::eyes::{EYE_LOOK_NAMES, Eye, EyeUnknown, Eyes};
 use posewise::{ANIMATION_NAMES, LANDMARKS, Loss, State, TrackResult};
 
 use crate::fields::FIELDS;
-use crate::value::{Cell, Field, MaybeGaze, camera, head, share, sigma_deg};
+use crate::value::{Cell, Field, MaybeGaze, camera, head, num, share, sigma_deg};
 
 /// What one row is made of.
 #[derive(Clone, Copy)]
@@ -55,50 +55,28 @@ pub struct Column {
     pub value: fn(&Row<'_>, usize) -> Cell,
 }
 
-const fn one(
-    name: &'static str,
-    unit: &'static str,
-    meaning: &'static str,
-    value: fn(&Row<'_>, usize) -> Cell,
-) -> Column {
+type Text = &'static str;
+type Value = fn(&Row<'_>, usize) -> Cell;
+
+const fn column(names: Names, unit: Text, meaning: Text, value: Value) -> Column {
     Column {
-        names: Names::One(name),
+        names,
         unit,
         meaning,
         value,
     }
 }
 
-const fn per_landmark(
-    name: &'static str,
-    unit: &'static str,
-    meaning: &'static str,
-    value: fn(&Row<'_>, usize) -> Cell,
-) -> Column {
-    Column {
-        names: Names::PerLandmark(name),
-        unit,
-        meaning,
-        value,
-    }
+const fn one(name: Text, unit: Text, meaning: Text, value: Value) -> Column {
+    column(Names::One(name), unit, meaning, value)
 }
 
-const fn list(
-    names: &'static [&'static str],
-    unit: &'static str,
-    meaning: &'static str,
-    value: fn(&Row<'_>, usize) -> Cell,
-) -> Column {
-    Column {
-        names: Names::List(names),
-        unit,
-        meaning,
-        value,
-    }
+const fn per_landmark(name: Text, unit: Text, meaning: Text, value: Value) -> Column {
+    column(Names::PerLandmark(name), unit, meaning, value)
 }
 
-fn num(value: f32, decimals: usize) -> Cell {
-    Cell::Number(f64::from(value), decimals)
+const fn list(names: &'static [Text], unit: Text, meaning: Text, value: Value) -> Column {
+    column(Names::List(names), unit, meaning, value)
 }
 
 fn landmark(row: &Row<'_>, i: usize) -> posewise::Landmark {

@@ -34,12 +34,11 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// An upright RGB picture at time 0.
-    pub fn from_rgb(image: RgbImage) -> Self {
-        let layout = FrameLayout::new(PixelFormat::Rgb24, image.width(), image.height());
+    /// Bytes without planes of chroma, at time 0.
+    fn packed(layout: FrameLayout, data: Vec<u8>) -> Self {
         Picture {
             layout,
-            data: image.into_raw(),
+            data,
             chroma: Chroma::None,
             full_range: true,
             timestamp_us: 0,
@@ -47,16 +46,16 @@ impl Picture {
         }
     }
 
+    /// An upright RGB picture at time 0.
+    pub fn from_rgb(image: RgbImage) -> Self {
+        let layout = FrameLayout::new(PixelFormat::Rgb24, image.width(), image.height());
+        Picture::packed(layout, image.into_raw())
+    }
+
     /// An upright grey picture at time 0.
     pub fn from_grey(image: GrayImage) -> Self {
-        Picture {
-            layout: FrameLayout::grey(image.width(), image.height()),
-            data: image.into_raw(),
-            chroma: Chroma::None,
-            full_range: true,
-            timestamp_us: 0,
-            focal_px: None,
-        }
+        let layout = FrameLayout::grey(image.width(), image.height());
+        Picture::packed(layout, image.into_raw())
     }
 
     /// The tracker's view of the bytes.
@@ -142,12 +141,9 @@ mod tests {
     fn planar_colours_come_back() {
         // One 2×2 block of pure red in limited range: Y 81, U 90, V 240.
         let picture = Picture {
-            layout: FrameLayout::grey(2, 2),
-            data: vec![81, 81, 81, 81, 90, 240],
             chroma: Chroma::Planar { across: 2, down: 2 },
             full_range: false,
-            timestamp_us: 0,
-            focal_px: None,
+            ..Picture::packed(FrameLayout::grey(2, 2), vec![81, 81, 81, 81, 90, 240])
         };
         let rgb = picture.upright_rgb().unwrap();
         let [r, g, b] = rgb.get_pixel(1, 1).0;
@@ -166,14 +162,7 @@ mod tests {
                 let mut layout = FrameLayout::grey(3, 2);
                 layout.rotation = rotation;
                 layout.mirrored = mirrored;
-                let picture = Picture {
-                    layout,
-                    data: vec![0, 10, 20, 30, 40, 50],
-                    chroma: Chroma::None,
-                    full_range: true,
-                    timestamp_us: 0,
-                    focal_px: None,
-                };
+                let picture = Picture::packed(layout, vec![0, 10, 20, 30, 40, 50]);
                 let (frame, rgb) = (picture.frame().unwrap(), picture.upright_rgb().unwrap());
                 let grey = picture.upright_grey().unwrap();
                 assert_eq!(

@@ -22,6 +22,11 @@ impl Cell {
     }
 }
 
+/// A number of a row.
+pub fn num(value: f32, decimals: usize) -> Cell {
+    Cell::Number(f64::from(value), decimals)
+}
+
 /// Shortest decimal form of an f32, so that 0.1 is not written as 0.10000000149011612.
 pub fn number(value: f32) -> Json {
     value

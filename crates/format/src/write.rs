@@ -41,6 +41,13 @@ impl SectionWriter {
         SectionWriter { tag, bytes }
     }
 
+    /// The sections of a model file but those of these tags.
+    pub fn all_but(tags: &[Tag], model: &Blob<'_>) -> Vec<Self> {
+        let kept = model.sections().filter(|(tag, _)| !tags.contains(tag));
+        kept.map(|(tag, content)| Self::of_bytes(tag, content.to_vec()))
+            .collect()
+    }
+
     /// What was written so far.
     pub fn bytes(&self) -> &[u8] {
         &self.bytes
@@ -111,13 +118,7 @@ pub fn reseal(file: &mut [u8]) {
 /// When `file` is not a valid model file.
 pub fn without(file: &[u8], tags: &[Tag]) -> Result<Vec<u8>, ModelError> {
     let aligned = AlignedBytes::new(file);
-    let opened = Blob::open(&aligned)?;
-    let kept: Vec<SectionWriter> = opened
-        .sections()
-        .filter(|(tag, _)| !tags.contains(tag))
-        .map(|(tag, content)| SectionWriter::of_bytes(tag, content.to_vec()))
-        .collect();
-    Ok(blob(&kept))
+    Ok(blob(&SectionWriter::all_but(tags, &Blob::open(&aligned)?)))
 }
 
 #[cfg(test)]

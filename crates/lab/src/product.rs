@@ -1,7 +1,7 @@
 //! posewise itself, as the command runs it.
 
 use crate::tracked::Tracked;
-use anyhow::Result;
+use anyhow::{Context, Result};
 use image::GrayImage;
 use posewise::{Model, State, TrackResult};
 use posewise_cli::cli::TrackerArgs;
@@ -74,7 +74,8 @@ impl<'m> Session<'m> {
 
 /// The luma of a picture.
 pub fn read_luma(path: &Path) -> Result<GrayImage> {
-    Picture::from_rgb(read_rgb(path)?).upright_grey()
+    let grey = Picture::from_rgb(read_rgb(path)?).upright_grey();
+    grey.with_context(|| path.display().to_string())
 }
 
 /// One picture for a fresh tracker, which sees it again until it has settled.

@@ -1,6 +1,7 @@
 //! Trains the models of posewise from photographs and rendered faces.
 
 pub mod align;
+mod checkpoint;
 pub mod completion;
 mod dequantized;
 pub mod detect;

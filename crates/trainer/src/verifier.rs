@@ -67,6 +67,29 @@ struct Calibrated {
 }
 
 impl Calibrated {
+    /// Of examples with these labels; the face's logits count beside the scores, if there are any.
+    fn new(
+        examples: &[Example<'_>],
+        labels: Vec<bool>,
+        ridge: f32,
+        weights: Option<&[f32]>,
+        face_logits: Option<&[f32]>,
+    ) -> Result<Self> {
+        let (classifier, scores) = cross_fitted(examples, ridge)?;
+        let (slopes, offset) = platt(&scores, &labels, weights, face_logits);
+        let of_face = |k: usize| face_logits.map_or(0.0, |face| face[k] * slopes[1]);
+        let scores = scores.iter().enumerate();
+        Ok(Calibrated {
+            classifier,
+            slopes,
+            offset,
+            logits: scores
+                .map(|(k, score)| score * slopes[0] + of_face(k) + offset)
+                .collect(),
+            labels,
+        })
+    }
+
     fn scale(&self) -> f32 {
         self.classifier.scale * self.slopes[0]
     }
@@ -82,18 +105,9 @@ fn train_face(samples: &[&Sample], out: &mut SectionWriter) -> Result<Vec<f32>> 
         .iter()
         .map(|s| s.example(&s.features, s.face))
         .collect();
-    let (classifier, scores) = cross_fitted(&examples, FACE_RIDGE)?;
     let labels: Vec<bool> = samples.iter().map(|s| s.face).collect();
     let weights: Vec<f32> = samples.iter().map(|s| s.weight).collect();
-    let (slopes, offset) = platt(&scores, &labels, Some(&weights), None);
-    let logits = scores.iter().map(|s| s * slopes[0] + offset).collect();
-    let face = Calibrated {
-        classifier,
-        slopes,
-        offset,
-        logits,
-        labels,
-    };
+    let face = Calibrated::new(&examples, labels, FACE_RIDGE, Some(&weights), None)?;
     report("face", std::slice::from_ref(&face));
     out.scalar(face.scale()).scalar(face.bias());
     out.array(&face.classifier.weight);
@@ -122,19 +136,7 @@ fn train_correct(
                 .unzip();
             let (face_logits, labels): (Vec<f32>, Vec<bool>) = rest.into_iter().unzip();
             let examples = own_examples(&samples, &labels, landmark, features);
-            let (classifier, scores) = cross_fitted(&examples, CORRECT_RIDGE)?;
-            let (slopes, offset) = platt(&scores, &labels, None, Some(&face_logits));
-            let both = scores.iter().zip(&face_logits);
-            let logits = both
-                .map(|(s, f)| s * slopes[0] + f * slopes[1] + offset)
-                .collect();
-            Ok(Calibrated {
-                classifier,
-                slopes,
-                offset,
-                logits,
-                labels,
-            })
+            Calibrated::new(&examples, labels, CORRECT_RIDGE, None, Some(&face_logits))
         })
         .collect::<Result<Vec<_>>>()?;
     report("landmark correct", &landmarks);
@@ -172,16 +174,7 @@ fn train_visible(samples: &[&Sample], features: usize, out: &mut SectionWriter) 
             let examples: Vec<Example<'_>> = rows
                 .map(|((s, predictions), label)| s.example(predictions, *label))
                 .collect();
-            let (classifier, scores) = cross_fitted(&examples, CONTEXT_RIDGE)?;
-            let (slopes, offset) = platt(&scores, &labels, None, None);
-            let logits = scores.iter().map(|s| s * slopes[0] + offset).collect();
-            Ok(Calibrated {
-                classifier,
-                slopes,
-                offset,
-                logits,
-                labels,
-            })
+            Calibrated::new(&examples, labels, CONTEXT_RIDGE, None, None)
         })
         .collect::<Result<Vec<_>>>()?;
     report("landmark visible", &context);

@@ -52,10 +52,7 @@ pub fn tracked(data: &[u8]) -> Option<usize> {
 fn with_mesh(section: Vec<u8>) -> Vec<u8> {
     let bytes = AlignedBytes::new(tiny::model().get());
     let others = Blob::open(&bytes).expect("the tiny model is valid");
-    let mut all: Vec<SectionWriter> = others
-        .sections()
-        .map(|(tag, bytes)| SectionWriter::of_bytes(tag, bytes.to_vec()))
-        .collect();
+    let mut all = SectionWriter::all_but(&[], &others);
     all.push(SectionWriter::of_bytes(*b"MESH", section));
     blob(&all)
 }

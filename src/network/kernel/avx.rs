@@ -59,9 +59,10 @@ fn xcr0() -> u64 {
     unsafe { _xgetbv(0) }
 }
 
-/// `conv2d` by the module's `sums`, which has the same target features.
+/// `conv2d` by the module's `of_group`, which reads a block's weights for `GROUP` columns, and by
+/// `$multiplied`, which adds to sums the products of the four bytes of these columns with them.
 macro_rules! conv2d_by_tile {
-    ($features:literal, threes: $threes:literal) => {
+    ($features:literal, threes: $threes:literal, $multiplied:ident) => {
         /// Tiles of pixels × blocks that fill twelve of the sixteen registers: 6×2, for one that is
         /// left 8×1, for three that are left 4×3 where their weights fit too.
         #[target_feature(enable = $features)]
@@ -106,6 +107,52 @@ macro_rules! conv2d_by_tile {
                 }
             }
             B
+        }
+
+        /// The sums of the `P` pixels of a tile in `B` blocks from `block` on.
+        ///
+        /// # Safety
+        /// The strip has these blocks.
+        #[target_feature(enable = $features)]
+        #[inline]
+        unsafe fn sums<const P: usize, const B: usize>(
+            strip: &Strip<'_>,
+            tile: Tile,
+            block: usize,
+        ) -> [[__m256i; B]; P] {
+            let mut bias = [_mm256_setzero_si256(); B];
+            unrolled!(b < B => {
+                // SAFETY: as the caller promises.
+                bias[b] = unsafe { eight(strip.scale().bias, block + b) };
+            });
+            let mut sums = [bias; P];
+            let block_weights = strip.block_weights();
+            let mut weights = strip.weights().as_ptr().wrapping_add(block * block_weights);
+            for row in strip.rows() {
+                let mut values = [tile.window.wrapping_add(*row); P];
+                unrolled!(p < P => {
+                    values[p] = values[p].wrapping_add(p * tile.step);
+                });
+                for group in 0..strip.columns() / GROUP {
+                    let mut of_blocks = [_mm256_setzero_si256(); B];
+                    unrolled!(b < B => {
+                        // SAFETY: a block has the weights of each group of columns of each row.
+                        of_blocks[b] = unsafe { of_group(weights.add(b * block_weights)) };
+                    });
+                    unrolled!(p < P => {
+                        // SAFETY: a window has the four bytes of each group of columns.
+                        let four = unsafe {
+                            values[p].add(4 * group).cast::<i32>().read_unaligned()
+                        };
+                        let four = _mm256_set1_epi32(four);
+                        unrolled!(b < B => {
+                            sums[p][b] = $multiplied(sums[p][b], four, of_blocks[b]);
+                        });
+                    });
+                    weights = weights.wrapping_add(GROUP * BLOCK);
+                }
+            }
+            sums
         }
     };
 }

@@ -22,9 +22,12 @@ impl Avx2 {
     }
 }
 
+/// Columns that are multiplied together.
+const GROUP: usize = 2;
+
 impl Kernel for Avx2 {
     const WIDTH: usize = 2;
-    const GROUP: usize = 2;
+    const GROUP: usize = GROUP;
     const TILE: usize = 6;
     const PAIRED: bool = false;
 
@@ -41,51 +44,23 @@ fn stage(values: &[u8], zero_point: u8, staged: &mut [u8]) {
     tail::widen(values, zero_point, staged);
 }
 
-conv2d_by_tile!("avx2", threes: true);
+conv2d_by_tile!("avx2", threes: true, multiplied);
 
-/// The sums of the `P` pixels of a tile in `B` blocks from `block` on.
+/// Weights of a block for a pair of columns.
 ///
 /// # Safety
-/// The strip has these blocks.
+/// There are sixteen of them.
 #[target_feature(enable = "avx2")]
 #[inline]
-unsafe fn sums<const P: usize, const B: usize>(
-    strip: &Strip<'_>,
-    tile: Tile,
-    block: usize,
-) -> [[__m256i; B]; P] {
-    let mut bias = [_mm256_setzero_si256(); B];
-    unrolled!(b < B => {
-        // SAFETY: as the caller promises.
-        bias[b] = unsafe { eight(strip.scale().bias, block + b) };
-    });
-    let mut sums = [bias; P];
-    let block_weights = strip.block_weights();
-    let mut weights = strip.weights().as_ptr().wrapping_add(block * block_weights);
-    for row in strip.rows() {
-        let mut values = [tile.window.wrapping_add(*row); P];
-        unrolled!(p < P => {
-            values[p] = values[p].wrapping_add(p * tile.step);
-        });
-        for pair in 0..strip.columns() / 2 {
-            let mut pairs = [_mm256_setzero_si256(); B];
-            unrolled!(b < B => {
-                // SAFETY: a block has sixteen weights for each pair of columns of each row.
-                let bytes = unsafe { _mm_loadu_si128(weights.add(b * block_weights).cast()) };
-                pairs[b] = _mm256_cvtepi8_epi16(bytes);
-            });
-            unrolled!(p < P => {
-                // SAFETY: a window has a pair of two-byte values for each pair of columns.
-                let pair = unsafe { values[p].add(4 * pair).cast::<i32>().read_unaligned() };
-                let pair = _mm256_set1_epi32(pair);
-                unrolled!(b < B => {
-                    sums[p][b] = _mm256_add_epi32(sums[p][b], _mm256_madd_epi16(pair, pairs[b]));
-                });
-            });
-            weights = weights.wrapping_add(2 * BLOCK);
-        }
-    }
-    sums
+unsafe fn of_group(weights: *const i8) -> __m256i {
+    // SAFETY: as the caller promises.
+    _mm256_cvtepi8_epi16(unsafe { _mm_loadu_si128(weights.cast()) })
+}
+
+#[target_feature(enable = "avx2")]
+#[inline]
+fn multiplied(sums: __m256i, pair: __m256i, weights: __m256i) -> __m256i {
+    _mm256_add_epi32(sums, _mm256_madd_epi16(pair, weights))
 }
 
 depthwise_by_block!("avx2");

@@ -16,7 +16,7 @@ macro_rules! kernel_by_dot_products {
     ($kernel:ident, $features:literal, $dot_product:ident) => {
         use super::avx::{Requantization, add, conv2d_by_tile, eight, sum_of};
         use super::avx_depthwise::{Layer, depthwise_by_block};
-        use super::avx_dot_products::{GROUP, quads, quads_of};
+        use super::avx_dot_products::{GROUP, of_group, quads_of};
         use super::{BLOCK, DepthwiseInput, DepthwiseWeights, Kernel, Scale, Strip, Tile};
         use super::{forwarded, tail, unrolled};
         use core::arch::x86_64::*;
@@ -41,16 +41,6 @@ macro_rules! kernel_by_dot_products {
             const PAIRED: bool = false;
             const DIRECT: bool = true;
 
-            fn stage(self, values: &[u8], _zero_point: u8, staged: &mut [u8]) {
-                if let Some(staged) = staged.get_mut(..values.len()) {
-                    staged.copy_from_slice(values);
-                }
-            }
-
-            fn padding(self, zero_point: u8) -> u8 {
-                zero_point
-            }
-
             fn correct(self, weights: &[i8], zero_point: u8, bias: &mut [[i32; BLOCK]]) {
                 if zero_point != 0 {
                     // SAFETY: `self` exists only where the machine has the features.
@@ -70,7 +60,7 @@ macro_rules! kernel_by_dot_products {
                 let mut sums = _mm256_setzero_si256();
                 for weights in weights.as_chunks::<{ GROUP * BLOCK }>().0 {
                     // SAFETY: a group of columns of a block.
-                    let weights = unsafe { quads(weights.as_ptr()) };
+                    let weights = unsafe { of_group(weights.as_ptr()) };
                     sums = $dot_product(sums, zero_points, weights);
                 }
                 // SAFETY: a block has eight biases.
@@ -81,53 +71,7 @@ macro_rules! kernel_by_dot_products {
             }
         }
 
-        conv2d_by_tile!($features, threes: false);
-
-        /// The sums of the `P` pixels of a tile in `B` blocks from `block` on.
-        ///
-        /// # Safety
-        /// The strip has these blocks.
-        #[target_feature(enable = $features)]
-        #[inline]
-        unsafe fn sums<const P: usize, const B: usize>(
-            strip: &Strip<'_>,
-            tile: Tile,
-            block: usize,
-        ) -> [[__m256i; B]; P] {
-            let mut bias = [_mm256_setzero_si256(); B];
-            unrolled!(b < B => {
-                // SAFETY: as the caller promises.
-                bias[b] = unsafe { eight(strip.scale().bias, block + b) };
-            });
-            let mut sums = [bias; P];
-            let block_weights = strip.block_weights();
-            let mut weights = strip.weights().as_ptr().wrapping_add(block * block_weights);
-            for row in strip.rows() {
-                let mut values = [tile.window.wrapping_add(*row); P];
-                unrolled!(p < P => {
-                    values[p] = values[p].wrapping_add(p * tile.step);
-                });
-                for group in 0..strip.columns() / GROUP {
-                    let mut of_block = [_mm256_setzero_si256(); B];
-                    unrolled!(b < B => {
-                        // SAFETY: a block has the weights of each group of columns of each row.
-                        of_block[b] = unsafe { quads(weights.add(b * block_weights)) };
-                    });
-                    unrolled!(p < P => {
-                        // SAFETY: a window has a byte for each column.
-                        let quad = unsafe {
-                            values[p].add(GROUP * group).cast::<i32>().read_unaligned()
-                        };
-                        let quad = _mm256_set1_epi32(quad);
-                        unrolled!(b < B => {
-                            sums[p][b] = $dot_product(sums[p][b], quad, of_block[b]);
-                        });
-                    });
-                    weights = weights.wrapping_add(GROUP * BLOCK);
-                }
-            }
-            sums
-        }
+        conv2d_by_tile!($features, threes: false, $dot_product);
 
         depthwise_by_block!($features);
 
@@ -219,7 +163,7 @@ pub(super) use kernel_by_dot_products;
 /// There are 32 of them.
 #[target_feature(enable = "avx2")]
 #[inline]
-pub(super) unsafe fn quads(weights: *const i8) -> __m256i {
+pub(super) unsafe fn of_group(weights: *const i8) -> __m256i {
     // SAFETY: as the caller promises.
     let pairs = unsafe { _mm256_loadu_si256(weights.cast()) };
     // Two pairs of columns of channels 0 to 3 | 4 to 7.

@@ -54,7 +54,7 @@ use depthwise_input::Line;
 #[cfg(simd_kernel)]
 use operands::Tile;
 pub(super) use operands::{
-    BLOCK, DepthwiseWeights, MAX_ROWS, STAGING, Scale, Staging, Strip, StripParts, TapWeights,
+    BLOCK, DepthwiseWeights, MAX_ROWS, STAGING, Scale, Staging, Strip, StripParts, Sum, TapWeights,
 };
 #[cfg(all(simd_kernel, not(target_arch = "x86_64")))]
 use shared::conv2d_by_block;
@@ -79,11 +79,18 @@ pub(super) trait Kernel: Copy {
 
     /// Stages input values for [`Self::conv2d`]: [`Self::WIDTH`] bytes for each, which stand for
     /// the value minus `zero_point`.
-    fn stage(self, values: &[u8], zero_point: u8, staged: &mut [u8]);
+    #[inline(always)]
+    fn stage(self, values: &[u8], zero_point: u8, staged: &mut [u8]) {
+        if !Self::DIRECT {
+            tail::widen(values, zero_point, staged);
+        } else if let Some(staged) = staged.get_mut(..values.len()) {
+            staged.copy_from_slice(values);
+        }
+    }
 
     /// The byte that fills what stands for values outside of the map.
-    fn padding(self, _zero_point: u8) -> u8 {
-        0
+    fn padding(self, zero_point: u8) -> u8 {
+        if Self::DIRECT { zero_point } else { 0 }
     }
 
     /// Adds to each block's bias what its staged values lack.
@@ -114,25 +121,6 @@ pub(super) trait Kernel: Copy {
         for (sum, weights) in sums.iter_mut().zip(rows) {
             *sum = self.dot(features, weights);
         }
-    }
-}
-
-/// The weighted sum of two maps: `((a·factors[0] + b·factors[1]) >> pre_shift`, rounded,
-/// `>> post_shift`, clamped to 0..255.
-#[derive(Clone, Copy)]
-pub(super) struct Sum {
-    pub factors: [i16; 2],
-    pub pre_shift: u32,
-    pub post_shift: u32,
-}
-
-impl Sum {
-    /// The shifts, below 32, and the rounding constant of the second.
-    #[inline(always)]
-    fn shifts(&self) -> (u32, u32, i32) {
-        let post_shift = self.post_shift & 31;
-        let half = 1 << (post_shift.wrapping_sub(1) & 31);
-        (self.pre_shift & 31, post_shift, half)
     }
 }
 

@@ -102,6 +102,25 @@ impl Scale<'_> {
     }
 }
 
+/// The weighted sum of two maps: `((a·factors[0] + b·factors[1]) >> pre_shift`, rounded,
+/// `>> post_shift`, clamped to 0..255.
+#[derive(Clone, Copy)]
+pub(in crate::network) struct Sum {
+    pub factors: [i16; 2],
+    pub pre_shift: u32,
+    pub post_shift: u32,
+}
+
+impl Sum {
+    /// The shifts, below 32, and the rounding constant of the second.
+    #[inline(always)]
+    pub fn shifts(&self) -> (u32, u32, i32) {
+        let post_shift = self.post_shift & 31;
+        let half = 1 << (post_shift.wrapping_sub(1) & 31);
+        (self.pre_shift & 31, post_shift, half)
+    }
+}
+
 /// Consecutive output pixels of a full convolution: the staged inputs of their windows, the weights
 /// and the outputs.
 pub(in crate::network) struct Strip<'a> {

@@ -10,7 +10,7 @@
 //! A module that holds such instructions loads only where they exist, so they are chosen when
 //! compiling, by `-Ctarget-feature=+simd128,+relaxed-simd`.
 
-use super::simd128::{Requantization, add, sum_of};
+use super::simd128::{Requantization, add, by_bytes, sum_of, sums_by_group};
 use super::{BLOCK, DepthwiseInput, DepthwiseWeights, Kernel, Scale, Strip, Tile};
 use super::{conv2d_by_block, forwarded, tail, unrolled};
 use core::arch::wasm32::*;
@@ -69,16 +69,6 @@ impl Kernel for Relaxed {
     const PAIRED: bool = false;
     const DIRECT: bool = true;
 
-    fn stage(self, values: &[u8], _zero_point: u8, staged: &mut [u8]) {
-        if let Some(staged) = staged.get_mut(..values.len()) {
-            staged.copy_from_slice(values);
-        }
-    }
-
-    fn padding(self, zero_point: u8) -> u8 {
-        zero_point
-    }
-
     fn correct(self, weights: &[i8], zero_point: u8, bias: &mut [[i32; BLOCK]]) {
         if zero_point != 0 {
             correct(weights, zero_point, bias);
@@ -96,7 +86,7 @@ fn correct(weights: &[i8], zero_point: u8, bias: &mut [[i32; BLOCK]]) {
         let mut sums = [i32x4_splat(0); 2];
         for weights in weights.as_chunks::<{ GROUP * BLOCK }>().0 {
             // SAFETY: a group of columns of a block.
-            let weights = unsafe { quads(weights.as_ptr()) };
+            let weights = unsafe { of_group(weights.as_ptr()) };
             unrolled!(half < 2 => {
                 sums[half] =
                     i32x4_relaxed_dot_i8x16_i7x16_add(weights[half], zero_points, sums[half]);
@@ -117,44 +107,14 @@ const TILE: usize = 4;
 
 conv2d_by_block!("simd128,relaxed-simd");
 
-/// The sums of the pixels of a tile in a block.
-///
-/// # Safety
-/// The strip has this block.
-#[target_feature(enable = "simd128,relaxed-simd")]
-#[inline]
-unsafe fn sums(strip: &Strip<'_>, tile: Tile, block: usize) -> [[v128; 2]; TILE] {
-    let mut sums = [[i32x4_splat(0); 2]; TILE];
-    let mut weights = strip
-        .weights()
-        .as_ptr()
-        .wrapping_add(block * strip.block_weights());
-    for row in strip.rows() {
-        let mut window = tile.window.wrapping_add(*row);
-        for _ in 0..strip.columns() / GROUP {
-            // SAFETY: a block has the weights of each group of columns of each row.
-            let of_block = unsafe { quads(weights) };
-            unrolled!(p < TILE => {
-                // SAFETY: a window has a byte for each column.
-                let quad = unsafe { v128_load32_splat(window.add(p * tile.step).cast()) };
-                unrolled!(half < 2 => {
-                    sums[p][half] =
-                        i32x4_relaxed_dot_i8x16_i7x16_add(of_block[half], quad, sums[p][half]);
-                });
-            });
-            weights = weights.wrapping_add(GROUP * BLOCK);
-            window = window.wrapping_add(GROUP);
-        }
-    }
-    sums
-}
+sums_by_group!("simd128,relaxed-simd", i32x4_relaxed_dot_i8x16_i7x16_add);
 
 /// Weights of a block for four columns: those of a channel side by side.
 ///
 /// # Safety
 /// There are 32 of them.
 #[inline(always)]
-unsafe fn quads(weights: *const i8) -> [v128; 2] {
+unsafe fn of_group(weights: *const i8) -> [v128; 2] {
     // SAFETY: as the caller promises.
     let [first, second] = [0, 16].map(|at| unsafe { v128_load(weights.add(at).cast()) });
     by_words(first, second)
@@ -166,15 +126,6 @@ fn by_words(a: v128, b: v128) -> [v128; 2] {
     [
         i16x8_shuffle::<0, 8, 1, 9, 2, 10, 3, 11>(a, b),
         i16x8_shuffle::<4, 12, 5, 13, 6, 14, 7, 15>(a, b),
-    ]
-}
-
-/// The bytes of both by turns.
-#[inline(always)]
-fn by_bytes(a: v128, b: v128) -> [v128; 2] {
-    [
-        i8x16_shuffle::<0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23>(a, b),
-        i8x16_shuffle::<8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31>(a, b),
     ]
 }
 

@@ -1,6 +1,6 @@
 //! The kernel in portable Rust: it defines what all kernels compute.
 
-use super::tail::{add, dot, widen};
+use super::tail::{add, dot};
 use super::{BLOCK, DepthwiseInput, DepthwiseWeights, Kernel, Scale, Strip, Sum};
 
 #[derive(Clone, Copy)]
@@ -10,10 +10,6 @@ impl Kernel for Scalar {
     const WIDTH: usize = 2;
     const GROUP: usize = 2;
     const TILE: usize = 1;
-
-    fn stage(self, values: &[u8], zero_point: u8, staged: &mut [u8]) {
-        widen(values, zero_point, staged);
-    }
 
     fn conv2d(self, mut strip: Strip<'_>) {
         let scale = *strip.scale();

@@ -8,8 +8,48 @@ use super::{BLOCK, DepthwiseInput, DepthwiseWeights, Kernel, Scale, Strip, Sum, 
 use super::{conv2d_by_block, forwarded, tail, unrolled};
 use core::arch::wasm32::*;
 
+/// The module's `sums`, by its `of_group`, which reads a block's weights for `GROUP` columns, and
+/// by `$multiplied`, which adds to sums the products of the four bytes of these columns with them.
+macro_rules! sums_by_group {
+    ($features:literal, $multiplied:ident) => {
+        /// The sums of the pixels of a tile in a block.
+        ///
+        /// # Safety
+        /// The strip has this block.
+        #[target_feature(enable = $features)]
+        #[inline]
+        unsafe fn sums(strip: &Strip<'_>, tile: Tile, block: usize) -> [[v128; 2]; TILE] {
+            let mut sums = [[i32x4_splat(0); 2]; TILE];
+            let at = block * strip.block_weights();
+            let mut weights = strip.weights().as_ptr().wrapping_add(at);
+            for row in strip.rows() {
+                let mut window = tile.window.wrapping_add(*row);
+                for _ in 0..strip.columns() / GROUP {
+                    // SAFETY: a block has the weights of each group of columns of each row.
+                    let of_group = unsafe { of_group(weights) };
+                    unrolled!(p < TILE => {
+                        // SAFETY: a window has the four bytes of each group of columns.
+                        let four = unsafe { v128_load32_splat(window.add(p * tile.step).cast()) };
+                        unrolled!(half < 2 => {
+                            sums[p][half] = $multiplied(of_group[half], four, sums[p][half]);
+                        });
+                    });
+                    weights = weights.wrapping_add(GROUP * BLOCK);
+                    window = window.wrapping_add(4);
+                }
+            }
+            sums
+        }
+    };
+}
+#[cfg(target_feature = "relaxed-simd")]
+pub(super) use sums_by_group;
+
 #[derive(Clone, Copy)]
 pub(in crate::network) struct Simd128;
+
+/// Columns that are multiplied together.
+const GROUP: usize = 2;
 
 #[allow(
     unused_unsafe,
@@ -17,7 +57,7 @@ pub(in crate::network) struct Simd128;
 )]
 impl Kernel for Simd128 {
     const WIDTH: usize = 2;
-    const GROUP: usize = 2;
+    const GROUP: usize = GROUP;
     const TILE: usize = TILE;
 
     fn stage(self, values: &[u8], zero_point: u8, staged: &mut [u8]) {
@@ -38,40 +78,21 @@ const TILE: usize = 4;
 
 conv2d_by_block!("simd128");
 
-/// The sums of the pixels of a tile in a block.
+sums_by_group!("simd128", multiplied);
+
+/// Weights of a block for a pair of columns.
 ///
 /// # Safety
-/// The strip has this block.
-#[target_feature(enable = "simd128")]
-#[inline]
-unsafe fn sums(strip: &Strip<'_>, tile: Tile, block: usize) -> [[v128; 2]; TILE] {
-    let mut sums = [[i32x4_splat(0); 2]; TILE];
-    let mut weights = strip
-        .weights()
-        .as_ptr()
-        .wrapping_add(block * strip.block_weights());
-    for row in strip.rows() {
-        let mut window = tile.window.wrapping_add(*row);
-        for _ in 0..strip.columns() / 2 {
-            // SAFETY: a block has sixteen weights for each pair of columns of each row.
-            let pairs = unsafe {
-                [
-                    i16x8_load_extend_i8x8(weights),
-                    i16x8_load_extend_i8x8(weights.add(8)),
-                ]
-            };
-            unrolled!(p < TILE => {
-                // SAFETY: a window has a pair of two-byte values for each pair of columns.
-                let pair = unsafe { v128_load32_splat(window.add(p * tile.step).cast()) };
-                unrolled!(half < 2 => {
-                    sums[p][half] = i32x4_add(sums[p][half], i32x4_dot_i16x8(pair, pairs[half]));
-                });
-            });
-            weights = weights.wrapping_add(2 * BLOCK);
-            window = window.wrapping_add(4);
-        }
-    }
-    sums
+/// There are sixteen of them.
+#[inline(always)]
+unsafe fn of_group(weights: *const i8) -> [v128; 2] {
+    // SAFETY: as the caller promises.
+    [0, 8].map(|at| unsafe { i16x8_load_extend_i8x8(weights.add(at)) })
+}
+
+#[inline(always)]
+fn multiplied(weights: v128, pair: v128, sums: v128) -> v128 {
+    i32x4_add(sums, i32x4_dot_i16x8(pair, weights))
 }
 
 /// A [`Scale`] in registers; bias and multiplier are those of one block.
@@ -186,7 +207,7 @@ unsafe fn depthwise8(taps: &[*const u8; 10], at: usize, weights: *const TapWeigh
     for pair in taps.as_chunks::<2>().0 {
         // SAFETY: as the caller promises.
         let [first, second] = pair.map(|tap| unsafe { v128_load64_zero(tap.add(at).cast()) });
-        let pairs = interleaved(first, second);
+        let [pairs, _] = by_bytes(first, second);
         for (sum, pairs) in sums.iter_mut().zip(unsigned(pairs)) {
             // SAFETY: as the caller promises.
             let of_pairs = unsafe { v128_load(weights) };
@@ -197,11 +218,13 @@ unsafe fn depthwise8(taps: &[*const u8; 10], at: usize, weights: *const TapWeigh
     sums
 }
 
-/// The first eight bytes of both, by turns.
-#[target_feature(enable = "simd128")]
-#[inline]
-fn interleaved(a: v128, b: v128) -> v128 {
-    i8x16_shuffle::<0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23>(a, b)
+/// The bytes of both by turns.
+#[inline(always)]
+pub(super) fn by_bytes(a: v128, b: v128) -> [v128; 2] {
+    [
+        i8x16_shuffle::<0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23>(a, b),
+        i8x16_shuffle::<8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31>(a, b),
+    ]
 }
 
 /// Sixteen unsigned bytes as 16-bit numbers.
@@ -225,7 +248,8 @@ pub(super) fn add(sum: &Sum, other: &[u8], out: &mut [u8]) {
     for (out, other) in vectors.iter_mut().zip(others) {
         // SAFETY: both are eight bytes.
         let [own, other] = [&*out, other].map(|v| unsafe { v128_load64_zero(v.as_ptr().cast()) });
-        let [low, high] = unsigned(interleaved(own, other)).map(|pairs| {
+        let [pairs, _] = by_bytes(own, other);
+        let [low, high] = unsigned(pairs).map(|pairs| {
             let sum = i32x4_shr(i32x4_dot_i16x8(pairs, factors), pre_shift);
             i32x4_shr(i32x4_add(sum, half), post_shift)
         });

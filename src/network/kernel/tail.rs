@@ -1,6 +1,6 @@
 //! Loops without vectors: the scalar kernel's, and what is left behind the vectors of others.
 
-use super::Sum;
+use super::operands::Sum;
 
 /// Stages values as 16-bit differences from the zero point; vectorised by the compiler.
 #[inline(always)]

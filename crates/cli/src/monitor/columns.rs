@@ -3,7 +3,7 @@
 
 use posewise::monitor::{MonitorState, Perclos, UnknownReason, ZoneState, ZonesBy};
 
-use crate::value::Cell;
+use crate::value::{Cell, num};
 
 /// One column.
 pub struct Column {
@@ -25,10 +25,6 @@ const fn column(
         meaning,
         value,
     }
-}
-
-fn num(value: f32, decimals: usize) -> Cell {
-    Cell::Number(f64::from(value), decimals)
 }
 
 fn count(value: u32) -> Cell {

@@ -121,6 +121,15 @@ impl Glb {
     }
 }
 
+/// Standard output of `track` on the demo clip.
+fn tracked(options: &[&str], more: &[&str]) -> Vec<u8> {
+    let mut run = posewise();
+    run.args(["track", DEMO, "--quiet"])
+        .args(options)
+        .args(more);
+    run.assert().success().get_output().stdout.clone()
+}
+
 /// The JSON lines of a run.
 fn rows(text: &[u8]) -> Vec<Value> {
     let lines = std::str::from_utf8(text).unwrap().lines();
@@ -133,19 +142,7 @@ fn rows(text: &[u8]) -> Vec<Value> {
 fn the_camera_of_the_file_sees_the_head_where_it_was() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("head.glb");
-    let run = posewise()
-        .args([
-            "track",
-            DEMO,
-            "--gltf",
-            arg(&path),
-            "--jsonl",
-            "-",
-            "--quiet",
-        ])
-        .assert()
-        .success();
-    let rows = rows(&run.get_output().stdout);
+    let rows = rows(&tracked(&["--gltf", arg(&path)], &["--jsonl", "-"]));
     let glb = Glb::read(&path);
     let times = glb.keys(None);
     assert_eq!(times.len(), rows.len());
@@ -182,17 +179,7 @@ fn the_camera_of_the_file_sees_the_head_where_it_was() {
 fn the_mesh_faces_outwards_and_its_texture_is_upright() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("head.glb");
-    let mut run = posewise();
-    run.args([
-        "track",
-        DEMO,
-        "--gltf",
-        arg(&path),
-        "--frames",
-        "12",
-        "--quiet",
-    ]);
-    run.assert().success();
+    tracked(&["--gltf", arg(&path)], &["--frames", "12"]);
     let glb = Glb::read(&path);
     let attributes = &glb.primitive()["attributes"];
     let places = glb.vectors(&attributes["POSITION"]);
@@ -233,17 +220,7 @@ fn khronos_finds_no_fault() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("head.glb");
     for options in [["--frames", "80"], ["--frames", "4"], ["--focal", "300"]] {
-        let mut run = posewise();
-        run.args([
-            "track",
-            DEMO,
-            "--gltf",
-            arg(&path),
-            "--quiet",
-            "--gaze",
-            "--smooth",
-        ]);
-        run.args(options).assert().success();
+        tracked(&["--gltf", arg(&path), "--gaze", "--smooth"], &options);
         let mut node = std::process::Command::new("node");
         node.arg(Path::new(WEB).join("test/gltf.mjs")).arg(&path);
         let said = node.output().unwrap();
@@ -287,17 +264,7 @@ fn an_obj_has_the_face_of_its_frame() {
     let dir = tempfile::tempdir().unwrap();
     let path = |name: &str| dir.path().join(name);
     let obj = |name: &str, options: &[&str]| -> (Vec<Vec3>, Vec<[usize; 3]>) {
-        let mut run = posewise();
-        run.args([
-            "track",
-            DEMO,
-            "--frames",
-            "30",
-            "--quiet",
-            "--obj",
-            arg(&path(name)),
-        ]);
-        run.args(options).assert().success();
+        tracked(&["--frames", "30", "--obj", arg(&path(name))], options);
         read_obj(&std::fs::read_to_string(path(name)).unwrap())
     };
     let glb = path("head.glb");

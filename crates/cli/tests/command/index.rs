@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use crate::common::{arg, gradient_clip, posewise};
+use crate::common::{arg, csv, gradient_clip, posewise};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
 use serde_json::Value;
@@ -214,11 +214,7 @@ fn a_table_has_the_columns_and_rows_of_the_csv() {
     let settings: Value = serde_json::from_str(settings.value.as_ref().unwrap()).unwrap();
     assert_eq!(settings["model_sha256"].as_str().unwrap().len(), 64);
 
-    let run = posewise()
-        .args(["track", DEMO, "--csv", "-", "--quiet"])
-        .assert()
-        .success();
-    let csv = String::from_utf8(run.get_output().stdout.clone()).unwrap();
+    let csv = csv(DEMO, b"");
     let mut csv = csv.lines();
     let names: Vec<&str> = csv.next().unwrap().split(',').collect();
     let mut rows = 0;

@@ -4,7 +4,7 @@ use std::io::{BufRead, BufReader, Write};
 use std::net::{SocketAddr, TcpListener, UdpSocket};
 use std::time::{Duration, Instant};
 
-use crate::common::{fails_with, gradient_clip, has_program, posewise, skip};
+use crate::common::{csv, fails_with, gradient_clip, has_program, posewise, skip};
 use rosc::{OscMessage, OscPacket, OscType};
 use serde_json::Value;
 
@@ -274,14 +274,6 @@ fn http_addresses_are_read_as_files_are() {
         return;
     }
     let clip = gradient_clip(64, 48, 5);
-    let csv = |input: &str, stdin: &[u8]| {
-        let run = posewise()
-            .args(["track", input, "--csv", "-", "--quiet"])
-            .write_stdin(stdin)
-            .assert()
-            .success();
-        String::from_utf8(run.get_output().stdout.clone()).unwrap()
-    };
     let server = serve(clip.clone());
     let table = csv(&format!("http://{server}/clip.y4m?a=[1]"), b"");
     assert_eq!(table.lines().count(), 6);

@@ -1,6 +1,6 @@
 //! `posewise track` from the outside: inputs, outputs, bad inputs.
 
-use crate::common::{arg, fails_with, gradient_clip, has_program, posewise};
+use crate::common::{arg, csv, fails_with, gradient_clip, has_program, posewise};
 use std::io::Write;
 
 #[test]
@@ -15,21 +15,13 @@ fn y4m_file_gzip_and_pipe_agree() {
     gz.write_all(&clip).unwrap();
     gz.finish().unwrap();
 
-    let csv = |input: &str, stdin: Vec<u8>| {
-        let run = posewise()
-            .args(["track", input, "--csv", "-", "--quiet"])
-            .write_stdin(stdin)
-            .assert()
-            .success();
-        String::from_utf8(run.get_output().stdout.clone()).unwrap()
-    };
-    let table = csv(arg(&plain), Vec::new());
+    let table = csv(arg(&plain), b"");
     assert_eq!(table.lines().count(), 6);
     let row: Vec<&str> = table.lines().nth(2).unwrap().split(',').collect();
     assert_eq!(row[..3], ["2", "0", "0.040000"]);
-    assert_eq!(csv(arg(&zipped), Vec::new()), table);
-    assert_eq!(csv("-", clip), table);
-    assert_eq!(csv("-", std::fs::read(&zipped).unwrap()), table);
+    assert_eq!(csv(arg(&zipped), b""), table);
+    assert_eq!(csv("-", &clip), table);
+    assert_eq!(csv("-", &std::fs::read(&zipped).unwrap()), table);
 }
 
 #[test]

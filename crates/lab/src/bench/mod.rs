@@ -15,9 +15,9 @@ use anyhow::Result;
 use image::GrayImage;
 use posewise::network::{KernelName, chosen_kernel, select_kernel};
 use posewise::{Model, Tracker};
+use posewise_cli::demo;
 use posewise_cli::model_file::ModelFile;
 use posewise_cli::picture::Picture;
-use posewise_cli::{demo, source};
 use serde_json::{Value, json};
 
 use crate::footage::clip::Clip;
@@ -72,7 +72,7 @@ pub fn run(args: &Args) -> Result<()> {
     // Parsing the option has checked that the machine runs it.
     args.kernel.map(select_kernel);
     let clip = match &args.input {
-        Some(input) => Clip::read(source::open(input, 30.0)?.as_mut(), MAX_FRAMES, input)?,
+        Some(input) => Clip::open(input, 30.0, MAX_FRAMES)?,
         None => Clip::read(demo::clip::open()?.as_mut(), MAX_FRAMES, "the demo clip")?,
     };
     let scenes = Scenes::of(&clip.frames);

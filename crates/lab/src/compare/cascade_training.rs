@@ -36,8 +36,8 @@ const FOLDS: usize = 3;
 /// Weights of |w|² in the ridge, over the features' mean square, of which each stage takes the best
 /// on a fold. The author's published code has the first.
 const RIDGES: [f32; 5] = [0.005, 0.03, 0.1, 0.3, 1.0];
-/// Crops that features are learned from.
-const CROPS: usize = 400;
+/// Crops that features are learned from; tests need fewer.
+const CROPS: usize = if cfg!(test) { 100 } else { 400 };
 /// Starts on a face, and how many of them are drawn in the second round too: clips in which heads
 /// move slowly do not show all that a frame can be off.
 const STARTS: usize = 4;

@@ -8,6 +8,7 @@ use clap::Parser;
 use flate2::read::GzDecoder;
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 
 #[derive(Parser)]
 struct Options {
@@ -62,27 +63,54 @@ fn covered_part(path: &Path) -> Vec<u8> {
     video
 }
 
-#[test]
-fn templates_wait_for_a_face_that_they_lost() {
-    let Some(facekit) = facekit() else {
-        return;
-    };
-    let (root, folder) = (root(), tempfile::tempdir().unwrap());
-    let clip = folder.path().join("clip.y4m");
-    std::fs::write(&clip, covered_part(&root.join("tests/data/demo.y4m.gz"))).unwrap();
-    let truth = truth::read(&root.join("tests/data/demo.csv")).unwrap();
+/// What clips are followed with, which takes long to learn: with the morphable head, and, for
+/// [`WITH_CANDIDE`], with Candide-3.
+static TRACKERS: LazyLock<[Trackers; 2]> = LazyLock::new(|| {
+    let facekit = facekit().expect("the tests look for it before");
+    let folder = tempfile::tempdir().unwrap();
+    let trained = folder.path().to_str().unwrap();
     let settings = Options::parse_from([
         "test",
         "--facekit",
         facekit.to_str().unwrap(),
         "--trained",
-        folder.path().to_str().unwrap(),
+        trained,
         "--training-faces",
-        "400",
+        "200",
+        "--cascade-faces",
+        "100",
+        "--grid-step",
+        "20",
+        "--frames",
+        &FRAMES.to_string(),
     ]);
-    let trackers = Trackers::new(&settings.settings, &[Method::Svm]).unwrap();
+    let candide = Settings {
+        face_model: Kind::Candide,
+        candide: facekit.with_file_name("candide3.wfm"),
+        ..settings.settings.clone()
+    };
+    let morphable = Trackers::new(&settings.settings, &Method::ALL).unwrap();
+    // What was learned is read the next time.
+    let written = || std::fs::metadata(folder.path().join("svm.json")).unwrap();
+    let kept = written().modified().unwrap();
+    let candide = Trackers::new(&candide, &WITH_CANDIDE).unwrap();
+    assert_eq!(kept, written().modified().unwrap());
+    [morphable, candide]
+});
+
+const WITH_CANDIDE: [Method; 2] = [Method::Gaussian, Method::Svm];
+
+#[test]
+fn templates_wait_for_a_face_that_they_lost() {
+    if facekit().is_none() {
+        return;
+    }
+    let (root, folder) = (root(), tempfile::tempdir().unwrap());
+    let clip = folder.path().join("clip.y4m");
+    std::fs::write(&clip, covered_part(&root.join("tests/data/demo.y4m.gz"))).unwrap();
+    let truth = truth::read(&root.join("tests/data/demo.csv")).unwrap();
     let focal = truth[0].focal.map(|f| f as f32);
-    let frames = trackers.follow(Method::Svm, &clip, focal).unwrap();
+    let frames = TRACKERS[0].follow(Method::Svm, &clip, focal).unwrap();
     let angles = |k: usize| frames[k].tracked.as_ref().unwrap().angles;
     let last_seen = angles(COVERED.start - 1);
     assert!(COVERED.into_iter().all(|k| angles(k) == last_seen));
@@ -94,42 +122,18 @@ fn templates_wait_for_a_face_that_they_lost() {
 
 #[test]
 fn every_method_follows_a_short_clip() {
-    let Some(facekit) = facekit() else {
+    if facekit().is_none() {
         return;
-    };
+    }
     let (root, folder) = (root(), tempfile::tempdir().unwrap());
     let clip = folder.path().join("clip.y4m");
     std::fs::write(&clip, calm_part(&root.join("tests/data/demo.y4m.gz"))).unwrap();
     let mut truth = truth::read(&root.join("tests/data/demo.csv")).unwrap();
     let truth: Vec<_> = truth.drain(FIRST..FIRST + FRAMES).collect();
-    let trained = folder.path().join("trained");
-    let settings = Options::parse_from([
-        "test",
-        "--facekit",
-        facekit.to_str().unwrap(),
-        "--trained",
-        trained.to_str().unwrap(),
-        "--training-faces",
-        "400",
-        "--cascade-faces",
-        "200",
-        "--grid-step",
-        "20",
-        "--frames",
-        &FRAMES.to_string(),
-    ]);
     let focal = truth[0].focal.map(|f| f as f32);
-    let methods = Method::ALL;
-    let trackers = Trackers::new(&settings.settings, &methods).unwrap();
-    let candide = Settings {
-        face_model: Kind::Candide,
-        candide: facekit.with_file_name("candide3.wfm"),
-        ..settings.settings.clone()
-    };
-    let some = [Method::Gaussian, Method::Svm];
-    let other = Trackers::new(&candide, &some).unwrap();
-    let all = methods.iter().map(|method| (method, &trackers));
-    for (method, trackers) in all.chain(some.iter().map(|method| (method, &other))) {
+    let [morphable, candide] = &*TRACKERS;
+    let all = Method::ALL.iter().map(|method| (method, morphable));
+    for (method, trackers) in all.chain(WITH_CANDIDE.iter().map(|method| (method, candide))) {
         let frames = trackers.follow(*method, &clip, focal).unwrap();
         assert_eq!(frames.len(), truth.len(), "{}", method.name());
         let pairs = frames.iter().zip(&truth);
@@ -143,13 +147,8 @@ fn every_method_follows_a_short_clip() {
         println!("{}: {mean:.2}° in {} frames", method.name(), off.len());
         assert!(off.len() + 5 > truth.len(), "{}", method.name());
         // The clip shows the morphable head, and Candide-3 is another one.
-        let is_other = std::ptr::eq(trackers, &other);
+        let is_other = std::ptr::eq(trackers, candide);
         let most = if is_other { 2.0 * LOOSE_DEG } else { LOOSE_DEG };
         assert!(mean < most, "{}: {mean}", method.name());
     }
-    // What was learned is read the next time.
-    let kept = std::fs::metadata(trained.join("svm.json")).unwrap();
-    Trackers::new(&settings.settings, &[Method::Svm]).unwrap();
-    let again = std::fs::metadata(trained.join("svm.json")).unwrap();
-    assert_eq!(kept.modified().unwrap(), again.modified().unwrap());
 }

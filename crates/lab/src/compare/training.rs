@@ -30,9 +30,9 @@ const CASCADE_VERSION: u32 = 3;
 /// Seed of the renders: no clip shows the same people.
 const SEED: u64 = 0x7468_6573_6973;
 /// Procedural people in the renders that templates learn from, and, of each head family, in those
-/// that the cascade learns from.
-const PEOPLE: usize = 128;
-const MANY_PEOPLE: usize = 256;
+/// that the cascade learns from; fewer in tests, as to make a person takes as long as many faces.
+const PEOPLE: usize = if cfg!(test) { 16 } else { 128 };
+const MANY_PEOPLE: usize = 2 * PEOPLE;
 /// Photographs that the cascade learns from, where they are beside the morphable head: manual
 /// landmarks, and teachers'.
 const PHOTOGRAPHED: [Set; 3] = [MANUAL, MANUAL_MORE, VIDEO];
@@ -42,7 +42,7 @@ const PHOTOGRAPHED_SHARE: usize = 6;
 /// the subject's videos and their width \[px\]. Chosen.
 const TRACKED_SHARE: usize = 1000;
 const TRACKED_FRAMES: usize = 75;
-const TRACKED_WIDTH: usize = 640;
+const TRACKED_WIDTH: usize = if cfg!(test) { 320 } else { 640 };
 
 /// What was learned, each with the checksum of its file.
 pub struct Trained {
@@ -233,9 +233,9 @@ impl Lesson<'_> {
         let mut all = self.renders(renderer, &spec)?;
         for set in PHOTOGRAPHED {
             if data.join(set.table).exists() {
-                let mut faces = faces::of_set(&set, data)?;
-                faces.truncate(self.count / PHOTOGRAPHED_SHARE);
-                all.extend(faces);
+                let mut labels = set.labels(data)?;
+                labels.truncate(self.count / PHOTOGRAPHED_SHARE);
+                all.extend(faces::labelled(&labels, data, &set)?);
             }
         }
         all.extend(self.photographs()?);

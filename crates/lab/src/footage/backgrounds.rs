@@ -10,8 +10,9 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use image::GrayImage;
 use image::imageops::{FilterType, crop_imm, resize};
-use posewise_cli::picture::Picture;
-use posewise_cli::source::{is_image, read_rgb};
+use posewise_cli::source::is_image;
+
+pub use crate::product::read_luma as open;
 
 /// Pictures without people.
 #[derive(clap::Args)]
@@ -79,12 +80,6 @@ fn with_people(path: &Path) -> Result<HashSet<String>> {
     let text =
         std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
     Ok(text.lines().map(|line| line.trim().to_string()).collect())
-}
-
-/// Reads a picture, grey.
-pub fn open(path: &Path) -> Result<GrayImage> {
-    let grey = Picture::from_rgb(read_rgb(path)?).upright_grey();
-    grey.with_context(|| path.display().to_string())
 }
 
 /// Scaled, with its proportions, to the least size that covers a frame.

@@ -2,7 +2,7 @@
 
 use anyhow::{Result, bail};
 use image::GrayImage;
-use posewise_cli::source::Source;
+use posewise_cli::source::{self, Source};
 
 /// Frames with their rate.
 pub struct Clip {
@@ -13,6 +13,11 @@ pub struct Clip {
 }
 
 impl Clip {
+    /// The first frames of any input of `track`, `most` at most; pictures come at this rate.
+    pub fn open(input: &str, fps: f64, most: usize) -> Result<Self> {
+        Clip::read(source::open(input, fps)?.as_mut(), most, input)
+    }
+
     /// The first frames of a source, `most` at most; `name` is for messages.
     pub fn read(source: &mut dyn Source, most: usize, name: &str) -> Result<Self> {
         let mut frames = Vec::new();

@@ -1,7 +1,8 @@
 //! AdamW (Loshchilov and Hutter 2019) and its checkpoints.
 
 use super::options::Options;
-use anyhow::{Context, Result};
+use crate::checkpoint;
+use anyhow::Result;
 use std::path::Path;
 
 /// The state of a training run, which a checkpoint stores.
@@ -28,35 +29,19 @@ impl State {
 
     /// Reads a checkpoint; `None` when there is none or it has another number of parameters.
     pub fn read(path: &Path, parameters: usize) -> Option<State> {
-        let bytes = std::fs::read(path).ok()?;
-        let (step, rest) = bytes.split_first_chunk::<8>()?;
-        let floats: Vec<f32> = rest
-            .as_chunks::<4>()
-            .0
-            .iter()
-            .map(|b| f32::from_le_bytes(*b))
-            .collect();
-        if floats.len() != 3 * parameters {
-            return None;
-        }
-        let mut parts = floats.chunks_exact(parameters).map(<[f32]>::to_vec);
+        let (step, [parameters, first, second]) = checkpoint::read(path, parameters)?;
         Some(State {
-            step: u64::from_le_bytes(*step) as usize,
-            parameters: parts.next()?,
-            first: parts.next()?,
-            second: parts.next()?,
+            step,
+            parameters,
+            first,
+            second,
         })
     }
 
     /// Writes a checkpoint.
     pub fn write(&self, path: &Path) -> Result<()> {
-        let mut bytes = (self.step as u64).to_le_bytes().to_vec();
-        for part in [&self.parameters, &self.first, &self.second] {
-            part.iter().for_each(|v| bytes.extend(v.to_le_bytes()));
-        }
-        let fresh = path.with_extension("part");
-        std::fs::write(&fresh, bytes).with_context(|| format!("writing {}", fresh.display()))?;
-        std::fs::rename(&fresh, path).with_context(|| format!("writing {}", path.display()))
+        let arrays = [&self.parameters[..], &self.first, &self.second];
+        checkpoint::write(path, self.step, &arrays)
     }
 
     /// One step of AdamW down the gradient.

@@ -1,5 +1,6 @@
 //! Errors of a finished cascade on labelled faces, by the core's own code.
 
+use super::each::each;
 use super::starts::{jittered_box, start_from_box};
 use super::train::Trained;
 use crate::faces::Face;
@@ -7,9 +8,7 @@ use posewise::align::{AlignModel, Shape, Workspace};
 use posewise::shape::LANDMARKS;
 use posewise_metrics::landmarks::nme_percent;
 use posewise_metrics::{BoxJitter, mean, median};
-use rand::{Rng, SeedableRng};
-use rand_chacha::ChaCha8Rng;
-use rayon::prelude::*;
+use rand::Rng;
 use serde::{Deserialize, Serialize};
 
 /// Errors in % of the inter-ocular distance.
@@ -91,29 +90,18 @@ fn from_boxes(
     boxes: &Boxes,
     run: impl Fn(&Face, &mut Shape, &mut Workspace) + Sync,
 ) -> Vec<(Shape, f32, f32)> {
-    faces
-        .par_iter()
-        .enumerate()
-        .map_init(
-            || Box::new(Workspace::new()),
-            |work, (index, face)| {
-                let mut rng = ChaCha8Rng::seed_from_u64(7);
-                rng.set_stream(index as u64);
-                (0..boxes.count)
-                    .map(|_| {
-                        let (views, jitter) = (model.views(), &boxes.jitter);
-                        let (at, size, roll) =
-                            jittered_box(&views, &face.landmarks, jitter, &mut rng);
-                        let turn = face.turn() + 0.2 * rng.random_range(-1.0f32..1.0);
-                        let mut shape = start_from_box(&start_of(model, turn), at, size, roll);
-                        run(face, &mut shape, work);
-                        (shape, nme(face, &shape, 0), nme(face, &shape, 17))
-                    })
-                    .collect::<Vec<_>>()
-            },
-        )
-        .flatten()
-        .collect()
+    let rows = each(faces, 7, |_, face, rng, work| {
+        let row = |_| {
+            let (views, jitter) = (model.views(), &boxes.jitter);
+            let (at, size, roll) = jittered_box(&views, &face.landmarks, jitter, rng);
+            let turn = face.turn() + 0.2 * rng.random_range(-1.0f32..1.0);
+            let mut shape = start_from_box(&start_of(model, turn), at, size, roll);
+            run(face, &mut shape, work);
+            (shape, nme(face, &shape, 0), nme(face, &shape, 17))
+        };
+        (0..boxes.count).map(row).collect::<Vec<_>>()
+    });
+    rows.into_iter().flatten().collect()
 }
 
 impl Accuracy {

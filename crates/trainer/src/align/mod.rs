@@ -3,6 +3,7 @@
 mod adam;
 mod bend;
 pub mod cover;
+mod each;
 pub mod evaluate;
 mod finished;
 pub mod global;
@@ -27,6 +28,7 @@ mod train;
 
 pub use posewise_metrics::BoxJitter as Jitter;
 
+pub use each::each;
 pub use evaluate::{Accuracy, Boxes, evaluate, evaluate_float};
 pub use finished::parameters;
 pub use global::{cascade, ensemble_member};

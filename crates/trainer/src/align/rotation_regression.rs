@@ -2,6 +2,7 @@
 //! features and shape, from renders, whose rotations are known.
 
 use super::cover::{covered, cut_off};
+use super::each::each;
 use super::evaluate::{mean_error, start_of};
 use super::starts::{jittered_box, start_from_box};
 use crate::faces::Face;
@@ -14,9 +15,8 @@ use posewise::math::{HeadAngles, head_angles, head_rotation};
 use posewise::shape::{LANDMARKS, rotation_vector};
 use posewise_format::SectionWriter;
 use posewise_metrics::BoxJitter;
-use rand::{Rng, SeedableRng};
+use rand::Rng;
 use rand_chacha::ChaCha8Rng;
-use rayon::prelude::*;
 
 /// Fits on each face.
 const FITS: usize = 2;
@@ -80,20 +80,11 @@ pub fn train(model: &AlignModel<'_>, faces: &[Face], seed: u64) -> Result<Sectio
 
 fn rows(model: &AlignModel<'_>, faces: &[Face], seed: u64) -> Vec<Row> {
     let renders: Vec<&Face> = faces.iter().filter(|f| f.is_render).collect();
-    renders
-        .par_iter()
-        .enumerate()
-        .map_init(
-            || Box::new(Workspace::new()),
-            |work, (index, face)| {
-                let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0x0520_7411);
-                rng.set_stream(index as u64);
-                let row = |_| row(model, &renders, face, &mut rng, work);
-                (0..FITS).filter_map(row).collect::<Vec<_>>()
-            },
-        )
-        .flatten()
-        .collect()
+    let rows = each(&renders, seed ^ 0x0520_7411, |_, face, rng, work| {
+        let row = |_| row(model, &renders, face, rng, work);
+        (0..FITS).filter_map(row).collect::<Vec<_>>()
+    });
+    rows.into_iter().flatten().collect()
 }
 
 /// One fit from a detector's box.

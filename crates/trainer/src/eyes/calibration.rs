@@ -2,6 +2,7 @@
 
 use super::samples::{DARK, GAZE_UNIT, is_looking, is_open, is_visible, place_of};
 use super::single::{SingleEye, WIDTH};
+use crate::align::each;
 use crate::render::eye_cache::Eye;
 use crate::verifier::platt;
 use anyhow::{Context, Result};
@@ -9,8 +10,6 @@ use glam::Mat3;
 use posewise::align::{EyeModel, EyePlace, SeenEye, Workspace};
 use posewise_format::{AlignedBytes, Blob, Section, SectionWriter, blob};
 use posewise_metrics::auc;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -85,17 +84,12 @@ fn with_model<T>(section: &SectionWriter, run: impl FnOnce(&EyeModel<'_>) -> T) 
 }
 
 fn look<'a>(model: &EyeModel<'_>, eyes: &'a [Eye]) -> Vec<Looked<'a>> {
-    let looked = eyes.par_iter().enumerate().map_init(
-        || Box::new(Workspace::new()),
-        |work, (index, eye)| {
-            let mut rng = ChaCha8Rng::seed_from_u64(5);
-            rng.set_stream(index as u64);
-            let place = place_of(eye, &mut rng);
-            let seen = model.run(&eye.picture.frame(), &place, eye.side == 1, work);
-            seen.map(|seen| Looked { eye, place, seen })
-        },
-    );
-    looked.flatten().collect()
+    let looked = each(eyes, 5, |_, eye, rng, work| {
+        let place = place_of(eye, rng);
+        let seen = model.run(&eye.picture.frame(), &place, eye.side == 1, work);
+        seen.map(|seen| Looked { eye, place, seen })
+    });
+    looked.into_iter().flatten().collect()
 }
 
 fn logit(p: f32) -> f32 {

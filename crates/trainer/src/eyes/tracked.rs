@@ -64,19 +64,12 @@ pub fn run(args: &Args) -> Result<()> {
     let bytes = std::fs::read(&args.model).with_context(|| args.model.display().to_string())?;
     let bytes = AlignedBytes::new(&bytes);
     let model = Model::load(&bytes)?;
-    let renderer = render::renderer(
-        &render::Args {
-            data: args.data.clone(),
-            cache: PathBuf::new(),
-            count: args.count,
-            seed: args.seed,
-            clean: true,
-            makehuman: 0.0,
-            panoramas: 0.0,
-            kind: Kind::Eyes,
-        },
-        None,
-    )?;
+    let alone = render::Args {
+        makehuman: 0.0,
+        panoramas: 0.0,
+        ..render::Args::procedural(&args.data, args.seed, Kind::Eyes)
+    };
+    let renderer = render::renderer(&alone, None)?;
     let spec = spec();
     let rows: Vec<Row> = (0..args.count)
         .into_par_iter()

@@ -11,7 +11,7 @@ mod morphable;
 pub mod npz;
 mod wfm;
 
-pub use contour::{BELOW_MM, at_place, contour_paths, even_places, outward};
+pub use contour::{BELOW_MM, at_place, even_places, outward};
 pub use convention::{CONVENTION_VERSION, conventional_mm};
 pub use makehuman::MakeHuman;
 pub use marks::{Labels, MARKS_VERSION, MESH_MARKS_VERSION, marks_mm, marks_px};

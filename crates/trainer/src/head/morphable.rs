@@ -124,7 +124,7 @@ fn expressions(names: &[String], deltas: Vec<Vec<[f32; 3]>>) -> Result<Vec<Expre
     Ok(all)
 }
 
-pub(super) fn animation_index(expressions: &[Expression]) -> [Option<usize>; FITTED] {
+fn animation_index(expressions: &[Expression]) -> [Option<usize>; FITTED] {
     FITTED_NAMES.map(|name| expressions.iter().position(|e| e.name == name))
 }
 
@@ -218,6 +218,32 @@ impl Head {
             vertex_part,
             part_names,
         })
+    }
+
+    /// A head that is all face, without a texture; the edge of its jaw is not known.
+    pub fn of_one_part(
+        mean: Vec<[f32; 3]>,
+        triangles: Vec<[u32; 3]>,
+        landmarks: [u32; LANDMARKS],
+        identity: Vec<Vec<[f32; 3]>>,
+        expressions: Vec<Expression>,
+    ) -> Self {
+        let jaw_edge = [None; JAW];
+        Head {
+            jaw: contour_paths(&mean, &triangles, &landmarks, &jaw_edge, |_| true),
+            jaw_edge,
+            uv: vec![[0.0; 2]],
+            triangle_uv: vec![[0; 3]; triangles.len()],
+            animation: animation_index(&expressions),
+            vertex_part: vec![0; mean.len()],
+            triangle_part: vec![0; triangles.len()],
+            part_names: vec!["face".to_owned()],
+            mean,
+            triangles,
+            identity,
+            expressions,
+            landmarks,
+        }
     }
 
     /// All vertices \[mm\] of a person (leading identity weights in standard deviations) with an

@@ -1,9 +1,8 @@
 //! Candide-3 wireframes (`.wfm`, Ahlberg 2001): the file, and a [`Head`] made of it.
 
-use super::contour::contour_paths;
-use super::morphable::{Expression, Head, animation_index};
+use super::morphable::{Expression, Head};
 use anyhow::{Context, Result, ensure};
-use posewise::shape::{JAW, LANDMARKS};
+use posewise::shape::LANDMARKS;
 use std::path::Path;
 
 /// A wireframe file. Units of its own: x the subject's left, y up, z out of the face.
@@ -246,22 +245,13 @@ impl Head {
         let first = wfm.vertices.len() as u32;
         let landmarks: [u32; LANDMARKS] = std::array::from_fn(|i| first + i as u32);
         let triangles = outward_faces(&mean, &wfm.faces);
-        let jaw_edge = [None; JAW];
-        Ok(Head {
-            jaw: contour_paths(&mean, &triangles, &landmarks, &jaw_edge, |_| true),
-            jaw_edge,
-            uv: vec![[0.0; 2]],
-            triangle_uv: vec![[0; 3]; triangles.len()],
-            animation: animation_index(&expressions),
-            vertex_part: vec![0; mean.len()],
-            triangle_part: vec![0; triangles.len()],
-            part_names: vec!["face".to_owned()],
+        Ok(Head::of_one_part(
             mean,
             triangles,
+            landmarks,
             identity,
             expressions,
-            landmarks,
-        })
+        ))
     }
 }
 

@@ -36,21 +36,14 @@ pub fn read(path: &Path) -> Result<AlignedBytes> {
     Ok(AlignedBytes::new(&bytes))
 }
 
-/// The sections of a model with one of them replaced, without its data sheet.
-pub fn replaced(model: &Blob<'_>, added: &Added<'_>) -> Vec<SectionWriter> {
-    let others = model
-        .sections()
-        .filter(|(tag, _)| ![added.tag, SHEET_TAG].contains(tag))
-        .map(|(tag, bytes)| SectionWriter::of_bytes(tag, bytes.to_vec()));
-    others.chain([added.section.clone()]).collect()
-}
-
 /// Writes a model with a section added or replaced, and its data sheet beside it.
 pub fn write(model: &Blob<'_>, added: &Added<'_>, out: &Path) -> Result<()> {
     let sheet = part(model, SHEET_TAG).unwrap_or_default();
     let sheet = data_sheet::titled(std::str::from_utf8(sheet)?, out);
     let sheet = data_sheet::with_part(&sheet, added.heading, added.about);
-    let size = pack::write(out, replaced(model, added), &format!("{sheet}\n"))?;
+    let mut sections = SectionWriter::all_but(&[added.tag, SHEET_TAG], model);
+    sections.push(added.section.clone());
+    let size = pack::write(out, sections, &format!("{sheet}\n"))?;
     println!("{}: {size} bytes", out.display());
     Ok(())
 }

@@ -1,7 +1,8 @@
 //! Writes the model of all sections, and its data sheet beside it.
 
 use anyhow::{Context, Result};
-use posewise_format::{SHEET_TAG, SectionWriter, blob};
+use posewise::track::Model;
+use posewise_format::{AlignedBytes, SHEET_TAG, SectionWriter, blob};
 use std::path::Path;
 
 /// Writes both; returns the model's size in bytes.
@@ -10,6 +11,7 @@ pub fn write(path: &Path, mut sections: Vec<SectionWriter>, sheet: &str) -> Resu
     info.array(sheet.as_bytes());
     sections.push(info);
     let bytes = blob(&sections);
+    Model::load(&AlignedBytes::new(&bytes)).context("the model would not load")?;
     let out = path.display();
     std::fs::write(path, &bytes).with_context(|| format!("writing {out}"))?;
     let sheet = format!("{sheet}\nSize: {} bytes.\n", bytes.len());

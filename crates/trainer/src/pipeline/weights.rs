@@ -10,8 +10,7 @@ use crate::render::{self, Kind};
 use crate::weights::{self, Figures, Options};
 use anyhow::Result;
 use posewise::align::WEIGHTS_TAG;
-use posewise_format::{Blob, blob};
-use std::path::PathBuf;
+use posewise_format::Blob;
 
 /// The rendered pictures.
 const SHOTS: &str = "shots.bin";
@@ -46,20 +45,9 @@ fn shots(store: &Store, args: &AddArgs) -> Result<Output> {
         )
         .input("panoramas", store.data(&data.join(render::PANORAMA_FILE))?);
     store.make(&stage, &[SHOTS], |folder| {
-        let renderer = render::renderer(
-            &render::Args {
-                data: data.clone(),
-                cache: PathBuf::new(),
-                count: 0,
-                seed: args.seed ^ PEOPLE,
-                clean: true,
-                makehuman: render::MAKEHUMAN,
-                panoramas: render::PANORAMAS,
-                kind: Kind::Near,
-            },
-            None,
-        )?;
         let seed = args.seed ^ PEOPLE;
+        let procedural = render::Args::procedural(data, seed, Kind::Near);
+        let renderer = render::renderer(&procedural, None)?;
         weights::write(&folder.join(SHOTS), &renderer, seed, args.persons)
     })
 }
@@ -91,7 +79,6 @@ pub fn add(args: &AddArgs) -> Result<()> {
         heading: WEIGHTS_HEADING,
         about: &about(args, &figures),
     };
-    weights::check(&blob(&add::replaced(&model, &added)))?;
     add::write(&model, &added, &args.add.out)
 }
 

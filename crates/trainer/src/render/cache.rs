@@ -14,6 +14,7 @@ use posewise::shape::{FITTED, Intrinsics, LANDMARKS};
 use rayon::prelude::*;
 use std::fs::{File, OpenOptions};
 use std::io::{BufReader, BufWriter, ErrorKind, Read, Seek, SeekFrom, Write};
+use std::ops::Range;
 use std::path::Path;
 
 const MAGIC: &[u8; 8] = b"PWRENDR1";
@@ -23,7 +24,7 @@ const HEADER: u64 = 24;
 const FLOATS: usize = 2 * LANDMARKS + 3 * LANDMARKS + 3 + 3 + 4 + FITTED;
 
 /// Samples drawn between writes.
-const BATCH: u64 = 256;
+const BATCH: usize = 256;
 
 /// Changes when the spec does, as serde writes it (FNV-1a).
 fn fingerprint(spec: &SampleSpec) -> u64 {
@@ -68,9 +69,18 @@ fn encode(sample: &Sample) -> Vec<u8> {
     floats.iter().for_each(|f| body.extend(f.to_le_bytes()));
     body.extend(sample.visible.map(u8::from));
     body.extend(&sample.luma);
-    let mut out = (body.len() as u32).to_le_bytes().to_vec();
-    out.extend(body);
-    out
+    record(&body)
+}
+
+/// A record of these bytes.
+pub(super) fn record(body: &[u8]) -> Vec<u8> {
+    [&(body.len() as u32).to_le_bytes(), body].concat()
+}
+
+/// Floats that are written one after the other.
+pub(super) fn floats(bytes: &[u8]) -> Vec<f32> {
+    let each = bytes.as_chunks::<4>().0.iter();
+    each.map(|b| f32::from_le_bytes(*b)).collect()
 }
 
 fn decode(body: &[u8]) -> Result<Sample> {
@@ -84,10 +94,7 @@ fn decode(body: &[u8]) -> Result<Sample> {
     let width = word(take(2)?);
     let height = word(take(2)?);
     let person = u32::from_le_bytes(take(4)?.try_into()?);
-    let floats: Vec<f32> = take(4 * FLOATS)?
-        .chunks_exact(4)
-        .map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]))
-        .collect();
+    let floats = floats(take(4 * FLOATS)?);
     let visible = take(LANDMARKS)?;
     let luma = take(width * height)?.to_vec();
     let (flat, solid) = floats.split_at(2 * LANDMARKS);
@@ -112,7 +119,7 @@ fn decode(body: &[u8]) -> Result<Sample> {
 }
 
 /// The next record's bytes; `None` at the end or when the record is incomplete.
-fn next_record(file: &mut impl Read) -> Result<Option<Vec<u8>>> {
+pub(super) fn next_record(file: &mut impl Read) -> Result<Option<Vec<u8>>> {
     let mut length = [0; 4];
     let mut fill = |bytes: &mut [u8]| match file.read_exact(bytes) {
         Err(e) if e.kind() == ErrorKind::UnexpectedEof => Ok(false),
@@ -125,8 +132,18 @@ fn next_record(file: &mut impl Read) -> Result<Option<Vec<u8>>> {
     Ok(fill(&mut body)?.then_some(body))
 }
 
-/// Number of complete records of a cache and their length in bytes; none if it has another seed or
-/// spec.
+/// Number of complete records that follow, and their length in bytes.
+pub(super) fn complete(file: &mut impl Read) -> Result<(u64, u64)> {
+    let (mut count, mut length) = (0, 0);
+    while let Some(body) = next_record(file)? {
+        count += 1;
+        length += 4 + body.len() as u64;
+    }
+    Ok((count, length))
+}
+
+/// Number of complete records of a cache and where they end \[bytes\]; none if it has another seed
+/// or spec.
 fn present(path: &Path, wanted: &[u8]) -> Result<(u64, u64)> {
     let Ok(file) = File::open(path) else {
         return Ok((0, 0));
@@ -136,12 +153,31 @@ fn present(path: &Path, wanted: &[u8]) -> Result<(u64, u64)> {
     if file.read_exact(&mut found).is_err() || found != wanted {
         return Ok((0, 0));
     }
-    let (mut count, mut end) = (0, HEADER);
-    while let Some(body) = next_record(&mut file)? {
-        count += 1;
-        end += 4 + body.len() as u64;
+    let (count, length) = complete(&mut file)?;
+    Ok((count, HEADER + length))
+}
+
+/// Draws records of these numbers and appends them, some at a time.
+pub(super) fn append(
+    file: File,
+    name: &str,
+    numbers: Range<u64>,
+    record: impl Fn(u64) -> Vec<u8> + Sync,
+) -> Result<()> {
+    let mut file = BufWriter::new(file);
+    let style = format!("{name:6} {{bar:40}} {{pos}}/{{len}} {{per_sec}} eta {{eta}}");
+    let bar = ProgressBar::new(numbers.start.max(numbers.end))
+        .with_style(ProgressStyle::with_template(&style)?)
+        .with_position(numbers.start);
+    let all: Vec<u64> = numbers.collect();
+    for some in all.chunks(BATCH) {
+        let drawn = some.par_iter().map(|number| record(*number));
+        let records: Vec<Vec<u8>> = drawn.inspect(|_| bar.inc(1)).collect();
+        records.iter().try_for_each(|r| file.write_all(r))?;
+        file.flush()?;
     }
-    Ok((count, end))
+    bar.finish();
+    Ok(())
 }
 
 /// Fills a cache up to `count` samples (indices 0, 1, …), resuming where an earlier run stopped; a
@@ -163,31 +199,13 @@ pub fn write(
     let mut file = file.with_context(|| format!("cannot write {}", path.display()))?;
     file.set_len(end)?;
     file.seek(SeekFrom::Start(end))?;
-    let mut file = BufWriter::new(file);
     if end == 0 {
         file.write_all(&wanted)?;
     }
-    let style = ProgressStyle::with_template("render {bar:40} {pos}/{len} {per_sec} eta {eta}")?;
-    let bar = ProgressBar::new(count.max(start))
-        .with_style(style)
-        .with_position(start);
-    let mut next = start;
-    while next < count {
-        let stop = (next + BATCH).min(count);
-        let records: Vec<Vec<u8>> = (next..stop)
-            .into_par_iter()
-            .map(|i| {
-                let record = encode(&renderer.sample(seed, i, spec));
-                bar.inc(1);
-                record
-            })
-            .collect();
-        records.iter().try_for_each(|r| file.write_all(r))?;
-        file.flush()?;
-        next = stop;
-    }
-    bar.finish();
-    Ok(next - start)
+    append(file, "render", start..count, |index| {
+        encode(&renderer.sample(seed, index, spec))
+    })?;
+    Ok(count.saturating_sub(start))
 }
 
 /// A cache being read, sample by sample.

@@ -97,13 +97,7 @@ impl Expression {
     }
 
     fn mouth(&mut self, rng: &mut ChaCha8Rng) {
-        let mut some = |chance: f64, most: f32| {
-            if rng.random_bool(chance) {
-                rng.random_range(0.0..most)
-            } else {
-                0.0
-            }
-        };
+        let mut some = |chance: f64, most: f32| sometimes(rng, chance, most);
         let yawn = some(0.06, 1.0);
         let open = if yawn > 0.0 {
             0.6 + 0.35 * yawn
@@ -146,13 +140,7 @@ impl Expression {
     }
 
     fn brows(&mut self, rng: &mut ChaCha8Rng) {
-        let mut some = |chance: f64, most: f32| {
-            if rng.random_bool(chance) {
-                rng.random_range(0.0..most)
-            } else {
-                0.0
-            }
-        };
+        let mut some = |chance: f64, most: f32| sometimes(rng, chance, most);
         let lean = some(0.3, 0.6) - some(0.3, 0.6);
         self.pair(["browDownLeft", "browDownRight"], some(0.3, 0.9), lean);
         self.add("browInnerUp", some(0.3, 0.9));
@@ -172,11 +160,7 @@ impl Expression {
         let wink = rng.random_bool(0.05);
         self.add("eyeBlinkLeft", blink);
         self.add("eyeBlinkRight", if wink { 0.0 } else { blink });
-        let squint = if rng.random_bool(0.2) {
-            rng.random_range(0.0..0.8)
-        } else {
-            0.0
-        };
+        let squint = sometimes(rng, 0.2, 0.8);
         self.pair(["eyeSquintLeft", "eyeSquintRight"], squint, 0.0);
         if blink < 0.2 && rng.random_bool(0.2) {
             let wide = rng.random_range(0.0..0.9);
@@ -331,6 +315,14 @@ impl Expression {
     /// Weights in the order of `posewise::shape::FITTED_NAMES`.
     pub fn animation(&self) -> [f32; FITTED] {
         FITTED_NAMES.map(|name| self.weight(name))
+    }
+}
+
+/// A number up to `most` with this probability, else 0.
+fn sometimes(rng: &mut ChaCha8Rng, probability: f64, most: f32) -> f32 {
+    match rng.random_bool(probability) {
+        true => rng.random_range(0.0..most),
+        false => 0.0,
     }
 }
 

@@ -4,18 +4,17 @@
 //! A record is its length, width, height, floats and luma, little-endian. An incomplete record at
 //! the end is drawn again.
 
+use super::cache::{append, complete, floats, next_record, record};
 use super::eye_truth::EyeTruth;
 use super::sample::{Renderer, Sample};
 use super::spec::SampleSpec;
 use crate::picture::Picture;
 use anyhow::{Context, Result, ensure};
 use glam::{Mat3, Vec2, Vec3};
-use indicatif::{ProgressBar, ProgressStyle};
 use posewise::math::head_rotation;
 use posewise::shape::{ANIMATION_NAMES, Intrinsics};
-use rayon::prelude::*;
 use std::fs::{File, OpenOptions};
-use std::io::{BufWriter, Write};
+use std::io::BufReader;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -24,8 +23,6 @@ pub const FIRST: [usize; 2] = [36, 42];
 /// Floats of an eye, and of a record.
 const EYE: usize = 12 + 3 + 3 + 2 + 5;
 const FLOATS: usize = 2 * EYE + 9 + 3 + 4;
-/// Samples drawn between writes.
-const BATCH: u64 = 128;
 
 /// An eye of a picture.
 #[derive(Clone)]
@@ -48,7 +45,7 @@ pub struct Eye {
     pub camera: Intrinsics,
 }
 
-fn floats(sample: &Sample, truth: &[EyeTruth; 2]) -> Vec<f32> {
+fn numbers(sample: &Sample, truth: &[EyeTruth; 2]) -> Vec<f32> {
     let weight = |name: &str| {
         let at = ANIMATION_NAMES.iter().position(|n| *n == name);
         at.map_or(0.0, |at| sample.animation[at])
@@ -74,12 +71,10 @@ fn encode(sample: &Sample, truth: &[EyeTruth; 2]) -> Vec<u8> {
     let mut body = Vec::new();
     body.extend((sample.width as u16).to_le_bytes());
     body.extend((sample.height as u16).to_le_bytes());
-    let floats = floats(sample, truth);
-    floats.iter().for_each(|f| body.extend(f.to_le_bytes()));
+    let numbers = numbers(sample, truth);
+    numbers.iter().for_each(|f| body.extend(f.to_le_bytes()));
     body.extend(&sample.luma);
-    let mut out = (body.len() as u32).to_le_bytes().to_vec();
-    out.extend(body);
-    out
+    record(&body)
 }
 
 fn decode(body: &[u8]) -> Result<[Eye; 2]> {
@@ -96,10 +91,7 @@ fn decode(body: &[u8]) -> Result<[Eye; 2]> {
         size,
         luma: rest.to_vec(),
     });
-    let f: Vec<f32> = head[4..]
-        .chunks_exact(4)
-        .map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]))
-        .collect();
+    let f = floats(&head[4..]);
     let common = &f[2 * EYE..];
     Ok([0, 1].map(|side| {
         let own = &f[side * EYE..][..EYE];
@@ -130,19 +122,6 @@ pub fn eyes_of(sample: &Sample, truth: &[EyeTruth; 2]) -> [Eye; 2] {
     decode(&record[4..]).expect("a record is what was encoded")
 }
 
-/// The records of a file and their length in bytes.
-fn records(bytes: &[u8]) -> (Vec<&[u8]>, usize) {
-    let (mut out, mut at) = (vec![], 0);
-    while let Some((length, rest)) = bytes[at..].split_first_chunk::<4>() {
-        let Some(body) = rest.get(..u32::from_le_bytes(*length) as usize) else {
-            break;
-        };
-        out.push(body);
-        at += 4 + body.len();
-    }
-    (out, at)
-}
-
 /// Fills a file up to `count` samples.
 pub fn write(
     path: &Path,
@@ -151,44 +130,22 @@ pub fn write(
     count: u64,
     spec: &SampleSpec,
 ) -> Result<()> {
-    let before = std::fs::read(path).unwrap_or_default();
-    let (present, end) = records(&before);
-    let mut next = present.len() as u64;
     let mut options = OpenOptions::new();
-    let file = options.create(true).append(true).open(path);
-    let file: File = file.with_context(|| format!("cannot write {}", path.display()))?;
-    file.set_len(end as u64)?;
-    let mut file = BufWriter::new(file);
-    let style = ProgressStyle::with_template("eyes   {bar:40} {pos}/{len} {per_sec} eta {eta}")?;
-    let bar = ProgressBar::new(count)
-        .with_style(style)
-        .with_position(next);
-    while next < count {
-        let stop = (next + BATCH).min(count);
-        let drawn: Vec<Vec<u8>> = (next..stop)
-            .into_par_iter()
-            .map(|index| {
-                let rendered = renderer.render(seed, index, spec);
-                bar.inc(1);
-                encode(&rendered.sample, &rendered.eyes)
-            })
-            .collect();
-        drawn.iter().try_for_each(|r| file.write_all(r))?;
-        file.flush()?;
-        next = stop;
-    }
-    bar.finish();
-    Ok(())
+    let file = options.create(true).read(true).append(true).open(path);
+    let file = file.with_context(|| format!("cannot write {}", path.display()))?;
+    let (present, end) = complete(&mut BufReader::new(&file))?;
+    file.set_len(end)?;
+    append(file, "eyes", present..count, |index| {
+        let rendered = renderer.render(seed, index, spec);
+        encode(&rendered.sample, &rendered.eyes)
+    })
 }
 
 /// All eyes of a file, of at most `limit` pictures.
 pub fn read(path: &Path, limit: usize) -> Result<Vec<Eye>> {
-    let bytes = std::fs::read(path).with_context(|| format!("reading {}", path.display()))?;
-    let (records, _) = records(&bytes);
-    let pairs = records.into_iter().take(limit).map(decode);
-    Ok(pairs
-        .collect::<Result<Vec<_>>>()?
-        .into_iter()
-        .flatten()
-        .collect())
+    let file = File::open(path).with_context(|| format!("reading {}", path.display()))?;
+    let mut file = BufReader::new(file);
+    let records = std::iter::from_fn(|| next_record(&mut file).transpose());
+    let pairs = records.take(limit).map(|body| decode(&body?));
+    Ok(pairs.collect::<Result<Vec<_>>>()?.into_flattened())
 }

@@ -86,6 +86,22 @@ pub struct Args {
     pub kind: Kind,
 }
 
+impl Args {
+    /// For the [`renderer`] of procedural people of both families.
+    pub fn procedural(data: &Path, seed: u64, kind: Kind) -> Self {
+        Args {
+            data: data.to_path_buf(),
+            cache: PathBuf::new(),
+            count: 0,
+            seed,
+            clean: true,
+            makehuman: MAKEHUMAN,
+            panoramas: PANORAMAS,
+            kind,
+        }
+    }
+}
+
 /// What renders show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Kind {
@@ -204,22 +220,10 @@ pub fn write(args: &Args, fits: Option<&Fits>, path: &Path) -> Result<()> {
     // Samples of one kind are not those of another once more.
     let seed = args.seed ^ ((args.kind as u64) << 32);
     let renderer = &renderer(args, fits)?;
+    let spec = &spec(args, fits.is_some());
     match args.kind {
-        Kind::Eyes => eye_cache::write(
-            path,
-            renderer,
-            seed,
-            args.count,
-            &spec(args, fits.is_some()),
-        ),
-        _ => cache::write(
-            path,
-            renderer,
-            seed,
-            args.count,
-            &spec(args, fits.is_some()),
-        )
-        .map(drop),
+        Kind::Eyes => eye_cache::write(path, renderer, seed, args.count, spec),
+        _ => cache::write(path, renderer, seed, args.count, spec).map(drop),
     }
 }
 

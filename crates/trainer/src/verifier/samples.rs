@@ -8,7 +8,7 @@
 use super::linear::{Example, FOLDS};
 use crate::align::cover::{covered, cut_off};
 use crate::align::evaluate::{mean_error, start_of};
-use crate::align::{Jitter, jittered_box, normal, start_from_box};
+use crate::align::{Jitter, each, jittered_box, normal, start_from_box};
 use crate::faces::{Face, Picture};
 use crate::render::effects::Camera;
 use posewise::align::{AlignModel, Shape, Workspace};
@@ -17,9 +17,8 @@ use posewise::detect::{
 };
 use posewise::image::Frame;
 use posewise::shape::LANDMARKS;
-use rand::{Rng, SeedableRng};
+use rand::Rng;
 use rand_chacha::ChaCha8Rng;
-use rayon::prelude::*;
 
 /// Largest error of a correct landmark, and largest mean error of a well-fitted face, relative to
 /// the inter-ocular distance \[%\].
@@ -124,26 +123,17 @@ pub fn collect(
 /// Runs the cascade on the faces, from boxes as good as a detector's and far worse ones.
 fn on_faces(model: &AlignModel<'_>, faces: &[Face], seed: u64) -> Vec<Sample> {
     let per_face = (FITS_ON_FACES / faces.len().max(1)).clamp(1, MAX_PER_FACE);
-    faces
-        .par_iter()
-        .enumerate()
-        .map_init(
-            || Box::new(Workspace::new()),
-            |work, (index, face)| {
-                let mut rng = ChaCha8Rng::seed_from_u64(seed);
-                rng.set_stream(index as u64);
-                let fit = |k| on_face(model, faces, face, index + k, k, &mut rng, work);
-                // Real profiles are rare.
-                let fits = if is_half(face) {
-                    MAX_PER_FACE
-                } else {
-                    per_face
-                };
-                (0..fits).filter_map(fit).collect::<Vec<_>>()
-            },
-        )
-        .flatten()
-        .collect()
+    let samples = each(faces, seed, |index, face, rng, work| {
+        let fit = |k| on_face(model, faces, face, index + k, k, rng, work);
+        // Real profiles are rare.
+        let fits = if is_half(face) {
+            MAX_PER_FACE
+        } else {
+            per_face
+        };
+        (0..fits).filter_map(fit).collect::<Vec<_>>()
+    });
+    samples.into_iter().flatten().collect()
 }
 
 /// The `k`-th fit on a face, `count` in all so far: every [`FAR_STARTS`]-th starts far off.
@@ -227,31 +217,23 @@ fn on_random_boxes(
     if empty.is_empty() {
         return Vec::new();
     }
-    (0..count)
-        .into_par_iter()
-        .map_init(
-            || Box::new(Workspace::new()),
-            |work, index| {
-                let mut rng = ChaCha8Rng::seed_from_u64(seed);
-                rng.set_stream(index as u64);
-                let which = index % empty.len();
-                let picture = &empty[which];
-                let [w, h] = picture.size.map(|s| s as f32);
-                let size = rng.random_range(40.0..0.9 * w.min(h));
-                let at = [rng.random_range(0.0..w), rng.random_range(0.0..h)];
-                let start = start_of(model, rng.random_range(-1.0..1.0));
-                let mut shape = start_from_box(&start, at, size, 0.3 * normal(&mut rng));
-                let iterations = model.iterations() + index % 2;
-                let poor = sometimes_poor(picture, size, &mut rng);
-                let frame = poor.as_ref().unwrap_or(picture).frame();
-                let fitted = model.run(&frame, iterations, &mut shape, work)
-                    && (!(index / empty.len()).is_multiple_of(SETTLING)
-                        || settle(model, &frame, &mut shape, work));
-                fitted.then(|| Sample::without_face(work, which))
-            },
-        )
-        .flatten()
-        .collect()
+    let samples = each(&vec![(); count], seed, |index, (), rng, work| {
+        let which = index % empty.len();
+        let picture = &empty[which];
+        let [w, h] = picture.size.map(|s| s as f32);
+        let size = rng.random_range(40.0..0.9 * w.min(h));
+        let at = [rng.random_range(0.0..w), rng.random_range(0.0..h)];
+        let start = start_of(model, rng.random_range(-1.0..1.0));
+        let mut shape = start_from_box(&start, at, size, 0.3 * normal(rng));
+        let iterations = model.iterations() + index % 2;
+        let poor = sometimes_poor(picture, size, rng);
+        let frame = poor.as_ref().unwrap_or(picture).frame();
+        let fitted = model.run(&frame, iterations, &mut shape, work)
+            && (!(index / empty.len()).is_multiple_of(SETTLING)
+                || settle(model, &frame, &mut shape, work));
+        fitted.then(|| Sample::without_face(work, which))
+    });
+    samples.into_iter().flatten().collect()
 }
 
 /// Runs the cascade where the detector finds a face though there is none.
@@ -261,42 +243,30 @@ fn on_candidates(
     empty: &[Picture],
     seed: u64,
 ) -> Vec<Sample> {
-    empty
-        .par_iter()
-        .enumerate()
-        .map_init(
-            || Box::new(Workspace::new()),
-            |work, (index, picture)| {
-                let mut rng = ChaCha8Rng::seed_from_u64(seed);
-                rng.set_stream(index as u64);
-                let mut samples = Vec::new();
-                let orientations = picture.orientations();
-                for picture in orientations
-                    .iter()
-                    .skip(index % ORIENTATIONS)
-                    .step_by(ORIENTATIONS)
-                {
-                    let poor = sometimes_poor(picture, EMPTY_FACE_PX, &mut rng);
-                    let frame = poor.as_ref().unwrap_or(picture).frame();
-                    let found = candidates(detector, &frame, work);
-                    let every = found.len().div_ceil(MAX_FALSE_POSITIVES).max(1);
-                    for found in found.iter().step_by(every) {
-                        let start = start_of(model, found.yaw);
-                        let at = [found.x, found.y];
-                        let mut shape = start_from_box(&start, at, found.size, found.roll);
-                        if model.run(&frame, model.iterations(), &mut shape, work) {
-                            samples.push(Sample::without_face(work, index));
-                            if settle(model, &frame, &mut shape, work) {
-                                samples.push(Sample::without_face(work, index));
-                            }
-                        }
+    let samples = each(empty, seed, |index, picture, rng, work| {
+        let mut samples = Vec::new();
+        let orientations = picture.orientations();
+        let some = orientations.iter().skip(index % ORIENTATIONS);
+        for picture in some.step_by(ORIENTATIONS) {
+            let poor = sometimes_poor(picture, EMPTY_FACE_PX, rng);
+            let frame = poor.as_ref().unwrap_or(picture).frame();
+            let found = candidates(detector, &frame, work);
+            let every = found.len().div_ceil(MAX_FALSE_POSITIVES).max(1);
+            for found in found.iter().step_by(every) {
+                let start = start_of(model, found.yaw);
+                let at = [found.x, found.y];
+                let mut shape = start_from_box(&start, at, found.size, found.roll);
+                if model.run(&frame, model.iterations(), &mut shape, work) {
+                    samples.push(Sample::without_face(work, index));
+                    if settle(model, &frame, &mut shape, work) {
+                        samples.push(Sample::without_face(work, index));
                     }
                 }
-                samples
-            },
-        )
-        .flatten()
-        .collect()
+            }
+        }
+        samples
+    });
+    samples.into_iter().flatten().collect()
 }
 
 /// All that the detector reports in a picture.

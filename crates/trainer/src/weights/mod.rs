@@ -15,6 +15,6 @@ mod tracked;
 mod views;
 
 pub use outputs::{Figures, Options};
-pub use section::{check, train};
+pub use section::train;
 pub use shots::{PICTURES, Shot, expression, read, spec, write};
 pub use tracked::{go_on, show};

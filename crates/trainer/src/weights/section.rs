@@ -7,7 +7,7 @@ use super::{tracked, views};
 use anyhow::{Result, ensure};
 use posewise::align::{GEOMETRY, WEIGHTS_TAG};
 use posewise::track::Model;
-use posewise_format::{AlignedBytes, Blob, SHEET_TAG, SectionWriter, blob};
+use posewise_format::{AlignedBytes, SHEET_TAG, SectionWriter, blob};
 
 /// Trains the section for a finished model.
 pub fn train(model: &[u8], shots: &[Shot], options: &Options) -> Result<(SectionWriter, Figures)> {
@@ -16,10 +16,7 @@ pub fn train(model: &[u8], shots: &[Shot], options: &Options) -> Result<(Section
     let (without, views) = {
         let model = Model::load(&bytes)?;
         let views = views::train(&model, shots, &options.taken, is_held_out)?;
-        let kept = (model.blob().sections())
-            .filter(|(tag, _)| ![WEIGHTS_TAG, SHEET_TAG].contains(tag))
-            .map(|(tag, bytes)| SectionWriter::of_bytes(tag, bytes.to_vec()))
-            .collect::<Vec<_>>();
+        let kept = SectionWriter::all_but(&[WEIGHTS_TAG, SHEET_TAG], model.blob());
         (kept, views)
     };
     let inputs = GEOMETRY + 2 * options.taken.iter().sum::<usize>();
@@ -42,14 +39,6 @@ pub fn train(model: &[u8], shots: &[Shot], options: &Options) -> Result<(Section
     let trained = network::train(&trains, &tests, inputs, options);
     let figures = trained.figures(&tests, trains.len());
     Ok((section(&views, &trained), figures))
-}
-
-/// Opens a model's blob again, to check that a section belongs to it.
-pub fn check(model: &[u8]) -> Result<()> {
-    let bytes = AlignedBytes::new(model);
-    Blob::open(&bytes)?;
-    Model::load(&bytes)?;
-    Ok(())
 }
 
 fn section(views: &[views::View], network: &Trained) -> SectionWriter {

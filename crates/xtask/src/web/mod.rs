@@ -10,54 +10,14 @@ use std::process::Command;
 
 pub use serve::Site;
 
-/// Files of the package and of the page that are served as they are in the repository, from web/.
-const FILES: [&str; 46] = [
+/// Files of the package and of the page, beside the modules, that are served as they are in web/.
+const FILES: [&str; 6] = [
     "README.md",
     "package.json",
     "index.html",
-    "layout.js",
-    "struct.js",
-    "handle.js",
-    "tracker.js",
-    "group.js",
-    "monitor.js",
-    "engine.js",
-    "posewise.js",
-    "luma.js",
-    "worker.js",
-    "demo/app.js",
-    "demo/assets.js",
-    "demo/avatar/draw.js",
     "demo/avatar/head.bin",
-    "demo/avatar/head.js",
-    "demo/avatar/retargeting.js",
-    "demo/avatar/view.js",
-    "demo/charts.js",
     "demo/clip.webm",
-    "demo/columns.js",
-    "demo/csv.js",
-    "demo/display.js",
-    "demo/driver/columns.js",
-    "demo/driver/panel.js",
-    "demo/driver/plan.js",
-    "demo/driver/zones.js",
-    "demo/early.js",
-    "demo/face/controls.js",
-    "demo/face/geometry.js",
-    "demo/face/gpu.js",
-    "demo/face/layer.js",
-    "demo/face/raster.js",
-    "demo/face/surface.js",
-    "demo/face/textures.js",
-    "demo/normals.js",
-    "demo/overlay.js",
-    "demo/readings.js",
-    "demo/save.js",
-    "demo/sources.js",
     "demo/style.css",
-    "demo/take/controls.js",
-    "demo/take/glb.js",
-    "demo/take/take.js",
 ];
 
 /// Models that the page can load.
@@ -79,8 +39,14 @@ pub fn build(target_dir: &Path) -> Result<PathBuf> {
         std::fs::create_dir_all(to.parent().unwrap_or(&out))?;
         std::fs::copy(&from, to).with_context(|| format!("cannot copy {from:?}"))
     };
-    for file in FILES {
-        copy(root().join("web").join(file), file)?;
+    let web = root().join("web");
+    let files = FILES.map(str::to_owned).into_iter();
+    let worker = standalone::modules(&web, "worker.js")?;
+    for file in files
+        .chain(worker)
+        .chain(standalone::modules(&web, "demo/app.js")?)
+    {
+        copy(web.join(&file), &file)?;
     }
     for model in MODELS {
         copy(root().join("models").join(model), model)?;

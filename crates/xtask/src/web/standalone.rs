@@ -8,62 +8,6 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
 
-/// Modules of the worker, each after those that it imports.
-const WORKER: [&str; 9] = [
-    "layout.js",
-    "struct.js",
-    "handle.js",
-    "tracker.js",
-    "group.js",
-    "monitor.js",
-    "engine.js",
-    "luma.js",
-    "worker.js",
-];
-
-/// Modules of the page, likewise.
-const PAGE: [&str; 39] = [
-    "layout.js",
-    "struct.js",
-    "handle.js",
-    "tracker.js",
-    "group.js",
-    "monitor.js",
-    "engine.js",
-    "luma.js",
-    "posewise.js",
-    "demo/assets.js",
-    "demo/charts.js",
-    "demo/normals.js",
-    "demo/overlay.js",
-    "demo/columns.js",
-    "demo/driver/columns.js",
-    "demo/csv.js",
-    "demo/readings.js",
-    "demo/save.js",
-    "demo/display.js",
-    "demo/driver/zones.js",
-    "demo/driver/plan.js",
-    "demo/driver/panel.js",
-    "demo/early.js",
-    "demo/face/geometry.js",
-    "demo/face/gpu.js",
-    "demo/face/raster.js",
-    "demo/face/surface.js",
-    "demo/face/textures.js",
-    "demo/face/controls.js",
-    "demo/face/layer.js",
-    "demo/avatar/retargeting.js",
-    "demo/avatar/head.js",
-    "demo/avatar/draw.js",
-    "demo/avatar/view.js",
-    "demo/take/glb.js",
-    "demo/take/take.js",
-    "demo/take/controls.js",
-    "demo/sources.js",
-    "demo/app.js",
-];
-
 /// What the page fetches otherwise.
 const DATA: [&str; 7] = [
     "posewise.posewise",
@@ -80,7 +24,7 @@ pub fn page(folder: &Path) -> Result<String> {
     let read = |name: &str| std::fs::read(folder.join(name)).context(name.to_owned());
     let text = |name: &str| Ok::<_, anyhow::Error>(String::from_utf8(read(name)?)?);
     // The worker is a classic script, in which only modules' own words are unknown.
-    let worker = joined(folder, &WORKER)?.replace("import.meta.url", "location.href");
+    let worker = joined(folder, "worker.js")?.replace("import.meta.url", "location.href");
     let mut blocks = block("worker.js", format!("'use strict';\n{worker}").as_bytes())?;
     for name in DATA {
         blocks += &block(name, &read(name)?)?;
@@ -99,7 +43,7 @@ pub fn page(folder: &Path) -> Result<String> {
             "<script type=\"module\" src=\"./demo/app.js\"></script>",
             format!(
                 "{blocks}<script type=\"module\">\n{}</script>",
-                joined(folder, &PAGE)?
+                joined(folder, "demo/app.js")?
             ),
         ),
     ];
@@ -135,17 +79,51 @@ fn block(name: &str, bytes: &[u8]) -> Result<String> {
     Ok(out)
 }
 
+/// Whether a line imports something later.
+fn imports_later(line: &str) -> bool {
+    line.contains("} = await import(")
+}
+
+/// A module and those that it imports, each after those that it imports itself.
+pub fn modules(folder: &Path, name: &str) -> Result<Vec<String>> {
+    let mut found = Vec::new();
+    follow(folder, name.to_owned(), &mut found)?;
+    Ok(found)
+}
+
+fn follow(folder: &Path, name: String, found: &mut Vec<String>) -> Result<()> {
+    if found.contains(&name) {
+        return Ok(());
+    }
+    let text = std::fs::read_to_string(folder.join(&name)).context(name.clone())?;
+    let at = name.rsplit_once('/').map_or("", |(at, _)| at);
+    for line in text.lines() {
+        let names = line.contains(" from '") || line.starts_with("import '") || imports_later(line);
+        let path = line.split('\'').nth(1).filter(|_| names);
+        let Some(path) = path.filter(|path| path.starts_with('.')) else {
+            continue;
+        };
+        let path = match path.strip_prefix("../") {
+            Some(path) => Path::new(at).parent().unwrap_or(Path::new("")).join(path),
+            None => Path::new(at).join(path.trim_start_matches("./")),
+        };
+        follow(folder, path.display().to_string(), found)?;
+    }
+    found.push(name);
+    Ok(())
+}
+
 /// Modules as one: without imports, and nothing is exported.
-fn joined(folder: &Path, modules: &[&str]) -> Result<String> {
+fn joined(folder: &Path, last: &str) -> Result<String> {
     let mut out = String::new();
-    for module in modules {
-        let text = std::fs::read_to_string(folder.join(module)).context((*module).to_owned())?;
+    for module in modules(folder, last)? {
+        let text = std::fs::read_to_string(folder.join(&module)).context(module)?;
         // A statement that names other modules goes on to its semicolon.
         let mut inside = false;
         for line in text.lines() {
             let starts = ["import ", "export {"].iter().any(|s| line.starts_with(s));
             // What is imported later has its name from the beginning.
-            inside |= starts || line.contains("} = await import(");
+            inside |= starts || imports_later(line);
             if !inside {
                 writeln!(out, "{}", line.strip_prefix("export ").unwrap_or(line))?;
             }

@@ -16,6 +16,14 @@ pub fn posewise() -> Command {
     Command::cargo_bin("posewise").expect("cargo builds the command for its tests")
 }
 
+/// The table of `track` on an input that may be `-`.
+pub fn csv(input: &str, stdin: &[u8]) -> String {
+    let mut run = posewise();
+    run.args(["track", input, "--csv", "-", "--quiet"]);
+    let run = run.write_stdin(stdin).assert().success();
+    String::from_utf8(run.get_output().stdout.clone()).unwrap()
+}
+
 /// A y4m clip without a face: a gradient that moves.
 pub fn gradient_clip(width: usize, height: usize, frames: usize) -> Vec<u8> {
     let mut out = format!("YUV4MPEG2 W{width} H{height} F25:1 Ip A1:1 C420jpeg\n").into_bytes();

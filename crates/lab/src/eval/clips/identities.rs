@@ -9,7 +9,6 @@ use crate::{output, video};
 use anyhow::{Context, Result, anyhow, ensure};
 use posewise::{Config, Intrinsics, Likeness, Model, Tracker};
 use posewise_cli::model_file::ModelFile;
-use posewise_cli::source;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -101,8 +100,7 @@ fn clips(folder: &Path) -> Result<Vec<PathBuf>> {
 /// Tracks a clip; nothing where no face was trusted.
 fn see(model: &Model<'_>, path: &Path) -> Result<Option<Seen>> {
     let name = path.to_str().context("a path that is no text")?;
-    let mut source = source::open(name, 30.0)?;
-    let clip = Clip::read(source.as_mut(), MAX_FRAMES, name)?;
+    let clip = Clip::open(name, 30.0, MAX_FRAMES)?;
     let truth = Table::read(Path::new(&name.replace(CLIP, ".csv")))?;
     let [fx, fy, cx, cy] = ["fx", "fy", "cx", "cy"].map(|name| {
         let column = truth.column(name)?;

@@ -10,7 +10,6 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use posewise_cli::cli::TrackerArgs;
 use posewise_cli::model_file::ModelFile;
-use posewise_cli::source;
 use serde_json::json;
 
 use super::show::Show;
@@ -51,8 +50,7 @@ pub fn run(args: &Args) -> Result<()> {
         bail!("--minutes must be positive");
     }
     let table = Table::read(&args.truth)?;
-    let mut source = source::open(&args.clip, FPS)?;
-    let clip = Clip::read(source.as_mut(), MAX_FRAMES, &args.clip)?;
+    let clip = Clip::open(&args.clip, FPS, MAX_FRAMES)?;
     let truth = truth_of(&table, &args.truth, clip.frames.len())?;
     let settings = TrackerArgs {
         focal: (args.tracker.focal).or(table.focal().filter(|_| args.tracker.fov.is_none())),

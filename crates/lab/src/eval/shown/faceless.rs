@@ -12,7 +12,6 @@ use image::GrayImage;
 use posewise::State;
 use posewise_cli::cli::TrackerArgs;
 use posewise_cli::model_file::ModelFile;
-use posewise_cli::source;
 use serde_json::{Map, Value, json};
 
 use super::show::Show;
@@ -105,8 +104,7 @@ fn scaled(picture: &GrayImage) -> GrayImage {
 
 /// The clip's frames in the size of the others.
 fn faces_of(input: &str) -> Result<Vec<GrayImage>> {
-    let mut source = source::open(input, FPS)?;
-    let clip = Clip::read(source.as_mut(), MAX_FRAMES, input)?;
+    let clip = Clip::open(input, FPS, MAX_FRAMES)?;
     let fitted = |image: &GrayImage| window(&covering(image, FRAME), FRAME, 0.5);
     Ok(clip.frames.iter().map(fitted).collect())
 }

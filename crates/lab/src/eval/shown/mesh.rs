@@ -124,19 +124,8 @@ pub fn run(args: &Args) -> Result<()> {
     let file = ModelFile::read(args.model.as_deref())?;
     let model = file.model()?;
     let head = Head::load(&args.data.join("facekit.npz"))?;
-    let renderer = render::renderer(
-        &render::Args {
-            data: args.data.clone(),
-            cache: PathBuf::new(),
-            count: args.count,
-            seed: args.seed,
-            clean: true,
-            makehuman: render::MAKEHUMAN,
-            panoramas: render::PANORAMAS,
-            kind: Kind::Near,
-        },
-        None,
-    )?;
+    let procedural = render::Args::procedural(&args.data, args.seed, Kind::Near);
+    let renderer = render::renderer(&procedural, None)?;
     if let Some(path) = &args.picture {
         return draw(&model, &renderer, args.seed, path);
     }

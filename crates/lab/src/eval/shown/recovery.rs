@@ -15,7 +15,6 @@ use image::imageops::flip_horizontal;
 use posewise::{Model, State};
 use posewise_cli::cli::TrackerArgs;
 use posewise_cli::model_file::ModelFile;
-use posewise_cli::source;
 use posewise_metrics::median;
 use serde_json::{Map, json};
 
@@ -127,8 +126,7 @@ pub fn run(args: &Args) -> Result<()> {
     let mut pictures = pictures.iter().cycle().cloned();
     let mut cuts = Vec::new();
     for input in &args.clip {
-        let mut source = source::open(input, FPS)?;
-        let clip = Clip::read(source.as_mut(), MAX_FRAMES, input)?;
+        let clip = Clip::open(input, FPS, MAX_FRAMES)?;
         cuts.push(cut(input, clip, args, &mut random, &mut pictures)?);
     }
     let file = ModelFile::read(args.tracker.model.as_deref())?;

@@ -90,19 +90,8 @@ fn spec(person: u64) -> SampleSpec {
 pub fn run(args: &Args) -> Result<()> {
     let file = ModelFile::read(args.model.as_deref())?;
     let model = file.model()?;
-    let renderer = render::renderer(
-        &render::Args {
-            data: args.data.clone(),
-            cache: PathBuf::new(),
-            count: args.persons,
-            seed: args.seed,
-            clean: true,
-            makehuman: render::MAKEHUMAN,
-            panoramas: render::PANORAMAS,
-            kind: Kind::Near,
-        },
-        None,
-    )?;
+    let procedural = render::Args::procedural(&args.data, args.seed, Kind::Near);
+    let renderer = render::renderer(&procedural, None)?;
     let measured: Vec<Vec<Measured>> = (0..args.persons)
         .into_par_iter()
         .map(|person| session(&model, &renderer, args.seed, person))

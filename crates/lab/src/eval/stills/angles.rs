@@ -3,11 +3,9 @@
 use std::collections::HashSet;
 use std::path::PathBuf;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use posewise::TrackResult;
 use posewise_cli::parse::within;
-use posewise_cli::picture::Picture;
-use posewise_cli::source::read_rgb;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
@@ -46,10 +44,7 @@ pub fn run(args: &Args) -> Result<()> {
     let mut stills = Stills::new(&args.stills)?;
     stills.focal = args.focal;
     let outcomes = stills.each(&labels, |show, _, label| {
-        let picture = Picture::from_rgb(read_rgb(&args.stills.images.join(&label.image))?);
-        let fit = show
-            .fit(picture, None)
-            .with_context(|| label.image.clone())?;
+        let fit = show.fit_file(&args.stills.images, &label.image)?;
         Ok(Outcome {
             label: label.angles,
             found: fit.map(|fit| Found {

@@ -7,7 +7,6 @@ use posewise::TrackResult;
 use posewise::detect::Detection;
 use posewise_cli::parse::within;
 use posewise_cli::picture::Picture;
-use posewise_cli::source::read_rgb;
 use posewise_metrics::landmarks::bounds;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
@@ -21,6 +20,7 @@ use super::still::{Stills, StillsArgs};
 use super::turned::Turn;
 use crate::eval::camera;
 use crate::output;
+use crate::product::read_luma;
 
 /// Where the first fit starts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -58,8 +58,8 @@ pub fn run(args: &Args) -> Result<()> {
     let labels = read_labels(&args.csv)?;
     let stills = Stills::new(&args.stills)?;
     let outcomes = stills.each(&labels, |show, index, label| {
-        let picture = Picture::from_rgb(read_rgb(&args.stills.images.join(&label.image))?);
-        let grey = camera::through(&args.camera, picture.upright_grey()?, 1);
+        let grey = read_luma(&args.stills.images.join(&label.image))?;
+        let grey = camera::through(&args.camera, grey, 1);
         let turn = Turn::new(&grey, args.roll);
         let (mut grey, mut points) = (turn.picture(&grey), turn.points(&label.points));
         let mut corner = [0.0; 2];

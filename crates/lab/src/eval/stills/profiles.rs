@@ -3,8 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
-use posewise_cli::picture::Picture;
-use posewise_cli::source::read_rgb;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
@@ -42,10 +40,7 @@ pub struct Label {
 pub fn run(args: &Args) -> Result<()> {
     let labels = read_labels(&args.csv)?;
     let outcomes = Stills::new(&args.stills)?.each(&labels, |show, _, label| {
-        let picture = Picture::from_rgb(read_rgb(&args.stills.images.join(&label.image))?);
-        let fit = show
-            .fit(picture, None)
-            .with_context(|| label.image.clone())?;
+        let fit = show.fit_file(&args.stills.images, &label.image)?;
         let found = fit.and_then(|fit| {
             let points = fit.result.landmarks.map(|l| [l.x, l.y].map(f64::from));
             let [inner, jaw] = errors(&label.marked, label.unit, &points)?;

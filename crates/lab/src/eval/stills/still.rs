@@ -4,7 +4,7 @@
 //! [`MAX_SEARCH_STEPS`] times, a budget that covers a whole scan many times over), then `--steps`
 //! times more, as a camera's next frames would be. The last fit counts.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, anyhow, ensure};
 use indicatif::{ParallelProgressIterator, ProgressBar};
@@ -12,6 +12,7 @@ use posewise::detect::Detection;
 use posewise::{Config, Intrinsics, Model, State, TrackResult, Tracker};
 use posewise_cli::model_file::ModelFile;
 use posewise_cli::picture::Picture;
+use posewise_cli::source::read_rgb;
 use rayon::prelude::*;
 
 /// How each picture is shown to a new tracker.
@@ -122,6 +123,12 @@ impl Stills {
 }
 
 impl Showing<'_> {
+    /// Shows a picture of a folder to a fresh tracker; the last fit.
+    pub fn fit_file(&self, folder: &Path, image: &str) -> Result<Option<Fit>> {
+        let picture = Picture::from_rgb(read_rgb(&folder.join(image))?);
+        self.fit(picture, None).with_context(|| image.to_owned())
+    }
+
     /// Shows the picture to a fresh tracker; the last fit. `start`, if any, is where the face is.
     pub fn fit(&self, mut picture: Picture, mut start: Option<Detection>) -> Result<Option<Fit>> {
         let tracker = Tracker::new(&self.stills.config).map_err(|e| anyhow!("{e}"))?;

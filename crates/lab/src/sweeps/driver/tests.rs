@@ -1,4 +1,5 @@
 use super::super::clip::Studio;
+use super::super::motion::Moment;
 use super::super::tests::ball;
 use super::super::{Material, clip::Set};
 use super::night::{self, Moving};
@@ -27,10 +28,10 @@ fn script(studio: &Studio, clip: &Clip) -> Script {
 }
 
 /// Lengths of the closures \[s\].
-fn closures_s(script: &Script) -> Vec<f32> {
-    let frames = (0..1500).map(|n| script.at(n as f32 / 25.0).blink >= 0.8);
-    let frames: Vec<bool> = frames.collect();
-    let runs = frames.chunk_by(|a, b| a == b).filter(|run| run[0]);
+fn closures_s(frames: &[Moment]) -> Vec<f32> {
+    let shut = |frame: &Moment| frame.blink >= 0.8;
+    let runs = frames.chunk_by(|a, b| shut(a) == shut(b));
+    let runs = runs.filter(|run| shut(&run[0]));
     runs.map(|run| run.len() as f32 / 25.0).collect()
 }
 
@@ -44,14 +45,16 @@ fn drivers_do_what_they_must() {
     for clip in &plan {
         assert!(clip.road_deg[0].abs() <= 40.0);
         let script = script(&studio, clip);
-        let closures = closures_s(&script);
+        let frames = (0..1500).map(|n| script.at(n as f32 / 25.0));
+        let frames: Vec<Moment> = frames.collect();
+        let closures = closures_s(&frames);
         let blinks = closures.iter().filter(|s| **s < 0.2).count();
         assert!((5..30).contains(&blinks), "{blinks} {:?}", clip.sweep.name);
         all.extend(closures.into_iter().filter(|s| *s >= 0.2));
         yawns += script.acts.iter().filter(|a| a.what == What::Yawn).count();
-        let yaw = |n: usize| script.at(n as f32 / 25.0).angles.yaw_deg;
-        turned += (0..1500).filter(|n| yaw(*n).abs() >= 60.0).count();
-        assert!((0..1500).all(|n| yaw(n).abs() < 85.0), "{:?}", clip.sweep);
+        let yaw = |frame: &Moment| frame.angles.yaw_deg.abs();
+        turned += frames.iter().filter(|f| yaw(f) >= 60.0).count();
+        assert!(frames.iter().all(|f| yaw(f) < 85.0), "{:?}", clip.sweep);
     }
     assert!(all.len() > 80, "{} closures", all.len());
     assert!(all.iter().any(|s| *s > 6.0) && all.iter().any(|s| *s < 0.3));

@@ -1,5 +1,6 @@
 //! Where refiners start on every face, in training.
 
+use crate::align::each;
 use crate::align::evaluate::start_of;
 use crate::align::starts::{jittered_box, start_from_box};
 use crate::faces::Face;
@@ -8,7 +9,7 @@ use posewise::align::{AlignModel, Shape, Workspace};
 use posewise::math::Similarity;
 use posewise::shape::LANDMARKS;
 use posewise_metrics::BoxJitter;
-use rand::{Rng, SeedableRng};
+use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
@@ -66,29 +67,19 @@ pub fn starts(model: &AlignModel<'_>, faces: &[Face]) -> Vec<[Start; STARTS]> {
 /// A model's results on every face, from boxes as a detector gives them; `None` for one that is far
 /// from the label.
 pub fn ends(model: &AlignModel<'_>, faces: &[Face]) -> Vec<[Option<Shape>; STARTS]> {
-    faces
-        .par_iter()
-        .enumerate()
-        .map_init(
-            || Box::new(Workspace::new()),
-            |work, (index, face)| {
-                let mut rng = ChaCha8Rng::seed_from_u64(11);
-                rng.set_stream(index as u64);
-                [(); STARTS].map(|()| {
-                    let views = model.views();
-                    let (at, size, roll) =
-                        jittered_box(&views, &face.landmarks, &BoxJitter::DETECTOR, &mut rng);
-                    let start = start_of(model, face.turn());
-                    let mut shape = start_from_box(&start, at, size, roll);
-                    let ran = model.run(&face.picture.frame(), ITERATIONS, &mut shape, work);
-                    let pairs = shape.iter().zip(&face.landmarks);
-                    let sum: f32 = pairs.map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1])).sum();
-                    let lost = 100.0 * sum / LANDMARKS as f32 > LOST * face.scale();
-                    (ran && !lost).then_some(shape)
-                })
-            },
-        )
-        .collect()
+    each(faces, 11, |_, face, rng, work| {
+        [(); STARTS].map(|()| {
+            let (views, jitter) = (model.views(), &BoxJitter::DETECTOR);
+            let (at, size, roll) = jittered_box(&views, &face.landmarks, jitter, rng);
+            let start = start_of(model, face.turn());
+            let mut shape = start_from_box(&start, at, size, roll);
+            let ran = model.run(&face.picture.frame(), ITERATIONS, &mut shape, work);
+            let pairs = shape.iter().zip(&face.landmarks);
+            let sum: f32 = pairs.map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1])).sum();
+            let lost = 100.0 * sum / LANDMARKS as f32 > LOST * face.scale();
+            (ran && !lost).then_some(shape)
+        })
+    })
 }
 
 /// Moves the starts by the refiners of a model.

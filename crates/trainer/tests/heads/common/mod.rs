@@ -1,7 +1,7 @@
 //! A head of no one: an ellipsoid with a nose, for tests that need no data.
 
-use posewise::shape::{FITTED_NAMES, JAW, LANDMARKS};
-use posewise_train::head::{Expression, Head, contour_paths};
+use posewise::shape::LANDMARKS;
+use posewise_train::head::{Expression, Head};
 
 const COLUMNS: usize = 121;
 const ROWS: usize = 91;
@@ -128,20 +128,5 @@ pub fn head() -> Head {
             mode(&mean, |v| [0.0, -8.0 * bump(v, 0.0, -20.0, 20.0), 0.0]),
         ),
     ];
-    let jaw_edge = [None; JAW];
-    Head {
-        jaw: contour_paths(&mean, &triangles, &landmarks, &jaw_edge, |_| true),
-        jaw_edge,
-        uv: vec![[0.0; 2]],
-        triangle_uv: vec![[0; 3]; triangles.len()],
-        animation: FITTED_NAMES.map(|n| expressions.iter().position(|e| e.name == n)),
-        vertex_part: vec![0; mean.len()],
-        triangle_part: vec![0; triangles.len()],
-        part_names: vec!["face".to_owned()],
-        mean,
-        triangles,
-        identity,
-        expressions,
-        landmarks,
-    }
+    Head::of_one_part(mean, triangles, landmarks, identity, expressions)
 }

@@ -4,65 +4,29 @@ use std::fmt::Write as _;
 
 use anyhow::{Context, Result};
 
-use super::table::{Model, by_model, side_by_side, table};
+use super::table::{Model, by_model, figures, table};
+
+const CLIPS: &str = "\
+frames that count = /clips/pose/counted 0
+frames tracked, % = /clips/pose/p_s 2%
+mean angle error, \\|yaw\\| to 45° = /clips/pose/yaw_bands/0-45/e_m_deg 2°
+mean angle error, \\|yaw\\| above 45° = /clips/pose/yaw_bands/45-90/e_m_deg 2°
+error of yaw = /clips/pose/e_yaw_deg 2°
+error of pitch = /clips/pose/e_pitch_deg 2°
+error of roll = /clips/pose/e_roll_deg 2°
+error of position = /clips/pose/translation_mm 1 mm
+visible inner landmarks, % = /clips/pose/landmarks 2%
+`visibility`: area under the ROC = /clips/pose/visibility_auc 3
+frames with an angle error above 30° = /clips/pose/wrong 0
+sign flips of yaw beyond 60° = /clips/pose/sign_flips 0
+half covered: frames = /clips/pose/covered/counted 0
+half covered: tracked, % = /clips/pose/covered/p_s 2%
+half covered: mean angle error = /clips/pose/covered/e_m_deg 2°
+ten minutes: mean angle error, first minute = /drift/e_m_deg_first 3°
+ten minutes: mean angle error, last minute = /drift/e_m_deg_last 3°";
 
 pub fn clips(models: &[Model]) -> Result<String> {
-    let angle = |m: &Model, band: &str| m.at(&format!("/clips/pose/yaw_bands/{band}/e_m_deg"));
-    let pose = |m: &Model, key: &str| m.at(&format!("/clips/pose/{key}"));
-    side_by_side(
-        models,
-        "all twelve clips",
-        &[
-            ("frames that count", &|m| Ok(pose(m, "counted")?.count())),
-            ("frames tracked, %", &|m| Ok(pose(m, "p_s")?.percent(2))),
-            ("mean angle error, \\|yaw\\| to 45°", &|m| {
-                Ok(angle(m, "0-45")?.fixed(2) + "°")
-            }),
-            ("mean angle error, \\|yaw\\| above 45°", &|m| {
-                Ok(angle(m, "45-90")?.fixed(2) + "°")
-            }),
-            (
-                "error of yaw",
-                &|m| Ok(pose(m, "e_yaw_deg")?.fixed(2) + "°"),
-            ),
-            ("error of pitch", &|m| {
-                Ok(pose(m, "e_pitch_deg")?.fixed(2) + "°")
-            }),
-            ("error of roll", &|m| {
-                Ok(pose(m, "e_roll_deg")?.fixed(2) + "°")
-            }),
-            ("error of position", &|m| {
-                Ok(pose(m, "translation_mm")?.fixed(1) + " mm")
-            }),
-            ("visible inner landmarks, %", &|m| {
-                Ok(pose(m, "landmarks")?.percent(2))
-            }),
-            ("`visibility`: area under the ROC", &|m| {
-                Ok(pose(m, "visibility_auc")?.fixed(3))
-            }),
-            ("frames with an angle error above 30°", &|m| {
-                Ok(pose(m, "wrong")?.count())
-            }),
-            ("sign flips of yaw beyond 60°", &|m| {
-                Ok(pose(m, "sign_flips")?.count())
-            }),
-            ("half covered: frames", &|m| {
-                Ok(pose(m, "covered/counted")?.count())
-            }),
-            ("half covered: tracked, %", &|m| {
-                Ok(pose(m, "covered/p_s")?.percent(2))
-            }),
-            ("half covered: mean angle error", &|m| {
-                Ok(pose(m, "covered/e_m_deg")?.fixed(2) + "°")
-            }),
-            ("ten minutes: mean angle error, first minute", &|m| {
-                Ok(m.at("/drift/e_m_deg_first")?.fixed(3) + "°")
-            }),
-            ("ten minutes: mean angle error, last minute", &|m| {
-                Ok(m.at("/drift/e_m_deg_last")?.fixed(3) + "°")
-            }),
-        ],
-    )
+    figures(models, "all twelve clips", CLIPS)
 }
 
 pub fn clip_by_clip(models: &[Model]) -> Result<String> {
@@ -89,74 +53,33 @@ pub fn clip_by_clip(models: &[Model]) -> Result<String> {
     Ok(out.trim_end().to_string() + "\n")
 }
 
+const EYES: &str = "\
+frames within ±45° of yaw = /clips/eyes/frames 0
+of them with a known eye = /clips/eyes/known 0
+`eye_open` with the true blink weight = /clips/eyes/eye_open 3
+`eye_open` with the true aspect ratio = /clips/eyes/eye_open_ear 3
+aspect ratio of the landmarks with the true one = /clips/eyes/ear 3
+closures of 200 ms and more = /clips/eyes/closures 0
+of them missed = /clips/eyes/missed 0
+closures invented = /clips/eyes/invented 0";
+
 pub fn eyes(models: &[Model]) -> Result<String> {
-    let eyes = |m: &Model, key: &str| m.at(&format!("/clips/eyes/{key}"));
-    side_by_side(
-        models,
-        "all twelve clips",
-        &[
-            ("frames within ±45° of yaw", &|m| {
-                Ok(eyes(m, "frames")?.count())
-            }),
-            ("of them with a known eye", &|m| {
-                Ok(eyes(m, "known")?.count())
-            }),
-            ("`eye_open` with the true blink weight", &|m| {
-                Ok(eyes(m, "eye_open")?.fixed(3))
-            }),
-            ("`eye_open` with the true aspect ratio", &|m| {
-                Ok(eyes(m, "eye_open_ear")?.fixed(3))
-            }),
-            ("aspect ratio of the landmarks with the true one", &|m| {
-                Ok(eyes(m, "ear")?.fixed(3))
-            }),
-            ("closures of 200 ms and more", &|m| {
-                Ok(eyes(m, "closures")?.count())
-            }),
-            ("of them missed", &|m| Ok(eyes(m, "missed")?.count())),
-            ("closures invented", &|m| Ok(eyes(m, "invented")?.count())),
-        ],
-    )
+    figures(models, "all twelve clips", EYES)
 }
 
+const REAL_EYES: &str = "\
+found, of the open ones = /real_eyes/open found of looked_at
+found, of the shut ones = /real_eyes/closed found of looked_at
+median gap of the lids, open = /real_eyes/open/median_gap 3
+median gap of the lids, shut = /real_eyes/closed/median_gap 3
+area under the ROC of the gap = /real_eyes/gap_auc 3
+network: area under the ROC = /real_eyes/network/auc 4
+network: right, % = /real_eyes/network/right 1%
+near-infrared: area under the ROC = /real_eyes/near_infrared/auc 4
+near-infrared: right, % = /real_eyes/near_infrared/right 1%";
+
 pub fn real_eyes(models: &[Model]) -> Result<String> {
-    let found = |m: &Model, kind: &str| -> Result<String> {
-        let at = |key: &str| m.at(&format!("/real_eyes/{kind}/{key}"));
-        Ok(format!(
-            "{} of {}",
-            at("found")?.count(),
-            at("looked_at")?.count()
-        ))
-    };
-    side_by_side(
-        models,
-        "single eyes",
-        &[
-            ("found, of the open ones", &|m| found(m, "open")),
-            ("found, of the shut ones", &|m| found(m, "closed")),
-            ("median gap of the lids, open", &|m| {
-                Ok(m.at("/real_eyes/open/median_gap")?.fixed(3))
-            }),
-            ("median gap of the lids, shut", &|m| {
-                Ok(m.at("/real_eyes/closed/median_gap")?.fixed(3))
-            }),
-            ("area under the ROC of the gap", &|m| {
-                Ok(m.at("/real_eyes/gap_auc")?.fixed(3))
-            }),
-            ("network: area under the ROC", &|m| {
-                Ok(m.at("/real_eyes/network/auc")?.fixed(4))
-            }),
-            ("network: right, %", &|m| {
-                Ok(m.at("/real_eyes/network/right")?.percent(1))
-            }),
-            ("near-infrared: area under the ROC", &|m| {
-                Ok(m.at("/real_eyes/near_infrared/auc")?.fixed(4))
-            }),
-            ("near-infrared: right, %", &|m| {
-                Ok(m.at("/real_eyes/near_infrared/right")?.percent(1))
-            }),
-        ],
-    )
+    figures(models, "single eyes", REAL_EYES)
 }
 
 pub fn stills(models: &[Model]) -> Result<String> {
@@ -189,7 +112,7 @@ pub fn webcams(models: &[Model]) -> Result<String> {
     let rows = by_model(models, &items, |model, pointer| {
         let at = |key: &str| model.at(&format!("{pointer}/{key}"));
         Ok(vec![
-            format!("{} of {}", at("tracked")?.count(), at("frames")?.count()),
+            model.of(pointer, ["tracked", "frames"])?,
             at("raw/jitter_px")?.fixed(2),
             at("raw/picture_px")?.fixed(2),
             at("raw/rest_px")?.fixed(2),

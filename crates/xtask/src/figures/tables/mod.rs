@@ -69,12 +69,7 @@ fn recovery(m: &Model) -> Result<String> {
 
 /// Frames that are tracked in pictures without people.
 fn faceless(m: &Model) -> Result<String> {
-    let at = |key: &str| m.at(&format!("/lost_and_found/faceless/0/result/{key}"));
-    Ok(format!(
-        "{} of {}",
-        at("tracked")?.count(),
-        at("frames")?.count()
-    ))
+    m.of("/lost_and_found/faceless/0/result", ["tracked", "frames"])
 }
 
 /// The table of figures in `README.md`.

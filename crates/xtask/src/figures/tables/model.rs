@@ -37,6 +37,12 @@ impl Model {
         Ok(Figure::of(self.read(pointer)?))
     }
 
+    /// Two counts of the object at a JSON pointer, as `3 of 5`.
+    pub fn of(&self, pointer: &str, [part, all]: [&str; 2]) -> Result<String> {
+        let at = |key: &str| self.at(&format!("{pointer}/{key}"));
+        Ok(format!("{} of {}", at(part)?.count(), at(all)?.count()))
+    }
+
     /// The word at a JSON pointer.
     pub fn word(&self, pointer: &str) -> Result<String> {
         let word = self.read(pointer)?.as_str();

@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result};
 
-use super::table::{Model, Render, Row, by_model, fill, side_by_side, table};
+use super::table::{Model, Render, Row, by_model, figures, fill, table};
 
 const LANDMARK_HEADER: [&str; 5] = ["found %", "NME68 %", "median %", "NME51 %", "failures %"];
 
@@ -118,43 +118,26 @@ fn by_parts(models: &[Model], set: &str) -> Result<String> {
 }
 
 /// Errors over other sizes, and areas under the cumulative error distribution.
+const SIZES: &str = "\
+NME68 by box = /photographs_manual/nme68_box 2%
+NME51 by box = /photographs_manual/nme51_box 2%
+NME68 by eye centres = /photographs_manual/nme68_pupils 2%
+NME51 by eye centres = /photographs_manual/nme51_pupils 2%
+area to 8 %, 68 landmarks = /photographs_manual/auc68 2%
+area to 8 %, 51 landmarks = /photographs_manual/auc51 2%
+area to 10 %, 68 landmarks = /photographs_manual/auc68_to_10 2%
+area to 10 %, 51 landmarks = /photographs_manual/auc51_to_10 2%";
+
 fn sizes(models: &[Model]) -> Result<String> {
-    let rows = [
-        ("NME68 by box", "nme68_box"),
-        ("NME51 by box", "nme51_box"),
-        ("NME68 by eye centres", "nme68_pupils"),
-        ("NME51 by eye centres", "nme51_pupils"),
-        ("area to 8 %, 68 landmarks", "auc68"),
-        ("area to 8 %, 51 landmarks", "auc51"),
-        ("area to 10 %, 68 landmarks", "auc68_to_10"),
-        ("area to 10 %, 51 landmarks", "auc51_to_10"),
-    ];
-    let mut cells = vec![];
-    for (title, key) in rows {
-        let mut row = vec![title.to_string()];
-        for model in models {
-            row.push(model.at(&format!("{MANUAL}/{key}"))?.percent(2));
-        }
-        cells.push(row);
-    }
-    let mut header = vec!["in %"];
-    header.extend(models.iter().map(|model| model.name.as_str()));
-    Ok(table(&header, &cells))
+    figures(models, "in %", SIZES)
 }
 
+const CALIBRATION: &str = "\
+of the landmarks = /photographs/calibration_landmarks 3
+of the face = /photographs/calibration_face 3";
+
 pub fn calibration(models: &[Model]) -> Result<String> {
-    side_by_side(
-        models,
-        "expected calibration error",
-        &[
-            ("of the landmarks", &|m| {
-                Ok(m.at("/photographs/calibration_landmarks")?.fixed(3))
-            }),
-            ("of the face", &|m| {
-                Ok(m.at("/photographs/calibration_face")?.fixed(3))
-            }),
-        ],
-    )
+    figures(models, "expected calibration error", CALIBRATION)
 }
 
 pub fn turned(models: &[Model]) -> Result<String> {

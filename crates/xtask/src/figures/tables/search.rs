@@ -3,7 +3,7 @@
 use anyhow::{Context, Result};
 
 use super::super::value::Figure;
-use super::table::{Model, by_model, side_by_side, table};
+use super::table::{Model, by_model, figures, side_by_side, table};
 
 pub fn recovery(models: &[Model]) -> Result<String> {
     let items = [
@@ -23,11 +23,7 @@ pub fn recovery(models: &[Model]) -> Result<String> {
             at("median_frames")?.count(),
             at("worst_frames")?.count(),
             at("never")?.count(),
-            format!(
-                "{} of {}",
-                at("false_tracks")?.count(),
-                at("faceless_frames")?.count()
-            ),
+            model.of(pointer, ["false_tracks", "faceless_frames"])?,
         ])
     })?;
     let header = [
@@ -41,24 +37,13 @@ pub fn recovery(models: &[Model]) -> Result<String> {
     Ok(table(&header, &rows))
 }
 
+const FIRST_SEARCH: &str = "\
+found within 90 frames = /first_lock found of searches
+frames until tracked, median = /first_lock/median_frames 0
+frames until tracked, worst = /first_lock/worst_frames 0";
+
 pub fn first_search(models: &[Model]) -> Result<String> {
-    let at = |m: &Model, key: &str| m.at(&format!("/first_lock/{key}"));
-    side_by_side(
-        models,
-        "first searches",
-        &[
-            ("found within 90 frames", &|m| {
-                let (found, all) = (at(m, "found")?, at(m, "searches")?);
-                Ok(format!("{} of {}", found.count(), all.count()))
-            }),
-            ("frames until tracked, median", &|m| {
-                Ok(at(m, "median_frames")?.count())
-            }),
-            ("frames until tracked, worst", &|m| {
-                Ok(at(m, "worst_frames")?.count())
-            }),
-        ],
-    )
+    figures(models, "first searches", FIRST_SEARCH)
 }
 
 /// A table with a row per case: its name, its frames, and the tracked ones of each model.

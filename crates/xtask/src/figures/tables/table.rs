@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 
 pub use super::model::Model;
 
@@ -44,8 +44,6 @@ pub fn by_model(
 
 /// One row per figure and one column per model.
 pub fn side_by_side(models: &[Model], first: &str, rows: &[(&str, Text<'_>)]) -> Result<String> {
-    let mut header = vec![first];
-    header.extend(models.iter().map(|model| model.name.as_str()));
     let mut cells = vec![];
     for (title, figure) in rows {
         let mut row = vec![title.to_string()];
@@ -54,7 +52,39 @@ pub fn side_by_side(models: &[Model], first: &str, rows: &[(&str, Text<'_>)]) ->
         }
         cells.push(row);
     }
-    Ok(table(&header, &cells))
+    Ok(columns(models, first, &cells))
+}
+
+/// The same, a line for each row: `title = pointer decimals unit`, where the unit `%` makes a
+/// percentage of a share, or `title = pointer part of all`.
+pub fn figures(models: &[Model], first: &str, lines: &str) -> Result<String> {
+    let parts = |line| {
+        let (title, figure) = str::split_once(line, " = ")?;
+        let (pointer, shown) = figure.split_once(' ')?;
+        Some((title, pointer, shown))
+    };
+    let mut cells = vec![];
+    for line in lines.lines() {
+        let (title, pointer, shown) = parts(line).with_context(|| line.to_owned())?;
+        let mut row = vec![title.to_string()];
+        for model in models {
+            let (decimals, unit) = shown.split_at(1);
+            row.push(match (shown.split_once(" of "), unit) {
+                (Some((part, all)), _) => model.of(pointer, [part, all])?,
+                (None, "%") => model.at(pointer)?.percent(decimals.parse()?),
+                (None, unit) => model.at(pointer)?.fixed(decimals.parse()?) + unit,
+            });
+        }
+        cells.push(row);
+    }
+    Ok(columns(models, first, &cells))
+}
+
+/// A table with a column for each model.
+fn columns(models: &[Model], first: &str, cells: &[Row]) -> String {
+    let mut header = vec![first];
+    header.extend(models.iter().map(|model| model.name.as_str()));
+    table(&header, cells)
 }
 
 /// Writes one table of all models.
