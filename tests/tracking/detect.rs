@@ -230,6 +230,32 @@ fn a_call_evaluates_the_tiles_of_its_budget() {
 }
 
 #[test]
+fn each_scan_looks_at_other_sizes() {
+    let blank = vec![90; 1920 * 1080];
+    let frame = Frame::new(&FrameLayout::grey(1920, 1080), &blank).unwrap();
+    with_model(section(), |model| {
+        let model = model.expect("a valid model");
+        let (mut scan, mut memory) = (Scan::new(), Memory::new());
+        let mut tiles = |scan: &mut Scan| {
+            let (mut tiles, budget) = (0, ScanBudget::of_tiles(TILE_UNITS));
+            let sizes = Sizes::from(60);
+            while scan.advance(&model, &frame, sizes, budget, &mut memory.tile())
+                == ScanOutcome::BudgetSpent
+            {
+                tiles += 1;
+            }
+            tiles
+        };
+        let of_scans: [u32; 10] = core::array::from_fn(|_| tiles(&mut scan));
+        let [first, second, third, .., again, _] = of_scans;
+        assert!(second < first && first < third, "{of_scans:?}");
+        assert_eq!(first, again);
+        scan.restart();
+        assert_eq!(tiles(&mut scan), first);
+    });
+}
+
+#[test]
 fn candidates_wait_for_their_budget() {
     let pixels = image(90.0, 70.0, 48.0);
     let frame = Frame::new(&layout(), &pixels).unwrap();
