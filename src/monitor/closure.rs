@@ -11,7 +11,7 @@ use super::episode::{Episode, Reports};
 use super::event::{MonitorEventKind, MonitorEventLog};
 
 /// A doubted closure is believed when both eyes have surely been shut for so long without a break
-/// \[µs\]. Chosen: of rendered drivers who read, the network takes no eye for shut for longer.
+/// \[µs\]. Chosen on rendered drivers who read: after 0.5 s one of 3 s is believed that is none.
 const BELIEVED_US: u32 = 700_000;
 /// Most length of one that is doubted \[µs\]: that of a usual blink, so that blinks count.
 const DOUBTED_US: u32 = 150_000;
@@ -116,7 +116,7 @@ impl Closures {
         let is_believed = doubt.shut_us >= BELIEVED_US;
         self.doubt = (!is_believed).then_some(doubt);
         match lids {
-            _ if is_believed => (doubt.known_us - self.closure.time_us, u32::MAX),
+            _ if is_believed => (doubt.known_us.saturating_sub(self.closure.time_us), u32::MAX),
             Lids::MayLookDown => (0, DOUBTED_US),
             _ => (time_us, DOUBTED_US),
         }
