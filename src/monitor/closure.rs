@@ -116,7 +116,10 @@ impl Closures {
         let is_believed = doubt.shut_us >= BELIEVED_US;
         self.doubt = (!is_believed).then_some(doubt);
         match lids {
-            _ if is_believed => (doubt.known_us.saturating_sub(self.closure.time_us), u32::MAX),
+            _ if is_believed => (
+                doubt.known_us.saturating_sub(self.closure.time_us),
+                u32::MAX,
+            ),
             Lids::MayLookDown => (0, DOUBTED_US),
             _ => (time_us, DOUBTED_US),
         }
