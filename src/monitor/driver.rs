@@ -9,6 +9,7 @@ use super::drowsiness;
 use super::event::{MonitorEvent, MonitorEventKind, MonitorEventLog};
 use super::glance::Glances;
 use super::look_down::LookDown;
+use super::lowered::Lowered;
 use super::natural::{Natural, is_learnt};
 use super::nod::Nods;
 use super::observation::Observation;
@@ -17,7 +18,7 @@ use super::place::Seat;
 use super::preset::Preset;
 use super::reading::Reading;
 use super::record::{Learnt, MONITOR_RECORD_BYTES};
-use super::state::{Drowsiness, EyeState, MonitorState};
+use super::state::{Drowsiness, EyeState, MonitorState, UnknownReason};
 use super::yawn::Yawns;
 use super::zone::{Zone, ZoneState, Zones};
 use crate::record::RecordError;
@@ -53,6 +54,7 @@ pub struct Monitor {
     yawns: Yawns,
     nods: Nods,
     look_down: LookDown,
+    lowered: Lowered,
     aim: Aim,
     glances: Glances,
     baseline: Baseline,
@@ -119,6 +121,7 @@ impl Monitor {
             yawns: Yawns::NONE,
             nods: Nods::NONE,
             look_down: LookDown::NONE,
+            lowered: Lowered::NEVER,
             aim: Aim::NONE,
             glances: Glances::NONE,
             baseline: Baseline::NEW,
@@ -159,6 +162,7 @@ impl Monitor {
         (self.aim, self.natural_gaze, self.seat) = (Aim::NONE, Natural::NEW, Seat::NEW);
         (self.reading, self.clock) = (Reading::NONE, Clock::NEW);
         (self.directions, self.look_down) = (Directions::NONE, LookDown::NONE);
+        self.lowered = Lowered::NEVER;
         (self.drowsiness, self.sight) = (Drowsiness::Unknown, Sight::default());
     }
 
@@ -224,11 +228,12 @@ impl Monitor {
 
     /// Lets time pass with what was read at its beginning.
     fn pass(&mut self, time_us: u32, held: Reading, is_directed: bool, now_us: i64) {
+        self.lowered.pass(time_us, &held);
+        let (lids, held) = (held.lids(), self.without_doubt(held));
         let (config, log) = (&self.config, &mut self.log);
         let sure = held.openness.ok().filter(|_| !held.may_look_down);
         self.windows.pass(time_us, sure);
         self.drowsy_us = self.drowsy_us.saturating_add(time_us);
-        let lids = held.openness.ok().map(|_| held.may_look_down);
         let ended = (self.closures).pass(time_us, lids, now_us, config, log);
         if let Some(closed_us) = ended {
             self.windows.add_closure(closed_us);
@@ -247,6 +252,14 @@ impl Monitor {
         (self.glances).pass(time_us, zone, &self.zones, now_us, config, log);
         self.learn(time_us, &held, now_us);
         self.watch_sight(time_us, held.openness.is_ok(), now_us);
+    }
+
+    /// A reading as all but the closures see it: lids that may follow a lowered gaze are unknown.
+    fn without_doubt(&self, mut reading: Reading) -> Reading {
+        if reading.openness.is_ok() && self.closures.is_doubted() {
+            reading.openness = Err(UnknownReason::Hidden);
+        }
+        reading
     }
 
     /// Learns open eye, natural pose and gaze, and the driver's place.
@@ -315,7 +328,8 @@ impl Monitor {
     fn see(&mut self, now_us: i64) {
         let (config, log) = (&self.config, &mut self.log);
         if let Ok(openness) = self.reading.openness {
-            let ended = self.closures.see(openness, now_us, config, log);
+            let was_lowered = self.lowered.is_recent();
+            let ended = (self.closures).see(openness, was_lowered, now_us, config, log);
             if let Some(closed_us) = ended {
                 self.windows.add_closure(closed_us);
             }
@@ -369,7 +383,7 @@ impl Monitor {
         self.glances.end(now_us, true, log);
         self.glances.interrupt();
         (self.reading, self.directions) = (Reading::NONE, Directions::NONE);
-        self.aim = Aim::NONE;
+        (self.aim, self.lowered) = (Aim::NONE, Lowered::NEVER);
         (self.sight.since_us, self.drowsy_since_us) = (now_us, now_us);
         log.push(MonitorEvent {
             timestamp_us: now_us,
@@ -381,7 +395,7 @@ impl Monitor {
 
     /// What is known after the last observation.
     pub fn state(&self) -> MonitorState {
-        let reading = &self.reading;
+        let reading = self.without_doubt(self.reading);
         let [perclos_60, perclos_180] = self.windows.measures();
         MonitorState {
             timestamp_us: self.clock.last_us(),

@@ -12,6 +12,7 @@
 //! | `observation`, `openness`, `reading` | what is observed, and what of it is known |
 //! | `clock`, `perclos`, `recent` | time, and exact sums over windows of whole bins |
 //! | `closure`, `yawn`, `nod`, `look_down`, `glance`, `drowsiness` | one state machine each |
+//! | `lowered` | whether shut lids may follow a gaze that was lowered |
 //! | `aim` | what the zones are met by: gaze or head |
 //! | `episode` | what yawns and looks down have in common |
 //! | `baseline`, `natural` | openness of this person's open eyes, direction of the road |
@@ -33,6 +34,7 @@ mod episode;
 mod event;
 mod glance;
 mod look_down;
+mod lowered;
 mod natural;
 mod nod;
 mod observation;

@@ -1,5 +1,6 @@
 //! What of an observation is known.
 
+use super::closure::Lids;
 use super::config::MonitorConfig;
 use super::natural::is_learnt;
 use super::observation::Observation;
@@ -108,6 +109,22 @@ impl Reading {
         gaze_deg: None,
         gaze_sigma_deg: 0.0,
     };
+
+    /// How the lids are, if they seem shut.
+    pub(super) fn lids(&self) -> Lids {
+        match self.eyes {
+            _ if self.openness.is_err() => Lids::Unknown,
+            _ if self.may_look_down || self.gaze_deg.is_some() => Lids::MayLookDown,
+            [Some(_), Some(_)] => Lids::Shut,
+            _ => Lids::OneShut,
+        }
+    }
+
+    /// How far the gaze is lowered in the head \[deg\], where it is known.
+    pub(super) fn lowered_deg(&self) -> Option<f32> {
+        let ([_, gaze], pose) = (self.gaze_deg?, self.pose?);
+        Some(pose.pitch_deg() - gaze)
+    }
 
     pub(super) fn new(
         seen: &Observation,

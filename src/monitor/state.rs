@@ -48,7 +48,8 @@ pub enum UnknownReason {
     LowConfidence,
     /// The head is turned away from the camera.
     Turned,
-    /// The tracker sees neither eye: hidden, or moving too fast.
+    /// The tracker sees neither eye: hidden, or moving too fast; or lids that seem shut may follow
+    /// a lowered gaze.
     Hidden,
     /// The face that is seen is not at the driver's place.
     Elsewhere,

@@ -571,6 +571,48 @@ fn a_look_down_is_off_the_road_and_no_closure() {
     }
 }
 
+/// Lids of a driver who looks down are seen as shut, or one of them is, or the network is not sure.
+#[test]
+fn lids_after_a_lowered_gaze_are_believed_when_both_stay_shut() {
+    use MonitorEventKind::{Blink, ClosureEnd, LongClosure, Microsleep};
+    let of_lids = |events: &[MonitorEvent]| -> Vec<MonitorEventKind> {
+        let kinds = kinds(events).into_iter();
+        kinds
+            .filter(|kind| [Blink, ClosureEnd, LongClosure, Microsleep].contains(kind))
+            .collect()
+    };
+    let shut = face(Some(0.0), 0.0);
+    let (mut unsure, mut one) = (face(Some(0.1), 0.0), shut);
+    unsure.may_look_down = true;
+    one.eye_open = [Some(0.0), None];
+    let mut show = Show::new(&fixed(), 25);
+    show.show(1.0, &looking_down(0.8, 30.0));
+    let mut events = Vec::new();
+    for _ in 0..5 {
+        events.extend(show.show(0.6, &shut));
+        events.extend(show.show(0.4, &unsure));
+    }
+    events.extend(show.show(2.0, &one));
+    let state = show.monitor.state();
+    assert_eq!(state.eyes, EyeState::Unknown(UnknownReason::Hidden));
+    assert_eq!(state.perclos_60.p80, 0.0);
+    events.extend(show.show(1.0, &looking_down(0.8, 30.0)));
+    assert_eq!(of_lids(&events), [Blink]);
+    // Falls asleep over it.
+    let start_us = show.now_us;
+    let events = show.show(1.3, &shut);
+    assert_eq!(of_lids(&events), [LongClosure, Microsleep]);
+    assert_eq!(show.monitor.state().eyes, EyeState::Closed);
+    let sleep = events.iter().find(|event| event.kind == Microsleep);
+    let sleep = sleep.expect("a microsleep");
+    assert_eq!(sleep.start_us, start_us, "its whole time counts");
+    assert!((1_000_000..1_050_000).contains(&sleep.duration_us));
+    // A gaze that is up again is forgotten.
+    show.show(0.5, &looking_down(0.8, 0.0));
+    let events = show.show(0.6, &one);
+    assert_eq!(of_lids(&events), [LongClosure]);
+}
+
 /// A head that is on the road, whose eyes look this far to the image right and up.
 fn looking(yaw_deg: f32, pitch_deg: f32, sigma_deg: f32) -> Observation {
     let (yaw, pitch) = (yaw_deg.to_radians(), pitch_deg.to_radians());
