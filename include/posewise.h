@@ -782,7 +782,8 @@ typedef struct posewise_monitor_config {
     /// is turned, and the gaze only while the eyes look down. _NONE is no setting.
     uint32_t zones_by;
     /// How much farther eyes have turned in the head than the gaze says, for zones [1..2, default
-    /// 1.3], chosen on rendered clips: what the networks find falls short. 1 for exact gazes.
+    /// 1.3], chosen on rendered clips: what the networks find falls short. What it is above 1
+    /// counts three times for eyes that look lower than the head. 1 for exact gazes.
     float gaze_gain;
     /// Whose face is the driver's [POSEWISE_MONITOR_PLACE_*]; another one is unknown, as no face
     /// is.

@@ -681,8 +681,9 @@ export const MESH_TOPOLOGY = {
  *   times. "head": the head as it is turned, and the gaze only while the eyes look down. "none" is
  *   no setting.
  * @property {number} [gazeGain] How much farther eyes have turned in the head than the gaze says,
- *   for zones [1..2, default 1.3], chosen on rendered clips: what the networks find falls short. 1
- *   for exact gazes.
+ *   for zones [1..2, default 1.3], chosen on rendered clips: what the networks find falls short.
+ *   What it is above 1 counts three times for eyes that look lower than the head. 1 for exact
+ *   gazes.
  * @property {Place} [place] Whose face is the driver's ["learnt", "given", "any"]; another one is
  *   unknown, as no face is.
  * @property {[number, number, number]} [placeMm] The driver's place for "given": midway between the

@@ -349,7 +349,8 @@ class MonitorConfig:
     #: is turned, and the gaze only while the eyes look down. "none" is no setting.
     zones_by: layout.ZonesBy = UNSET
     #: How much farther eyes have turned in the head than the gaze says, for zones [1..2, default
-    #: 1.3], chosen on rendered clips: what the networks find falls short. 1 for exact gazes.
+    #: 1.3], chosen on rendered clips: what the networks find falls short. What it is above 1 counts
+    #: three times for eyes that look lower than the head. 1 for exact gazes.
     gaze_gain: float = UNSET
     #: Whose face is the driver's ["learnt", "given", "any"]; another one is unknown, as no face is.
     place: layout.Place = UNSET

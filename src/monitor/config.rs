@@ -116,7 +116,7 @@ pub struct MonitorConfig {
     /// What zones are met by.
     pub zones_by: ZonesBy,
     /// How much farther eyes have turned in the head than a gaze says, for zones, 1..2: what
-    /// networks find falls short.
+    /// networks find falls short. What it is above 1 counts three times below the head.
     pub gaze_gain: f32,
     /// Whose face is the driver's; another one is no face that is observed.
     pub place: Place,
