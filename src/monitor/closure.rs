@@ -23,6 +23,8 @@ pub(super) enum Lids {
     Unknown,
     /// They may follow a lowered gaze: they do, or the network is not sure.
     MayLookDown,
+    /// A gaze is seen between them.
+    WithGaze,
     /// One eye, seen alone, is shut.
     OneShut,
     /// Both eyes are.
@@ -120,7 +122,7 @@ impl Closures {
                 doubt.known_us.saturating_sub(self.closure.time_us),
                 u32::MAX,
             ),
-            Lids::MayLookDown => (0, DOUBTED_US),
+            Lids::MayLookDown | Lids::WithGaze => (0, DOUBTED_US),
             _ => (time_us, DOUBTED_US),
         }
     }

@@ -114,7 +114,8 @@ impl Reading {
     pub(super) fn lids(&self) -> Lids {
         match self.eyes {
             _ if self.openness.is_err() => Lids::Unknown,
-            _ if self.may_look_down || self.gaze_deg.is_some() => Lids::MayLookDown,
+            _ if self.may_look_down => Lids::MayLookDown,
+            _ if self.gaze_deg.is_some() => Lids::WithGaze,
             [Some(_), Some(_)] => Lids::Shut,
             _ => Lids::OneShut,
         }

@@ -29,8 +29,6 @@ pub(super) enum Origin {
 pub(super) struct Needed {
     /// After an iteration, for the next one.
     pub(super) to_iterate: f32,
-    /// After an iteration, to end without the next one.
-    pub(super) to_end: f32,
     /// After the last iteration.
     pub(super) to_refine: f32,
 }
@@ -40,7 +38,6 @@ impl Needed {
     pub(super) fn to_refine(confidence: f32) -> Needed {
         Needed {
             to_iterate: DISCARD_CONFIDENCE.min(confidence),
-            to_end: f32::INFINITY,
             to_refine: confidence,
         }
     }
@@ -159,7 +156,7 @@ impl Aligned {
 
 impl Candidate {
     /// Runs the global stage from a start and verifies each iteration. It ends where the candidate
-    /// has less confidence than it needs for the next one, or enough without it.
+    /// has less confidence than it needs for the next one.
     #[inline(never)]
     pub(super) fn new(step: &Step<'_>, start: &Start, work: &mut Workspace) -> Candidate {
         let mut candidate = Candidate {
@@ -176,8 +173,7 @@ impl Candidate {
         };
         while candidate.iterations_left > 0 {
             let is_next = candidate.iterate(step, work);
-            let (confidence, needed) = (candidate.confidence.face, &start.needed);
-            if !is_next || confidence < needed.to_iterate || confidence >= needed.to_end {
+            if !is_next || candidate.confidence.face < start.needed.to_iterate {
                 break;
             }
         }
@@ -204,13 +200,6 @@ impl Candidate {
         self.view = work.view();
         self.iterations_left -= 1;
         self.is_finite
-    }
-
-    /// Whether the next step can go on with it: a new face that not all networks have seen, and
-    /// that has not waited before.
-    pub(super) fn may_wait(&self, start: &Start) -> bool {
-        let is_partial = self.iterations_left > 0 || self.networks == Networks::First;
-        start.may_retry && start.origin == Origin::NewFace && is_partial
     }
 
     /// Compares it with how the target looked before: visibilities change, and those that match are

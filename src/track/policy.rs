@@ -298,14 +298,6 @@ pub(super) const KEYFRAME_UNITS: u32 = 1600;
 /// says.
 pub(super) const STEP_UNITS: u32 = 3900;
 
-/// Work beyond which no new face is fitted: the next step does, from where this one's attempt ended
-/// \[units\].
-///
-/// Source: `posewise-lab bench` with AVX2, the demo clip and both of a webcam: steps that find a
-/// face take 1.45, 1.42 and 1.42 times the median tracking step, 99th percentile; with the bound of
-/// all steps 1.68, 1.34 and 1.61.
-pub(super) const FOUND_STEP_UNITS: u32 = 3600;
-
 /// Iterations at what a local search finds, and where the head is rolled far: the target's face is
 /// known, and tracking goes on from there.
 ///

@@ -145,12 +145,7 @@ impl WorkBudget {
     /// Whether so much more is within what a step may take: [`STEP_UNITS`], or the limit where the
     /// settings allow more.
     pub(super) fn has_room(&self, units: u32) -> bool {
-        self.has_room_within(STEP_UNITS, units)
-    }
-
-    /// The same with another bound than [`STEP_UNITS`].
-    pub(super) fn has_room_within(&self, most: u32, units: u32) -> bool {
-        self.total.saturating_add(units) <= most.max(self.limit)
+        self.total.saturating_add(units) <= STEP_UNITS.max(self.limit)
     }
 
     pub(super) fn spent(&self) -> u32 {

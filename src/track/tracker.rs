@@ -683,7 +683,7 @@ impl Tracker {
             Verdict::Retry => self.search.offer(start, candidate),
             Verdict::LookAgain => self.search.look_again_at(&start.seen),
             // The next step goes on with it.
-            Verdict::Fit if candidate.may_wait(start) && !proposals.has_room_to_fit() => {
+            Verdict::Fit if candidate.iterations_left > 0 && !proposals.has_room(FOUND_UNITS) => {
                 self.search.offer(start, candidate);
             }
             Verdict::Fit => {

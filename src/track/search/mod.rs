@@ -12,9 +12,9 @@ use super::align::{Candidate, Needed, Origin, Start};
 use super::config::Config;
 use super::output::State;
 use super::policy::{
-    ACCEPT_CONFIDENCE, DISCARD_CONFIDENCE, FIRST_ATTEMPT_CONFIDENCE, FIRST_UNITS, FOUND_STEP_UNITS,
-    FOUND_UNITS, ITERATION_UNITS, KEYFRAME_UNITS, LOCAL_ITERATIONS, LOCAL_SEARCH_PERIOD,
-    LOCAL_UNITS, LOOK_AGAIN_PERIOD, RETRY_CONFIDENCE, TURNED_ITERATIONS, TURNED_UNITS,
+    ACCEPT_CONFIDENCE, DISCARD_CONFIDENCE, FIRST_ATTEMPT_CONFIDENCE, FIRST_UNITS, FOUND_UNITS,
+    ITERATION_UNITS, KEYFRAME_UNITS, LOCAL_ITERATIONS, LOCAL_SEARCH_PERIOD, LOCAL_UNITS,
+    LOOK_AGAIN_PERIOD, RETRY_CONFIDENCE, TURNED_ITERATIONS, TURNED_UNITS,
 };
 use super::step::{Step, WorkBudget};
 use crate::align::{Networks, Workspace};
@@ -202,9 +202,9 @@ impl Proposals {
         self.budget.spend(units);
     }
 
-    /// Whether a new face may be fitted.
-    pub fn has_room_to_fit(&self) -> bool {
-        self.budget.has_room_within(FOUND_STEP_UNITS, FOUND_UNITS)
+    /// Whether so much more is within what a step may take \[units\].
+    pub fn has_room(&self, units: u32) -> bool {
+        self.budget.has_room(units)
     }
 
     /// All work of the step so far \[units\].
@@ -401,18 +401,16 @@ impl Proposals {
         let before = step.model.align.iterations().saturating_sub(1) as u32 * FIRST_UNITS;
         let (all, first) = (before + RETRY_UNITS, before + RETRY_FIRST_UNITS);
         let budget = &self.budget;
-        let (to_iterate, to_end, networks) = match budget.left() >= all {
-            true => (DISCARD_CONFIDENCE, f32::INFINITY, Networks::All),
+        let (to_iterate, networks) = match budget.left() >= all {
+            true => (DISCARD_CONFIDENCE, Networks::All),
+            false if budget.has_room(all) => (RETRY_CONFIDENCE, Networks::All),
             // The frame after it is seen with all.
-            false if budget.has_room(first) => {
-                (RETRY_CONFIDENCE, FIRST_ATTEMPT_CONFIDENCE, Networks::First)
-            }
+            false if budget.has_room(first) => (RETRY_CONFIDENCE, Networks::First),
             // The next step goes on with it.
-            false => (f32::INFINITY, f32::INFINITY, Networks::All),
+            false => (f32::INFINITY, Networks::All),
         };
         let needed = Needed {
             to_iterate,
-            to_end,
             to_refine: FIRST_ATTEMPT_CONFIDENCE,
         };
         let start = Start::at(step, &face, Origin::NewFace, needed);
