@@ -38,17 +38,15 @@ const CLEAR_SCORE: f32 = 1.4;
 const CLEAR_OF_MANY: f32 = 2.0;
 /// The same at the end of a pass over such a level, when the best tile for it has mostly been seen.
 ///
-/// Source: as above, 100 faces: 98 have more, and in each picture about ten other places.
+/// Source: as above, 100 faces: 98 have more, and in each picture about ten other places do.
 const CLEAR_AT_PASS_END: f32 = 1.5;
-/// Tiles of a level from which on it has many. Chosen: those of 1920×1080.
-const MANY_TILES: u32 = 40;
 
-/// Smallest face that one scan after the other asks for at the smallest size of a tile \[1/16 of the
-/// smallest face\]: steps of a sixteenth, the most different first.
+/// Which faces a scan has at the smallest size of a tile \[1/16 of the smallest face\], one scan
+/// after the other: steps of a sixteenth, the most different first.
 ///
 /// Source: pictures shown eight times, with one, two, four and eight of these: profiles of
-/// `profiles/train` found 93.2, 95.0, 96.0 and 97.1 %, faces of `faces68/train` blurred by 3 px 89.6
-/// (one), 91.1 and 91.3 %; faceless frames tracked 0 of 1,500 (*Scans that differ*).
+/// `profiles/train` found 93.2, 95.0, 96.0 and 97.1 %, faces of `faces68/train` blurred by 3 px
+/// 89.6 (one), 91.1 (four) and 91.3 %; faceless frames tracked 0 of 1,500 (*Scans that differ*).
 const FINEST_Q4: [i32; 8] = [16, 18, 14, 17, 15, 19, 13, 20];
 
 /// Largest size over the frame's shorter side \[1/256\]: a face that fills the frame, or of which
