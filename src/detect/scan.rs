@@ -40,6 +40,8 @@ const CLEAR_OF_MANY: f32 = 2.0;
 ///
 /// Source: as above, 100 faces: 98 have more, and in each picture about ten other places do.
 const CLEAR_AT_PASS_END: f32 = 1.5;
+/// Tiles of a level from which on it has many. Chosen: those of 1920×1080.
+const MANY_TILES: u32 = 40;
 
 /// Which faces a scan has at the smallest size of a tile \[1/16 of the smallest face\], one scan
 /// after the other: steps of a sixteenth, the most different first.
