@@ -25,6 +25,26 @@ fn y4m_file_gzip_and_pipe_agree() {
 }
 
 #[test]
+fn a_picture_alone_is_a_frame_however_often_it_is_searched() {
+    let dir = tempfile::tempdir().unwrap();
+    let (picture, csv) = ("a.png", "t.csv");
+    let path = |name: &str| dir.path().join(name);
+    image::RgbImage::from_pixel(40, 30, image::Rgb([90; 3]))
+        .save(path(picture))
+        .unwrap();
+    let run = posewise()
+        .args(["track", arg(&path(picture)), "--csv", arg(&path(csv))])
+        .assert()
+        .success();
+    let said = String::from_utf8_lossy(&run.get_output().stdout).into_owned();
+    assert!(said.contains("frames   1"), "{said}");
+    let table = std::fs::read_to_string(path(csv)).unwrap();
+    let rows: Vec<&str> = table.lines().skip(1).collect();
+    assert_eq!(rows.len(), 1, "{table}");
+    assert!(rows[0].starts_with("1,0,0.000000,"), "{table}");
+}
+
+#[test]
 fn pictures_in_order_of_name_and_all_outputs() {
     let dir = tempfile::tempdir().unwrap();
     for name in ["b.png", "a.jpg", "c.ppm"] {
