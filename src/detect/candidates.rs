@@ -149,7 +149,7 @@ impl Candidates {
     }
 
     /// Whether one with at least this score was not reported yet.
-    pub fn are_pending_from(&self, score: f32) -> bool {
+    pub fn has_pending_from(&self, score: f32) -> bool {
         self.list
             .iter()
             .any(|c| !c.reported && c.face.score >= score)

@@ -274,7 +274,7 @@ impl Scan {
             {
                 return ScanOutcome::Candidate(face);
             }
-            self.at_pass_end &= self.candidates.are_pending_from(CLEAR_AT_PASS_END);
+            self.at_pass_end &= self.candidates.has_pending_from(CLEAR_AT_PASS_END);
             if !is_first && self.units_left < TILE_UNITS {
                 return ScanOutcome::BudgetSpent;
             }
@@ -298,7 +298,7 @@ impl Scan {
         {
             return ScanOutcome::Candidate(face);
         }
-        if self.candidates.are_pending_from(f32::NEG_INFINITY) {
+        if self.candidates.has_pending_from(f32::NEG_INFINITY) {
             return ScanOutcome::BudgetSpent;
         }
         *self = Scan {
