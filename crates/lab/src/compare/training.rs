@@ -18,7 +18,7 @@ use posewise_train::head::Head;
 use posewise_train::photographs::{MANUAL, MANUAL_MORE, Set, VIDEO};
 use posewise_train::render::mesh::Mesh;
 use posewise_train::render::{
-    Family, MAKEHUMAN, MAKEHUMAN_FOLDER, People, Persons, Renderer, SampleSpec, cache,
+    Behind, Family, MAKEHUMAN, MAKEHUMAN_FOLDER, People, Persons, Renderer, SampleSpec, cache,
 };
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -289,7 +289,7 @@ impl Lesson<'_> {
         let mesh = Mesh::new(&head)?;
         let people = People::new(&mesh, people, SEED, false);
         let offsets_mm = head.conventional_offsets_mm();
-        Ok(Renderer::new(mesh, people, Vec::new(), &offsets_mm))
+        Ok(Renderer::new(mesh, people, Behind::default(), &offsets_mm))
     }
 }
 
@@ -302,6 +302,7 @@ fn spec() -> SampleSpec {
         masks: 0.0,
         odd_eyes: 0.0,
         persons: Persons::Procedural,
+        photo_backgrounds: 0.0,
         ..SampleSpec::default()
     }
 }

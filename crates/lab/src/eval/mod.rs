@@ -8,7 +8,7 @@ mod stills;
 use anyhow::Result;
 use clap::Subcommand;
 use clips::{deviations, eyes, identities, jitter, monitor, pose};
-use shown::{drift, faceless, latency, mesh, recovery, turns, weights};
+use shown::{drift, faceless, latency, mesh, people, recovery, turns, weights};
 use stills::{angles, landmarks, profiles};
 
 pub use stills::profile_metrics::errors as profile_errors;
@@ -39,6 +39,8 @@ pub enum Command {
     Mesh(mesh::Args),
     /// Animation weights on rendered people, whose weights are known
     Weights(weights::Args),
+    /// Landmarks on rendered people, by sex, age, skin and light
+    People(people::Args),
     /// Frames until a face that disappeared is tracked again elsewhere
     Recovery(recovery::Args),
     /// Frames until a small face anywhere in a photograph is tracked
@@ -65,6 +67,7 @@ pub fn run(command: &Command) -> Result<()> {
         Command::Jitter(args) => jitter::run(args),
         Command::Mesh(args) => mesh::run(args),
         Command::Weights(args) => weights::run(args),
+        Command::People(args) => people::run(args),
         Command::Recovery(args) => recovery::run(args),
         Command::Latency(args) => latency::run(args),
         Command::Faceless(args) => faceless::run(args),

@@ -38,9 +38,9 @@ pub type Photographed<'a> = Option<(&'a Output, &'a [Set])>;
 /// Renders faces, of procedural people and of photographed ones.
 pub fn make(store: &Store, args: &Args, photographed: Photographed<'_>) -> Result<Output> {
     let (name, version) = match args.kind {
-        Kind::Plain => ("renders", 4),
-        Kind::Near => ("renders-near", 4),
-        Kind::Eyes => ("renders-eyes", 6),
+        Kind::Plain => ("renders", 5),
+        Kind::Near => ("renders-near", 5),
+        Kind::Eyes => ("renders-eyes", 7),
     };
     let options = Options {
         seed: args.seed,

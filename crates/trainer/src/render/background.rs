@@ -1,10 +1,12 @@
 //! Backgrounds in linear light: pieces of photographs, or procedural rooms, skies and textures.
 
+use super::dead_leaves;
 use super::noise::{fractal, smoothstep};
 use glam::{Vec2, Vec3};
 use image::GrayImage;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
+use std::f32::consts::PI;
 
 /// Linear light of an 8-bit grey value.
 pub fn linear(grey: u8) -> f32 {
@@ -46,6 +48,75 @@ pub fn from_photo(
     out
 }
 
+/// Most pieces of a collage.
+const MOST_PIECES: i32 = 14;
+
+/// Pieces of photographs of people, turned any way, over each other and over a synthetic scene: as
+/// sharp and as finely structured as what is behind people in photographs.
+pub fn collage(
+    rng: &mut ChaCha8Rng,
+    photos: &[GrayImage],
+    width: usize,
+    height: usize,
+) -> Vec<f32> {
+    let table: Vec<f32> = (0..=255).map(linear).collect();
+    let mut light = dead_leaves::scene(rng, width, height);
+    let size = width.max(height) as f32;
+    for k in 0..rng.random_range(1..=MOST_PIECES) {
+        let photo = &photos[rng.random_range(0..photos.len())];
+        let first = k == 0 && rng.random_bool(0.7);
+        let half = match first {
+            true => Vec2::splat(2.0 * size),
+            false => [0, 1].map(|_| size * rng.random_range(0.04f32..0.4)).into(),
+        };
+        let middle = match first {
+            true => Vec2::splat(size / 2.0),
+            false => [0, 1].map(|_| size * rng.random_range(0.0..1.0)).into(),
+        };
+        let lean = Vec2::from_angle(rng.random_range(-PI..PI));
+        let turned = Vec2::from_angle(rng.random_range(-PI..PI));
+        let step = rng.random_range(0.4f32..1.6);
+        let from = Vec2::new(
+            rng.random_range(0.0..photo.width() as f32),
+            rng.random_range(0.0..photo.height() as f32),
+        );
+        let gain = rng.random_range(-0.8f32..0.8).exp();
+        let soft = rng.random_range(0.5f32..2.0);
+        let is_round = rng.random_bool(0.5);
+        for (i, value) in light.iter_mut().enumerate() {
+            let p = Vec2::new((i % width) as f32, (i / width) as f32) - middle;
+            let local = lean.rotate(p);
+            let inside = match is_round {
+                true => (1.0 - (local / half).length()) * half.min_element(),
+                false => (half - local.abs()).min_element(),
+            };
+            if inside > -soft {
+                let seen = from + step * turned.rotate(p);
+                let tone = gain * sampled(photo, &table, seen);
+                *value += (tone - *value) * smoothstep(-soft, soft, inside);
+            }
+        }
+    }
+    light
+}
+
+/// Light of a photograph between its pixels; beyond its edges it is mirrored.
+fn sampled(photo: &GrayImage, table: &[f32], at: Vec2) -> f32 {
+    let (width, height) = photo.dimensions();
+    let mirrored = |v: i32, len: u32| {
+        let v = v.rem_euclid(2 * len as i32) as u32;
+        v.min(2 * len - 1 - v)
+    };
+    let (low, part) = (at.floor(), at - at.floor());
+    let pixel = |dx: i32, dy: i32| {
+        let x = mirrored(low.x as i32 + dx, width);
+        let y = mirrored(low.y as i32 + dy, height);
+        table[usize::from(photo.get_pixel(x, y).0[0])]
+    };
+    let row = |dy: i32| pixel(0, dy) + (pixel(1, dy) - pixel(0, dy)) * part.x;
+    row(0) + (row(1) - row(0)) * part.y
+}
+
 /// A procedural background: a gradient, soft clouds and a few panels with straight edges.
 pub fn procedural(rng: &mut ChaCha8Rng, width: usize, height: usize) -> Vec<f32> {
     let seed: u32 = rng.random();
@@ -85,4 +156,32 @@ pub fn procedural(rng: &mut ChaCha8Rng, width: usize, height: usize) -> Vec<f32>
             (value * (1.0 + clouds * cloud)).clamp(0.0, 1.0)
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+
+    #[test]
+    fn a_collage_shows_the_photographs_finely() {
+        let stripes = GrayImage::from_fn(40, 40, |x, _| image::Luma([255 * (x / 2 % 2) as u8]));
+        let edges = |photo: &GrayImage| {
+            let mut rng = ChaCha8Rng::seed_from_u64(3);
+            let light = collage(&mut rng, std::slice::from_ref(photo), 60, 50);
+            assert_eq!(light.len(), 60 * 50);
+            assert!(light.iter().all(|l| l.is_finite() && *l >= 0.0));
+            light
+                .windows(2)
+                .filter(|pair| (pair[0] - pair[1]).abs() > 0.1)
+                .count()
+        };
+        let plain = GrayImage::from_pixel(40, 40, image::Luma([128]));
+        assert!(
+            edges(&stripes) > 3 * edges(&plain),
+            "{}, {}",
+            edges(&stripes),
+            edges(&plain)
+        );
+    }
 }

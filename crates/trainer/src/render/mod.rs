@@ -41,10 +41,10 @@ pub mod texture;
 
 pub use makehuman::Family;
 pub use people::{People, Persons};
-pub use sample::{Renderer, Sample};
+pub use sample::{Behind, Renderer, Sample};
 pub use spec::SampleSpec;
 
-use crate::fit::Fits;
+use crate::fit::{Fits, PhotoFit};
 use crate::head::Head;
 use crate::picture::Picture;
 use anyhow::Result;
@@ -147,9 +147,16 @@ impl Kind {
 pub fn renderer(args: &Args, fits: Option<&Fits>) -> Result<Renderer> {
     let head = Head::load(&args.data.join("facekit.npz"))?;
     let mesh = mesh::Mesh::new(&head)?;
-    let backgrounds = match args.clean {
+    let scenes = match args.clean {
         true => Vec::new(),
         false => backgrounds(&args.data.join("backgrounds"))?,
+    };
+    let behind = Behind {
+        people: match fits {
+            Some(fits) if scenes.is_empty() => pieces(&fits.fits, &args.data)?,
+            _ => Vec::new(),
+        },
+        scenes,
     };
     let mut people = People::new(
         &mesh,
@@ -165,7 +172,7 @@ pub fn renderer(args: &Args, fits: Option<&Fits>) -> Result<Renderer> {
             fits.offsets_mm.clone()
         }
     };
-    let mut renderer = Renderer::new(mesh, people, backgrounds, &offsets_mm);
+    let mut renderer = Renderer::new(mesh, people, behind, &offsets_mm);
     if args.makehuman > 0.0 {
         let conventional = head.conventional_offsets_mm();
         let moved = offsets_mm.iter().zip(&conventional);
@@ -225,6 +232,18 @@ pub fn write(args: &Args, fits: Option<&Fits>, path: &Path) -> Result<()> {
         Kind::Eyes => eye_cache::write(path, renderer, seed, args.count, spec),
         _ => cache::write(path, renderer, seed, args.count, spec).map(drop),
     }
+}
+
+/// Most photographs of people whose pieces are behind renders.
+const MOST_PIECES: usize = 800;
+
+/// Photographs whose pieces are behind renders: every n-th.
+fn pieces(fits: &[PhotoFit], data: &Path) -> Result<Vec<GrayImage>> {
+    let every = fits.len().div_ceil(MOST_PIECES).max(1);
+    fits.iter()
+        .step_by(every)
+        .map(|fit| Ok(image::open(data.join(&fit.image))?.to_luma8()))
+        .collect()
 }
 
 /// All pictures of a folder in the order of their names, as luma.

@@ -9,14 +9,14 @@ use super::expression::{Expression, random_gaze};
 use super::eye_truth::{EyeTruth, eye_truth};
 use super::lids::Lids;
 use super::light::Lights;
-use super::makehuman::{Family, Member};
+use super::makehuman::{Family, Groups, Member};
 use super::mesh::{IDENTITIES, Mesh};
 use super::noise::normal;
 use super::people::People;
 use super::person::Person;
 use super::raster::Target;
 use super::spec::SampleSpec;
-use super::{accessories, background, props};
+use super::{accessories, background, dead_leaves, props};
 use glam::{Mat3, Vec2, Vec3};
 use image::GrayImage;
 use posewise::math::{HeadAngles, head_rotation};
@@ -60,6 +60,8 @@ pub struct Rendered {
     pub eyes: [EyeTruth; 2],
     /// Whether the head is one of MakeHuman's.
     pub is_makehuman: bool,
+    /// Groups that one of MakeHuman's people belongs to.
+    pub groups: Option<Groups>,
     /// Its expression.
     pub expression: Expression,
     /// Its skin, without hair that stands off it.
@@ -79,6 +81,20 @@ impl Rendered {
 /// Changes the seed of a person's pictures from that of the person.
 const PICTURES: u64 = 0x9c_70e5;
 
+/// Share of samples among a panorama that it is also behind. It is coarser than a photograph.
+const SKY_BEHIND: f64 = 0.35;
+/// Share of synthetic scenes without pieces of photographs, where no photographed scenes are.
+const LEAVES: f64 = 0.3;
+
+/// Pictures that heads are drawn before.
+#[derive(Default)]
+pub struct Behind {
+    /// Scenes without people.
+    pub scenes: Vec<GrayImage>,
+    /// Photographs of people, of which pieces are behind others where there are no scenes.
+    pub people: Vec<GrayImage>,
+}
+
 /// Draws samples; one for all threads.
 pub struct Renderer {
     /// The head.
@@ -86,25 +102,20 @@ pub struct Renderer {
     /// Finds the 68 points.
     pub landmarker: Landmarker,
     people: People,
-    backgrounds: Vec<GrayImage>,
+    behind: Behind,
     makehuman: Option<Family>,
     panoramas: Vec<Arc<Panorama>>,
 }
 
 impl Renderer {
-    /// A renderer of these people before these backgrounds. `offsets_mm` (head axes) says where
+    /// A renderer of these people before these pictures. `offsets_mm` (head axes) says where
     /// photographs' labels sit against the head's vertices; empty: on them.
-    pub fn new(
-        mesh: Mesh,
-        people: People,
-        backgrounds: Vec<GrayImage>,
-        offsets_mm: &[[f32; 3]],
-    ) -> Renderer {
+    pub fn new(mesh: Mesh, people: People, behind: Behind, offsets_mm: &[[f32; 3]]) -> Renderer {
         Renderer {
             landmarker: Landmarker::new(&mesh, offsets_mm).levelled(&mesh),
             mesh,
             people,
-            backgrounds,
+            behind,
             makehuman: None,
             panoramas: Vec::new(),
         }
@@ -219,6 +230,10 @@ impl Renderer {
             sample,
             eyes: truth,
             is_makehuman: matches!(subject.who, Who::MakeHuman(_)),
+            groups: match &subject.who {
+                Who::MakeHuman(member) => Some(member.groups()),
+                Who::Morphable(_) => None,
+            },
             expression: subject.expression.clone(),
             skin,
             view,
@@ -352,7 +367,7 @@ impl Renderer {
         lights: &Lights,
         spec: &SampleSpec,
     ) -> Vec<f32> {
-        if let Some(sky) = lights.sky.as_ref().filter(|_| rng.random_bool(0.6)) {
+        if let Some(sky) = lights.sky.as_ref().filter(|_| rng.random_bool(SKY_BEHIND)) {
             let wide = rng.random_range(1.0..3.5f32);
             return sky.background([view.width, view.height], &view.camera, wide);
         }
@@ -363,13 +378,18 @@ impl Renderer {
     }
 
     fn background(&self, rng: &mut ChaCha8Rng, view: &View, spec: &SampleSpec) -> Vec<f32> {
-        let photo = rng.random_bool(spec.photo_backgrounds);
-        match self.backgrounds.len() {
-            n if n > 0 && photo => {
-                let pick = &self.backgrounds[rng.random_range(0..n)];
-                background::from_photo(rng, pick, view.width, view.height)
-            }
-            _ => background::procedural(rng, view.width, view.height),
+        let (width, height) = (view.width, view.height);
+        if !rng.random_bool(spec.photo_backgrounds) {
+            return background::procedural(rng, width, height);
+        }
+        let Behind { scenes, people } = &self.behind;
+        if !scenes.is_empty() {
+            let pick = &scenes[rng.random_range(0..scenes.len())];
+            return background::from_photo(rng, pick, width, height);
+        }
+        match people.is_empty() || rng.random_bool(LEAVES) {
+            true => dead_leaves::scene(rng, width, height),
+            false => background::collage(rng, people, width, height),
         }
     }
 

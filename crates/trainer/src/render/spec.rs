@@ -43,7 +43,8 @@ pub struct SampleSpec {
     /// Share of these whose pupils send the light back.
     #[serde(skip_serializing_if = "is_none")]
     pub bright_pupils: f64,
-    /// Share of samples before a photograph (the rest: procedural backgrounds).
+    /// Share of samples before a photograph, or what stands for one (the rest: gradients, clouds
+    /// and panels).
     pub photo_backgrounds: f64,
     /// Blur and noise, in shares of the most that small faces have.
     pub defects: f32,

@@ -3,7 +3,7 @@
 use posewise_train::head::Head;
 use posewise_train::render::lids::Lids;
 use posewise_train::render::mesh::Mesh;
-use posewise_train::render::{People, Persons, Renderer, SampleSpec, cache};
+use posewise_train::render::{Behind, People, Persons, Renderer, SampleSpec, cache};
 
 /// The head with texture coordinates from its frontal view.
 fn head() -> Head {
@@ -17,7 +17,7 @@ fn head() -> Head {
 fn renderer() -> Renderer {
     let mesh = Mesh::new(&head()).unwrap();
     let people = People::new(&mesh, 2, 1, false);
-    Renderer::new(mesh, people, Vec::new(), &[])
+    Renderer::new(mesh, people, Behind::default(), &[])
 }
 
 fn spec() -> SampleSpec {

@@ -9,6 +9,7 @@ pub mod faceless;
 pub mod latency;
 pub mod mesh;
 mod mesh_picture;
+pub mod people;
 pub mod recovery;
 mod show;
 pub mod turns;

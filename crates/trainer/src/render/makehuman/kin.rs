@@ -14,6 +14,19 @@ const DETAIL: f32 = 0.42;
 /// The same of what makes both sides differ.
 const ASYMMETRY: f32 = 0.2;
 
+/// Groups that someone belongs to.
+#[derive(Clone, Copy, Debug)]
+pub struct Groups {
+    /// What most of the shape is: african, asian or caucasian.
+    pub people: &'static str,
+    /// Female or male, by what prevails.
+    pub sex: &'static str,
+    /// Child, adult or old.
+    pub age: &'static str,
+    /// Albedo of the skin, 0..1.
+    pub skin: f32,
+}
+
 /// What someone is a mixture of.
 pub struct Kin {
     /// Places in the list of whole heads, and weights that sum to 1.
@@ -82,6 +95,21 @@ impl Kin {
         }
         kin.macros.retain(|(_, w)| *w > 0.0);
         kin
+    }
+
+    /// Groups of someone with this skin.
+    pub fn groups(&self, skin: f32) -> Groups {
+        let most = (0..PEOPLES.len()).max_by(|a, b| self.peoples[*a].total_cmp(&self.peoples[*b]));
+        Groups {
+            people: PEOPLES[most.unwrap_or(0)],
+            sex: SEXES[usize::from(self.male)],
+            age: match self {
+                _ if self.is_child() => "child",
+                _ if self.is_old() => "old",
+                _ => "adult",
+            },
+            skin,
+        }
     }
 
     /// Below about fourteen years.

@@ -19,6 +19,7 @@ use crate::head::MakeHuman;
 use crate::picture::Picture;
 use anyhow::Result;
 use glam::{Mat3, Vec3};
+pub use kin::Groups;
 use kin::Kin;
 use proxy::Proxy;
 use rand::{Rng, SeedableRng};
@@ -41,6 +42,13 @@ pub struct Member {
     lashes: Option<usize>,
     /// Seed of all that is worn.
     dense: f32,
+}
+
+impl Member {
+    /// Groups that they belong to.
+    pub fn groups(&self) -> Groups {
+        self.kin.groups(self.person.skin)
+    }
 }
 
 /// The heads and everything that belongs to them.
