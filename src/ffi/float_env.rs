@@ -129,6 +129,6 @@ impl Environment {
     /// Does nothing.
     #[inline]
     fn swap(to: Environment) -> Environment {
-        to
+        Environment(to.0)
     }
 }
