@@ -1,6 +1,5 @@
 //! Backgrounds in linear light: pieces of photographs, or procedural rooms, skies and textures.
 
-use super::dead_leaves;
 use super::noise::{fractal, smoothstep};
 use glam::{Vec2, Vec3};
 use image::GrayImage;
@@ -51,16 +50,17 @@ pub fn from_photo(
 /// Most pieces of a collage.
 const MOST_PIECES: i32 = 14;
 
-/// Pieces of photographs of people, turned any way, over each other and over a synthetic scene: as
-/// sharp and as finely structured as what is behind people in photographs.
+/// Pieces of photographs of people, turned any way, over each other and over a scene: as sharp and
+/// as finely structured as what is behind people in photographs.
 pub fn collage(
     rng: &mut ChaCha8Rng,
     photos: &[GrayImage],
+    scene: Vec<f32>,
     width: usize,
-    height: usize,
 ) -> Vec<f32> {
     let table: Vec<f32> = (0..=255).map(linear).collect();
-    let mut light = dead_leaves::scene(rng, width, height);
+    let mut light = scene;
+    let height = light.len() / width;
     let size = width.max(height) as f32;
     for k in 0..rng.random_range(1..=MOST_PIECES) {
         let photo = &photos[rng.random_range(0..photos.len())];
@@ -168,7 +168,12 @@ mod tests {
         let stripes = GrayImage::from_fn(40, 40, |x, _| image::Luma([255 * (x / 2 % 2) as u8]));
         let edges = |photo: &GrayImage| {
             let mut rng = ChaCha8Rng::seed_from_u64(3);
-            let light = collage(&mut rng, std::slice::from_ref(photo), 60, 50);
+            let light = collage(
+                &mut rng,
+                std::slice::from_ref(photo),
+                vec![0.2; 60 * 50],
+                60,
+            );
             assert_eq!(light.len(), 60 * 50);
             assert!(light.iter().all(|l| l.is_finite() && *l >= 0.0));
             light

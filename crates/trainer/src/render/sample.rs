@@ -387,9 +387,11 @@ impl Renderer {
             let pick = &scenes[rng.random_range(0..scenes.len())];
             return background::from_photo(rng, pick, width, height);
         }
-        match people.is_empty() || rng.random_bool(LEAVES) {
-            true => dead_leaves::scene(rng, width, height),
-            false => background::collage(rng, people, width, height),
+        let is_plain = people.is_empty() || rng.random_bool(LEAVES);
+        let scene = dead_leaves::scene(rng, width, height);
+        match is_plain {
+            true => scene,
+            false => background::collage(rng, people, scene, width),
         }
     }
 

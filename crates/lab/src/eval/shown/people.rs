@@ -2,8 +2,9 @@
 //! people of each sex, age and skin, in good and in poor light.
 //!
 //! MakeHuman's people, that no training has seen, as photographs mostly show them, where hair and
-//! turn leave most of the face to be seen. Each picture is a still for a new tracker. Their labels are the head's vertices, alike for all groups; whether
-//! people of the same groups are rendered as faithfully, figures of renders cannot say.
+//! turn leave most of the face to be seen. Each picture is a still for a new tracker. Their labels
+//! are the head's vertices, alike for all groups; whether people of all groups are rendered as
+//! faithfully, figures of renders cannot say.
 
 use crate::output;
 use anyhow::Result;
