@@ -118,7 +118,7 @@ impl Kind {
     pub fn people(self, beside_photographed: bool) -> usize {
         match (self, beside_photographed) {
             (Kind::Plain, false) => 1024,
-            (Kind::Plain, true) => 512,
+            (Kind::Plain, true) => 256,
             (Kind::Near, _) => 600,
             (Kind::Eyes, _) => 1024,
         }
