@@ -26,6 +26,14 @@ pub struct Args {
 /// The grey level that haze draws everything towards.
 const HAZE: f64 = 110.0;
 
+/// A camera without defects.
+pub const GOOD: Args = Args {
+    gain: 1.0,
+    contrast: 1.0,
+    blur: 0.0,
+    noise: 0.0,
+};
+
 /// The picture as that camera shows it; another `seed` gives other noise.
 pub fn through(args: &Args, mut picture: GrayImage, seed: u64) -> GrayImage {
     if args.blur > 0.0 {
@@ -46,13 +54,6 @@ pub fn through(args: &Args, mut picture: GrayImage, seed: u64) -> GrayImage {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    const GOOD: Args = Args {
-        gain: 1.0,
-        contrast: 1.0,
-        blur: 0.0,
-        noise: 0.0,
-    };
 
     fn edge() -> GrayImage {
         GrayImage::from_fn(32, 32, |x, _| image::Luma([if x < 16 { 10 } else { 210 }]))

@@ -2,14 +2,15 @@
 
 mod camera;
 mod clips;
+mod on_renders;
 mod shown;
 mod stills;
 
 use anyhow::Result;
 use clap::Subcommand;
 use clips::{deviations, eyes, identities, jitter, monitor, pose};
-use shown::{drift, faceless, latency, mesh, people, recovery, turns, weights};
-use stills::{angles, landmarks, profiles};
+use shown::{drift, faceless, latency, mesh, recovery, turns, weights};
+use stills::{angles, landmarks, people, profiles};
 
 pub use stills::profile_metrics::errors as profile_errors;
 pub use stills::profiles::read_labels as profile_labels;

@@ -27,21 +27,12 @@ pub fn from_photo(
     let left = rng.random_range(0.0..=(pw - step * width as f32).max(0.0));
     let top = rng.random_range(0.0..=(ph - step * height as f32).max(0.0));
     let mirror = rng.random_bool(0.5);
-    let pixel = |x: f32, y: f32| {
-        let at = |v: f32, len: u32| (v.max(0.0) as u32).min(len - 1);
-        table[photo
-            .get_pixel(at(x, photo.width()), at(y, photo.height()))
-            .0[0] as usize]
-    };
     let mut out = Vec::with_capacity(width * height);
     for y in 0..height {
         for x in 0..width {
             let x = if mirror { width - 1 - x } else { x };
             let (u, v) = (left + step * x as f32, top + step * y as f32);
-            let (fx, fy) = (u.fract(), v.fract());
-            let upper = pixel(u, v) * (1.0 - fx) + pixel(u + 1.0, v) * fx;
-            let lower = pixel(u, v + 1.0) * (1.0 - fx) + pixel(u + 1.0, v + 1.0) * fx;
-            out.push(upper * (1.0 - fy) + lower * fy);
+            out.push(sampled(photo, &table, Vec2::new(u, v)));
         }
     }
     out
@@ -65,14 +56,14 @@ pub fn collage(
     for k in 0..rng.random_range(1..=MOST_PIECES) {
         let photo = &photos[rng.random_range(0..photos.len())];
         let first = k == 0 && rng.random_bool(0.7);
-        let half = match first {
-            true => Vec2::splat(2.0 * size),
-            false => [0, 1].map(|_| size * rng.random_range(0.04f32..0.4)).into(),
+        let mut within =
+            |from: f32, to: f32| Vec2::from([0, 1].map(|_| rng.random_range(from..to)));
+        // The first mostly covers all of the scene.
+        let (half, middle) = match first {
+            true => (Vec2::splat(2.0), Vec2::splat(0.5)),
+            false => (within(0.04, 0.4), within(0.0, 1.0)),
         };
-        let middle = match first {
-            true => Vec2::splat(size / 2.0),
-            false => [0, 1].map(|_| size * rng.random_range(0.0..1.0)).into(),
-        };
+        let (half, middle) = (size * half, size * middle);
         let lean = Vec2::from_angle(rng.random_range(-PI..PI));
         let turned = Vec2::from_angle(rng.random_range(-PI..PI));
         let step = rng.random_range(0.4f32..1.6);
@@ -113,8 +104,8 @@ fn sampled(photo: &GrayImage, table: &[f32], at: Vec2) -> f32 {
         let y = mirrored(low.y as i32 + dy, height);
         table[usize::from(photo.get_pixel(x, y).0[0])]
     };
-    let row = |dy: i32| pixel(0, dy) + (pixel(1, dy) - pixel(0, dy)) * part.x;
-    row(0) + (row(1) - row(0)) * part.y
+    let row = |dy: i32| pixel(0, dy) * (1.0 - part.x) + pixel(1, dy) * part.x;
+    row(0) * (1.0 - part.y) + row(1) * part.y
 }
 
 /// A procedural background: a gradient, soft clouds and a few panels with straight edges.

@@ -58,9 +58,7 @@ pub struct Rendered {
     pub sample: Sample,
     /// The truth of the image left's and the image right's eye.
     pub eyes: [EyeTruth; 2],
-    /// Whether the head is one of MakeHuman's.
-    pub is_makehuman: bool,
-    /// Groups that one of MakeHuman's people belongs to.
+    /// Groups that the person belongs to; only MakeHuman's heads tell.
     pub groups: Option<Groups>,
     /// Its expression.
     pub expression: Expression,
@@ -71,6 +69,11 @@ pub struct Rendered {
 }
 
 impl Rendered {
+    /// Whether the head is one of MakeHuman's.
+    pub fn is_makehuman(&self) -> bool {
+        self.groups.is_some()
+    }
+
     /// Whether a point of the skin with this normal (camera axes) is seen: it faces the camera, and
     /// nothing is before it.
     pub fn shows(&self, point: Vec3, normal: Vec3) -> bool {
@@ -229,7 +232,6 @@ impl Renderer {
         Rendered {
             sample,
             eyes: truth,
-            is_makehuman: matches!(subject.who, Who::MakeHuman(_)),
             groups: match &subject.who {
                 Who::MakeHuman(member) => Some(member.groups()),
                 Who::Morphable(_) => None,

@@ -12,6 +12,7 @@
 //! Jitter: the first pictures again, with new noise in each frame.
 
 use super::mesh_picture::Row;
+use crate::eval::on_renders;
 use crate::output;
 use crate::random::Random;
 use crate::rigid::moved_onto;
@@ -21,7 +22,6 @@ use image::GrayImage;
 use posewise::mesh::{MAX_VERTICES, MeshSpace, MeshVertex};
 use posewise::shape::{Identity, LANDMARKS};
 use posewise::{Config, FaceHint, Frame, FrameLayout, Model, State, Tracker};
-use posewise_cli::model_file::ModelFile;
 use posewise_metrics::mean;
 use posewise_metrics::mesh::{ByRegion, Region, unrest};
 use posewise_train::head::Head;
@@ -34,12 +34,8 @@ use std::path::{Path, PathBuf};
 /// Options of `posewise-lab eval mesh`.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The shared data: `facekit.npz`, `free/`
-    #[arg(long, default_value = "../shared/data")]
-    pub data: PathBuf,
-    /// The model; the built-in one by default
-    #[arg(long, value_name = "FILE")]
-    pub model: Option<PathBuf>,
+    #[command(flatten)]
+    pub on: on_renders::Args,
     /// Rendered heads
     #[arg(long, default_value_t = 400)]
     pub count: u64,
@@ -49,9 +45,6 @@ pub struct Args {
     /// Draw the mesh over some of the heads, larger, in place of measuring it
     #[arg(long, value_name = "FILE")]
     pub picture: Option<PathBuf>,
-    /// Write the numbers as JSON
-    #[arg(long, value_name = "FILE")]
-    pub json: Option<PathBuf>,
 }
 
 /// Frames of each picture.
@@ -121,11 +114,10 @@ struct Errors {
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
-    let file = ModelFile::read(args.model.as_deref())?;
+    let file = args.on.file()?;
     let model = file.model()?;
-    let head = Head::load(&args.data.join("facekit.npz"))?;
-    let procedural = render::Args::procedural(&args.data, args.seed, Kind::Near);
-    let renderer = render::renderer(&procedural, None)?;
+    let head = Head::load(&args.on.data.join("facekit.npz"))?;
+    let renderer = args.on.renderer(args.seed, Kind::Near)?;
     if let Some(path) = &args.picture {
         return draw(&model, &renderer, args.seed, path);
     }
@@ -138,7 +130,7 @@ pub fn run(args: &Args) -> Result<()> {
             let rendered = rendered(index);
             let measured = truth.measure(&model, &rendered)?;
             Ok((
-                rendered.is_makehuman,
+                rendered.is_makehuman(),
                 rendered.sample.angles.yaw_deg,
                 measured,
             ))
@@ -164,7 +156,7 @@ pub fn run(args: &Args) -> Result<()> {
         "morphable": morphable,
         "makehuman": makehuman,
     });
-    output::show(&figures, args.json.as_deref())
+    output::show(&figures, args.on.json.as_deref())
 }
 
 /// Draws the mesh over [`DRAWN`] heads.
@@ -235,7 +227,7 @@ impl Truth {
         let count = tracker.mesh(model, MeshSpace::Camera, &mut found)?;
         let found = &found[..count];
         let (sample, skin) = (&rendered.sample, &rendered.skin);
-        let places = &self.places[usize::from(rendered.is_makehuman)];
+        let places = &self.places[usize::from(rendered.is_makehuman())];
         let marked: Vec<Vec3> = places.iter().map(|p| p.of(&skin.vertices)).collect();
         let far = tracker.result().translation_mm[2];
         let position = |v: &MeshVertex| Vec3::new(v.x, v.y, v.z);
@@ -249,7 +241,7 @@ impl Truth {
         let size = (high - low).max_element();
         let at = |p: Vec3| Vec2::from(sample.camera.image_of(p.to_array()));
         let all = (0..count).map(|k| {
-            let place = match rendered.is_makehuman {
+            let place = match rendered.is_makehuman() {
                 true => nearest(moved[k], &skin.vertices, &self.skin),
                 false => places[k],
             };

@@ -9,7 +9,6 @@ pub mod faceless;
 pub mod latency;
 pub mod mesh;
 mod mesh_picture;
-pub mod people;
 pub mod recovery;
 mod show;
 pub mod turns;

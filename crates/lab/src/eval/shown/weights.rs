@@ -11,33 +11,28 @@
 //! is the mean over the last ten seconds, the drift what that differs by from seconds five to
 //! fifteen. Of a clip, the mean of each weight, and the drift from its first to its last third.
 
+use crate::eval::on_renders;
 use crate::output;
 use crate::random::Random;
 use anyhow::Result;
 use posewise::shape::{ANIMATION_NAMES, ANIMATIONS, FITTED};
 use posewise::{Config, Model, State, Tracker};
-use posewise_cli::model_file::ModelFile;
 use posewise_cli::source;
 use posewise_metrics::mean;
 use posewise_train::render::expression::Expression;
-use posewise_train::render::{self, Kind, Renderer, SampleSpec};
+use posewise_train::render::{Kind, Renderer, SampleSpec};
 use posewise_train::weights::{self, Shot};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use serde_json::json;
 use std::fmt::Write as _;
-use std::path::PathBuf;
 
 /// Options of `posewise-lab eval weights`.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The shared data: `facekit.npz`, `free/`
-    #[arg(long, default_value = "../shared/data")]
-    pub data: PathBuf,
-    /// The model; the built-in one by default
-    #[arg(long, value_name = "FILE")]
-    pub model: Option<PathBuf>,
+    #[command(flatten)]
+    pub on: on_renders::Args,
     /// Rendered people
     #[arg(long, default_value_t = 160)]
     pub persons: u64,
@@ -47,9 +42,6 @@ pub struct Args {
     /// A clip whose weights drift, any INPUT of `track`
     #[arg(long, value_name = "INPUT")]
     pub clip: Option<String>,
-    /// Write the numbers as JSON
-    #[arg(long, value_name = "FILE")]
-    pub json: Option<PathBuf>,
 }
 
 /// Pictures of each person, every other one neutral, and frames of each.
@@ -88,10 +80,9 @@ fn spec(person: u64) -> SampleSpec {
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
-    let file = ModelFile::read(args.model.as_deref())?;
+    let file = args.on.file()?;
     let model = file.model()?;
-    let procedural = render::Args::procedural(&args.data, args.seed, Kind::Near);
-    let renderer = render::renderer(&procedural, None)?;
+    let renderer = args.on.renderer(args.seed, Kind::Near)?;
     let measured: Vec<Vec<Measured>> = (0..args.persons)
         .into_par_iter()
         .map(|person| session(&model, &renderer, args.seed, person))
@@ -114,7 +105,7 @@ pub fn run(args: &Args) -> Result<()> {
     let figures = json!({
         "tracked": pictures.0, "pictures": pictures.1, "still": still.len(), "weights": rows,
     });
-    match args.json.as_deref() {
+    match args.on.json.as_deref() {
         Some(path) => output::write_json(path, &figures),
         None => Ok(()),
     }
@@ -138,7 +129,7 @@ fn session(
             false => weights::expression(seed, person, index),
         };
         let rendered = renderer.portray([seed, person, index], &spec(person), &expression);
-        let is_makehuman = rendered.is_makehuman;
+        let is_makehuman = rendered.is_makehuman();
         let shot = Shot::new(person as u32, rendered);
         let first = index as usize * FRAMES;
         if weights::show(&mut tracker, model, &shot, first, FRAMES, &mut rng)? {

@@ -10,6 +10,7 @@ mod cut;
 pub mod labels;
 pub mod landmark_metrics;
 pub mod landmarks;
+pub mod people;
 pub mod profile_metrics;
 pub mod profiles;
 mod still;

@@ -82,16 +82,22 @@ impl Stills {
             "no such folder: {}",
             args.images.display()
         );
+        let file = ModelFile::read(args.model.as_deref())?;
+        Stills::of(file, args.min_face, args.steps, args.threads)
+    }
+
+    /// Stills that need no folder; the arguments are those of [`StillsArgs`].
+    pub fn of(file: ModelFile, min_face: u32, steps: u32, threads: usize) -> Result<Self> {
         let mut config = Config::default();
-        config.min_face_px = args.min_face;
+        config.min_face_px = min_face;
         config.scan_budget = SCAN_BUDGET;
         Tracker::new(&config).map_err(|e| anyhow!("{e}"))?;
         Ok(Stills {
-            file: ModelFile::read(args.model.as_deref())?,
+            file,
             config,
             focal: None,
-            more_steps: args.steps,
-            threads: args.threads,
+            more_steps: steps,
+            threads,
         })
     }
 
