@@ -101,17 +101,34 @@ impl Calibrated {
 
 /// The face's classifier of one view; returns the logits of samples of unseen people.
 fn train_face(samples: &[&Sample], out: &mut SectionWriter) -> Result<Vec<f32>> {
-    let examples: Vec<Example<'_>> = samples
-        .iter()
-        .map(|s| s.example(&s.features, s.face))
+    let weights = balanced(samples);
+    let rows = samples.iter().zip(&weights);
+    let examples: Vec<Example<'_>> = rows
+        .map(|(s, &weight)| Example {
+            weight,
+            ..s.example(&s.features, s.face)
+        })
         .collect();
     let labels: Vec<bool> = samples.iter().map(|s| s.face).collect();
-    let weights: Vec<f32> = samples.iter().map(|s| s.weight).collect();
     let face = Calibrated::new(&examples, labels, FACE_RIDGE, Some(&weights), None)?;
     report("face", std::slice::from_ref(&face));
     out.scalar(face.scale()).scalar(face.bias());
     out.array(&face.classifier.weight);
     Ok(face.logits)
+}
+
+/// Weights of samples of one view, with which what is no well-fitted face weighs no more than such
+/// faces. In profile it has five times their weight otherwise, and profiles that are tracked well
+/// count as no faces.
+fn balanced(samples: &[&Sample]) -> Vec<f32> {
+    let sum = |of_faces: bool| -> f32 {
+        let some = samples.iter().filter(|s| s.face == of_faces);
+        some.map(|s| s.weight).sum()
+    };
+    let [faces, others] = [true, false].map(sum);
+    let share = (faces / others.max(f32::MIN_POSITIVE)).min(1.0);
+    let weight = |s: &&Sample| if s.face { s.weight } else { share * s.weight };
+    samples.iter().map(weight).collect()
 }
 
 /// The classifiers of correct landmarks, of one view.

@@ -5,6 +5,7 @@ use super::sections;
 use super::stage::Stage;
 use super::store::Output;
 use crate::align;
+use crate::photographs::Framing;
 use anyhow::Result;
 use posewise::align::AlignModel;
 
@@ -15,11 +16,19 @@ pub const NETWORK: &str = "network.checkpoint";
 /// photographs. Faces are mostly seen from the front, which photographs show by themselves.
 const FRONT_WITHOUT_PHOTOGRAPHS: f32 = 4.0;
 
+/// Share of renders where no photograph shows a profile: only they do.
+const RENDERED_WITHOUT_PROFILES: f32 = 0.6;
+
 /// How it is trained.
 pub fn options(context: &Context<'_>) -> align::Options {
     let usual = align::Options::default();
     let has_photographs = context.sources.sets().next().is_some();
+    let has_profiles = (context.sources.sets()).any(|set| set.framing == Framing::Half);
     align::Options {
+        rendered: match has_profiles {
+            true => usual.rendered,
+            false => RENDERED_WITHOUT_PROFILES,
+        },
         seed: context.args.seed,
         steps: context.args.steps,
         front: if has_photographs {

@@ -5,6 +5,12 @@ use posewise::track::Model;
 use posewise_format::{AlignedBytes, SHEET_TAG, SectionWriter, blob};
 use std::path::Path;
 
+/// Makes the folder that the model is written to, before hours are spent on it.
+pub fn make_folder(path: &Path) -> Result<()> {
+    let folder = path.parent().context("a model's name")?;
+    std::fs::create_dir_all(folder).with_context(|| format!("making {}", folder.display()))
+}
+
 /// Writes both; returns the model's size in bytes.
 pub fn write(path: &Path, mut sections: Vec<SectionWriter>, sheet: &str) -> Result<usize> {
     let mut info = SectionWriter::new(SHEET_TAG);

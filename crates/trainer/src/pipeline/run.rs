@@ -22,6 +22,7 @@ use std::time::Instant;
 pub fn run(args: &Args) -> Result<()> {
     let started = Instant::now();
     let store = Store::open(&args.cache)?;
+    pack::make_folder(&args.out)?;
     let sources = args.sources()?;
     let whole = sources.whole();
     let fits = match whole.is_empty() {

@@ -32,7 +32,7 @@ pub fn make(
         seed,
         least_probability: LEAST_PROBABILITY,
     };
-    let stage = Stage::new("verifier", 11)
+    let stage = Stage::new("verifier", 14)
         .options(&options)?
         .input("detector", detector.hash(sections::FILE)?);
     let stage = sections::with_cascade(stage, cascade)?;

@@ -61,6 +61,17 @@ pub struct Points {
     pub solid: [Vec3; LANDMARKS],
 }
 
+/// The fewest of the 51 inner landmarks that show a face.
+const LEAST_SEEN: usize = 6;
+
+impl Points {
+    /// Whether enough is seen to tell that there is a face.
+    pub fn show_a_face(&self) -> bool {
+        let seen = self.contour_seen[JAW..].iter().filter(|seen| **seen);
+        seen.count() >= LEAST_SEEN
+    }
+}
+
 /// How far behind the drawn surface a landmark may lie and still count as seen \[mm\].
 const SEEN_SLACK_MM: f32 = 5.0;
 

@@ -192,7 +192,8 @@ impl Renderer {
         if infrared && some(rng, spec.bright_pupils) {
             eyes.retro = rng.random_range(0.3..1.5);
         }
-        let scene = Scene {
+        let behind = self.behind(rng, &view, &lights, spec);
+        let mut scene = Scene {
             mesh,
             head: &posed,
             painted: &person.painted,
@@ -200,13 +201,17 @@ impl Renderer {
             props: &props,
             lights: &lights,
         };
-        let behind = self.behind(rng, &view, &lights, spec);
-        let drawn = draw(&scene, &view, &behind);
         // The jaw is on the skin, not on hair that stands off it.
         let skin = Posed::new(mesh, head, &[], pose.rotation, pose.at);
-        let points = subject
-            .landmarker
-            .points(&skin, &view, &drawn, angles.roll_deg);
+        let roll_deg = angles.roll_deg;
+        let points_of = |drawn: &_| subject.landmarker.points(&skin, &view, drawn, roll_deg);
+        let mut drawn = draw(&scene, &view, &behind);
+        let mut points = points_of(&drawn);
+        if !points.show_a_face() && subject.hair.is_some() {
+            scene.props = &props[1..];
+            drawn = draw(&scene, &view, &behind);
+            points = points_of(&drawn);
+        }
         let truth = [0, 1].map(|k| eye_truth(k, &scene, &view, &drawn));
         let camera = Camera::random(
             rng,
@@ -262,6 +267,7 @@ impl Renderer {
             who: Who::Morphable(person),
             head,
             expression,
+            hair: None,
             strands: Vec::new(),
             size: 1.0,
         }
@@ -298,6 +304,7 @@ impl Renderer {
         Subject {
             mesh,
             landmarker: &family.landmarker,
+            hair: family.hair(&member, &head),
             strands: family.strands(&member, &head),
             size: family.size(&neutral),
             who: Who::MakeHuman(member),
@@ -397,6 +404,7 @@ impl Renderer {
         }
     }
 
+    /// What is drawn beside the head (camera axes); a mesh of hair, if there is one, comes first.
     fn props(
         &self,
         rng: &mut ChaCha8Rng,
@@ -411,7 +419,9 @@ impl Renderer {
         for v in &mut torso.vertices {
             *v = pose.at + (*v - pose.at) * subject.size;
         }
-        let mut all = vec![torso];
+        let mut all: Vec<Prop> = subject.hair.iter().cloned().collect();
+        accessories::wear(&mut all, pose.rotation, pose.at);
+        all.push(torso);
         if rng.random_bool(spec.glasses) {
             let mut worn = accessories::glasses(rng, mesh, head);
             accessories::wear(&mut worn, pose.rotation, pose.at);
@@ -464,7 +474,9 @@ struct Subject<'a> {
     /// Vertices (head axes).
     head: Vec<Vec3>,
     expression: Expression,
-    /// Hair, brows and lashes (head axes).
+    /// A mesh of hair (head axes).
+    hair: Option<Prop>,
+    /// Brows and lashes (head axes).
     strands: Vec<Prop>,
     /// Against an adult.
     size: f32,

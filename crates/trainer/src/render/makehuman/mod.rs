@@ -230,12 +230,15 @@ impl Family {
         head
     }
 
-    /// Hair, brows and lashes on a head (head axes).
+    /// A mesh of hair on a head (head axes).
+    pub fn hair(&self, member: &Member, head: &[Vec3]) -> Option<Prop> {
+        let gloss = 0.12;
+        let (at, tone) = member.hair?;
+        Some(self.hair[at].prop(head, self.turn, tone, 1.0, gloss))
+    }
+
+    /// Brows and lashes on a head (head axes).
     pub fn strands(&self, member: &Member, head: &[Vec3]) -> Vec<Prop> {
-        let hair = member.hair.map(|(at, tone)| {
-            let gloss = 0.12;
-            self.hair[at].prop(head, self.turn, tone, 1.0, gloss)
-        });
         let brows = member.brows.map(|(at, tone)| {
             let mut prop = self.brows[at].prop(head, self.turn, tone, member.dense, 0.0);
             prop.lies_on_skin(1.2);
@@ -246,7 +249,7 @@ impl Family {
             prop.lies_on_skin(0.6);
             prop
         });
-        hair.into_iter().chain(brows).chain(lashes).collect()
+        brows.into_iter().chain(lashes).collect()
     }
 
     /// How tall a head is between eyes and chin, against the mean adult's.
