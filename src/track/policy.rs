@@ -228,6 +228,12 @@ pub(super) const EXPECTED_SIZES: [f32; 2] = [0.8, 1.25];
 /// Source: chosen.
 pub(super) const EXPECT_PERIOD: u32 = 4;
 
+/// Of the steps while the caller expects a face somewhere, one in this number does not look there,
+/// so that a wrong place leaves room for what the scan finds.
+///
+/// Source: chosen.
+pub(super) const HINT_PERIOD: u32 = 4;
+
 /// Of the steps while no face is expected, one in this number scans for large faces first, which
 /// takes two to four tiles at any frame size. A whole scan takes as many steps only in frames above
 /// 1280×720.

@@ -225,6 +225,7 @@ impl Proposals {
         loop {
             let (start, next) = match self.stage {
                 Stage::Exactly(face, origin) => (first(step, &face, origin), Stage::End),
+                Stage::Expected(_) if search.scanner.leaves_hint() => (None, Stage::Begin),
                 Stage::Expected(face) => {
                     let start = first(step, &face, Origin::NewFace);
                     (start, Stage::NearExpected(face))

@@ -10,8 +10,8 @@ use crate::detect::{
 use crate::image::Frame;
 use crate::track::config::Config;
 use crate::track::policy::{
-    CANDIDATE_UNITS, EXPECT_PERIOD, EXPECT_US, EXPECTED_SIZES, KEYFRAME_UNITS, LARGE_FACE,
-    LARGE_FACE_PERIOD, UNCLEAR_PERIOD,
+    CANDIDATE_UNITS, EXPECT_PERIOD, EXPECT_US, EXPECTED_SIZES, HINT_PERIOD, KEYFRAME_UNITS,
+    LARGE_FACE, LARGE_FACE_PERIOD, UNCLEAR_PERIOD,
 };
 use crate::track::step::{Step, WorkBudget};
 
@@ -145,6 +145,11 @@ impl Scanner {
     /// Whether this is one of those steps in `period`.
     pub fn is_one_in(&self, period: u32) -> bool {
         self.steps.is_multiple_of(period)
+    }
+
+    /// Whether this step does not look where the caller expects a face. The first one does.
+    pub fn leaves_hint(&self) -> bool {
+        self.steps % HINT_PERIOD == 1
     }
 
     /// The next step is the first of `period`, after the one that [`Scanner::is_one_in`] means.
