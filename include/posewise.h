@@ -1040,8 +1040,9 @@ posewise_status posewise_step(posewise_tracker *tracker,
                               posewise_result *out);
 
 /// As posewise_step(), for a caller who expects a face somewhere: while searching, it is attempted
-/// there first, then at what the detector finds near it, then the search goes on. A face that is
-/// tracked, or was a moment ago, stays: call posewise_reset() first to change it.
+/// there first, then at what the detector finds near it, then the search goes on; one step in four
+/// only searches. A face that is tracked, or was a moment ago, stays: call posewise_reset() first to
+/// change it.
 POSEWISE_API
 posewise_status posewise_step_at(posewise_tracker *tracker,
                                  const posewise_frame *frame,

@@ -180,9 +180,9 @@ impl Tracker {
     }
 
     /// As [`Tracker::step`], for a caller who expects a face somewhere: while searching, it is
-    /// attempted there first, then at what the detector finds near it, then the search goes on. A
-    /// face that is tracked, or was a moment ago, stays the target: call [`Tracker::reset`] first
-    /// to change it.
+    /// attempted there first, then at what the detector finds near it, then the search goes on; one
+    /// step in four only searches. A face that is tracked, or was a moment ago, stays the target:
+    /// call [`Tracker::reset`] first to change it.
     ///
     /// # Errors
     /// [`StepError`]; the tracker is then unchanged.
