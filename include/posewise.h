@@ -1041,8 +1041,8 @@ posewise_status posewise_step(posewise_tracker *tracker,
 
 /// As posewise_step(), for a caller who expects a face somewhere: while searching, it is attempted
 /// there first, then at what the detector finds near it, then the search goes on; one step in four
-/// only searches. A face that is tracked, or was a moment ago, stays: call posewise_reset() first to
-/// change it.
+/// only searches. A face that is tracked, or was a moment ago, stays: call posewise_reset() first
+/// to change it.
 POSEWISE_API
 posewise_status posewise_step_at(posewise_tracker *tracker,
                                  const posewise_frame *frame,

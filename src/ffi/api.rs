@@ -356,8 +356,8 @@ pub unsafe extern "C" fn posewise_step(
 
 /// As posewise_step(), for a caller who expects a face somewhere: while searching, it is attempted
 /// there first, then at what the detector finds near it, then the search goes on; one step in four
-/// only searches. A face that is tracked, or was a moment ago, stays: call posewise_reset() first to
-/// change it.
+/// only searches. A face that is tracked, or was a moment ago, stays: call posewise_reset() first
+/// to change it.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn posewise_step_at(
     tracker: *mut posewise_tracker,
