@@ -77,6 +77,10 @@ const LOWERED_ODDS: f32 = 1.2;
 /// An eye that is open by these odds says the same of the other one, because lids move together.
 /// From above or the side, lashes and lids hide what is open of the farther one.
 const SURE_OPEN_ODDS: f32 = 1.7;
+/// Lids of both eyes that are nearer than this are shut, if by these odds one eye is: what the
+/// network says of the other counts for less than three that agree.
+const SHUT_DISTANCE: f32 = 0.25;
+const SURE_SHUT_ODDS: f32 = -1.7;
 /// Lids that are as good as shut, and odds above which neither eye need be: it may look down.
 const SHUT_LIDS: f32 = 0.35;
 const MAYBE_OPEN_ODDS: f32 = -2.0;
@@ -134,10 +138,18 @@ impl OfEye {
         }
     }
 
-    /// By the lids and the network.
-    fn new(lids: &Lids, eye: &Eye, other: &Eye) -> OfEye {
+    /// By the lids and the network; `are_shut`: those of both eyes are.
+    fn new(lids: &Lids, eye: &Eye, other: &Eye, are_shut: bool) -> OfEye {
         match eye.open {
-            Ok(open) => OfEye::of_seen(lids, odds(open), odds(other.open.unwrap_or(open))),
+            Ok(open) => {
+                let (own, others) = (odds(open), odds(other.open.unwrap_or(open)));
+                let odds = match others >= SURE_OPEN_ODDS {
+                    _ if are_shut => own.min(others),
+                    true => own.max(others),
+                    false => own,
+                };
+                OfEye::of_seen(lids, odds)
+            }
             Err(
                 EyeUnknown::DarkGlasses
                 | EyeUnknown::Glare
@@ -148,13 +160,8 @@ impl OfEye {
         }
     }
 
-    /// Of an eye that the network sees, by the lids and the logarithms of the odds that it and the
-    /// other one are open.
-    fn of_seen(lids: &Lids, own: f32, others: f32) -> OfEye {
-        let odds = match others >= SURE_OPEN_ODDS {
-            true => own.max(others),
-            false => own,
-        };
+    /// Of an eye that the network sees, by the lids and the logarithm of the odds that it is open.
+    fn of_seen(lids: &Lids, odds: f32) -> OfEye {
         let network = by_network(odds + LOWERED_ODDS * lids.lowered);
         let sure_from = |least: f32| odds.abs() >= least;
         let Some(distance) = lids.distance else {
@@ -186,9 +193,19 @@ pub struct Openness {
     /// Distance of the lids of the left and the right eye in that of open ones that look where
     /// these do, where it is known.
     pub eye_open: [Option<f32>; 2],
+    /// Both eyes are shut, though a gaze may seem to be known.
+    pub are_shut: bool,
     /// No lids are known to be open and the gaze is unknown, but the network is not sure that they
     /// are shut: they may follow a lowered gaze.
     pub may_look_down: bool,
+}
+
+/// Whether the lids of both eyes are shut and the network is sure of one. Lids move together.
+fn are_shut(lids: &[Option<f32>; 2], eyes: &[Eye; 2]) -> bool {
+    let are_near = (lids.iter()).all(|lids| lids.is_some_and(|d| distance(d) < SHUT_DISTANCE));
+    let [left, right] = eyes.each_ref().map(|eye| eye.open.ok().map(odds));
+    let is_sure = |left: f32, right: f32| left.min(right) <= SURE_SHUT_ODDS;
+    are_near && left.zip(right).is_some_and(|(l, r)| is_sure(l, r))
 }
 
 /// Openness by the lids and by the network that sees them. Behind dark glasses and reflections and
@@ -197,22 +214,25 @@ pub struct Openness {
 /// the other. Lids that follow a gaze that is known are open.
 pub fn openness(lids: [Option<f32>; 2], eyes: &Eyes) -> Openness {
     let [left_eye, right_eye] = &eyes.each;
-    let lids = lids.map(|reading| Lids::new(reading, eyes.gaze.as_ref().ok()));
-    let left = OfEye::new(&lids[0], left_eye, right_eye);
-    let right = OfEye::new(&lids[1], right_eye, left_eye);
+    let are_shut = are_shut(&lids, &eyes.each);
+    let gaze = eyes.gaze.as_ref().ok().filter(|_| !are_shut);
+    let lids = lids.map(|reading| Lids::new(reading, gaze));
+    let left = OfEye::new(&lids[0], left_eye, right_eye, are_shut);
+    let right = OfEye::new(&lids[1], right_eye, left_eye, are_shut);
     let beside = |this: OfEye, other: OfEye, other_eye: &Eye| match other_eye.open {
         _ if other.with_other.is_some() => this.with_other,
         Err(EyeUnknown::DarkGlasses | EyeUnknown::Glare) => this.beside_lens,
         _ => this.alone,
     };
-    let are_shut = |lids: &Lids| lids.distance.is_none_or(|distance| distance < SHUT_LIDS);
+    let seem_shut = |lids: &Lids| lids.distance.is_none_or(|distance| distance < SHUT_LIDS);
     Openness {
         eye_open: [
             beside(left, right, right_eye),
             beside(right, left, left_eye),
         ],
+        are_shut,
         may_look_down: eyes.gaze.is_err()
-            && lids.iter().all(are_shut)
+            && lids.iter().all(seem_shut)
             && (eyes.each.iter().flat_map(|eye| eye.open)).any(|open| odds(open) > MAYBE_OPEN_ODDS),
     }
 }
@@ -294,6 +314,29 @@ mod tests {
         near(beside_lens(0.4, 0.01)[0], 0.0);
         near(beside_lens(0.0, 0.15)[0], 0.18337);
         assert_eq!(beside_lens(0.4, 0.2), [None; 2]);
+    }
+
+    #[test]
+    fn lids_of_both_eyes_and_one_network_outvote_the_other() {
+        let of = |lids, open: [f32; 2]| {
+            let each = open.map(|open| Eye {
+                open: Ok(open),
+                ..Eye::EMPTY
+            });
+            openness(lids, &looking(each, 18.0))
+        };
+        let shut = of([Some(0.0), Some(0.04)], [0.05, 0.96]);
+        assert!(shut.are_shut);
+        assert!(shut.eye_open.iter().flatten().all(|open| *open < 0.2));
+        // One lid is not shut, or the network is not sure, or one eye is hidden.
+        for (lids, open) in [
+            ([Some(0.0), Some(0.15)], [0.05, 0.96]),
+            ([Some(0.0), Some(0.0)], [0.3, 0.96]),
+            ([Some(0.0), None], [0.05, 0.96]),
+        ] {
+            let seen = of(lids, open);
+            assert!(!seen.are_shut && seen.eye_open[0] > Some(0.35), "{seen:?}");
+        }
     }
 
     #[test]

@@ -1,7 +1,9 @@
 //! Last part of an attempt: the 3D face is fitted to the aligned landmarks.
 
 use super::align::Aligned;
-use super::policy::{MOST_TURN_COSINE, UNTRUSTED_KEEP_CONFIDENCE};
+use super::policy::{
+    ANCHOR_MIN_FACING, LEAST_TURN, MOST_TURN, MOST_TURN_SPEED, UNTRUSTED_KEEP_CONFIDENCE,
+};
 use super::step::Step;
 use crate::align::Shape;
 use crate::shape::{FaceFit, FaceModel, FaceState, FitOptions, Identity, Intrinsics, fit};
@@ -11,6 +13,8 @@ use crate::verifier::Confidence;
 pub(super) struct Prior<'a> {
     /// The face on the frame before.
     pub(super) start: Option<&'a FaceState>,
+    /// When that was \[µs\].
+    pub(super) start_us: i64,
     pub(super) identity: Identity,
 }
 
@@ -35,15 +39,16 @@ pub(super) struct Fitted<'a> {
     pub(super) fit: &'a FaceFit,
 }
 
-/// Whether the head faces elsewhere than on the frame before.
-fn has_jumped(prior: &Prior<'_>, fit: &FaceFit) -> bool {
+/// Whether the head has turned farther than one does since the frame before.
+fn has_jumped(step: &Step<'_>, prior: &Prior<'_>, fit: &FaceFit) -> bool {
     prior.start.is_some_and(|before| {
-        let cosine = before
-            .pose
-            .rotation
-            .z_axis
-            .dot(fit.state.pose.rotation.z_axis);
-        cosine < MOST_TURN_COSINE
+        let nose = |face: &FaceState| face.pose.rotation.z_axis;
+        let elapsed_s = step.now_us.saturating_sub(prior.start_us) as f32 * 1e-6;
+        let most_turn = match before.pose.facing_cosine() < ANCHOR_MIN_FACING {
+            true => (MOST_TURN_SPEED * elapsed_s).clamp(LEAST_TURN, MOST_TURN),
+            false => MOST_TURN,
+        };
+        nose(before).dot(nose(&fit.state)) < libm::cosf(most_turn)
     })
 }
 
@@ -56,7 +61,7 @@ impl<'a> Fitted<'a> {
         fit: &'a FaceFit,
         prior: &Prior<'_>,
     ) -> Option<Fitted<'a>> {
-        if aligned.confidence.face < UNTRUSTED_KEEP_CONFIDENCE && has_jumped(prior, fit) {
+        if aligned.confidence.face < UNTRUSTED_KEEP_CONFIDENCE && has_jumped(step, prior, fit) {
             return None;
         }
         Some(Fitted {

@@ -106,6 +106,15 @@ pub(super) const RECOGNISED_LANDMARKS: u32 = 8;
 /// frame of any clip is lost by it (*Giving up faces of low confidence*).
 pub(super) const LOW_CONFIDENCE_US: i64 = 250_000;
 
+/// The same for a trusted target whose head was last turned from the camera by more than the angle
+/// of `TURNED_COSINE`: a profile shows less to be sure of, and who looks over the shoulder turns
+/// back \[µs\].
+///
+/// Source: heads of the sweeps from 60° of yaw on (*Profiles of low confidence*). The second itself
+/// and the 60° are chosen.
+pub(super) const TURNED_LOW_CONFIDENCE_US: i64 = 1_000_000;
+pub(super) const TURNED_COSINE: f32 = 0.5;
+
 /// There is an anchor until the head turns away: looks at the camera to within less than the angle
 /// of this cosine, with a confidence of at least `UNTRUSTED_KEEP_CONFIDENCE`. A head that turns
 /// farther shows ever less of its face without being covered.
@@ -258,11 +267,19 @@ pub(super) const LARGE_FACE: f32 = 0.25;
 /// Source: chosen.
 pub(super) const LOCAL_SEARCH_PERIOD: u32 = 2;
 
-/// Cosine of the largest angle by which a head of low confidence turns from one frame to the next.
+/// Largest angle by which a head of low confidence turns from one frame to the next \[rad\].
 ///
-/// Source: chosen, 60°: 1,800° a second at 30 frames. A head turned beyond profile is recognised by
-/// what is left of it, and its fit then flips to the other side.
-pub(super) const MOST_TURN_COSINE: f32 = 0.5;
+/// Source: chosen, 60°.
+pub(super) const MOST_TURN: f32 = 1.05;
+
+/// Largest speed with which it does so where it was turned beyond the angle of `ANCHOR_MIN_FACING`
+/// \[rad/s\], and the least angle that counts as such a turn \[rad\]. A head turned to profile is
+/// recognised by what is left of it, and its fit then flips to the front or to the other side.
+///
+/// Source: chosen: 900° a second, 30°. With 60° from frame to frame, fits of three of 38 heads of
+/// two sweeps flip and stay so (*Profiles of low confidence*).
+pub(super) const MOST_TURN_SPEED: f32 = 15.7;
+pub(super) const LEAST_TURN: f32 = 0.52;
 
 // --- Work costs ----------------------------------------------------------------------------------
 

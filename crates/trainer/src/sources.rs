@@ -14,6 +14,16 @@ pub enum Terms {
     Research,
 }
 
+impl Terms {
+    /// As options and data sheets have them.
+    pub fn name(self) -> &'static str {
+        match self {
+            Terms::Free => "free",
+            Terms::Research => "research",
+        }
+    }
+}
+
 /// What a source is.
 #[derive(Clone, Copy, Debug)]
 pub enum What {

@@ -18,7 +18,7 @@ use crate::track::policy::{
     ACCEPT_CONFIDENCE, ANCHOR_MIN_FACING, COVERED_US, CUT_SURROUNDINGS, FAST_MOTION,
     IDENTITY_FRAMES, LOW_CONFIDENCE_US, OTHER_EVIDENCE, RECOGNISED_KEEP_CONFIDENCE,
     RECOGNISED_LANDMARKS, SAME_EVIDENCE, SURROUNDINGS, TRUST_CONFIDENCE, TRUSTED_KEEP_CONFIDENCE,
-    UNTRUSTED_KEEP_CONFIDENCE, identity_period,
+    TURNED_COSINE, TURNED_LOW_CONFIDENCE_US, UNTRUSTED_KEEP_CONFIDENCE, identity_period,
 };
 use crate::track::step::Step;
 use crate::track::weights::PersonsRest;
@@ -112,7 +112,12 @@ impl Target {
 
     /// Confidence below which the target is lost, when `recognised` landmarks are.
     pub fn min_confidence(&self, recognised: u32, now_us: i64) -> f32 {
-        let is_late = now_us.saturating_sub(self.confirmed_us) > LOW_CONFIDENCE_US;
+        let is_turned = self.is_trusted && self.face.pose.facing_cosine() < TURNED_COSINE;
+        let long_us = match is_turned {
+            true => TURNED_LOW_CONFIDENCE_US,
+            false => LOW_CONFIDENCE_US,
+        };
+        let is_late = now_us.saturating_sub(self.confirmed_us) > long_us;
         match self.is_trusted {
             true if recognised >= RECOGNISED_LANDMARKS => RECOGNISED_KEEP_CONFIDENCE,
             true if !is_late => TRUSTED_KEEP_CONFIDENCE,
@@ -189,6 +194,7 @@ impl Target {
     pub fn prior(&self, origin: Origin) -> Prior<'_> {
         Prior {
             start: (origin == Origin::Tracked).then_some(&self.face),
+            start_us: self.fitted_us,
             identity: match origin {
                 Origin::NewFace => self.guess.map_or([0.0; MAX_IDENTITIES], |guess| guess.mean),
                 Origin::Reacquired | Origin::Tracked => self.face.identity,
@@ -278,16 +284,26 @@ impl Target {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::{Mat3, Vec3};
+
+    /// A trusted target, last confirmed after a second, whose head is turned by so much.
+    fn turned(yaw_deg: f32) -> Target {
+        let mut target = Target {
+            confirmed_us: 1_000_000,
+            is_trusted: true,
+            ..Target::EMPTY
+        };
+        target.face.pose.rotation = Mat3::from_rotation_y(yaw_deg.to_radians());
+        target.face.pose.translation_mm = 500.0 * Vec3::Z;
+        target
+    }
 
     #[test]
     fn low_confidence_is_kept_for_a_while_and_longer_where_the_target_is_recognised() {
+        let trusted = turned(0.0);
         let untrusted = Target {
-            confirmed_us: 1_000_000,
-            ..Target::EMPTY
-        };
-        let trusted = Target {
-            is_trusted: true,
-            ..untrusted.clone()
+            is_trusted: false,
+            ..trusted.clone()
         };
         let soon = 1_000_000 + LOW_CONFIDENCE_US;
         let late = soon + 1;
@@ -301,5 +317,22 @@ mod tests {
         }
         let kept = trusted.min_confidence(most, late);
         assert_eq!(kept, RECOGNISED_KEEP_CONFIDENCE);
+    }
+
+    #[test]
+    fn low_confidence_is_kept_longer_of_a_head_that_is_turned_away() {
+        let late = 1_000_001 + LOW_CONFIDENCE_US;
+        let kept = |yaw_deg, now_us| turned(yaw_deg).min_confidence(0, now_us);
+        assert_eq!(kept(55.0, late), UNTRUSTED_KEEP_CONFIDENCE);
+        for yaw_deg in [65.0, -85.0, 95.0] {
+            assert_eq!(kept(yaw_deg, late), TRUSTED_KEEP_CONFIDENCE);
+            let too_late = 1_000_001 + TURNED_LOW_CONFIDENCE_US;
+            assert_eq!(kept(yaw_deg, too_late), UNTRUSTED_KEEP_CONFIDENCE);
+        }
+        let untrusted = Target {
+            is_trusted: false,
+            ..turned(65.0)
+        };
+        assert_eq!(untrusted.min_confidence(0, late), ACCEPT_CONFIDENCE);
     }
 }

@@ -1,5 +1,6 @@
 //! Options of `posewise-train model`.
 
+use super::refiners;
 use crate::render::{self, Kind};
 use crate::sources::{Sources, Terms};
 use anyhow::Result;
@@ -36,7 +37,8 @@ pub struct Args {
     /// Batches that the network of single eyes is trained on.
     #[arg(long, default_value_t = 48_000)]
     pub eye_steps: usize,
-    /// Batches that each network of the global stage is trained on.
+    /// Batches that each network of the global stage is trained on; with `--from`, 0 keeps all of
+    /// the model but the verifier, if refiners and detector are kept too.
     #[arg(long, default_value_t = 40_000)]
     pub steps: usize,
     /// Batches that a refiner is trained on, half of `--steps` unless given; with `--from`, 0 keeps
@@ -68,6 +70,20 @@ impl Args {
     /// What it trains on.
     pub fn sources(&self) -> Result<Sources> {
         Sources::new(self.terms, &self.without)
+    }
+
+    /// Whether no network is trained.
+    pub fn keeps_networks(&self) -> bool {
+        let steps = [self.steps, self.detector_steps, refiners::steps(self)];
+        self.from.is_some() && steps.iter().all(|steps| *steps == 0)
+    }
+
+    /// What is left out, on a line of its own, for the commands in data sheets; nothing if nothing.
+    pub fn without_option(&self) -> String {
+        match self.without.is_empty() {
+            true => String::new(),
+            false => format!("\n--without {}", self.without.join(" --without ")),
+        }
     }
 
     /// `--from MODEL` on a line of its own, for the commands in data sheets; nothing without it.

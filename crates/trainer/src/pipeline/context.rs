@@ -5,7 +5,7 @@ use super::args::Args;
 use super::hash::Hash;
 use super::stage::Stage;
 use super::store::{Output, Store};
-use super::{fits, renders};
+use super::{fits, renders, sections};
 use crate::completion;
 use crate::detect::backgrounds;
 use crate::faces::{self, Face};
@@ -135,6 +135,19 @@ impl<'a> Context<'a> {
         let all = Blob::open(bytes)?;
         let found = all.sections().find(|(of, _)| *of == tag);
         Ok(found.map(|(_, bytes)| SectionWriter::of_bytes(tag, bytes.to_vec())))
+    }
+
+    /// A section of the finished model as it is, as the output of a stage, if no batches are to be
+    /// trained and it has one.
+    pub fn kept_stage(&self, name: &'static str, steps: usize, tag: Tag) -> Result<Option<Output>> {
+        let (0, Some(section)) = (steps, self.kept(tag)?) else {
+            return Ok(None);
+        };
+        let stage = self.with_finished(Stage::new(name, 1));
+        let output = self.store.make(&stage, &[sections::FILE], |folder| {
+            sections::write(folder, &section)
+        });
+        output.map(Some)
     }
 
     /// The stage with the training faces of [`Context::faces`] as input.

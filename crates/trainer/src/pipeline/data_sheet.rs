@@ -9,7 +9,7 @@ use super::{global_network, refiners, sections};
 use crate::align::{self, Accuracy, Trained};
 use crate::faces::{self, Face};
 use crate::photographs::DEV;
-use crate::sources::{Sources, Terms};
+use crate::sources::{Source, Sources, Terms, What};
 use anyhow::Result;
 use posewise::align::AlignModel;
 use posewise_format::{SHEET_FREE, SHEET_RESEARCH, SHEET_TAG, SHEET_TITLE, SectionWriter, Tag};
@@ -109,17 +109,11 @@ inter-ocular distance, median {median:.2} %, above 10 %: {failure:.2} %.
             .file_name()
             .and_then(|n| n.to_str())
             .unwrap_or("the model"),
-        terms = match args.terms {
-            Terms::Free => "free",
-            Terms::Research => "research",
-        },
+        terms = args.terms.name(),
         detector = args.detector_steps,
         refiner = refiners::steps(args),
         share = args.share_of_from,
-        without = match args.without.is_empty() {
-            true => String::new(),
-            false => format!("\n--without {}", args.without.join(" --without ")),
-        },
+        without = args.without_option(),
         from = args.from_option(),
         seed = args.seed,
         plain = args.renders,
@@ -133,13 +127,40 @@ inter-ocular distance, median {median:.2} %, above 10 %: {failure:.2} %.
 
 /// Headings of the parts on sections that are added to a finished model, in the order in which they
 /// stand.
-const PARTS: [&str; 3] = [MESH_HEADING, WEIGHTS_HEADING, EYES_HEADING];
-/// Those of sections `MESH`, `WGHT` and `EYES`.
+const PARTS: [&str; 4] = [
+    VERIFIER_HEADING,
+    MESH_HEADING,
+    WEIGHTS_HEADING,
+    EYES_HEADING,
+];
+/// Those of sections `VRFY`, `MESH`, `WGHT` and `EYES`.
+pub const VERIFIER_HEADING: &str = "\n\nVerifier (section VRFY):\n";
+/// See [`VERIFIER_HEADING`].
 pub const MESH_HEADING: &str = "\n\nMesh (section MESH):\n";
-/// See [`MESH_HEADING`].
+/// See [`VERIFIER_HEADING`].
 pub const WEIGHTS_HEADING: &str = "\n\nWeights (section WGHT):\n";
-/// See [`MESH_HEADING`].
+/// See [`VERIFIER_HEADING`].
 pub const EYES_HEADING: &str = "\n\nEyes (section EYES):\n";
+
+/// What the data sheet says of a verifier that was trained for a finished model.
+pub fn about_verifier(args: &Args, sources: &Sources) -> String {
+    let of_faces = |source: &&Source| !matches!(source.what, What::SingleEyes | What::InfraredEyes);
+    let names = sources.iter().filter(of_faces).map(|source| source.name);
+    let names = names.collect::<Vec<_>>().join(", ");
+    format!(
+        "\
+trained anew for the networks above by `cargo run --release -p posewise-train -- model
+--terms {terms} --seed {seed} --renders {plain} --near-renders {near} --steps 0
+--detector-steps 0 --refiner-steps 0{without}{from}`, on
+{names}, and {plain} rendered faces.",
+        terms = args.terms.name(),
+        seed = args.seed,
+        plain = args.renders,
+        near = args.near_renders,
+        without = args.without_option(),
+        from = args.from_option(),
+    )
+}
 
 /// A data sheet in which the part below a heading is new.
 pub fn with_part(sheet: &str, heading: &str, text: &str) -> String {

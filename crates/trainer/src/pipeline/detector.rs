@@ -29,23 +29,21 @@ struct Options {
 
 /// Makes the section; with no batches, that of the finished model stays as it is.
 pub fn make(context: &Context<'_>) -> Result<Output> {
+    let steps = context.args.detector_steps;
+    if let Some(kept) = context.kept_stage("detector-kept", steps, TAG)? {
+        return Ok(kept);
+    }
     let usual = detect::Options::default();
     let options = Options {
         detector: detect::Options {
             seed: context.args.seed,
-            steps: context.args.detector_steps,
+            steps,
             rate: context.rate(usual.rate),
             ..usual
         },
         profiles: [PROFILES, NEAR_PROFILES],
         fronts: [FRONTS, NEAR_FRONTS],
     };
-    if let (0, Some(section)) = (context.args.detector_steps, context.kept(TAG)?) {
-        let stage = context.with_finished(Stage::new("detector-kept", 1));
-        return context.store.make(&stage, &[sections::FILE], |folder| {
-            sections::write(folder, &section)
-        });
-    }
     let stage = context.with_near(Stage::new("detector", 7).options(&options)?)?;
     let stage = context.with_backgrounds(context.with_faces(stage)?)?;
     let stage = context.with_finished(stage);

@@ -11,6 +11,10 @@ use posewise::align::{AlignModel, EnsembleMember};
 
 /// Makes the section.
 pub fn make(context: &Context<'_>) -> Result<Output> {
+    let steps = context.args.steps;
+    if let Some(kept) = context.kept_stage("ensemble-member-kept", steps, EnsembleMember::TAG)? {
+        return Ok(kept);
+    }
     let options = global_network::options(context).ensemble_member();
     let stage = context.with_faces(Stage::new("ensemble-member", 5).options(&options)?)?;
     let stage = context.with_finished(stage);

@@ -52,6 +52,10 @@ pub fn options(context: &Context<'_>) -> align::Options {
 
 /// Makes section and network.
 pub fn make(context: &Context<'_>) -> Result<Output> {
+    let steps = context.args.steps;
+    if let Some(kept) = context.kept_stage("global-network-kept", steps, AlignModel::TAG)? {
+        return Ok(kept);
+    }
     let options = options(context);
     let stage = context.with_faces(Stage::new("global-network", 4).options(&options)?)?;
     let stage = context.with_finished(stage);

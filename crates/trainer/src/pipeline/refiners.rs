@@ -18,11 +18,8 @@ pub fn steps(args: &Args) -> usize {
 /// finished model stays as it is.
 pub fn make(context: &Context<'_>, global: &Output, member: &Output) -> Result<Output> {
     let args = context.args;
-    if let (0, Some(section)) = (steps(args), context.kept(Refiners::TAG)?) {
-        let stage = context.with_finished(Stage::new("refiners-kept", 1));
-        return context.store.make(&stage, &[sections::FILE], |folder| {
-            sections::write(folder, &section)
-        });
+    if let Some(kept) = context.kept_stage("refiners-kept", steps(args), Refiners::TAG)? {
+        return Ok(kept);
     }
     let mut options = align::refiners::options(args.seed, steps(args));
     options.rate = global_network::options(context).rate;

@@ -1,5 +1,6 @@
 //! Runs all stages in order.
 
+use super::add::{self, Added};
 use super::args::{Args, Until};
 use super::context::Context;
 use super::store::Store;
@@ -16,6 +17,7 @@ use posewise::align::{
 use posewise::detect;
 use posewise::shape::{FACE_TAG, MESH_TAG};
 use posewise::verifier::Verifier;
+use posewise_format::Blob;
 use std::time::Instant;
 
 /// Makes what the store does not hold yet and writes the model and its data sheet.
@@ -52,8 +54,17 @@ pub fn run(args: &Args) -> Result<()> {
         (&refiners, Refiners::TAG),
         (&regression, ShapeRegression::TAG),
     ];
-    let rotation = rotation_regression::make(&context, &cascade)?;
     let verifier = verifier::make(&context, &cascade, &detector)?;
+    if let Some((model, _)) = context.finished.as_ref().filter(|_| args.keeps_networks()) {
+        let added = Added {
+            tag: Verifier::TAG,
+            section: sections::read(&(&verifier, Verifier::TAG))?,
+            heading: data_sheet::VERIFIER_HEADING,
+            about: &data_sheet::about_verifier(args, &sources),
+        };
+        return add::write(&Blob::open(model)?, &added, &args.out);
+    }
+    let rotation = rotation_regression::make(&context, &cascade)?;
     let sheet = data_sheet::make(&context, &cascade)?;
     let mut sheet = data_sheet::text(args, &sources, &data_sheet::read(&sheet)?);
     let mut all = [(&face, FACE_TAG), (&detector, detect::TAG)]

@@ -9,10 +9,14 @@ use crate::align;
 use crate::faces::Face;
 use crate::head::{Labels, MARKS_VERSION, MESH_MARKS_VERSION};
 use anyhow::Result;
-use posewise::align::{AlignModel, EnsembleMember, Refiners};
+use posewise::align::{AlignModel, EnsembleMember, Refiners, ShapeRegression};
 
 /// Makes the section for a cascade of these: global network, ensemble member, refiners.
 pub fn make(context: &Context<'_>, [global, member, refiners]: [&Output; 3]) -> Result<Output> {
+    let steps = context.args.steps;
+    if let Some(kept) = context.kept_stage("shape-regression-kept", steps, ShapeRegression::TAG)? {
+        return Ok(kept);
+    }
     let stage = Stage::new("shape-regression", 5)
         .input("global-network", global.hash(sections::FILE)?)
         .input("ensemble-member", member.hash(sections::FILE)?)
