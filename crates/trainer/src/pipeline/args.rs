@@ -1,6 +1,5 @@
 //! Options of `posewise-train model`.
 
-use super::refiners;
 use crate::render::{self, Kind};
 use crate::sources::{Sources, Terms};
 use anyhow::Result;
@@ -70,12 +69,6 @@ impl Args {
     /// What it trains on.
     pub fn sources(&self) -> Result<Sources> {
         Sources::new(self.terms, &self.without)
-    }
-
-    /// Whether no network is trained.
-    pub fn keeps_networks(&self) -> bool {
-        let steps = [self.steps, self.detector_steps, refiners::steps(self)];
-        self.from.is_some() && steps.iter().all(|steps| *steps == 0)
     }
 
     /// What is left out, on a line of its own, for the commands in data sheets; nothing if nothing.

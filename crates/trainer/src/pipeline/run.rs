@@ -55,7 +55,7 @@ pub fn run(args: &Args) -> Result<()> {
         (&regression, ShapeRegression::TAG),
     ];
     let verifier = verifier::make(&context, &cascade, &detector)?;
-    if let Some((model, _)) = context.finished.as_ref().filter(|_| args.keeps_networks()) {
+    if let Some((model, _)) = context.finished.as_ref().filter(|_| keeps_networks(args)) {
         let added = Added {
             tag: Verifier::TAG,
             section: sections::read(&(&verifier, Verifier::TAG))?,
@@ -99,4 +99,9 @@ pub fn run(args: &Args) -> Result<()> {
         started.elapsed()
     );
     Ok(())
+}
+
+/// Whether no network is trained.
+fn keeps_networks(args: &Args) -> bool {
+    args.steps == 0 && args.detector_steps == 0 && refiners::steps(args) == 0
 }
