@@ -11,8 +11,8 @@ use crate::head::{Labels, MARKS_VERSION, MESH_MARKS_VERSION};
 use anyhow::Result;
 use posewise::align::{AlignModel, EnsembleMember, Refiners, ShapeRegression};
 
-/// Makes the section for a cascade of these: global network, ensemble member, refiners. Where all of
-/// them are kept, that of the finished model stays as it is.
+/// Makes the section for a cascade of these: global network, ensemble member, refiners. Where all
+/// are kept, that of the finished model stays as it is.
 pub fn make(context: &Context<'_>, [global, member, refiners]: [&Output; 3]) -> Result<Output> {
     let steps = context.args.steps + super::refiners::steps(context.args);
     if let Some(kept) = context.kept_stage("shape-regression-kept", steps, ShapeRegression::TAG)? {
