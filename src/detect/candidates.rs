@@ -28,6 +28,8 @@ const BETTER_SCORE: f32 = 1.0;
 struct Candidate {
     face: Detection,
     reported: bool,
+    /// Whether a tile of its own has shown it.
+    seen: bool,
 }
 
 /// Hits of a tile.
@@ -121,6 +123,7 @@ impl Candidates {
         let new = Candidate {
             face,
             reported: false,
+            seen: false,
         };
         let competes = |c: &&mut Candidate| {
             !c.reported && overlaps(&c.face, &face, COMPETING_DISTANCE, COMPETING_RATIO)
@@ -148,11 +151,9 @@ impl Candidates {
         }
     }
 
-    /// Whether one with at least this score was not reported yet.
-    pub fn has_pending_from(&self, score: f32) -> bool {
-        self.list
-            .iter()
-            .any(|c| !c.reported && c.face.score >= score)
+    /// Whether any was not reported yet.
+    pub fn has_pending(&self) -> bool {
+        self.list.iter().any(|c| !c.reported)
     }
 
     /// Reports the best candidate that was not reported yet.
@@ -162,13 +163,45 @@ impl Candidates {
 
     /// As [`Self::report`], where its score is at least this.
     pub fn report_from(&mut self, score: f32) -> Option<Detection> {
-        let open = self.list.iter_mut().filter(|c| !c.reported);
-        let best = open.max_by(|a, b| a.face.score.total_cmp(&b.face.score))?;
-        (best.face.score >= score).then(|| {
-            best.reported = true;
-            best.face
-        })
+        reported(self.best(score, |_| true)?)
     }
+
+    /// As [`Self::report_from`], of those that a tile of their own has shown or that are larger
+    /// than this \[frame px\].
+    pub fn report_seen(&mut self, score: f32, size: f32) -> Option<Detection> {
+        reported(self.best(score, |c| c.seen || c.face.size > size)?)
+    }
+
+    /// The best candidate of the others, where its score is at least this.
+    pub fn unseen(&mut self, score: f32, size: f32) -> Option<Detection> {
+        self.best_unseen(score, size).map(|c| c.face)
+    }
+
+    /// What a tile of its own shows of [`Self::unseen`], which takes that place; if nothing, it
+    /// counts as reported.
+    pub fn see(&mut self, face: Option<Detection>, size: f32) {
+        if let Some(candidate) = self.best_unseen(f32::NEG_INFINITY, size) {
+            candidate.seen = true;
+            candidate.reported = face.is_none();
+            candidate.face = face.unwrap_or(candidate.face);
+        }
+    }
+
+    fn best_unseen(&mut self, score: f32, size: f32) -> Option<&mut Candidate> {
+        self.best(score, |c| !c.seen && c.face.size <= size)
+    }
+
+    /// The best of some candidates that was not reported yet, where its score is at least this.
+    fn best(&mut self, score: f32, of: impl Fn(&Candidate) -> bool) -> Option<&mut Candidate> {
+        let open = self.list.iter_mut().filter(|c| !c.reported && of(c));
+        let best = open.max_by(|a, b| a.face.score.total_cmp(&b.face.score))?;
+        (best.face.score >= score).then_some(best)
+    }
+}
+
+fn reported(candidate: &mut Candidate) -> Option<Detection> {
+    candidate.reported = true;
+    Some(candidate.face)
 }
 
 #[cfg(test)]
@@ -215,6 +248,32 @@ mod tests {
         assert_eq!(tile(&[hit(102.0, 30.0, 0.1)]), [102.0]);
         // And one whose size the level before could not tell.
         assert_eq!(tile(&[hit(101.0, 48.0, 0.5)]), [101.0]);
+    }
+
+    #[test]
+    fn a_candidate_is_reported_as_its_own_tile_shows_it() {
+        let mut candidates = Candidates::EMPTY;
+        candidates.insert(hit(100.0, 60.0, 1.5));
+        candidates.insert(hit(300.0, 60.0, 1.0));
+        assert_eq!(candidates.report_seen(0.0, 99.0), None);
+        assert_eq!(candidates.unseen(2.0, 99.0), None);
+        assert_eq!(candidates.unseen(1.0, 99.0), Some(hit(100.0, 60.0, 1.5)));
+        candidates.see(Some(hit(104.0, 64.0, 0.5)), 99.0);
+        assert_eq!(candidates.report_seen(1.0, 99.0), None);
+        assert_eq!(candidates.unseen(1.0, 99.0), Some(hit(300.0, 60.0, 1.0)));
+        candidates.see(None, 99.0);
+        assert_eq!(candidates.unseen(0.0, 99.0), None);
+        assert_eq!(
+            candidates.report_seen(0.0, 99.0),
+            Some(hit(104.0, 64.0, 0.5))
+        );
+        assert!(!candidates.has_pending());
+        candidates.insert(hit(500.0, 100.0, 0.5));
+        assert_eq!(candidates.unseen(0.0, 99.0), None);
+        assert_eq!(
+            candidates.report_seen(0.0, 99.0),
+            Some(hit(500.0, 100.0, 0.5))
+        );
     }
 
     #[test]

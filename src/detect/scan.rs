@@ -6,6 +6,10 @@
 //! of what the level before saw there ([`Order`]). A clear candidate is reported right after its
 //! tile.
 //!
+//! Where a frame has many tiles, a candidate is seen in a tile of its own before it is reported: it
+//! costs less than an attempt, and most candidates of clutter end there. A face that the edge of a
+//! tile cut, or that was small in it, gets its place and its size there.
+//!
 //! A face is missed by where tiles lie and by how large it is in them. So each scan reduces the
 //! frame by another factor than the one before ([`FINEST_Q4`]).
 //!
@@ -16,7 +20,7 @@ use super::candidates::Candidates;
 use super::hints::{Order, PASSES, Scores};
 use super::model::TILE;
 use super::tile::{TileMemory, evaluate, upright_tile};
-use super::{Detection, DetectorModel};
+use super::{Detection, DetectorModel, local_search};
 use crate::image::{Frame, MAX_SIDE, Roi, reduce};
 
 /// Work of a tile \[units\]: its instructions over those of a tracking step, of which 2,600 units
@@ -30,17 +34,19 @@ const PASSED_UNITS: u32 = 32;
 
 /// Score of a clear candidate \[logit above the detector's threshold\]: a probability of 0.5.
 const CLEAR_SCORE: f32 = 1.4;
-/// The same in a level of many tiles, whose false candidates take a third of the work: 0.65.
+/// Score from which on a candidate is seen in a tile of its own, where there are many tiles, and
+/// which it has to have there for an attempt …
+const LOOK_SCORE: f32 = 1.4;
+/// … or to be clear, before the last tile.
 ///
-/// Source: faces of 60 px of `faces300w/train` in photographs of 3840×2160 px: with 1.4, 2.0, 2.5
-/// and 4.0 half are tracked after 28, 24, 25 and 48 steps, and 14, 8, 13 and 28 of 50 after more
-/// than 40 (*Candidates and passes in large frames*).
-const CLEAR_OF_MANY: f32 = 2.0;
-/// The same at the end of a pass over such a level, when the best tile for it has mostly been seen.
-///
-/// Source: as above, 100 faces: 98 have more, and in each picture about ten other places do.
-const CLEAR_AT_PASS_END: f32 = 1.5;
-/// Tiles of a level from which on it has many. Chosen: those of 1920×1080.
+/// Source: faces of 60 px of `faces300w/train` in photographs of 3840×2160 px: 92 of 103 looks at a
+/// face and 154 of 1,298 at clutter show more. With 1.4, 1.8 and 2.2, of 200 faces 32, 31 and 44
+/// are tracked after more than 40 steps or never (*Candidates in tiles of their own*).
+const CLEAR_LOOK: f32 = 1.8;
+/// Largest face that has such a tile, as a multiple of the smallest that is searched for: the tile
+/// is as coarse as those of the second level above the finest, and reads no more of the frame.
+const LOOK_SIZES: i32 = 8;
+/// Tiles of the first scan's finest level from which on there are many. Chosen: those of 1920×1080.
 const MANY_TILES: u32 = 40;
 
 /// Which faces a scan has at the smallest size of a tile \[1/16 of the smallest face\], one scan
@@ -115,6 +121,8 @@ pub struct ScanBudget {
     pub candidate: u32,
     /// Whether only clear candidates are reported while there are tiles left to evaluate.
     pub clear: bool,
+    /// Whether candidates are seen in tiles of their own where there are many tiles.
+    pub looks: bool,
 }
 
 impl ScanBudget {
@@ -124,6 +132,7 @@ impl ScanBudget {
             units,
             candidate: 0,
             clear: false,
+            looks: false,
         }
     }
 }
@@ -138,6 +147,8 @@ pub struct Scan {
     sizes: Sizes,
     // Whether it has begun.
     begun: bool,
+    // Whether the first scan's finest level has many tiles.
+    many: bool,
     // Levels that are finer than this one, and the number of the next tile of this one.
     level: u8,
     tile: u32,
@@ -145,8 +156,6 @@ pub struct Scan {
     pass: u8,
     order: Order,
     scores: Scores,
-    // Whether a pass over many tiles has just ended.
-    at_pass_end: bool,
     // Which scan this is since the last restart.
     number: u8,
     // Units of work that the last call did not use.
@@ -221,12 +230,12 @@ impl Scan {
                 max_px: 0,
             },
             begun: false,
+            many: false,
             level: 0,
             tile: 0,
             pass: 0,
             order: Order::NONE,
             scores: Scores::NONE,
-            at_pass_end: false,
             number: 0,
             units_left: 0,
             candidates: Candidates::EMPTY,
@@ -265,22 +274,24 @@ impl Scan {
     ) -> ScanOutcome {
         self.begin(model, frame, roi, sizes);
         self.units_left = budget.units;
+        let looks = budget.looks && self.many;
         let mut is_first = true;
         loop {
-            let least = match budget.clear {
-                true if self.at_pass_end => CLEAR_AT_PASS_END,
-                true if self.tiles(model) >= MANY_TILES => CLEAR_OF_MANY,
-                true => CLEAR_SCORE,
-                false => f32::NEG_INFINITY,
+            let clear = match (looks, budget.clear) {
+                (true, true) => CLEAR_LOOK,
+                (true, false) => LOOK_SCORE,
+                (false, true) => CLEAR_SCORE,
+                (false, false) => f32::NEG_INFINITY,
             };
-            if self.units_left >= budget.candidate
-                && let Some(face) = self.candidates.report_from(least)
-            {
+            if let Some(face) = self.report(clear, looks, budget) {
                 return ScanOutcome::Candidate(face);
             }
-            self.at_pass_end &= self.candidates.has_pending_from(CLEAR_AT_PASS_END);
             if !is_first && self.units_left < TILE_UNITS {
                 return ScanOutcome::BudgetSpent;
+            }
+            if looks && self.look(model, frame, LOOK_SCORE, memory) {
+                is_first = false;
+                continue;
             }
             match self.next(model) {
                 Next::Tile { corner, scale_q8 } => {
@@ -290,27 +301,73 @@ impl Scan {
                 }
                 Next::Passed => self.units_left = self.units_left.saturating_sub(PASSED_UNITS),
                 Next::Pass => {}
-                Next::End => return self.end(budget),
+                // What is left is seen too, as far as there is work for it.
+                Next::End if looks && self.look(model, frame, f32::NEG_INFINITY, memory) => {
+                    is_first = false;
+                }
+                Next::End => return self.end(looks, budget),
             }
         }
     }
 
+    /// The best candidate of at least this score, where the budget has what an attempt takes.
+    fn report(&mut self, score: f32, looks: bool, budget: ScanBudget) -> Option<Detection> {
+        match (self.units_left >= budget.candidate, looks) {
+            (false, _) => None,
+            (true, true) => self.candidates.report_seen(score, self.most_seen()),
+            (true, false) => self.candidates.report_from(score),
+        }
+    }
+
+    /// The largest face that is seen in a tile of its own \[frame px\].
+    fn most_seen(&self) -> f32 {
+        (LOOK_SIZES * self.sizes.min_px) as f32
+    }
+
+    /// Sees the best candidate of at least this score in a tile of its own, if there is one.
+    fn look(
+        &mut self,
+        model: &DetectorModel<'_>,
+        frame: &Frame<'_>,
+        score: f32,
+        memory: &mut TileMemory<'_>,
+    ) -> bool {
+        let most = self.most_seen();
+        let Some(face) = self.candidates.unseen(score, most) else {
+            return false;
+        };
+        let upright = Detection { roll: 0.0, ..face };
+        let seen = local_search(model, frame, &upright, memory);
+        let seen = seen.filter(|face| self.sizes.holds(face.size) && is_centred(&self.roi, face));
+        self.candidates.see(seen, most);
+        self.units_left = self.units_left.saturating_sub(TILE_UNITS);
+        true
+    }
+
     /// After the last tile: a candidate that waits, or the end.
-    fn end(&mut self, budget: ScanBudget) -> ScanOutcome {
-        if self.units_left >= budget.candidate
-            && let Some(face) = self.candidates.report()
-        {
+    fn end(&mut self, looks: bool, budget: ScanBudget) -> ScanOutcome {
+        if let Some(face) = self.report(f32::NEG_INFINITY, looks, budget) {
             return ScanOutcome::Candidate(face);
         }
-        if self.candidates.has_pending_from(f32::NEG_INFINITY) {
-            return ScanOutcome::BudgetSpent;
+        match self.candidates.has_pending() {
+            true => ScanOutcome::BudgetSpent,
+            false => self.finished(),
         }
+    }
+
+    /// The next call begins another scan.
+    fn finished(&mut self) -> ScanOutcome {
         *self = Scan {
             number: self.number.wrapping_add(1),
             units_left: self.units_left,
             ..Self::new()
         };
         ScanOutcome::Finished
+    }
+
+    /// Whether there are many tiles in the scan that goes on.
+    pub fn has_many_tiles(&self) -> bool {
+        self.many
     }
 
     /// Units of the last call's budget that it did not use.
@@ -339,13 +396,13 @@ impl Scan {
             roi,
             sizes,
             begun: true,
-            number,
             ..Self::new()
         };
-        // So far the level is the finest.
-        if self.number == 0 && self.tiles(model) >= MANY_TILES {
-            self.number = FIRST_OF_MANY;
-        }
+        self.many = self.tiles(model) >= MANY_TILES;
+        self.number = match number {
+            0 if self.many => FIRST_OF_MANY,
+            _ => number,
+        };
         let [_, most] = model.sizes_q8;
         let covers = |level: &u8| {
             let largest = i64::from(self.scale_q8(model, *level)) * i64::from(most);
@@ -378,7 +435,6 @@ impl Scan {
         }
         self.tile = 0;
         self.pass += 1;
-        self.at_pass_end = across.count * down.count >= MANY_TILES;
         if self.pass == PASSES && self.level > 0 {
             self.level -= 1;
             self.pass = 0;

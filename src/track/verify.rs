@@ -6,6 +6,7 @@
 //! | rest of that, where one iteration was all that the step had work for | 1 | the same |
 //! | first, at a detection near a lost target or of the caller | all | `ACCEPT_CONFIDENCE` |
 //! | retry of a rejected detection, or a keyframe match | 1 | `ACCEPT_CONFIDENCE` |
+//! | the former in a frame with many tiles | 1 | `FIRST_ATTEMPT_CONFIDENCE` |
 //!
 //! An attempt that goes astray starts from a place that is off: the detector looks there again, at
 //! the size that it found, and the face is attempted from what it then reports.

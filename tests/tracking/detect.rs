@@ -267,6 +267,7 @@ fn candidates_wait_for_their_budget() {
                 units,
                 candidate,
                 clear: false,
+                looks: false,
             };
             let outcome = scan.advance(&model, &frame, Sizes::from(24), budget, &mut memory.tile());
             (outcome, scan.units_left())

@@ -88,9 +88,10 @@ impl Search {
         let retry = self.retry.take()?;
         let mut start = Start::near(retry.shape, Origin::NewFace);
         start.seen = retry.seen;
-        if retry.is_unfinished {
+        start.may_retry = retry.is_unfinished;
+        // Of many places, some look somewhat like a face.
+        if retry.is_unfinished || self.scanner.has_many_tiles() {
             start.needed = Needed::to_refine(FIRST_ATTEMPT_CONFIDENCE);
-            start.may_retry = true;
         }
         // Most of these are no faces: all networks see it if it is better then.
         if retry.confidence < RETRY_CONFIDENCE {
@@ -324,6 +325,9 @@ impl Proposals {
         }
         search.astray = Seen::NONE;
         let mut start = self.near(step, &face, Origin::NewFace, work)?;
+        if search.scanner.has_many_tiles() {
+            start.needed = Needed::to_refine(FIRST_ATTEMPT_CONFIDENCE);
+        }
         start.seen.looks = looks - 1;
         Some(start)
     }

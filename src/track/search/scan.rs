@@ -137,6 +137,11 @@ impl Scanner {
         self.last_seen = last_seen;
     }
 
+    /// Whether the frame has many tiles, and so many places that might look like a face by chance.
+    pub fn has_many_tiles(&self) -> bool {
+        self.all.has_many_tiles() || self.first.has_many_tiles()
+    }
+
     /// Counts a step without a face.
     pub fn count_step(&mut self) {
         self.steps = self.steps.wrapping_add(1);
@@ -202,6 +207,7 @@ impl Scanner {
                 units: budget.left(),
                 candidate: CANDIDATE_UNITS.min(budget.limit()),
                 clear: !steps.is_multiple_of(UNCLEAR_PERIOD),
+                looks: true,
             };
             let detector = &step.model.detector;
             let outcome = scan.advance_in(detector, step.frame, roi, sizes, given, memory);
