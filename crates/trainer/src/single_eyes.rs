@@ -116,14 +116,18 @@ pub fn run(args: &Args) -> Result<()> {
             single.push(SingleEye { picture, open });
         }
         let found = find_all(model.align(), &paths)?;
+        let wide = |(picture, eye): &(Picture, Shape)| extent(eye).1 / picture.size[0] as f32;
+        let mut widths: Vec<f32> = found.iter().map(wide).collect();
         let mut found: Vec<f32> = found.iter().map(|(_, eye)| gap(eye)).collect();
         ensure!(!found.is_empty(), "no eye was found in {name}");
         found.sort_by(f32::total_cmp);
+        widths.sort_by(f32::total_cmp);
         println!(
             "{name}: {} of {} found (each also in the mirror), \
-             median gap of the lids {:.3} of the eye's width",
+             median width of the eye {:.3} of the picture's, gap of the lids {:.3} of the eye's",
             found.len(),
             2 * paths.len(),
+            widths[widths.len() / 2],
             found[found.len() / 2]
         );
         value[name] = json!({"looked_at": 2 * paths.len(), "found": found.len(),

@@ -20,6 +20,12 @@ const MEET: f32 = 0.85;
 const SKIN: f32 = 0.8;
 /// How far below the lower lid skin is drawn up, in widths of the eye.
 const BELOW: f32 = 0.35;
+/// Skin below the eye replaces that of a lid from this share of the lid's height on, wholly within
+/// this share more, taken from so far below the lower lid, in widths of the eye, at this scale.
+const CHEEK_FROM: f32 = 0.25;
+const CHEEK_WITHIN: f32 = 0.5;
+const CHEEK: f32 = 0.08;
+const CHEEK_SCALE: f32 = 0.5;
 /// Distance in the picture up to which skin that stretches counts, in widths of the eye.
 const TALLEST: f32 = 1.5;
 
@@ -72,6 +78,7 @@ pub fn shutter(face: &Face, side: usize) -> Option<Eye> {
 
 /// An eye in a frame of its own: x from corner to corner, 0 to 1, y across, in the same unit, down
 /// from the brow to the cheek.
+#[derive(Clone, Copy)]
 pub struct Eye {
     landmarks: [usize; 6],
     corner: [f32; 2],
@@ -83,6 +90,33 @@ pub struct Eye {
     upper: Lid,
     lower: Lid,
     top: f32,
+    fold: Fold,
+}
+
+/// How the lids of an eye shut.
+#[derive(Clone, Copy)]
+pub struct Fold {
+    /// Where shut lids meet, from the upper (0) to the lower lid (1).
+    pub meet: f32,
+    /// How far below that the middle of their line hangs, in widths of the eye.
+    pub sag: f32,
+    /// How much more of the skin that appears comes from near the lid's edge than from the brow: 1
+    /// stretches all alike; from larger ones on skin below the brow, and the crease, stay.
+    pub unroll: f32,
+    /// Share of the lid's edge that is drawn as skin below the eye: where brows are low, there is
+    /// little else than brow above it.
+    pub cheek: f32,
+}
+
+impl Default for Fold {
+    fn default() -> Fold {
+        Fold {
+            meet: MEET,
+            sag: 0.0,
+            unroll: 1.0,
+            cheek: 0.0,
+        }
+    }
 }
 
 /// y = x (1 − x) (a + b x).
@@ -122,6 +156,7 @@ impl Eye {
             upper: Lid { a: 0.0, b: 0.0 },
             lower: Lid { a: 0.0, b: 0.0 },
             top: 0.0,
+            fold: Fold::default(),
         };
         let brow_y = |eye: &Eye| brow.iter().map(|k| eye.local(shape[*k])[1]).sum::<f32>() / 5.0;
         if brow_y(&eye) > 0.0 {
@@ -146,6 +181,11 @@ impl Eye {
         })
     }
 
+    /// The same eye, whose lids shut in this way.
+    pub fn folded(&self, fold: Fold) -> Eye {
+        Eye { fold, ..*self }
+    }
+
     fn local(&self, p: [f32; 2]) -> [f32; 2] {
         let [ax, ay] = self.along;
         let [dx, dy] = [p[0] - self.corner[0], p[1] - self.corner[1]];
@@ -167,7 +207,9 @@ impl Eye {
     /// Heights of the upper and the lower lid, before and after.
     fn lids(&self, x: f32, by: f32) -> [[f32; 2]; 2] {
         let before = [self.upper.at(x), self.lower.at(x)];
-        let meet = before[0] + MEET * (before[1] - before[0]);
+        let Fold { meet, sag, .. } = self.fold;
+        let sag = 4.0 * sag * (x * (1.0 - x)).max(0.0);
+        let meet = before[0] + meet * (before[1] - before[0]) + sag;
         [before, before.map(|y| y + by * (meet - y))]
     }
 
@@ -179,12 +221,24 @@ impl Eye {
         if y <= self.top || y >= bottom {
             y
         } else if y < to_upper {
-            self.top + (y - self.top) * (upper - self.top) / (to_upper - self.top)
+            let down = (y - self.top) / (to_upper - self.top);
+            self.top + (1.0 - (1.0 - down).powf(self.fold.unroll)) * (upper - self.top)
         } else if y <= to_lower {
             y - follows * (to_upper - upper)
         } else {
             bottom - (bottom - y) * (bottom - lower) / (bottom - to_lower)
         }
+    }
+
+    /// Which share of a place is skin below the eye, and its height.
+    fn cheek(&self, [x, y]: [f32; 2], by: f32) -> (f32, f32) {
+        let [[_, lower], [to_upper, _]] = self.lids(x, by);
+        if self.fold.cheek == 0.0 || !(self.top..to_upper).contains(&y) {
+            return (0.0, y);
+        }
+        let down = (y - self.top) / (to_upper - self.top);
+        let share = by * self.fold.cheek * ((down - CHEEK_FROM) / CHEEK_WITHIN).clamp(0.0, 1.0);
+        (share, lower + CHEEK + CHEEK_SCALE * (to_upper - y))
     }
 
     /// Moves its landmarks where they are when it is shut by this share.
@@ -242,8 +296,11 @@ impl Eye {
                 let at = self.local([column as f32, row as f32]);
                 let y = self.source(at, by, follows);
                 if y != at[1] {
-                    let from = self.picture([at[0], y]);
-                    luma[row * w as usize + column] = picture.at(from).round() as u8;
+                    let skin = picture.at(self.picture([at[0], y]));
+                    let (share, from) = self.cheek(at, by);
+                    let cheek = picture.at(self.picture([at[0], from]));
+                    let drawn = skin + share * (cheek - skin);
+                    luma[row * w as usize + column] = drawn.round() as u8;
                 }
             }
         }
@@ -305,6 +362,32 @@ mod tests {
             assert!(shut.has_exact_lids && shut.landmarks[..36] == face.landmarks[..36]);
         }
         assert!((10..30).contains(&wholly), "{wholly}");
+    }
+
+    #[test]
+    fn a_line_of_lids_hangs_and_a_lid_shows_skin_from_below() {
+        let mut face = face();
+        let eye = shutter(&face, 0).unwrap();
+        let middle = |eye: &Eye| eye.edge(1.0, 13).0[6][1];
+        let hanging = eye.folded(Fold {
+            sag: 0.1,
+            ..Fold::default()
+        });
+        assert!((middle(&hanging) - middle(&eye) - 3.0).abs() < 1e-3);
+        // Below the eye skin is bright.
+        let w = face.picture.size[0] as usize;
+        let mut picture = Picture::clone(&face.picture);
+        picture.luma[70 * w..].fill(220);
+        face.picture = Arc::new(picture);
+        let lid = |share: f32| {
+            let cheek = eye.folded(Fold {
+                cheek: share,
+                ..Fold::default()
+            });
+            cheek.shut(&face.picture, 1.0).luma[61 * w + 55]
+        };
+        let [none, half, all] = [0.0, 0.5, 1.0].map(lid);
+        assert!(none < half && half < all, "{none} {half} {all}");
     }
 
     #[test]

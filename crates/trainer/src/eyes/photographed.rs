@@ -3,7 +3,7 @@
 
 use super::crop::{ROLL, turned};
 use super::lashes::{self, Edge};
-use crate::align::{normal, shut};
+use crate::align::{normal, shut, shut::Fold};
 use crate::faces::Face;
 use posewise::math::Similarity;
 use rand::Rng;
@@ -18,11 +18,19 @@ const DOWN: f64 = 0.2;
 const WHOLLY: f64 = 0.4;
 /// How far the lids of eyes that look down fall.
 const LOWERED: std::ops::Range<f32> = 0.25..0.7;
+/// Where lids that shut by drawing meet, from the upper (0) to the lower one (1), how far their
+/// line hangs, in widths of the eye, how much skin stays below the brow, and the share of skin from
+/// below the eye, none if negative: the line of real ones is about where the lower lid was and
+/// hangs down, and their crease stays above a large smooth lid.
+const MEET: std::ops::Range<f32> = 0.7..1.15;
+const SAG: std::ops::Range<f32> = -0.02..0.14;
+const UNROLL: std::ops::Range<f32> = 1.0..2.5;
+const CHEEK: std::ops::Range<f32> = -0.7..1.0;
 /// Standard deviations of what the tracker errs by, to the right and down \[mm\], and of the
 /// logarithm of scale: that of a head whose size nobody told. Landmarks of shut lids err most, up
 /// to where those of open ones would be.
 const SHIFT_MM: [f32; 2] = [2.0, 3.5];
-const LOG_SCALE: f32 = 0.1;
+const LOG_SCALE: f32 = 0.15;
 
 /// Points of a lid's edge.
 const EDGE_POINTS: usize = 13;
@@ -72,7 +80,15 @@ impl PhotographedEye {
         };
         let mut landmarks = self.face.landmarks;
         let mut picture = Cow::Borrowed(&*self.face.picture);
-        let eye = &self.eye;
+        let eye = &self.eye.folded(match looks_down {
+            true => Fold::default(),
+            false => Fold {
+                meet: rng.random_range(MEET),
+                sag: rng.random_range(SAG),
+                unroll: rng.random_range(UNROLL),
+                cheek: rng.random_range(CHEEK).max(0.0),
+            },
+        });
         if by > 0.0 {
             picture = Cow::Owned(match looks_down {
                 true => eye.lower(&picture, by),
