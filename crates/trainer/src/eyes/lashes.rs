@@ -121,7 +121,7 @@ fn band(
     let (tilt, ripple, phase) = (
         rng.random_range(-0.7..0.7f32),
         rng.random_range(0.0..0.4f32),
-        rng.random_range(0.0..6.28f32),
+        rng.random_range(0.0..std::f32::consts::TAU),
     );
     let in_edge = |p: [f32; 2]| {
         let [x, y] = [p[0] - edge.points[0][0], p[1] - edge.points[0][1]];
@@ -141,7 +141,7 @@ fn band(
         let reach = if from < 0.0 { above } else { below }.max(0.5);
         let ends = (8.0 * t * (1.0 - t)).min(1.0);
         let thick = (1.0 + tilt * (2.0 * t - 1.0)) * (1.0 + ripple * (25.0 * t + phase).sin());
-        let opacity = ends * thick.max(0.0).min(1.5) * (-from * from / (reach * reach)).exp();
+        let opacity = ends * thick.clamp(0.0, 1.5) * (-from * from / (reach * reach)).exp();
         *v *= 1.0 - (dark * opacity).min(0.95);
     }
 }
