@@ -78,6 +78,7 @@ impl From<&TrackResult> for Observation {
         let is_visible = visibility >= MOUTH_VISIBILITY * MOUTH.len() as f32;
         let jaw_open = result.animation.get(JAW_OPEN).filter(|_| is_visible);
         let eyes = openness(result.eye_open, &result.eyes);
+        let gaze = result.eyes.gaze.ok().filter(|_| !eyes.are_shut);
         Observation {
             state: result.state,
             confidence: result.confidence,
@@ -88,8 +89,8 @@ impl From<&TrackResult> for Observation {
             eye_open: eyes.eye_open,
             may_look_down: eyes.may_look_down,
             jaw_open: jaw_open.copied(),
-            gaze: eyes.gaze.map(|gaze| gaze.camera),
-            gaze_sigma_deg: eyes.gaze.map_or(0.0, |gaze| gaze.sigma_deg),
+            gaze: gaze.map(|gaze| gaze.camera),
+            gaze_sigma_deg: gaze.map_or(0.0, |gaze| gaze.sigma_deg),
             camera_assumed: result.camera_assumed,
         }
     }

@@ -193,8 +193,8 @@ pub struct Openness {
     /// Distance of the lids of the left and the right eye in that of open ones that look where
     /// these do, where it is known.
     pub eye_open: [Option<f32>; 2],
-    /// Where they look, if that is known and they are not shut.
-    pub gaze: Option<Gaze>,
+    /// Both eyes are shut, though a gaze may seem to be known.
+    pub are_shut: bool,
     /// No lids are known to be open and the gaze is unknown, but the network is not sure that they
     /// are shut: they may follow a lowered gaze.
     pub may_look_down: bool,
@@ -204,7 +204,8 @@ pub struct Openness {
 fn are_shut(lids: &[Option<f32>; 2], eyes: &[Eye; 2]) -> bool {
     let are_near = (lids.iter()).all(|lids| lids.is_some_and(|d| distance(d) < SHUT_DISTANCE));
     let [left, right] = eyes.each_ref().map(|eye| eye.open.ok().map(odds));
-    are_near && (left.zip(right)).is_some_and(|(left, right)| left.min(right) <= SURE_SHUT_ODDS)
+    let is_sure = |left: f32, right: f32| left.min(right) <= SURE_SHUT_ODDS;
+    are_near && left.zip(right).is_some_and(|(l, r)| is_sure(l, r))
 }
 
 /// Openness by the lids and by the network that sees them. Behind dark glasses and reflections and
@@ -214,8 +215,8 @@ fn are_shut(lids: &[Option<f32>; 2], eyes: &[Eye; 2]) -> bool {
 pub fn openness(lids: [Option<f32>; 2], eyes: &Eyes) -> Openness {
     let [left_eye, right_eye] = &eyes.each;
     let are_shut = are_shut(&lids, &eyes.each);
-    let gaze = eyes.gaze.ok().filter(|_| !are_shut);
-    let lids = lids.map(|reading| Lids::new(reading, gaze.as_ref()));
+    let gaze = eyes.gaze.as_ref().ok().filter(|_| !are_shut);
+    let lids = lids.map(|reading| Lids::new(reading, gaze));
     let left = OfEye::new(&lids[0], left_eye, right_eye, are_shut);
     let right = OfEye::new(&lids[1], right_eye, left_eye, are_shut);
     let beside = |this: OfEye, other: OfEye, other_eye: &Eye| match other_eye.open {
@@ -229,7 +230,7 @@ pub fn openness(lids: [Option<f32>; 2], eyes: &Eyes) -> Openness {
             beside(left, right, right_eye),
             beside(right, left, left_eye),
         ],
-        gaze,
+        are_shut,
         may_look_down: eyes.gaze.is_err()
             && lids.iter().all(seem_shut)
             && (eyes.each.iter().flat_map(|eye| eye.open)).any(|open| odds(open) > MAYBE_OPEN_ODDS),
@@ -325,7 +326,7 @@ mod tests {
             openness(lids, &looking(each, 18.0))
         };
         let shut = of([Some(0.0), Some(0.04)], [0.05, 0.96]);
-        assert!(shut.gaze.is_none());
+        assert!(shut.are_shut);
         assert!(shut.eye_open.iter().flatten().all(|open| *open < 0.2));
         // One lid is not shut, or the network is not sure, or one eye is hidden.
         for (lids, open) in [
@@ -334,10 +335,7 @@ mod tests {
             ([Some(0.0), None], [0.05, 0.96]),
         ] {
             let seen = of(lids, open);
-            assert!(
-                seen.gaze.is_some() && seen.eye_open[0] > Some(0.35),
-                "{seen:?}"
-            );
+            assert!(!seen.are_shut && seen.eye_open[0] > Some(0.35), "{seen:?}");
         }
     }
 
