@@ -14,10 +14,7 @@ const NOTES = {
   research: 'Trained on renders and research photographs: check its terms before you ship it.',
 };
 
-/**
- * Work of a step while it searches: enough for a whole frame of 320×240 pixels, so that a face is
- * found in the first one. The worker has time for it.
- */
+/** Work of a searching step: a whole frame of 320×240 pixels, so the first shows a face. */
 const SCAN_BUDGET = 200_000;
 
 const video = element('video', HTMLVideoElement);
@@ -145,7 +142,7 @@ function showAvatar() {
   if (avatarShown.checked) avatar?.show(shown?.tracked, smoothing.checked);
 }
 
-/** Shows the avatar, or no longer; its modules and its head are loaded when somebody wants it. */
+/** Shows the avatar or not; what it takes is loaded when it is wanted. */
 async function toggleAvatar() {
   const isShown = avatarShown.checked;
   if (!tracker) avatarShown.checked = false;
@@ -159,7 +156,7 @@ async function toggleAvatar() {
   await loadModel(chosen());
 }
 
-/** What draws the dense mesh; its modules are loaded when somebody wants it. */
+/** What draws the dense mesh, loaded when it is wanted. */
 async function faceLayer() {
   const { FaceLayer } = await import('./face/layer.js');
   face ??= new FaceLayer(ready, () => attempt(redraw));

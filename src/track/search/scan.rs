@@ -137,7 +137,7 @@ impl Scanner {
         self.last_seen = last_seen;
     }
 
-    /// Whether the frame has many tiles, and so many places that might look like a face by chance.
+    /// Whether the frame has many tiles: some places then look somewhat like a face.
     pub fn has_many_tiles(&self) -> bool {
         self.all.has_many_tiles() || self.first.has_many_tiles()
     }
