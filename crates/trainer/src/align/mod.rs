@@ -11,6 +11,7 @@ mod graph;
 mod head;
 mod initial;
 mod layer;
+mod light;
 mod mean;
 mod network;
 mod open;

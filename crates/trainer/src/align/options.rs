@@ -65,6 +65,9 @@ pub struct Augment {
     /// Deviation of how far middle greys are brightened or darkened.
     #[serde(skip_serializing_if = "is_none")]
     pub tone: f32,
+    /// Share of crops that are lit in another way.
+    #[serde(skip_serializing_if = "is_none")]
+    pub light: f32,
     /// Largest deviation of noise.
     pub noise: f32,
     /// Largest change of brightness across the crop.
@@ -89,6 +92,7 @@ impl Default for Augment {
             contrast: 0.3,
             brightness: 15.0,
             tone: 0.3,
+            light: 0.4,
             noise: 12.0,
             slope: 40.0,
             blur: 0.2,

@@ -2,6 +2,7 @@
 //! cameras and light disturb them.
 
 use super::bend::{Bend, Cut};
+use super::light::relight;
 use super::network::Points;
 use super::options::{Augment, Options, Start};
 use super::starts::normal;
@@ -143,9 +144,12 @@ pub fn cut(
     }
 }
 
-/// Motion, contrast, brightness, noise, blur and patches.
+/// Light, motion, contrast, brightness, noise, blur and patches.
 pub fn disturb(crop: &mut [f32], side: usize, augment: &Augment, rng: &mut ChaCha8Rng) {
     let chance = |share: f32, rng: &mut ChaCha8Rng| rng.random_range(0.0..1.0) < share;
+    if augment.light > 0.0 && chance(augment.light, rng) {
+        relight(crop, side, rng);
+    }
     if augment.motion_blur > 0.0 && chance(augment.motion_blur, rng) {
         // Heads turn to the side faster than they nod.
         let angle = 0.4 * normal(rng);

@@ -66,6 +66,7 @@ impl EyeOptions {
                     reads: vec![GLOBAL, GLOBAL | SHAPE_INDEXED],
                 },
                 augment: Augment {
+                    light: 0.0,
                     patch: 0.05,
                     motion_blur: 0.1,
                     motion_blur_px: 5.0,

@@ -38,9 +38,9 @@ pub type Photographed<'a> = Option<(&'a Output, &'a [Set])>;
 /// Renders faces, of procedural people and of photographed ones.
 pub fn make(store: &Store, args: &Args, photographed: Photographed<'_>) -> Result<Output> {
     let (name, version) = match args.kind {
-        Kind::Plain => ("renders", 6),
-        Kind::Near => ("renders-near", 6),
-        Kind::Eyes => ("renders-eyes", 8),
+        Kind::Plain => ("renders", 7),
+        Kind::Near => ("renders-near", 7),
+        Kind::Eyes => ("renders-eyes", 9),
     };
     let options = Options {
         seed: args.seed,

@@ -40,9 +40,12 @@ pub fn from_photo(
 
 /// Most pieces of a collage.
 const MOST_PIECES: i32 = 14;
+/// How far pieces are turned from upside down \[rad\]: 70°. A detector is asked for faces that are
+/// turned by up to 60° from upright.
+const MOST_TURN: f32 = 1.22;
 
-/// Pieces of photographs of people, turned any way, over each other and over a scene: as sharp and
-/// as finely structured as what is behind people in photographs.
+/// Pieces of photographs of people, mostly upside down, over each other and over a scene: as sharp
+/// and as finely structured as what is behind people in photographs.
 pub fn collage(
     rng: &mut ChaCha8Rng,
     photos: &[GrayImage],
@@ -65,7 +68,7 @@ pub fn collage(
         };
         let (half, middle) = (size * half, size * middle);
         let lean = Vec2::from_angle(rng.random_range(-PI..PI));
-        let turned = Vec2::from_angle(rng.random_range(-PI..PI));
+        let turned = Vec2::from_angle(PI + rng.random_range(-MOST_TURN..MOST_TURN));
         let step = rng.random_range(0.4f32..1.6);
         let from = Vec2::new(
             rng.random_range(0.0..photo.width() as f32),
@@ -82,7 +85,9 @@ pub fn collage(
                 false => (half - local.abs()).min_element(),
             };
             if inside > -soft {
-                let seen = from + step * turned.rotate(p);
+                let mut seen = from + step * turned.rotate(p);
+                // Not mirrored: what is upside down is so everywhere.
+                seen.y = seen.y.rem_euclid(photo.height() as f32);
                 let tone = gain * sampled(photo, &table, seen);
                 *value += (tone - *value) * smoothstep(-soft, soft, inside);
             }
